@@ -1,0 +1,1 @@
+#include "fracture/certificate.h"

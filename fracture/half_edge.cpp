@@ -1,0 +1,1 @@
+#include "fracture/half_edge.h"

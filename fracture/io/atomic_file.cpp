@@ -1,0 +1,1 @@
+#include "fracture/io/atomic_file.h"

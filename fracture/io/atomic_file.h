@@ -1,0 +1,16 @@
+// Writes a file so that a reader sees the old content or the new one, never a part.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+#include "fracture/error.h"
+
+namespace brittle::fracture {
+
+// Writes to a temporary name in the same folder, flushes, renames. On failure (no folder, no permission, disk full)
+// the old file stays, the temporary one is removed, and the error names the path and the system's reason.
+[[nodiscard]] Result<void> write_file_atomically(const std::filesystem::path& file, std::span<const std::byte> bytes);
+
+} // namespace brittle::fracture

@@ -1,0 +1,1 @@
+#include "fracture/io/export_glb.h"

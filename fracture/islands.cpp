@@ -1,0 +1,1 @@
+#include "fracture/islands.h"

@@ -1,0 +1,1 @@
+#include "fracture/mass_properties.h"

@@ -1,0 +1,33 @@
+// The mesh that goes into a fracture: an indexed triangle list.
+//
+// Conventions of the whole library: right-handed coordinates, Y up, metres; triangles counter-clockwise seen from
+// outside; double precision. Plain data: free functions over it live in the headers named for what they compute
+// (topology.h, normals.h, mass_properties.h, io/).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace brittle::fracture {
+
+using Triangle = glm::uvec3; // three indices into positions
+
+struct TriangleMesh {
+    std::vector<glm::dvec3> positions;
+    std::vector<Triangle> triangles;
+};
+
+struct Box {
+    glm::dvec3 min{0.0};
+    glm::dvec3 max{0.0};
+
+    [[nodiscard]] glm::dvec3 size() const { return max - min; }
+    [[nodiscard]] glm::dvec3 centre() const { return (min + max) * 0.5; }
+};
+
+// The smallest axis-aligned box around all positions; the zero box for a mesh without positions.
+[[nodiscard]] Box bounds(const TriangleMesh& mesh);
+
+} // namespace brittle::fracture

@@ -1,0 +1,1 @@
+#include "fracture/sequential.h"

@@ -1,0 +1,36 @@
+// Procedural closed meshes with known volumes, for tests, benchmarks and a first try without a file.
+// All are closed, oriented and manifold. Lengths in metres, centred on the origin unless said otherwise.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "fracture/mesh.h"
+
+namespace brittle::fracture {
+
+[[nodiscard]] TriangleMesh cube(double edge = 2.0);
+// The cube with each face cut into n x n squares of two triangles.
+[[nodiscard]] TriangleMesh lattice_cube(uint32_t n, double edge = 2.0);
+// 20 * 4^subdivisions triangles, vertices on the sphere.
+[[nodiscard]] TriangleMesh icosphere(uint32_t subdivisions = 4, double radius = 1.0);
+// Axis Y; major radius to the tube's centre.
+[[nodiscard]] TriangleMesh torus(uint32_t major_segments = 96, uint32_t minor_segments = 48,
+                                 double major_radius = 1.0, double minor_radius = 0.4);
+// A (p, q) torus knot as a tube.
+[[nodiscard]] TriangleMesh torus_knot(uint32_t p = 2, uint32_t q = 3, uint32_t segments = 400,
+                                      uint32_t ring = 24, double tube_radius = 0.25);
+// A sphere with a concentric spherical cavity (two components, the inner one inside out).
+[[nodiscard]] TriangleMesh hollow_sphere(uint32_t subdivisions = 4, double radius = 1.0, double cavity = 0.6);
+// A four-legged animal of smoothly joined ellipsoids (body, head, legs): one component of genus 0. Feet at y = 0,
+// looking along +Z. A plane across the legs leaves four separate parts below it, as in the paper's figure 12.
+[[nodiscard]] TriangleMesh four_legged_animal(uint32_t resolution = 64);
+
+// Names that shape() knows, for help texts.
+[[nodiscard]] std::span<const std::string_view> shape_names();
+// The shape of that name with its default arguments; nothing for an unknown name.
+[[nodiscard]] std::optional<TriangleMesh> shape(std::string_view name);
+
+} // namespace brittle::fracture

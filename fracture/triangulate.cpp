@@ -1,0 +1,1 @@
+#include "fracture/triangulate.h"
