@@ -1,0 +1,175 @@
+#include <array>
+#include <chrono>
+#include <future>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <imgui.h>
+
+#include "engine/core/window.h"
+#include "tools/brittle/commands.h"
+#include "tools/brittle/failure.h"
+#include "tools/brittle/stage.h"
+#include "tools/brittle/view.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct KeyHelp {
+    const char* key;
+    const char* what;
+};
+constexpr std::array key_help{
+    KeyHelp{"Space", "break the mesh and let the pieces fall"},
+    KeyHelp{"R", "reset: the unbroken mesh again"},
+    KeyHelp{"P", "pause and go on"},
+    KeyHelp{"D", "physics debug drawer: collision hulls in red"},
+    KeyHelp{"S", "Voronoi sites as red spheres"},
+    KeyHelp{"H", "this help"},
+    KeyHelp{"Esc", "quit"},
+    KeyHelp{"left drag", "orbit"},
+    KeyHelp{"right drag", "pan"},
+    KeyHelp{"wheel", "zoom"},
+};
+
+// The windowed demo: its state, its keys, its overlay. The fracture runs on a worker, so the window never waits.
+class Demo {
+  public:
+    Demo(const DemoCommand& command, const Input& input, engine::Device& device, engine::Window& window,
+         engine::Renderer& renderer)
+        : command_(command), input_(input), device_(device), window_(window), renderer_(renderer),
+          stage_(renderer, input.mesh) {
+        const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
+        orbit_ = engine::OrbitCamera::around(stage_view(stage_.home_bounds()), aspect);
+    }
+
+    void run() {
+        must(renderer_.warm_up());
+        Clock::time_point last = Clock::now();
+        while (!window_.should_close()) {
+            handle(window_.poll());
+            take_pieces();
+            const Clock::time_point now = Clock::now();
+            const double seconds = std::chrono::duration<double>(now - last).count();
+            last = now;
+            smoothed_seconds_ += (seconds - smoothed_seconds_) * 0.1;
+            if (!paused_) stage_.advance(seconds);
+            engine::Scene scene = stage_.scene();
+            scene.camera = orbit_.camera();
+            const bool drawn = must(renderer_.present(scene, [this] { overlay(); }));
+            if (!drawn) std::this_thread::sleep_for(std::chrono::milliseconds(50)); // minimised
+        }
+    }
+
+  private:
+    void handle(const engine::Input& input) {
+        if (!renderer_.ui_wants_mouse()) {
+            orbit_.rotate(input.drag_left);
+            orbit_.pan(input.drag_right + input.drag_middle);
+            orbit_.zoom(input.scroll);
+        }
+        if (input.pressed(engine::Key::escape)) window_.close();
+        if (input.pressed(engine::Key::space)) start_breaking();
+        if (input.pressed('R')) {
+            discard_ = breaking_.valid();
+            pieces_.reset();
+            stage_.reset(input_.mesh);
+        }
+        if (input.pressed('P')) paused_ = !paused_;
+        if (input.pressed('D')) stage_.show_hulls(hulls_ = !hulls_);
+        if (input.pressed('S')) {
+            sites_ = !sites_;
+            stage_.show_sites(sites_ ? std::span(input_.sites) : std::span<const glm::dvec3>());
+        }
+        if (input.pressed('H')) help_ = !help_;
+    }
+
+    void start_breaking() {
+        if (breaking_.valid() || stage_.broken()) return;
+        breaking_ = std::async(std::launch::async, [this] { return break_input(input_, command_.fracture); });
+    }
+
+    // Puts the pieces on the stage when the worker is done with them.
+    void take_pieces() {
+        if (!breaking_.valid() || breaking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+        Broken broken = breaking_.get();
+        if (std::exchange(discard_, false)) return;
+        stage_.shatter(broken.fragments);
+        pieces_ = {broken.certificate, broken.milliseconds};
+    }
+
+    void overlay() {
+        constexpr ImGuiWindowFlags fixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize
+                                           | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing
+                                           | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoInputs;
+        ImGui::SetNextWindowPos({12.0f, 12.0f});
+        ImGui::SetNextWindowBgAlpha(0.6f);
+        ImGui::Begin("status", nullptr, fixed);
+        ImGui::Text("%.0f frames/s  %s", 1.0 / smoothed_seconds_, device_.info().name.c_str());
+        ImGui::Text("%s, %zu triangles, %zu sites", input_.name.c_str(), input_.mesh.triangles.size(),
+                    input_.sites.size());
+        if (pieces_) {
+            ImGui::Text("%u pieces in %.1f ms, %s", pieces_->certificate.pieces, pieces_->milliseconds,
+                        pieces_->certificate.closed ? "all closed" : "NOT ALL CLOSED");
+            ImGui::Text("%zu awake%s", stage_.world().awake_count(), paused_ ? ", paused" : "");
+        } else {
+            ImGui::TextUnformatted(breaking_.valid() ? "breaking ..." : "Space breaks it");
+        }
+        ImGui::TextDisabled("H lists the keys");
+        ImGui::End();
+        if (!help_) return;
+        const ImVec2 size = ImGui::GetIO().DisplaySize;
+        ImGui::SetNextWindowPos({size.x - 12.0f, 12.0f}, ImGuiCond_Always, {1.0f, 0.0f});
+        ImGui::SetNextWindowBgAlpha(0.6f);
+        ImGui::Begin("keys", nullptr, fixed);
+        for (const KeyHelp& line : key_help) {
+            ImGui::TextUnformatted(line.key);
+            ImGui::SameLine(100.0f);
+            ImGui::TextUnformatted(line.what);
+        }
+        ImGui::End();
+    }
+
+    struct Pieces {
+        fracture::Certificate certificate;
+        double milliseconds;
+    };
+
+    const DemoCommand& command_;
+    const Input& input_;
+    engine::Device& device_;
+    engine::Window& window_;
+    engine::Renderer& renderer_;
+    Stage stage_;
+    engine::OrbitCamera orbit_;
+    std::future<Broken> breaking_;
+    std::optional<Pieces> pieces_;
+    double smoothed_seconds_ = 1.0 / 60.0;
+    bool discard_ = false; // R was pressed while the worker was busy
+    bool paused_ = false;
+    bool hulls_ = false;
+    bool sites_ = false;
+    bool help_ = false;
+};
+
+} // namespace
+
+int run_demo(const DemoCommand& command) {
+    const auto window = must(engine::Window::create(
+        {.title = "Brittle", .width = command.view.width, .height = command.view.height}));
+    const Input input = load_input(command.fracture, place_on_stage);
+    const std::unique_ptr<engine::Device> device = open_device(command.view);
+    {
+        const auto renderer = must(engine::Renderer::create(*device));
+        must(renderer->attach(*window));
+        Demo(command, input, *device, *window, *renderer).run();
+    }
+    check_validation(*device);
+    return exit_success;
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,54 @@
+// One function a command of the `brittle` program. Each returns the exit code or throws a Failure.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/brittle/input.h"
+
+namespace brittle::tools {
+
+struct ViewOptions {
+    std::string device; // as in engine::DeviceOptions::select
+    uint32_t width = 1280;
+    uint32_t height = 720;
+    bool validation = false; // fail if the Vulkan validation layer finds fault
+};
+
+struct FractureCommand {
+    FractureOptions fracture;
+    std::string output;
+    std::string report; // empty: none
+};
+
+struct RenderCommand {
+    FractureOptions fracture;
+    ViewOptions view;
+    std::string output = "frame_%04d.png";
+    uint32_t frames = 120; // of 1/60 s simulated time, after the first picture
+    uint32_t every = 10;   // write each so many-th frame
+    bool whole = false;    // the unbroken mesh
+    bool sites = false;    // show the sites as spheres
+    bool hulls = false;    // show the collision hulls as lines
+};
+
+struct DemoCommand {
+    FractureOptions fracture;
+    ViewOptions view;
+};
+
+struct ProfileCommand {
+    FractureOptions fracture;
+    ViewOptions view;
+    uint32_t repeats = 9;
+    uint32_t frames = 60; // 0: the fracture alone, without a device
+    bool json = false;
+    std::string output; // where the JSON goes besides; empty: nowhere
+};
+
+int run_fracture(const FractureCommand& command);
+int run_render(const RenderCommand& command);
+int run_demo(const DemoCommand& command);
+int run_profile(const ProfileCommand& command);
+
+} // namespace brittle::tools

@@ -1,0 +1,48 @@
+// From command-line words to a mesh, sites and fragments; shared by all commands. Errors are thrown (failure.h).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "fracture/fracture.h"
+
+namespace brittle::tools {
+
+struct FractureOptions {
+    std::string mesh;       // a file, or shape:NAME
+    uint32_t pieces = 20;   // -n: number of uniform random sites
+    uint64_t seed = 1;      // --seed of the random sites
+    std::string sites_file; // --sites: takes the place of pieces and seed
+    fracture::Algorithm algorithm = fracture::Algorithm::sequential;
+    uint32_t threads = 0; // 0: one a core
+};
+
+// A mesh and the sites to break it by.
+struct Input {
+    std::string name; // the file's stem or the shape's name
+    fracture::TriangleMesh mesh;
+    std::vector<glm::dvec3> sites;
+    double import_milliseconds = 0.0;
+};
+
+struct Broken {
+    fracture::Fragments fragments;
+    fracture::Certificate certificate;
+    double milliseconds = 0.0; // of the fracture, without the certificate
+};
+
+// `shape:NAME` gives a procedural shape, anything else is read as a file. `prepare`, where given, changes the mesh
+// before sites are spread in its box.
+[[nodiscard]] Input load_input(const FractureOptions& options,
+                               const std::function<void(fracture::TriangleMesh&)>& prepare = {});
+
+// Fractures with `progress` called as in fracture::Settings.
+[[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
+                                 const std::function<void(double)>& progress = {});
+
+// The options as a recipe: a JSON object from which the same pieces can be made again.
+[[nodiscard]] std::string recipe_json(const FractureOptions& options);
+
+} // namespace brittle::tools

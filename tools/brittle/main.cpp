@@ -1,0 +1,168 @@
+// The `brittle` program: parses the command line and hands over to one function a command.
+
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <map>
+#include <new>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "fracture/io/import.h"
+#include "fracture/shapes.h"
+#include "tools/brittle/commands.h"
+#include "tools/brittle/failure.h"
+
+namespace brittle::tools {
+namespace {
+
+constexpr const char* description =
+    "Brittle breaks triangle meshes into watertight pieces along Voronoi cells, in real time.\n\n"
+    "First steps:\n"
+    "  brittle demo shape:animal                        break it in a window (Space)\n"
+    "  brittle fracture bunny.obj -n 100 -o pieces.glb  pieces for any engine that reads glTF\n"
+    "  brittle render bunny.obj -n 50 -o fall_%04d.png  pictures, without a display";
+
+constexpr const char* exit_codes_help =
+    "Exit codes: 0 success, 1 failure, 2 wrong command line, 3 input file missing or damaged,\n"
+    "            4 mesh or sites cannot be fractured, 5 output not written, 6 no Vulkan device or no display";
+
+std::string mesh_help() {
+    std::string endings;
+    for (const std::string& e : fracture::importable_extensions()) endings += (endings.empty() ? "" : " ") + e;
+    std::string shapes;
+    for (const std::string_view s : fracture::shape_names()) shapes.append(" shape:").append(s);
+    return "The mesh to break: a closed triangle mesh in a file (" + endings + ") or one of" + shapes;
+}
+
+void add_fracture_options(CLI::App& command, FractureOptions& options) {
+    command.add_option("mesh", options.mesh, mesh_help())->required()->type_name("MESH");
+    auto* count = command.add_option("-n,--pieces", options.pieces,
+                                     "Number of random Voronoi sites; sites outside the solid give no piece")
+                      ->check(CLI::Range(1u, 1'000'000u))
+                      ->capture_default_str();
+    auto* seed = command.add_option("--seed", options.seed, "Seed of the random sites: equal seeds, equal pieces")
+                     ->capture_default_str();
+    command.add_option("--sites", options.sites_file, "Read the sites from FILE instead: a line `x y z` each")
+        ->type_name("FILE")
+        ->excludes(count)
+        ->excludes(seed);
+    command
+        .add_option("--algorithm", options.algorithm,
+                    "sequential: clip by one bisector after the other, after the paper")
+        ->transform(CLI::CheckedTransformer(
+            std::map<std::string, fracture::Algorithm>{{"sequential", fracture::Algorithm::sequential}}))
+        ->default_str("sequential");
+    command.add_option("--threads", options.threads, "Worker threads; 0 is one a core. Never changes the result")
+        ->check(CLI::Range(0u, 1024u))
+        ->capture_default_str();
+}
+
+void add_view_options(CLI::App& command, ViewOptions& view) {
+    const auto parse_size = [&view](const std::string& text) {
+        unsigned width = 0;
+        unsigned height = 0;
+        char rest = 0;
+        const bool read = std::sscanf(text.c_str(), "%5ux%5u%c", &width, &height, &rest) == 2;
+        if (!read || width < 16 || height < 16 || width > 8192 || height > 8192) {
+            throw CLI::ValidationError("--size", "'" + text + "' is no size; give WIDTHxHEIGHT, each between 16 and "
+                                                              "8192, e.g. 1280x720");
+        }
+        view.width = width;
+        view.height = height;
+    };
+    command.add_option_function<std::string>("--size", parse_size, "Picture size in pixels")
+        ->type_name("WIDTHxHEIGHT")
+        ->default_str("1280x720");
+    command
+        .add_option("--device", view.device,
+                    "Vulkan device: cpu, gpu, an index or a part of its name; the best one if not given")
+        ->type_name("DEVICE");
+    command.add_flag("--validation", view.validation,
+                     "Run under the Vulkan validation layer; fail if it has something to say");
+}
+
+void add_commands(CLI::App& app, std::function<int()>& run) {
+    static FractureCommand fracture_command;
+    auto* fracture = app.add_subcommand("fracture", "Break a mesh and write the pieces to a GLB file");
+    add_fracture_options(*fracture, fracture_command.fracture);
+    fracture->add_option("-o,--output", fracture_command.output, "The GLB file to write")
+        ->required()
+        ->type_name("FILE.glb");
+    fracture->add_option("--report", fracture_command.report, "Also write counts, proof and times as JSON")
+        ->type_name("FILE.json");
+    fracture->callback([&run] { run = [] { return run_fracture(fracture_command); }; });
+
+    static RenderCommand render_command;
+    auto* render = app.add_subcommand("render", "Break a mesh, let it fall and write pictures; needs no display");
+    add_fracture_options(*render, render_command.fracture);
+    render->add_option("--frames", render_command.frames, "Frames to simulate after the first picture, 60 a second")
+        ->check(CLI::Range(0u, 100'000u))
+        ->capture_default_str();
+    render->add_option("--every", render_command.every, "Write every so many-th frame")
+        ->check(CLI::Range(1u, 100'000u))
+        ->capture_default_str();
+    render->add_option("-o,--output", render_command.output, "Where to: %04d stands for the frame's number")
+        ->type_name("FILE_%04d.png")
+        ->capture_default_str();
+    render->add_flag("--whole", render_command.whole, "Draw the unbroken mesh at rest");
+    render->add_flag("--show-sites", render_command.sites, "Draw the sites as red spheres");
+    render->add_flag("--show-hulls", render_command.hulls, "Draw the collision hulls as red lines");
+    add_view_options(*render, render_command.view);
+    render->callback([&run] { run = [] { return run_render(render_command); }; });
+
+    static DemoCommand demo_command;
+    auto* demo = app.add_subcommand("demo", "Break a mesh in a window (Space breaks, R resets, H lists all keys)");
+    demo_command.fracture.mesh = "shape:animal";
+    add_fracture_options(*demo, demo_command.fracture);
+    demo->get_option("mesh")->required(false)->capture_default_str();
+    add_view_options(*demo, demo_command.view);
+    demo->callback([&run] { run = [] { return run_demo(demo_command); }; });
+
+    static ProfileCommand profile_command;
+    auto* profile = app.add_subcommand("profile", "Measure the fracture and the frames around it: median and p95");
+    add_fracture_options(*profile, profile_command.fracture);
+    profile->add_option("--repeats", profile_command.repeats, "Measured fractures, after one to warm up")
+        ->check(CLI::Range(1u, 10'000u))
+        ->capture_default_str();
+    profile->add_option("--frames", profile_command.frames, "Measured frames before and after the fracture; 0 for none, without a device")
+        ->check(CLI::Range(0u, 100'000u))
+        ->capture_default_str();
+    profile->add_flag("--json", profile_command.json, "Print JSON instead of a table");
+    profile->add_option("-o,--output", profile_command.output, "Also write the JSON to FILE")->type_name("FILE.json");
+    add_view_options(*profile, profile_command.view);
+    profile->callback([&run] { run = [] { return run_profile(profile_command); }; });
+}
+
+int run(int argc, char** argv) {
+    CLI::App app(description, "brittle");
+    app.set_version_flag("--version", "brittle " BRITTLE_VERSION);
+    app.require_subcommand(1);
+    app.footer(exit_codes_help);
+    std::function<int()> command;
+    add_commands(app, command);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? exit_success : exit_usage;
+    }
+    return command();
+}
+
+} // namespace
+} // namespace brittle::tools
+
+int main(int argc, char** argv) {
+    try {
+        return brittle::tools::run(argc, argv);
+    } catch (const brittle::tools::Failure& failure) {
+        std::fprintf(stderr, "brittle: %s\n", failure.what());
+        return failure.code();
+    } catch (const std::bad_alloc&) {
+        std::fputs("brittle: out of memory; use a smaller mesh or fewer sites\n", stderr);
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "brittle: %s\n", e.what());
+    }
+    return brittle::tools::exit_failure;
+}

@@ -1,0 +1,124 @@
+#include "tools/brittle/stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "physics/pieces.h"
+#include "tools/brittle/failure.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr double stage_size = 2.0;     // m, longest side of the mesh
+constexpr double stage_height = 0.5;   // m, of its lowest point above the ground
+constexpr float site_radius = 0.02f;   // m
+constexpr float bounds_limit = 12.0f;  // m, debris that rolls further away casts no shadow and moves no camera
+
+uint32_t red_line(const glm::vec3& colour) {
+    const glm::vec3 c = glm::clamp(colour, 0.0f, 1.0f) * 255.0f;
+    return engine::srgb8(static_cast<uint32_t>(c.r), static_cast<uint32_t>(c.g), static_cast<uint32_t>(c.b));
+}
+
+} // namespace
+
+void place_on_stage(fracture::TriangleMesh& mesh) {
+    const fracture::Box box = fracture::bounds(mesh);
+    const double longest = std::max({box.size().x, box.size().y, box.size().z});
+    if (!(longest > 0.0) || !std::isfinite(longest)) return;
+    const double scale = stage_size / longest;
+    const glm::dvec3 foot(box.centre().x, box.min.y, box.centre().z);
+    for (glm::dvec3& p : mesh.positions) p = (p - foot) * scale + glm::dvec3(0.0, stage_height, 0.0);
+}
+
+Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh) : renderer_(renderer) { reset(mesh); }
+
+void Stage::reset(const fracture::TriangleMesh& mesh) {
+    world_.clear();
+    radii_.clear();
+    const fracture::Box box = fracture::bounds(mesh);
+    home_ = {glm::vec3(box.min), glm::vec3(box.max)};
+    const std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
+    const engine::PieceMesh whole{.positions = positions,
+                                  .triangles = mesh.triangles,
+                                  .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size())};
+    must(renderer_.set_pieces({&whole, 1}));
+    moved_ = true;
+}
+
+void Stage::shatter(const fracture::Fragments& fragments) {
+    world_.clear();
+    must(physics::add_pieces(world_, fragments));
+    alpha_ = 1.0f;
+
+    std::vector<glm::vec3> positions(fragments.positions.size());
+    std::vector<engine::PieceMesh> meshes;
+    radii_.clear();
+    for (const fracture::Piece& piece : fragments.pieces) {
+        float radius = 0.0f;
+        for (uint32_t v = piece.vertices.begin; v < piece.vertices.end; ++v) {
+            positions[v] = glm::vec3(fragments.positions[v] - piece.mass.centre_of_mass);
+            radius = std::max(radius, glm::length(positions[v]));
+        }
+        const auto body = static_cast<uint32_t>(meshes.size());
+        radii_.push_back(radius);
+        meshes.push_back({.positions = std::span(positions).subspan(piece.vertices.begin, piece.vertices.size()),
+                          .triangles = fragments.triangles_of(piece),
+                          .exterior_triangles = piece.exterior_triangles,
+                          .body = body,
+                          .tint = engine::piece_tint(body)});
+    }
+    must(renderer_.set_pieces(meshes));
+    moved_ = true;
+}
+
+void Stage::advance(double seconds) {
+    if (!broken()) return;
+    alpha_ = world_.advance(seconds);
+    moved_ = true;
+}
+
+void Stage::show_sites(std::span<const glm::dvec3> sites) {
+    spheres_.clear();
+    for (const glm::dvec3& s : sites) spheres_.push_back({.centre = glm::vec3(s), .radius = site_radius});
+}
+
+engine::Scene Stage::scene() {
+    engine::Scene scene;
+    scene.bounds = home_;
+    if (broken()) {
+        poses_.resize(world_.body_count());
+        world_.write_transforms(poses_, alpha_);
+        const glm::vec3 limit(bounds_limit);
+        scene.bounds = {limit, -limit};
+        for (size_t i = 0; i < poses_.size(); ++i) {
+            const glm::vec3 centre = glm::clamp(poses_[i].position, -limit, limit);
+            scene.bounds.min = glm::min(scene.bounds.min, centre - radii_[i]);
+            scene.bounds.max = glm::max(scene.bounds.max, centre + radii_[i]);
+        }
+        scene.write_poses = [this](std::span<engine::BodyPose> out) {
+            for (size_t i = 0; i < std::min(out.size(), poses_.size()); ++i) {
+                out[i] = {.rotation = poses_[i].orientation, .position = poses_[i].position};
+            }
+        };
+    }
+    scene.spheres = spheres_;
+    lines_.clear();
+    if (hulls_) {
+        debug_lines_.clear();
+        world_.debug_lines(debug_lines_);
+        for (const physics::DebugLine& line : debug_lines_) {
+            lines_.push_back({line.from, red_line(line.colour)});
+            lines_.push_back({line.to, red_line(line.colour)});
+        }
+    }
+    scene.lines = lines_;
+    scene.lines_on_top = true;
+    scene.moved = moved_;
+    moved_ = false;
+    return scene;
+}
+
+} // namespace brittle::tools

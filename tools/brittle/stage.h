@@ -1,0 +1,61 @@
+// One mesh on a stage: whole at first, then broken into pieces that fall. The place where fragments become rigid bodies
+// and rigid bodies become poses in the renderer's instance buffer.
+//
+// Metres: the mesh is scaled so that its longest side is 2 m and floats half a metre above the ground (y = 0).
+//
+//     Input input = load_input(options, place_on_stage);
+//     Stage stage(renderer, input.mesh);
+//     stage.shatter(break_input(input, options).fragments);
+//     each frame: stage.advance(1.0 / 60.0); renderer.render(stage.scene(), size);
+#pragma once
+
+#include <vector>
+
+#include "engine/render/renderer.h"
+#include "engine/render/scene.h"
+#include "fracture/fragments.h"
+#include "fracture/mesh.h"
+#include "physics/world.h"
+
+namespace brittle::tools {
+
+// Scales and moves a mesh to the place described above. A mesh without extent is left as it is.
+void place_on_stage(fracture::TriangleMesh& mesh);
+
+class Stage {
+  public:
+    // Uploads the unbroken mesh. The renderer must outlive the stage.
+    Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh);
+
+    // Replaces the unbroken mesh by pieces that fall from where they are.
+    void shatter(const fracture::Fragments& fragments);
+    // The unbroken mesh again.
+    void reset(const fracture::TriangleMesh& mesh);
+
+    // Advances physics by a frame's time; nothing while the mesh is whole.
+    void advance(double seconds);
+
+    void show_sites(std::span<const glm::dvec3> sites); // as red spheres; none for an empty span
+    void show_hulls(bool show) { hulls_ = show; }       // the physics debug drawer, in red lines
+
+    // The scene of this moment; valid until the stage changes. The caller sets the camera.
+    [[nodiscard]] engine::Scene scene();
+    [[nodiscard]] engine::Bounds home_bounds() const { return home_; } // of the unbroken mesh, for the camera
+    [[nodiscard]] const physics::World& world() const { return world_; }
+    [[nodiscard]] bool broken() const { return world_.body_count() > 0; }
+
+  private:
+    engine::Renderer& renderer_;
+    physics::World world_;
+    engine::Bounds home_;
+    std::vector<float> radii_;  // of each body around its centre of mass
+    std::vector<physics::Pose> poses_;
+    std::vector<physics::DebugLine> debug_lines_;
+    std::vector<engine::LineVertex> lines_;
+    std::vector<engine::Sphere> spheres_;
+    float alpha_ = 1.0f;
+    bool hulls_ = false;
+    bool moved_ = true;
+};
+
+} // namespace brittle::tools

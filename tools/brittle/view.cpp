@@ -1,0 +1,28 @@
+#include "tools/brittle/view.h"
+
+#include "tools/brittle/failure.h"
+
+namespace brittle::tools {
+
+std::unique_ptr<engine::Device> open_device(const ViewOptions& view) {
+    return must(engine::Device::create({.select = view.device, .validation = view.validation}));
+}
+
+engine::Bounds stage_view(const engine::Bounds& mesh) {
+    const glm::vec3 size = mesh.size();
+    engine::Bounds view = mesh;
+    view.min -= glm::vec3(0.25f * size.x, 0.0f, 0.25f * size.z);
+    view.max += glm::vec3(0.25f * size.x, 0.0f, 0.25f * size.z);
+    view.min.y = 0.0f;
+    return view;
+}
+
+void check_validation(const engine::Device& device) {
+    const size_t count = device.validation_messages().size();
+    if (count > 0) {
+        throw Failure(exit_failure, "the Vulkan validation layer reported " + std::to_string(count) +
+                                        (count == 1 ? " message" : " messages") + ", printed above");
+    }
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,20 @@
+// What the commands that draw have in common: the device, the camera, the check of the validation layer.
+#pragma once
+
+#include <memory>
+
+#include "engine/gpu/device.h"
+#include "engine/render/camera.h"
+#include "tools/brittle/commands.h"
+
+namespace brittle::tools {
+
+[[nodiscard]] std::unique_ptr<engine::Device> open_device(const ViewOptions& view);
+
+// Around the unbroken mesh and the ground below it, with room for the pieces to spread.
+[[nodiscard]] engine::Bounds stage_view(const engine::Bounds& mesh);
+
+// Throws a Failure when validation was asked for and had something to say; the messages are on standard error by then.
+void check_validation(const engine::Device& device);
+
+} // namespace brittle::tools
