@@ -2,6 +2,7 @@
 #include <chrono>
 #include <future>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -45,6 +46,7 @@ class Demo {
           stage_(renderer, input.mesh) {
         const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
         orbit_ = engine::OrbitCamera::around(stage_view(stage_.home_bounds()), aspect);
+        show_title();
     }
 
     void run() {
@@ -78,6 +80,7 @@ class Demo {
             discard_ = breaking_.valid();
             pieces_.reset();
             stage_.reset(input_.mesh);
+            show_title();
         }
         if (input.pressed('P')) paused_ = !paused_;
         if (input.pressed('D')) stage_.show_hulls(hulls_ = !hulls_);
@@ -100,6 +103,13 @@ class Demo {
         if (std::exchange(discard_, false)) return;
         stage_.shatter(broken.fragments);
         pieces_ = {broken.certificate, broken.milliseconds};
+        show_title();
+    }
+
+    void show_title() {
+        const std::string state =
+            pieces_ ? std::to_string(pieces_->certificate.pieces) + " pieces" : std::string("whole");
+        window_.set_title("Brittle: " + input_.name + ", " + state);
     }
 
     void overlay() {

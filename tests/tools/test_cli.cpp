@@ -1,0 +1,257 @@
+// The program as its users meet it: exit codes, messages, files. Runs the real binary.
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder of its own for each test case, removed at the end.
+class Folder {
+  public:
+    Folder() {
+        std::string pattern = (fs::temp_directory_path() / "brittle-cli-XXXXXX").string();
+        REQUIRE(mkdtemp(pattern.data()) != nullptr);
+        path_ = pattern;
+    }
+    ~Folder() { fs::remove_all(path_); }
+    [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+    [[nodiscard]] size_t files() const {
+        return static_cast<size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
+    }
+
+  private:
+    fs::path path_;
+};
+
+std::string read(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void write(const std::string& file, const std::string& content) {
+    std::ofstream(file, std::ios::binary) << content;
+}
+
+struct Outcome {
+    int exit_code = -1;
+    std::string output; // standard output and standard error
+};
+
+Outcome brittle(const Folder& folder, const std::string& arguments, const std::string& environment = "") {
+    const std::string log = folder / "output.log";
+    const int status =
+        std::system((environment + " timeout 120 " BRITTLE_PROGRAM " " + arguments + " >" + log + " 2>&1").c_str());
+    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(log)};
+    fs::remove(log);
+    INFO("brittle ", arguments);
+    return outcome;
+}
+
+bool has(const Outcome& outcome, const std::string& text) { return outcome.output.find(text) != std::string::npos; }
+
+const std::string tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+// Two tetrahedra that share the edge 1-2.
+const std::string shared_edge = tetrahedron + "v 0 -1 0\nv 0 0 -1\nf 1 6 5\nf 1 2 6\nf 2 5 6\nf 1 5 2\n";
+
+bool no_vulkan(const Outcome& outcome) {
+    if (outcome.exit_code != 6) return false;
+    MESSAGE("skipped: no Vulkan device");
+    return true;
+}
+
+} // namespace
+
+TEST_CASE("no command, an unknown one and bad options are usage errors with a way on") {
+    const Folder folder;
+    CHECK(brittle(folder, "").exit_code == 2);
+    CHECK(brittle(folder, "shatter x.obj").exit_code == 2);
+    CHECK(brittle(folder, "fracture").exit_code == 2);
+    CHECK(brittle(folder, "fracture shape:cube").exit_code == 2); // no --output
+    const Outcome zero = brittle(folder, "fracture shape:cube -n 0 -o " + folder / "a.glb");
+    CHECK(zero.exit_code == 2);
+    CHECK(has(zero, "--pieces"));
+    CHECK(brittle(folder, "fracture shape:cube -n 5 --sites s.txt -o " + folder / "a.glb").exit_code == 2);
+    CHECK(brittle(folder, "fracture shape:cube --algorithm magic -o " + folder / "a.glb").exit_code == 2);
+    const Outcome size = brittle(folder, "render shape:cube --size 12 -o " + folder / "a.png");
+    CHECK(size.exit_code == 2);
+    CHECK(has(size, "1280x720"));
+    CHECK(folder.files() == 0);
+}
+
+TEST_CASE("help and version succeed and name every command and exit code") {
+    const Folder folder;
+    const Outcome help = brittle(folder, "--help");
+    CHECK(help.exit_code == 0);
+    for (const char* word : {"fracture", "render", "demo", "profile", "Exit codes"}) CHECK(has(help, word));
+    for (const char* command : {"fracture", "render", "demo", "profile"}) {
+        const Outcome outcome = brittle(folder, std::string(command) + " --help");
+        CHECK(outcome.exit_code == 0);
+        CHECK(has(outcome, "shape:torus"));
+    }
+    const Outcome version = brittle(folder, "--version");
+    CHECK(version.exit_code == 0);
+    CHECK(has(version, "brittle 0."));
+}
+
+TEST_CASE("missing, empty, truncated and foreign files are input errors that name the file") {
+    const Folder folder;
+    const auto refused = [&](const std::string& name) {
+        const std::string file = folder / name;
+        const Outcome outcome = brittle(folder, "fracture " + file + " -o " + folder / "out.glb");
+        INFO(name, ": ", outcome.output);
+        CHECK(outcome.exit_code == 3);
+        CHECK(has(outcome, name));
+        CHECK_FALSE(fs::exists(folder / "out.glb"));
+    };
+    refused("missing.obj");
+    write(folder / "empty.stl", "");
+    refused("empty.stl");
+    write(folder / "mesh.xyz", "1 2 3");
+    refused("mesh.xyz");
+    write(folder / "truncated.glb", std::string("glTF\x02\0\0\0\xff\0\0\0", 12));
+    refused("truncated.glb");
+    std::string stl(84, '\0');
+    stl[80] = 100; // 100 triangles, none present
+    write(folder / "truncated.stl", stl);
+    refused("truncated.stl");
+    const Outcome shape = brittle(folder, "fracture shape:dragon -o " + folder / "out.glb");
+    CHECK(shape.exit_code == 3);
+    CHECK(has(shape, "torus"));
+}
+
+TEST_CASE("open and non-manifold meshes are refused with the place of the first fault") {
+    const Folder folder;
+    write(folder / "open.obj", tetrahedron.substr(0, tetrahedron.rfind("f ")));
+    const Outcome open = brittle(folder, "fracture " + folder / "open.obj" + " -o " + folder / "out.glb");
+    INFO(open.output);
+    CHECK(open.exit_code == 4);
+    CHECK(has(open, "open edge"));
+    CHECK(has(open, "between"));
+    write(folder / "shared.obj", shared_edge);
+    const Outcome shared = brittle(folder, "fracture " + folder / "shared.obj" + " -o " + folder / "out.glb");
+    INFO(shared.output);
+    CHECK(shared.exit_code == 4);
+    CHECK(has(shared, "manifold"));
+    CHECK_FALSE(fs::exists(folder / "out.glb"));
+}
+
+TEST_CASE("a bad line in a site file is named") {
+    const Folder folder;
+    write(folder / "sites.txt", "# two sites\n0 0 0\n1 2\n");
+    const Outcome outcome =
+        brittle(folder, "fracture shape:cube --sites " + folder / "sites.txt" + " -o " + folder / "out.glb");
+    INFO(outcome.output);
+    CHECK(outcome.exit_code == 3);
+    CHECK(has(outcome, "sites.txt:3"));
+}
+
+TEST_CASE("fracture writes pieces and a report that agree, whatever the number of threads") {
+    const Folder folder;
+    std::string hash;
+    for (const char* threads : {"1", "4"}) {
+        const Outcome outcome = brittle(folder, "fracture shape:torus -n 12 --seed 3 --threads " + std::string(threads)
+                                                    + " -o " + folder / "out.glb" + " --report " + folder / "r.json");
+        INFO(outcome.output);
+        REQUIRE(outcome.exit_code == 0);
+        const auto report = nlohmann::json::parse(read(folder / "r.json"));
+        for (const char* key : {"pieces", "islands", "closed", "volume_input", "volume_sum", "volume_error",
+                                "triangles_in", "triangles_out", "cap_triangles", "milliseconds", "hash"}) {
+            CHECK(report.contains(key));
+        }
+        CHECK(report["closed"] == true);
+        CHECK(report["volume_error"].get<double>() < 1e-9);
+        CHECK(report["pieces"].get<int>() >= report["cells"].get<int>());
+        CHECK(has(outcome, report["hash"].get<std::string>()));
+        if (!hash.empty()) CHECK(hash == report["hash"].get<std::string>());
+        hash = report["hash"].get<std::string>();
+        CHECK(read(folder / "out.glb").starts_with("glTF"));
+    }
+    CHECK(folder.files() == 2);
+}
+
+TEST_CASE("an output that cannot be written is an error and leaves the old file") {
+    const Folder folder;
+    const Outcome missing = brittle(folder, "fracture shape:cube -n 3 -o " + folder / "no/such/out.glb");
+    INFO(missing.output);
+    CHECK(missing.exit_code == 5);
+    CHECK(has(missing, "no/such"));
+    fs::create_directory(folder / "taken.glb");
+    CHECK(brittle(folder, "fracture shape:cube -n 3 -o " + folder / "taken.glb").exit_code == 5);
+    CHECK(folder.files() == 1);
+}
+
+TEST_CASE("the demo without a display says so and names the command that needs none") {
+    const Folder folder;
+    const Outcome outcome = brittle(folder, "demo shape:cube", "env -u DISPLAY -u WAYLAND_DISPLAY");
+    INFO(outcome.output);
+    CHECK(outcome.exit_code == 6);
+    CHECK(has(outcome, "brittle render"));
+}
+
+TEST_CASE("an unknown device is refused with the list of those there are") {
+    const Folder folder;
+    const Outcome outcome =
+        brittle(folder, "render shape:cube --whole --device no-such-device -o " + folder / "a.png");
+    INFO(outcome.output);
+    CHECK(outcome.exit_code == 6);
+}
+
+TEST_CASE("render writes a picture for every so many-th frame") {
+    const Folder folder;
+    const Outcome outcome = brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 --validation -o "
+                                                + folder / "f_%02d.png");
+    INFO(outcome.output);
+    if (no_vulkan(outcome)) return;
+    CHECK(outcome.exit_code == 0);
+    CHECK(fs::exists(folder / "f_00.png"));
+    CHECK(fs::exists(folder / "f_03.png"));
+    CHECK(fs::exists(folder / "f_06.png"));
+    CHECK(folder.files() == 3);
+    CHECK(read(folder / "f_00.png") != read(folder / "f_06.png"));
+}
+
+TEST_CASE("one file name for several pictures is refused before any work") {
+    const Folder folder;
+    const Outcome outcome = brittle(folder, "render shape:cube --frames 60 --every 10 -o " + folder / "one.png");
+    CHECK(outcome.exit_code == 2);
+    CHECK(has(outcome, "%04d"));
+    CHECK(brittle(folder, "render shape:cube -o " + folder / "bad_%s.png").exit_code == 2);
+    CHECK(folder.files() == 0);
+}
+
+TEST_CASE("profile measures the fracture without a device and prints JSON") {
+    const Folder folder;
+    const Outcome outcome =
+        brittle(folder, "profile shape:icosphere -n 5 --repeats 3 --frames 0 --json -o " + folder / "p.json");
+    INFO(outcome.output);
+    REQUIRE(outcome.exit_code == 0);
+    const auto profile = nlohmann::json::parse(outcome.output);
+    CHECK(profile["fracture"]["total"]["samples"] == 3);
+    CHECK(profile["fracture"]["total"]["median"].get<double>() > 0.0);
+    CHECK(profile == nlohmann::json::parse(read(folder / "p.json")));
+    CHECK(has(brittle(folder, "profile shape:cube -n 3 --repeats 1 --frames 0"), "median"));
+}
+
+TEST_CASE("profile measures frames before and after the fracture") {
+    const Folder folder;
+    const Outcome outcome = brittle(folder, "profile shape:cube -n 4 --repeats 1 --frames 2 --size 64x48 --json");
+    INFO(outcome.output);
+    if (no_vulkan(outcome)) return;
+    REQUIRE(outcome.exit_code == 0);
+    const auto profile = nlohmann::json::parse(outcome.output);
+    CHECK(profile["frames"]["whole"]["frame"]["samples"] == 2);
+    CHECK(profile["frames"]["falling"]["physics"]["samples"] == 2);
+}
