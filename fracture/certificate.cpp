@@ -28,8 +28,8 @@ bool is_well_formed(const Fragments& fragments, const Piece& piece) {
 }
 
 uint32_t count_distinct(std::vector<uint32_t> values) {
-    std::ranges::sort(values);
-    return static_cast<uint32_t>(std::ranges::unique(values).begin() - values.begin());
+    std::sort(values.begin(), values.end());
+    return static_cast<uint32_t>(std::unique(values.begin(), values.end()) - values.begin());
 }
 
 class Hasher {
