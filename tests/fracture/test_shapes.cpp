@@ -69,15 +69,12 @@ TEST_CASE("icospheres converge to the sphere from inside, four times nearer with
 }
 
 TEST_CASE("the torus has the volume of its polyhedron") {
-    // Each ring of quads is planar-faced; a slice between two angles is a prismatoid. Summing them gives the
-    // volume pi-free: area of the minor polygon times the major polygon's shape factor, by Pappus for
-    // polygons.
+    // A horizontal cut is a regular n-gon less another, of area n/2 sin(2 pi / n) r^2 each; integrated over
+    // the height that is n sin(2 pi / n) times the first moment of the minor polygon.
     for (const auto& [n, m] : {std::pair{3u, 3u}, {8u, 5u}, {96u, 48u}}) {
         const TriangleMesh mesh = torus(n, m, 1.0, 0.4);
         check_solid(mesh, 1, 0);
         const double polygon_area = 0.5 * m * std::sin(2 * pi / m) * 0.16;
-        // Cross-sections at angle u within a slice scale in the radial direction only; the integral of x dA
-        // over the minor polygon is area * major radius, and a slice has area factor sin(2 pi / n).
         const double expected = n * std::sin(2 * pi / n) * polygon_area * 1.0;
         CHECK(volume(mesh) == doctest::Approx(expected).epsilon(1e-12));
     }
