@@ -25,7 +25,7 @@ constexpr size_t most_triangles = size_t{1} << 28;
 
 constexpr uint32_t most_threads = 1024;
 
-// Below this share of area times extent a volume is rounding.
+// Below this share of area times size of the box a volume is rounding.
 constexpr double least_volume = 1e-15;
 
 bool in_range(const glm::dvec3& p) {

@@ -14,9 +14,9 @@ namespace brittle::fracture {
 
 namespace {
 
-// An island whose volume is below this share of area times extent has none that double precision could tell
-// from rounding. A plate of thickness t and width w comes to t / (4 w): what is thinner than 4e-15 of its
-// width is dropped.
+// Coordinates are rounded to 1e-16 of their size, which moves a volume by area times size times 1e-16. What
+// is smaller is no solid: a plate of a metre's width and coordinates is dropped where it is thinner than
+// 2e-15 m.
 constexpr double flat_island = 1e-15;
 
 Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
@@ -46,14 +46,10 @@ Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> t
     return island;
 }
 
-bool is_flat(const Island& island) {
-    glm::dvec3 low = island.positions.front();
-    glm::dvec3 high = low;
-    for (const glm::dvec3& p : island.positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    return std::abs(island.mass.volume) <= flat_island * island.mass.area * glm::distance(low, high);
+bool is_flat(const Island& island, double extent) {
+    for (const glm::dvec3& p : island.positions)
+        extent = std::max({extent, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    return std::abs(island.mass.volume) <= flat_island * island.mass.area * extent;
 }
 
 // A point on the surface away from vertices and edges, where shells may touch: the middle of the largest
@@ -125,7 +121,7 @@ double winding_number(const glm::dvec3& point, std::span<const glm::dvec3> posit
 }
 
 std::vector<Island> split_islands(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
-                                  std::span<const FaceSource> sources) {
+                                  std::span<const FaceSource> sources, double extent) {
     const std::vector<uint32_t> component = triangle_components(positions.size(), triangles);
     std::vector<std::vector<uint32_t>> members; // triangles per component
     for (uint32_t i = 0; i < triangles.size(); ++i) {
@@ -138,7 +134,7 @@ std::vector<Island> split_islands(std::span<const glm::dvec3> positions, std::sp
     std::vector<uint32_t> local(positions.size(), no_index);
     for (const std::vector<uint32_t>& shell : members) {
         Island island = gather(positions, triangles, sources, shell, local);
-        if (is_flat(island)) continue;
+        if (is_flat(island, extent)) continue;
         (island.mass.volume < 0.0 ? cavities : islands).push_back(std::move(island));
     }
     // All owners are found before any cavity moves in, so the islands that are tested are solid.

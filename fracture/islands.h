@@ -28,7 +28,7 @@ struct Island {
 // out: a plane that runs along a face of the solid can leave a sheet of no thickness on its other side.
 [[nodiscard]] std::vector<Island> split_islands(std::span<const glm::dvec3> positions,
                                                 std::span<const Triangle> triangles,
-                                                std::span<const FaceSource> sources);
+                                                std::span<const FaceSource> sources, double extent = 0.0);
 
 // How often a closed mesh winds around a point: 1 inside, 0 outside, by the sum of the signed solid angles of
 // its triangles (van Oosterom and Strackee 1983). In double; between for a point on the surface.

@@ -1,11 +1,13 @@
 #include "fracture/sequential.h"
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <mutex>
 #include <utility>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -82,6 +84,8 @@ Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dve
     Fragments fragments;
     if (mesh.faces.empty()) return fragments;
     const Box box = bounds_of(mesh.positions);
+    const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+    const double extent = std::max({furthest.x, furthest.y, furthest.z});
     std::vector<Cell> cells(sites.size());
     Progress progress(settings.progress, 3 * sites.size());
     tbb::task_arena arena(settings.threads == 0 ? tbb::task_arena::automatic
@@ -112,7 +116,8 @@ Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dve
     });
     timed("islands", [&] {
         for_each_cell([&](uint32_t, Cell& cell) {
-            cell.islands = split_islands(cell.mesh.positions, triangle_list(cell.mesh), cell.mesh.sources);
+            cell.islands =
+                split_islands(cell.mesh.positions, triangle_list(cell.mesh), cell.mesh.sources, extent);
             cell.mesh = {};
         });
     });
