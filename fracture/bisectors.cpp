@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -13,9 +14,13 @@ namespace brittle::fracture {
 
 namespace {
 
-// How near to a corner of the cell a plane must come to be kept, as a share of the lengths that went into the
-// corner. Far above the rounding of a corner (1e-15), far below what would cost time.
+// How near to a corner of the cell a plane must come to be kept, as a share of the size of the box around the
+// site: corners are computed from the box, so that is what their rounding goes with (1e-16), however small
+// the cell. Far above the rounding, far below what would cost time.
 constexpr double prune_margin = 1e-9;
+
+// The same as a share of the coordinates, which matters far from the origin.
+constexpr double coordinate_margin = 1e-14;
 
 // How far the box is widened on each side, as a share of its diagonal: the mesh then lies strictly within it.
 constexpr double box_margin = 1e-3;
@@ -44,13 +49,12 @@ double radius_around(const glm::dvec3& centre, std::span<const glm::dvec3> point
 }
 
 // Whether a point of the convex hull of the corners may lie across the plane, or nearer to it than the
-// margin.
-bool may_cut(const Bisector& plane, uint32_t site, std::span<const glm::dvec3> corners, double radius) {
-    const double length = glm::length(plane.normal);
-    const double margin = prune_margin * (radius + length) * length;
+// margin, in m.
+bool may_cut(const Bisector& plane, uint32_t site, std::span<const glm::dvec3> corners, double margin) {
+    const double least = -margin * glm::length(plane.normal);
     return std::any_of(corners.begin(), corners.end(), [&](const glm::dvec3& corner) {
         const double towards_other = site == plane.low ? plane.value(corner) : -plane.value(corner);
-        return !(towards_other < -margin);
+        return towards_other >= least;
     });
 }
 
@@ -60,7 +64,11 @@ Bisector bisector(std::span<const glm::dvec3> sites, uint32_t a, uint32_t b) {
     assert(a != b);
     const uint32_t low = std::min(a, b);
     const uint32_t high = std::max(a, b);
-    return {low, high, sites[high] - sites[low], sites[low] * 0.5 + sites[high] * 0.5};
+    glm::dvec3 normal = sites[high] - sites[low];
+    int exponent = 0;
+    std::frexp(std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)}), &exponent);
+    for (int i = 0; i < 3; ++i) normal[i] = std::ldexp(normal[i], -exponent);
+    return {low, high, normal, sites[low] * 0.5 + sites[high] * 0.5};
 }
 
 CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const Box& box) {
@@ -77,23 +85,25 @@ CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const B
     }
     std::make_heap(heap.begin(), heap.end(), std::greater{});
 
-    const glm::dvec3 margin(box_margin * glm::length(box.size()));
-    HalfEdgeMesh cell = box_mesh({box.min - margin, box.max + margin});
+    const glm::dvec3 widening(box_margin * glm::length(box.size()));
+    HalfEdgeMesh cell = box_mesh({box.min - widening, box.max + widening});
     double radius = radius_around(sites[site], cell.positions);
+    const double margin =
+        prune_margin * radius + coordinate_margin * radius_around(glm::dvec3(0.0), cell.positions);
     CellBounds bounds;
-    while (!heap.empty() && heap.front().first <= 2.0 * radius * (1.0 + prune_margin)) {
+    while (!heap.empty() && heap.front().first <= 2.0 * (radius + margin)) {
         const uint32_t other = heap.front().second;
         std::pop_heap(heap.begin(), heap.end(), std::greater{});
         heap.pop_back();
         const Bisector plane = bisector(sites, site, other);
-        if (!may_cut(plane, site, cell.positions, radius)) continue;
+        if (!may_cut(plane, site, cell.positions, margin)) continue;
         bounds.bisectors.push_back(plane);
         cell = clip(cell, plane, site);
         if (cell.faces.empty()) return {.empty = true, .bisectors = {}};
         radius = radius_around(sites[site], cell.positions);
     }
     std::erase_if(bounds.bisectors,
-                  [&](const Bisector& plane) { return !may_cut(plane, site, cell.positions, radius); });
+                  [&](const Bisector& plane) { return !may_cut(plane, site, cell.positions, margin); });
     return bounds;
 }
 

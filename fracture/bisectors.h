@@ -17,14 +17,16 @@
 namespace brittle::fracture {
 
 struct Bisector {
-    uint32_t low = 0;     // site index; the side where value() is negative
-    uint32_t high = 0;    // site index above low; the side where value() is positive
-    glm::dvec3 normal{0}; // from site low to site high, not normalised: m
+    uint32_t low = 0;  // site index; the side where value() is negative
+    uint32_t high = 0; // site index above low; the side where value() is positive
+    // From site low to site high, scaled by a power of two so that the largest component lies in [0.5, 1):
+    // the scaling loses no bit, and planes between sites that almost coincide do not underflow.
+    glm::dvec3 normal{0};
     glm::dvec3 midpoint{0};
 
-    // n·x - d, in m^2: the signed distance times the distance of the sites. Written as n·(x - midpoint),
-    // which keeps its digits far from the origin. Its error is about 1e-16 |n| |x - midpoint|: planes between
-    // sites that lie k mesh diameters away are misplaced by up to about 1e-16 k diameters.
+    // n·x - d, in m: the signed distance times the length of the normal. Written as n·(x - midpoint), which
+    // keeps its digits far from the origin. Its error is about 1e-16 |x - midpoint|: planes between sites
+    // that lie k mesh diameters away are misplaced by up to about 1e-16 k diameters.
     [[nodiscard]] double value(const glm::dvec3& x) const { return glm::dot(normal, x - midpoint); }
 
     // Which of the two cells a point belongs to. A point on the plane belongs to the lower site: no epsilon,

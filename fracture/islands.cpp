@@ -14,9 +14,10 @@ namespace brittle::fracture {
 
 namespace {
 
-// Coordinates are rounded to 1e-16 of their size, which moves a volume by area times size times 1e-16. What
-// is smaller is no solid: a plate of a metre's width and coordinates is dropped where it is thinner than
-// 2e-15 m.
+// Coordinates are rounded to 1e-16 of their size, which moves a volume by area times size times 1e-16; its
+// integral is rounded to 1e-16 of the length cubed. What is smaller is no solid: a plate of a metre's width
+// and coordinates is dropped where it is thinner than 2e-15 m, a needle of a metre's length where it is
+// thinner than 3e-8 m.
 constexpr double flat_island = 1e-15;
 
 Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
@@ -47,9 +48,16 @@ Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> t
 }
 
 bool is_flat(const Island& island, double extent) {
-    for (const glm::dvec3& p : island.positions)
+    glm::dvec3 low = island.positions.front();
+    glm::dvec3 high = low;
+    for (const glm::dvec3& p : island.positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
         extent = std::max({extent, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    return std::abs(island.mass.volume) <= flat_island * island.mass.area * extent;
+    }
+    const double length = glm::distance(low, high);
+    return std::abs(island.mass.volume)
+           <= flat_island * (island.mass.area * extent + length * length * length);
 }
 
 // A point on the surface away from vertices and edges, where shells may touch: the middle of the largest

@@ -74,6 +74,29 @@ TEST_CASE("the plane between two sites is the same from both sides") {
     CHECK_FALSE(a.keeps(1, 0.0));
 }
 
+TEST_CASE("the plane between sites that almost coincide does not underflow") {
+    const std::vector<glm::dvec3> sites{{5e-324, 0, 0}, {-5e-324, 0, 0}, {1e40, 3e40, 0}};
+    CHECK(bisector(sites, 0, 1).value({1e-3, 0, 0}) < -1e-4);
+    CHECK(bisector(sites, 0, 1).value({-1e-3, 0, 0}) > 1e-4);
+    CHECK(bisector(sites, 0, 2).value({0, 0, 0}) < -1e39);
+    CHECK(bisector(sites, 0, 2).normal.x * 3.0 == doctest::Approx(bisector(sites, 0, 2).normal.y));
+}
+
+TEST_CASE("many sites in a heap a billionth of the box wide still share the box among them") {
+    // Cells here are cones from almost one point: the corners of a cell are far coarser than its middle.
+    std::vector<glm::dvec3> sites = uniform_sites(unit, 40, 5);
+    for (glm::dvec3& s : sites) s = sites[0] + (s - sites[0]) * 1e-9;
+    std::vector<CellBounds> cells;
+    for (uint32_t i = 0; i < sites.size(); ++i) cells.push_back(cell_bounds(sites, i, unit));
+    Random random(6);
+    for (int k = 0; k < 300; ++k) {
+        const glm::dvec3 point = random.uniform_in(unit);
+        uint32_t owners = 0;
+        for (uint32_t i = 0; i < sites.size(); ++i) owners += inside(cells[i], i, point) ? 1 : 0;
+        CHECK(owners == 1);
+    }
+}
+
 TEST_CASE("the bisectors of a cell hold exactly the points nearest to its site") {
     for (const uint64_t seed : {1, 2, 3}) {
         const auto sites = uniform_sites(unit, 60, seed);
@@ -97,7 +120,9 @@ TEST_CASE("few bisectors are left of many sites") {
     for (uint32_t i = 0; i < 50; ++i) {
         const CellBounds cell = cell_bounds(sites, i, unit);
         sum += cell.bisectors.size();
-        const auto distance = [&](const Bisector& plane) { return glm::length(plane.normal); };
+        const auto distance = [&](const Bisector& plane) {
+            return glm::distance(sites[i], sites[plane.other(i)]);
+        };
         CHECK(
             std::is_sorted(cell.bisectors.begin(), cell.bisectors.end(),
                            [&](const Bisector& a, const Bisector& b) { return distance(a) < distance(b); }));
@@ -115,5 +140,5 @@ TEST_CASE("the middle of a lattice is bounded by its six neighbours, give or tak
     CHECK_FALSE(cell.empty);
     CHECK(cell.bisectors.size() >= 6);
     CHECK(cell.bisectors.size() <= 26);
-    for (size_t i = 0; i < 6; ++i) CHECK(glm::length(cell.bisectors[i].normal) == 1.0);
+    for (size_t i = 0; i < 6; ++i) CHECK(glm::distance(sites[62], sites[cell.bisectors[i].other(62)]) == 1.0);
 }
