@@ -1,1 +1,110 @@
 #include "fracture/bisectors.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "fracture/clip.h"
+#include "fracture/half_edge.h"
+
+namespace brittle::fracture {
+
+namespace {
+
+// How near to a corner of the cell a plane must come to be kept, as a share of the size of the box around the
+// site: corners are computed from the box, so that is what their rounding goes with (1e-16), however small
+// the cell. Far above the rounding, far below what would cost time.
+constexpr double prune_margin = 1e-9;
+
+// The same as a share of the coordinates, which matters far from the origin.
+constexpr double coordinate_margin = 1e-14;
+
+// How far the box is widened on each side, as a share of its diagonal: the mesh then lies strictly within it.
+constexpr double box_margin = 1e-3;
+
+HalfEdgeMesh box_mesh(const Box& box) {
+    std::array<glm::dvec3, 8> corner;
+    for (int i = 0; i < 8; ++i)
+        corner[i] = {(i & 1) ? box.max.x : box.min.x, (i & 2) ? box.max.y : box.min.y,
+                     (i & 4) ? box.max.z : box.min.z};
+    static constexpr std::array<std::array<uint32_t, 4>, 6> quads{
+        {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+    std::vector<Triangle> triangles;
+    for (const auto& q : quads) {
+        triangles.emplace_back(q[0], q[1], q[2]);
+        triangles.emplace_back(q[0], q[2], q[3]);
+    }
+    Result<HalfEdgeMesh> mesh = build_half_edges(corner, triangles);
+    assert(mesh && is_closed(*mesh));
+    return *std::move(mesh);
+}
+
+double radius_around(const glm::dvec3& centre, std::span<const glm::dvec3> points) {
+    double radius = 0.0;
+    for (const glm::dvec3& p : points) radius = std::max(radius, glm::distance(centre, p));
+    return radius;
+}
+
+// Whether a point of the convex hull of the corners may lie across the plane, or nearer to it than the
+// margin, in m.
+bool may_cut(const Bisector& plane, uint32_t site, std::span<const glm::dvec3> corners, double margin) {
+    const double least = -margin * glm::length(plane.normal);
+    return std::any_of(corners.begin(), corners.end(), [&](const glm::dvec3& corner) {
+        const double towards_other = site == plane.low ? plane.value(corner) : -plane.value(corner);
+        return towards_other >= least;
+    });
+}
+
+} // namespace
+
+Bisector bisector(std::span<const glm::dvec3> sites, uint32_t a, uint32_t b) {
+    assert(a != b);
+    const uint32_t low = std::min(a, b);
+    const uint32_t high = std::max(a, b);
+    glm::dvec3 normal = sites[high] - sites[low];
+    int exponent = 0;
+    std::frexp(std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)}), &exponent);
+    for (int i = 0; i < 3; ++i) normal[i] = std::ldexp(normal[i], -exponent);
+    return {low, high, normal, sites[low] * 0.5 + sites[high] * 0.5};
+}
+
+CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const Box& box) {
+    // Candidates, the nearest on top of a heap: few are ever taken.
+    using Candidate = std::pair<double, uint32_t>; // distance, site
+    std::vector<Candidate> heap;
+    heap.reserve(sites.size());
+    for (uint32_t other = 0; other < sites.size(); ++other) {
+        if (other == site) continue;
+        if (sites[other] != sites[site])
+            heap.emplace_back(glm::distance(sites[other], sites[site]), other);
+        else if (other < site)
+            return {.empty = true, .bisectors = {}};
+    }
+    std::make_heap(heap.begin(), heap.end(), std::greater{});
+
+    const glm::dvec3 widening(box_margin * glm::length(box.size()));
+    HalfEdgeMesh cell = box_mesh({box.min - widening, box.max + widening});
+    double radius = radius_around(sites[site], cell.positions);
+    const double margin =
+        prune_margin * radius + coordinate_margin * radius_around(glm::dvec3(0.0), cell.positions);
+    CellBounds bounds;
+    while (!heap.empty() && heap.front().first <= 2.0 * (radius + margin)) {
+        const uint32_t other = heap.front().second;
+        std::pop_heap(heap.begin(), heap.end(), std::greater{});
+        heap.pop_back();
+        const Bisector plane = bisector(sites, site, other);
+        if (!may_cut(plane, site, cell.positions, margin)) continue;
+        bounds.bisectors.push_back(plane);
+        cell = clip(cell, plane, site);
+        if (cell.faces.empty()) return {.empty = true, .bisectors = {}};
+        radius = radius_around(sites[site], cell.positions);
+    }
+    std::erase_if(bounds.bisectors,
+                  [&](const Bisector& plane) { return !may_cut(plane, site, cell.positions, margin); });
+    return bounds;
+}
+
+} // namespace brittle::fracture

@@ -1,1 +1,54 @@
+// Bisector planes between Voronoi sites, and which of them bound a site's cell.
+//
+// "Real Time Voronoi Fracturing of Polygon Meshes": the plane n·x = d between two sites has the normal n = b
+// - a and runs through the point halfway. It is always built from the lower to the higher index, so the cells
+// on both of its sides compute with the same bits.
 #pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "fracture/mesh.h"
+
+namespace brittle::fracture {
+
+struct Bisector {
+    uint32_t low = 0;  // site index; the side where value() is negative
+    uint32_t high = 0; // site index above low; the side where value() is positive
+    // From site low to site high, scaled by a power of two so that the largest component lies in [0.5, 1):
+    // the scaling loses no bit, and planes between sites that almost coincide do not underflow.
+    glm::dvec3 normal{0};
+    glm::dvec3 midpoint{0};
+
+    // n·x - d, in m: the signed distance times the length of the normal. Written as n·(x - midpoint), which
+    // keeps its digits far from the origin. Its error is about 1e-16 |x - midpoint|: planes between sites
+    // that lie k mesh diameters away are misplaced by up to about 1e-16 k diameters.
+    [[nodiscard]] double value(const glm::dvec3& x) const { return glm::dot(normal, x - midpoint); }
+
+    // Which of the two cells a point belongs to. A point on the plane belongs to the lower site: no epsilon,
+    // and the two cells share no point.
+    [[nodiscard]] static bool keeps_low(double value) { return value <= 0.0; }
+    [[nodiscard]] bool keeps(uint32_t site, double value) const { return keeps_low(value) == (site == low); }
+    [[nodiscard]] uint32_t other(uint32_t site) const { return site == low ? high : low; }
+};
+
+// The plane between two different sites, in either order.
+[[nodiscard]] Bisector bisector(std::span<const glm::dvec3> sites, uint32_t a, uint32_t b);
+
+struct CellBounds {
+    bool empty = false;              // the cell does not meet the box, or a duplicate of lower index owns it
+    std::vector<Bisector> bisectors; // nearest site first
+};
+
+// The bisectors that bound the cell of a site within a box. A box is clipped plane by plane in order of
+// distance; no site further away than twice the farthest corner of what is left can cut it any more (the
+// security radius). Conservative: a bisector that comes near the cell without cutting it may be in the list,
+// one that cuts is never missing. Near means prune_margin (bisectors.cpp). All sites are looked at once:
+// O(sites) plus O(log) per candidate.
+[[nodiscard]] CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const Box& box);
+
+} // namespace brittle::fracture

@@ -27,13 +27,15 @@ enum class Algorithm {
 struct Settings {
     Algorithm algorithm = Algorithm::sequential;
     uint32_t threads = 0; // cells are worked on side by side; 0 = one thread a core
-    // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be empty.
+    // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be
+    // empty.
     std::function<void(double)> progress;
 };
 
 // Cuts the mesh along the bisectors of the sites: one or more pieces (islands) per non-empty cell.
 // Errors: empty_mesh, invalid_mesh (not closed, not manifold, not oriented, non-finite), invalid_sites,
-// each with what and where. Of duplicate sites the one with the lowest index owns the cell, the others are empty.
+// each with what and where. Of duplicate sites the one with the lowest index owns the cell, the others are
+// empty.
 [[nodiscard]] Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                          const Settings& settings = {});
 

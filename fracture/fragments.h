@@ -3,7 +3,8 @@
 // Layout: the vertices of piece p are positions[vertices.begin .. vertices.end), its triangles are
 // triangles[triangles.begin .. triangles.end) with indices relative to vertices.begin. Within a piece the exterior
 // triangles (parts of the input's surface) come first, then the interior ones (caps on Voronoi facets).
-// Positions where two pieces meet are equal bit for bit.
+// Positions where two pieces meet are equal bit for bit. Algorithm::sequential promises that only for points where one
+// plane cuts the input's surface; where several meet it is equal up to rounding (sequential.h).
 #pragma once
 
 #include <cstdint>
