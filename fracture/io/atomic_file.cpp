@@ -24,18 +24,21 @@ int write_flush_close(int descriptor, std::span<const std::byte> bytes) {
     int code = 0;
     while (!bytes.empty() && code == 0) {
         const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-        if (written >= 0) bytes = bytes.subspan(static_cast<size_t>(written));
-        else if (errno != EINTR) code = errno;
+        if (written >= 0)
+            bytes = bytes.subspan(static_cast<size_t>(written));
+        else if (errno != EINTR)
+            code = errno;
     }
-    // Without this a power cut after the rename can leave an empty file under the final name. Pipes and devices
-    // cannot be flushed and say EINVAL.
-    if (code == 0 && ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP) code = errno;
+    // Without this a power cut after the rename can leave an empty file under the final name. Pipes and
+    // devices cannot be flushed and say EINVAL.
+    if (code == 0 && ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
+        code = errno;
     if (::close(descriptor) != 0 && code == 0 && errno != EINTR) code = errno;
     return code;
 }
 
-// A name that no other call, thread or process uses. Short and independent of the target's, which may already be as
-// long as the file system allows.
+// A name that no other call, thread or process uses. Short and independent of the target's, which may already
+// be as long as the file system allows.
 fs::path temporary_name(const fs::path& folder) {
     static std::atomic<uint32_t> counter = 0;
     return folder / (".brittle-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp");
@@ -86,7 +89,8 @@ Result<void> write_file_atomically(const fs::path& file, std::span<const std::by
         return write_error(file, "cannot write", code, exists ? "; the old file is unchanged" : "");
     }
 
-    // Makes the rename itself durable. The content is safe already, so a file system that cannot do it is no error.
+    // Makes the rename itself durable. The content is safe already, so a file system that cannot do it is no
+    // error.
     if (const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); handle >= 0) {
         [[maybe_unused]] const int ignored = ::fsync(handle);
         ::close(handle);

@@ -9,7 +9,8 @@
 
 namespace brittle::fracture {
 
-static_assert(std::endian::native == std::endian::little, "binary mesh files are read and written as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "binary mesh files are read and written as they lie in memory");
 
 // The T at offset, at any alignment. The caller has checked that it lies inside.
 template<class T>

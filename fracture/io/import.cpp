@@ -22,9 +22,12 @@ std::string lower_case_extension(const std::filesystem::path& file) {
 
 Error unsupported(const std::filesystem::path& file, const std::string& extension) {
     std::string readable;
-    for (const std::string& known : importable_extensions()) readable += (readable.empty() ? "" : ", ") + known;
-    const std::string what = extension.empty() ? "the file name has no ending" : extension + " files are not read";
-    return {Status::unsupported_format, file.string() + ": " + what + "; convert the mesh to one of " + readable};
+    for (const std::string& known : importable_extensions())
+        readable += (readable.empty() ? "" : ", ") + known;
+    const std::string what =
+        extension.empty() ? "the file name has no ending" : extension + " files are not read";
+    return {Status::unsupported_format,
+            file.string() + ": " + what + "; convert the mesh to one of " + readable};
 }
 
 Result<TriangleMesh> parse(const std::string& extension, std::span<const std::byte> bytes,
@@ -61,10 +64,11 @@ Result<TriangleMesh> import_and_weld(const std::filesystem::path& file) {
     }
     TriangleMesh mesh = weld(*raw);
     if (mesh.triangles.empty()) {
-        const std::string what = raw->triangles.empty()
-                                     ? "no triangles in the file; export the mesh with its faces"
-                                     : "all triangles in the file have two corners at the same place; export it in a "
-                                       "larger unit or with more digits";
+        const std::string what =
+            raw->triangles.empty()
+                ? "no triangles in the file; export the mesh with its faces"
+                : "all triangles in the file have two corners at the same place; export it in a "
+                  "larger unit or with more digits";
         return Error{Status::empty_mesh, file.string() + ": " + what};
     }
     return mesh;

@@ -7,7 +7,8 @@
 namespace brittle::fracture {
 namespace {
 
-// A file is a tree of chunks: two bytes of kind, four of length including this head, then content or children.
+// A file is a tree of chunks: two bytes of kind, four of length including this head, then content or
+// children.
 enum Kind : uint16_t {
     main_chunk = 0x4D4D,
     editor = 0x3D3D,
@@ -33,9 +34,10 @@ class Reader3ds {
             return Error{Status::malformed_file, "not a 3DS file: it does not start with the bytes 4D 4D"};
         }
         // Where the main chunk's length disagrees with the file's, the file's counts: exporters get it wrong.
-        const Result<void> done = for_each_chunk({main_chunk, head_size, bytes_.size()}, [&](const Chunk& part) {
-            return part.kind == editor ? read_editor(part) : Result<void>();
-        });
+        const Result<void> done =
+            for_each_chunk({main_chunk, head_size, bytes_.size()}, [&](const Chunk& part) {
+                return part.kind == editor ? read_editor(part) : Result<void>();
+            });
         if (!done) return done.error();
         return std::move(mesh_);
     }
@@ -48,8 +50,9 @@ class Reader3ds {
             const auto kind = load<uint16_t>(bytes_, at);
             const auto length = load<uint32_t>(bytes_, at + 2);
             if (length < head_size || length > parent.end - at) {
-                return malformed(kind, at, "claims " + std::to_string(length) + " bytes where "
-                                               + std::to_string(parent.end - at) + " are left");
+                return malformed(kind, at,
+                                 "claims " + std::to_string(length) + " bytes where "
+                                     + std::to_string(parent.end - at) + " are left");
             }
             if (Result<void> done = visit(Chunk{kind, at + head_size, at + length}); !done) return done;
             at += length;
@@ -58,11 +61,12 @@ class Reader3ds {
     }
 
     Result<void> read_editor(const Chunk& chunk) {
-        return for_each_chunk(chunk, [&](const Chunk& part) {
-            if (part.kind != object) return Result<void>();
+        return for_each_chunk(chunk, [&](const Chunk& part) -> Result<void> {
+            if (part.kind != object) return {};
             size_t begin = part.begin;
             while (begin < part.end && bytes_[begin] != std::byte{0}) ++begin;
-            if (begin == part.end) return malformed(part.kind, part.begin - head_size, "holds a name without an end");
+            if (begin == part.end)
+                return malformed(part.kind, part.begin - head_size, "holds a name without an end");
             return for_each_chunk({part.kind, begin + 1, part.end}, [&](const Chunk& content) {
                 return content.kind == triangle_mesh ? read_mesh(content) : Result<void>();
             });
@@ -73,10 +77,10 @@ class Reader3ds {
         // The faces may come before the vertices that they name.
         Chunk vertices;
         Chunk faces;
-        const Result<void> walked = for_each_chunk(chunk, [&](const Chunk& part) {
+        const Result<void> walked = for_each_chunk(chunk, [&](const Chunk& part) -> Result<void> {
             if (part.kind == vertex_list) vertices = part;
             if (part.kind == face_list) faces = part;
-            return Result<void>();
+            return {};
         });
         if (!walked) return walked;
 
@@ -97,8 +101,8 @@ class Reader3ds {
                 const auto index = load<uint16_t>(bytes_, faces.begin + 2 + f * size_t{8} + k * size_t{2});
                 if (index >= *vertex_count) {
                     return malformed(faces.kind, faces.begin - head_size,
-                                     "has a face " + std::to_string(f) + " that names vertex " + std::to_string(index)
-                                         + " of " + std::to_string(*vertex_count));
+                                     "has a face " + std::to_string(f) + " that names vertex "
+                                         + std::to_string(index) + " of " + std::to_string(*vertex_count));
                 }
                 triangle[k] = base + index;
             }
@@ -107,7 +111,8 @@ class Reader3ds {
         return {};
     }
 
-    // The number of elements at the start of a list, once they are known to fit. 0 where there is no such chunk.
+    // The number of elements at the start of a list, once they are known to fit. 0 where there is no such
+    // chunk.
     Result<uint32_t> count_of(const Chunk& list, size_t element_size) const {
         if (list.kind == 0) return 0u;
         const size_t size = list.end - list.begin;
@@ -122,8 +127,8 @@ class Reader3ds {
     static Error malformed(uint16_t kind, size_t at, const std::string& what) {
         char name[8];
         std::snprintf(name, sizeof(name), "%04X", kind);
-        return {Status::malformed_file, std::string("chunk ") + name + " at byte " + std::to_string(at) + " " + what
-                                            + "; the file was cut short or is damaged"};
+        return {Status::malformed_file, std::string("chunk ") + name + " at byte " + std::to_string(at) + " "
+                                            + what + "; the file was cut short or is damaged"};
     }
 
     std::span<const std::byte> bytes_;
@@ -132,6 +137,8 @@ class Reader3ds {
 
 } // namespace
 
-Result<TriangleMesh> read_3ds(std::span<const std::byte> bytes) { return Reader3ds(bytes).read(); }
+Result<TriangleMesh> read_3ds(std::span<const std::byte> bytes) {
+    return Reader3ds(bytes).read();
+}
 
 } // namespace brittle::fracture

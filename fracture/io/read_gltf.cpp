@@ -12,7 +12,8 @@
 #include "fracture/io/read_file.h"
 #include "fracture/io/readers.h"
 
-// The container and the JSON schema are those of the Khronos glTF 2.0 specification; section numbers are of it.
+// The container and the JSON schema are those of the Khronos glTF 2.0 specification; section numbers are of
+// it.
 
 namespace brittle::fracture {
 namespace {
@@ -24,7 +25,9 @@ using Bytes = std::span<const std::byte>;
 constexpr size_t most_elements = 100'000'000; // vertices, and triangles
 constexpr int deepest_json = 64;              // brackets; libraries recurse over them
 
-Error malformed(const std::string& what) { return {Status::malformed_file, what}; }
+Error malformed(const std::string& what) {
+    return {Status::malformed_file, what};
+}
 
 std::string name_of(const char* list, uint64_t index) {
     return std::string(list) + "[" + std::to_string(index) + "]";
@@ -38,7 +41,8 @@ const Json* member(const Json& object, const char* key) {
 }
 
 // A non-negative integer; fallback where the member is missing, nothing where it is something else.
-std::optional<uint64_t> unsigned_member(const Json& object, const char* key, std::optional<uint64_t> fallback) {
+std::optional<uint64_t> unsigned_member(const Json& object, const char* key,
+                                        std::optional<uint64_t> fallback) {
     const Json* value = member(object, key);
     if (value == nullptr) return fallback;
     if (!value->is_number_unsigned()) return std::nullopt;
@@ -66,13 +70,20 @@ Result<std::vector<std::byte>> decode_base64(std::string_view text) {
     int bits = 0;
     for (const char c : text) {
         int digit = 0;
-        if (c >= 'A' && c <= 'Z') digit = c - 'A';
-        else if (c >= 'a' && c <= 'z') digit = c - 'a' + 26;
-        else if (c >= '0' && c <= '9') digit = c - '0' + 52;
-        else if (c == '+' || c == '-') digit = 62;
-        else if (c == '/' || c == '_') digit = 63;
-        else if (c == '=') break;
-        else return malformed("a data: URI holds a character that is not base64");
+        if (c >= 'A' && c <= 'Z')
+            digit = c - 'A';
+        else if (c >= 'a' && c <= 'z')
+            digit = c - 'a' + 26;
+        else if (c >= '0' && c <= '9')
+            digit = c - '0' + 52;
+        else if (c == '+' || c == '-')
+            digit = 62;
+        else if (c == '/' || c == '_')
+            digit = 63;
+        else if (c == '=')
+            break;
+        else
+            return malformed("a data: URI holds a character that is not base64");
         window = (window << 6 | static_cast<uint32_t>(digit)) & 0xffffff;
         bits += 6;
         if (bits < 8) continue;
@@ -110,12 +121,18 @@ struct Accessor {
         if (data.empty()) return 0.0;
         const size_t at = element * stride + k * size_of(component_type);
         switch (component_type) {
-        case 5120: return scaled(load<int8_t>(data, at));
-        case 5121: return scaled(load<uint8_t>(data, at));
-        case 5122: return scaled(load<int16_t>(data, at));
-        case 5123: return scaled(load<uint16_t>(data, at));
-        case 5125: return load<uint32_t>(data, at);
-        default: return load<float>(data, at);
+        case 5120:
+            return scaled(load<int8_t>(data, at));
+        case 5121:
+            return scaled(load<uint8_t>(data, at));
+        case 5122:
+            return scaled(load<int16_t>(data, at));
+        case 5123:
+            return scaled(load<uint16_t>(data, at));
+        case 5125:
+            return load<uint32_t>(data, at);
+        default:
+            return load<float>(data, at);
         }
     }
 
@@ -123,12 +140,16 @@ struct Accessor {
     static uint64_t size_of(uint64_t component_type) {
         switch (component_type) {
         case 5120:
-        case 5121: return 1;
+        case 5121:
+            return 1;
         case 5122:
-        case 5123: return 2;
+        case 5123:
+            return 2;
         case 5125:
-        case 5126: return 4;
-        default: return 0;
+        case 5126:
+            return 4;
+        default:
+            return 0;
         }
     }
 
@@ -211,7 +232,8 @@ class GltfReader {
         const Json* values = member(object, key);
         if (values == nullptr) return result;
         for (const Json& value : *values) {
-            if (!value.is_number_unsigned()) return malformed(std::string(key) + " holds something else than indices");
+            if (!value.is_number_unsigned())
+                return malformed(std::string(key) + " holds something else than indices");
             result.push_back(value.get<uint64_t>());
         }
         return result;
@@ -224,7 +246,8 @@ class GltfReader {
             glm::dmat4 parent;
         };
         std::vector<Visit> stack;
-        for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, glm::dmat4(1.0)});
+        for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+            stack.push_back({*root, glm::dmat4(1.0)});
         std::vector<bool> seen(member(document_, "nodes") != nullptr ? document_["nodes"].size() : 0, false);
         while (!stack.empty()) {
             const Visit visit = stack.back();
@@ -245,7 +268,8 @@ class GltfReader {
             }
             const Result<std::vector<uint64_t>> children = indices_of(**node, "children");
             if (!children) return children.error();
-            for (auto child = children->rbegin(); child != children->rend(); ++child) stack.push_back({*child, world});
+            for (auto child = children->rbegin(); child != children->rend(); ++child)
+                stack.push_back({*child, world});
         }
         return {};
     }
@@ -290,11 +314,13 @@ class GltfReader {
         const Json* attributes = member(primitive, "attributes");
         if (*mode < 4 || attributes == nullptr || member(*attributes, "POSITION") == nullptr) return {};
 
-        const Result<Accessor> positions = accessor(unsigned_member(*attributes, "POSITION", std::nullopt), "VEC3");
+        const Result<Accessor> positions =
+            accessor(unsigned_member(*attributes, "POSITION", std::nullopt), "VEC3");
         if (!positions) return positions.error();
         std::vector<uint32_t> corners;
         if (member(primitive, "indices") != nullptr) {
-            const Result<Accessor> indices = accessor(unsigned_member(primitive, "indices", std::nullopt), "SCALAR");
+            const Result<Accessor> indices =
+                accessor(unsigned_member(primitive, "indices", std::nullopt), "SCALAR");
             if (!indices) return indices.error();
             for (uint64_t k = 0; k < indices->count; ++k) {
                 const double corner = indices->component(k, 0);
@@ -311,7 +337,8 @@ class GltfReader {
         }
         if (mesh_.positions.size() + positions->count > most_elements
             || mesh_.triangles.size() + corners.size() > most_elements) {
-            return malformed("with it the file holds over 100 million vertices or triangles; simplify the mesh");
+            return malformed(
+                "with it the file holds over 100 million vertices or triangles; simplify the mesh");
         }
         return append(*positions, corners, *mode, world);
     }
@@ -320,7 +347,8 @@ class GltfReader {
                         const glm::dmat4& world) {
         const auto base = static_cast<uint32_t>(mesh_.positions.size());
         for (uint64_t v = 0; v < positions.count; ++v) {
-            const glm::dvec4 local(positions.component(v, 0), positions.component(v, 1), positions.component(v, 2), 1.0);
+            const glm::dvec4 local(positions.component(v, 0), positions.component(v, 1),
+                                   positions.component(v, 2), 1.0);
             mesh_.positions.emplace_back(world * local);
         }
         // A mirroring transform turns every triangle inside out; section 3.7.4.
@@ -331,13 +359,16 @@ class GltfReader {
         };
         if (mode == 4) {
             if (corners.size() % 3 != 0) {
-                return malformed("it has " + std::to_string(corners.size()) + " corners, which is no multiple of three");
+                return malformed("it has " + std::to_string(corners.size())
+                                 + " corners, which is no multiple of three");
             }
             for (size_t k = 0; k < corners.size(); k += 3) add(k, k + 1, k + 2);
         } else {
             for (size_t k = 0; k + 2 < corners.size(); ++k) {
-                if (mode == 6) add(0, k + 1, k + 2); // a fan
-                else add(k, k + 1 + k % 2, k + 2 - k % 2); // a strip turns at every step
+                if (mode == 6)
+                    add(0, k + 1, k + 2); // a fan
+                else
+                    add(k, k + 1 + k % 2, k + 2 - k % 2); // a strip turns at every step
             }
         }
         return {};
@@ -353,29 +384,37 @@ class GltfReader {
         const std::optional<uint64_t> component_type = unsigned_member(json, "componentType", std::nullopt);
         const std::optional<uint64_t> offset = unsigned_member(json, "byteOffset", 0);
         const Json* type_found = member(json, "type");
-        if (!count || !component_type || !offset || Accessor::size_of(*component_type) == 0 || type_found == nullptr
-            || *type_found != type) {
-            return malformed(name + " has a damaged count, byteOffset or componentType, or is not of type " + type);
+        if (!count || !component_type || !offset || Accessor::size_of(*component_type) == 0
+            || type_found == nullptr || *type_found != type) {
+            return malformed(name + " has a damaged count, byteOffset or componentType, or is not of type "
+                             + type);
         }
         if (member(json, "sparse") != nullptr) {
             return malformed(name + " is sparse, which is not read; export without sparse accessors");
         }
         if (*count > most_elements) {
-            return malformed(name + " has " + std::to_string(*count) + " elements; over 100 million are not read");
+            return malformed(name + " has " + std::to_string(*count)
+                             + " elements; over 100 million are not read");
         }
         const Json* normalized = member(json, "normalized");
-        const uint64_t element_size = Accessor::size_of(*component_type) * (std::string_view(type) == "VEC3" ? 3 : 1);
-        Accessor result{*count, static_cast<uint32_t>(*component_type), normalized != nullptr && *normalized == true,
-                        element_size, {}};
+        const uint64_t element_size =
+            Accessor::size_of(*component_type) * (std::string_view(type) == "VEC3" ? 3 : 1);
+        Accessor result{*count,
+                        static_cast<uint32_t>(*component_type),
+                        normalized != nullptr && *normalized == true,
+                        element_size,
+                        {}};
         if (member(json, "bufferView") == nullptr || *count == 0) return result;
 
-        const Result<const Json*> view = element("bufferViews", unsigned_member(json, "bufferView", std::nullopt));
+        const Result<const Json*> view =
+            element("bufferViews", unsigned_member(json, "bufferView", std::nullopt));
         if (!view) return view.error();
         const Result<Bytes> bytes = bytes_of_view(**view);
         if (!bytes) return malformed(name + ": " + bytes.error().message);
         const std::optional<uint64_t> stride = unsigned_member(**view, "byteStride", element_size);
         // Strides are at most 252, so nothing below can overflow.
-        if (!stride || *stride < element_size || *stride > 252) return malformed(name + " has a damaged byteStride");
+        if (!stride || *stride < element_size || *stride > 252)
+            return malformed(name + " has a damaged byteStride");
         if (*offset > bytes->size() || (*count - 1) * *stride + element_size > bytes->size() - *offset) {
             return malformed(name + " has " + std::to_string(*count) + " elements, but its buffer view of "
                              + std::to_string(bytes->size()) + " bytes is too short for them");
@@ -442,10 +481,12 @@ struct Container {
 
 // Section 4.4: a head of twelve bytes, then chunks of length, kind and content.
 Result<Container> open_glb(Bytes bytes) {
-    if (bytes.size() < 20) return malformed("a GLB file of " + std::to_string(bytes.size()) + " bytes was cut short");
+    if (bytes.size() < 20)
+        return malformed("a GLB file of " + std::to_string(bytes.size()) + " bytes was cut short");
     const auto version = load<uint32_t>(bytes, 4);
     const auto length = load<uint32_t>(bytes, 8);
-    if (version != 2) return malformed("glTF version " + std::to_string(version) + "; only 2 is read, export it anew");
+    if (version != 2)
+        return malformed("glTF version " + std::to_string(version) + "; only 2 is read, export it anew");
     if (length > bytes.size()) {
         return malformed("its head promises " + std::to_string(length) + " bytes, but the file has "
                          + std::to_string(bytes.size()) + "; it was cut short");
@@ -455,10 +496,13 @@ Result<Container> open_glb(Bytes bytes) {
     for (int chunk = 0; chunk < 2 && at + 8 <= length; ++chunk) {
         const auto size = load<uint32_t>(bytes, at);
         const auto kind = load<uint32_t>(bytes, at + 4);
-        if (size > length - at - 8) return malformed("chunk " + std::to_string(chunk) + " is longer than the file");
+        if (size > length - at - 8)
+            return malformed("chunk " + std::to_string(chunk) + " is longer than the file");
         if (chunk == 0 && kind != 0x4E4F534A) return malformed("its first chunk is not JSON");
-        if (chunk == 0) result.json = bytes.subspan(at + 8, size);
-        else if (kind == 0x004E4942) result.binary = bytes.subspan(at + 8, size);
+        if (chunk == 0)
+            result.json = bytes.subspan(at + 8, size);
+        else if (kind == 0x004E4942)
+            result.binary = bytes.subspan(at + 8, size);
         at += 8 + size;
     }
     return result;
@@ -482,7 +526,8 @@ Result<TriangleMesh> read_gltf(std::span<const std::byte> bytes, const std::file
     Json document = Json::parse(text, text + container.json.size(), keep, false);
     if (too_deep) return malformed("its JSON is nested over 64 levels deep");
     if (document.is_discarded() || !document.is_object()) {
-        return malformed("neither a GLB file nor glTF: the JSON cannot be read; it was cut short or is damaged");
+        return malformed(
+            "neither a GLB file nor glTF: the JSON cannot be read; it was cut short or is damaged");
     }
     return GltfReader(std::move(document), container.binary, folder).read();
 }

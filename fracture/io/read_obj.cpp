@@ -3,6 +3,8 @@
 #include <limits>
 #include <string>
 
+#include <glm/geometric.hpp>
+
 #include "fracture/io/readers.h"
 #include "fracture/io/text_cursor.h"
 #include "fracture/triangulate.h"
@@ -50,7 +52,8 @@ class ObjReader {
             if (!value || !std::isfinite(*value)) {
                 return malformed(cursor_.line(), "vertex " + std::to_string(mesh_.positions.size() + 1)
                                                      + " needs three finite coordinates, but number "
-                                                     + std::to_string(k + 1) + " of them is " + quoted(token));
+                                                     + std::to_string(k + 1) + " of them is "
+                                                     + quoted(token));
             }
             position[k] = *value;
         }
@@ -93,14 +96,18 @@ class ObjReader {
         size_t begin = 0;
         for (const uint32_t size : sizes_) {
             const std::span<const uint32_t> face = std::span(corners_).subspan(begin, size);
-            if (size == 3) mesh_.triangles.emplace_back(face[0], face[1], face[2]);
-            else if (size == 4) split_quad(face);
-            else split_polygon(face);
+            if (size == 3)
+                mesh_.triangles.emplace_back(face[0], face[1], face[2]);
+            else if (size == 4)
+                split_quad(face);
+            else
+                split_polygon(face);
             begin += size;
         }
     }
 
-    // Along the diagonal that gives two triangles on the same side; the first where both do or the quad is folded.
+    // Along the diagonal that gives two triangles on the same side; the first where both do or the quad is
+    // folded.
     void split_quad(std::span<const uint32_t> face) {
         const auto normal = [&](int a, int b, int c) {
             const glm::dvec3& origin = mesh_.positions[face[a]];

@@ -1,11 +1,12 @@
 // The readers behind import_mesh, one a format. Internal: include io/import.h instead.
 //
-// All take bytes that others damaged and promise: no read outside them, memory and time bounded by their size, and
-// indices in range in what comes out. Positions are as in the file, not yet welded. Messages do not name the file
-// (import_mesh puts it in front) but the line, byte or index.
+// All take bytes that others damaged and promise: no read outside them, memory and time bounded by their
+// size, and indices in range in what comes out. Positions are as in the file, not yet welded. Messages do not
+// name the file (import_mesh puts it in front) but the line, byte or index.
 //
-// They are our own, not a library's, for four reasons: assimp reads single precision only, drops out-of-range faces
-// without a word, gives no line numbers, and brought down the process on damaged or deeply nested files.
+// They are our own, not a library's, for four reasons: assimp reads single precision only, drops out-of-range
+// faces without a word, gives no line numbers, and brought down the process on damaged or deeply nested
+// files.
 #pragma once
 
 #include <cstddef>
@@ -18,20 +19,21 @@
 
 namespace brittle::fracture {
 
-// Wavefront OBJ: `v` and `f` (with negative indices, continued lines and polygons, also concave ones); everything
-// else is skipped, materials are never opened.
+// Wavefront OBJ: `v` and `f` (with negative indices, continued lines and polygons, also concave ones);
+// everything else is skipped, materials are never opened.
 [[nodiscard]] Result<TriangleMesh> read_obj(std::string_view text);
 
 // Stereolithography, text or binary, told apart by content: many binary files start with "solid" too.
 [[nodiscard]] Result<TriangleMesh> read_stl(std::span<const std::byte> bytes);
 
-// 3D Studio: the triangle meshes. Their vertices are stored in world coordinates, so the mesh matrix (4160) and the
-// keyframer's nodes are not applied.
+// 3D Studio: the triangle meshes. Their vertices are stored in world coordinates, so the mesh matrix (4160)
+// and the keyframer's nodes are not applied.
 [[nodiscard]] Result<TriangleMesh> read_3ds(std::span<const std::byte> bytes);
 
-// glTF 2.0, as .gltf or .glb: triangles, strips and fans of the default scene under their node transforms. Points,
-// lines, skins, morph targets and animations are skipped; sparse and compressed accessors are refused.
-// Buffers may lie in the file, in data: URIs, or in files below the folder.
-[[nodiscard]] Result<TriangleMesh> read_gltf(std::span<const std::byte> bytes, const std::filesystem::path& folder);
+// glTF 2.0, as .gltf or .glb: triangles, strips and fans of the default scene under their node transforms.
+// Points, lines, skins, morph targets and animations are skipped; sparse and compressed accessors are
+// refused. Buffers may lie in the file, in data: URIs, or in files below the folder.
+[[nodiscard]] Result<TriangleMesh> read_gltf(std::span<const std::byte> bytes,
+                                             const std::filesystem::path& folder);
 
 } // namespace brittle::fracture

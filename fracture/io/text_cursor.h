@@ -8,7 +8,8 @@
 
 namespace brittle::fracture {
 
-// Tokens are separated by spaces and tabs. A backslash before the end of a line continues it, as OBJ wants it.
+// Tokens are separated by spaces and tabs. A backslash before the end of a line continues it, as OBJ wants
+// it.
 class TextCursor {
   public:
     explicit TextCursor(std::string_view text) : text_(text) {}
@@ -24,15 +25,16 @@ class TextCursor {
     void next_line();
 
   private:
-    [[nodiscard]] size_t continuation() const; // length of a backslash and line end here; 0 where there is none
+    [[nodiscard]] size_t
+    continuation() const; // length of a backslash and line end here; 0 where there is none
 
     std::string_view text_;
     size_t at_ = 0;
     size_t line_ = 1;
 };
 
-// The number that the whole token spells, never depending on the locale; nothing where it is none. "nan" and "inf"
-// are numbers, what does not fit a double is infinite or zero.
+// The number that the whole token spells, never depending on the locale; nothing where it is none. "nan" and
+// "inf" are numbers, what does not fit a double is infinite or zero.
 [[nodiscard]] std::optional<double> parse_number(std::string_view token);
 
 // The token in quotes for a message, shortened, with bytes that may upset a terminal replaced.

@@ -21,18 +21,22 @@ Key key_of(const glm::dvec3& p) {
             std::bit_cast<uint64_t>(p.z + 0.0)};
 }
 
-// The low bits of coordinates that were floats in a file are all zero, so every word is mixed before it is used.
+// The low bits of coordinates that were floats in a file are all zero, so every word is mixed before it is
+// used.
 uint64_t mix(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
     return z ^ (z >> 31);
 }
 
-uint64_t hash(const Key& key) { return mix(mix(mix(key.x) + key.y) + key.z); }
+uint64_t hash(const Key& key) {
+    return mix(mix(mix(key.x) + key.y) + key.z);
+}
 
 // For each vertex the first one at the same position.
 std::vector<uint32_t> first_at_same_position(const std::vector<glm::dvec3>& positions) {
-    // Open addressing with linear probing, at most half full. The result does not depend on the order of slots.
+    // Open addressing with linear probing, at most half full. The result does not depend on the order of
+    // slots.
     const size_t slots = std::bit_ceil(positions.size() * 2 + 1);
     std::vector<uint32_t> table(slots, none);
     std::vector<uint32_t> first(positions.size());
