@@ -10,10 +10,8 @@ namespace {
 
 // An undirected edge and how often it is used in each direction.
 struct Edge {
-    uint32_t low = 0;
-    uint32_t high = 0;
-    int forward = 0;  // low to high
-    int backward = 0; // high to low
+    int forward = 0;  // from the lower vertex index to the higher
+    int backward = 0;
 
     [[nodiscard]] bool joins() const { return forward + backward == 2; }
     [[nodiscard]] bool paired() const { return forward == 1 && backward == 1; }
@@ -30,30 +28,31 @@ struct Patch {
 };
 
 EdgeTable edge_table(const std::vector<Triangle>& triangles) {
-    const auto ends = [&](uint32_t corner) {
-        const Triangle& t = triangles[corner / 3];
-        return std::pair{t[static_cast<int>(corner % 3)], t[static_cast<int>((corner + 1) % 3)]};
+    // Corners sorted by the ends of their edges, lower end first.
+    struct Use {
+        uint64_t ends;
+        uint32_t corner;
+        bool forward;
     };
-    const auto sorted_ends = [&](uint32_t corner) {
-        const auto [a, b] = ends(corner);
-        return std::pair{std::min(a, b), std::max(a, b)};
-    };
-    std::vector<uint32_t> order(triangles.size() * 3);
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-        return std::pair{sorted_ends(a), a} < std::pair{sorted_ends(b), b};
-    });
+    std::vector<Use> uses;
+    uses.reserve(triangles.size() * 3);
+    for (const Triangle& t : triangles) {
+        for (int k = 0; k < 3; ++k) {
+            const uint32_t from = t[k];
+            const uint32_t to = t[(k + 1) % 3];
+            const uint64_t ends = uint64_t{std::min(from, to)} << 32 | std::max(from, to);
+            uses.push_back({ends, static_cast<uint32_t>(uses.size()), from < to});
+        }
+    }
+    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.ends < b.ends; });
 
     EdgeTable table;
-    table.of_corner.resize(order.size());
-    for (const uint32_t corner : order) {
-        const auto [low, high] = sorted_ends(corner);
-        if (table.edges.empty() || table.edges.back().low != low || table.edges.back().high != high) {
-            table.edges.push_back({low, high});
-        }
+    table.of_corner.resize(uses.size());
+    for (size_t k = 0; k < uses.size(); ++k) {
+        if (k == 0 || uses[k].ends != uses[k - 1].ends) table.edges.emplace_back();
         Edge& edge = table.edges.back();
-        ++(ends(corner).first == low ? edge.forward : edge.backward);
-        table.of_corner[corner] = static_cast<uint32_t>(table.edges.size() - 1);
+        ++(uses[k].forward ? edge.forward : edge.backward);
+        table.of_corner[uses[k].corner] = static_cast<uint32_t>(table.edges.size() - 1);
     }
     return table;
 }
@@ -159,7 +158,8 @@ class PatchRemover {
         for (const uint32_t t : patch.triangles) {
             for (uint32_t k = 0; k < 3; ++k) {
                 Edge& edge = table_.edges[table_.of_corner[3 * t + k]];
-                const bool forward = mesh_.triangles[t][static_cast<int>(k)] == edge.low;
+                const Triangle& triangle = mesh_.triangles[t];
+                const bool forward = triangle[static_cast<int>(k)] < triangle[static_cast<int>((k + 1) % 3)];
                 (forward ? edge.forward : edge.backward) += change;
             }
         }
