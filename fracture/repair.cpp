@@ -10,7 +10,7 @@ namespace {
 
 // An undirected edge and how often it is used in each direction.
 struct Edge {
-    int forward = 0;  // from the lower vertex index to the higher
+    int forward = 0; // from the lower vertex index to the higher
     int backward = 0;
 
     [[nodiscard]] bool joins() const { return forward + backward == 2; }

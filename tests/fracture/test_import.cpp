@@ -176,7 +176,7 @@ TEST_CASE("import: one small mesh shown by very many nodes is refused before it 
 }
 
 TEST_CASE("import: damaged 3DS files are refused with chunk and byte") {
-    check_malformed("cut_short.3ds", "chunk 3D3D at byte 16 claims 251 bytes where");
+    check_malformed("cut_short.3ds", "chunk 3D3D at byte 16 claims 237 bytes where 207");
     check_malformed("out_of_range.3ds", "has a face 12 that names vertex 8 of 8");
     check_malformed("too_many_vertices.3ds", "chunk 4110 at byte 149 lists 900 elements");
     check_malformed("not_3ds.3ds", "does not start with the bytes 4D 4D");
@@ -274,7 +274,8 @@ TEST_CASE("import: the models of glmark2") {
     CHECK(cat.triangles.size() == 14348);
 }
 
-TEST_CASE("import: readers given files with random bytes changed, cut or repeated never crash or name missing vertices") {
+TEST_CASE("import: readers given files with random bytes changed, cut or repeated never crash or name "
+          "missing vertices") {
     Random random(1);
     for (const char* name :
          {"spelled_oddly.obj", "cube_binary.stl", "cube_text.stl", "cube.glb", "mirrored.gltf", "cube.3ds"}) {
@@ -288,12 +289,24 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
             for (uint64_t k = 1 + random.next() % 4; k > 0; --k) {
                 const size_t at = random.next() % damaged.size();
                 switch (random.next() % 8) {
-                case 0: damaged.resize(at + 1); break;
-                case 1: damaged.insert(at, damaged.substr(random.next() % damaged.size(), 16)); break;
-                case 2: damaged.replace(at, 4, "\xff\xff\xff\xff"); break;
-                case 3: damaged.replace(at, 1, "-"); break;
-                case 4: damaged[at] = static_cast<char>(damaged[at] ^ (1 << random.next() % 8)); break;
-                default: damaged[at] = static_cast<char>(random.next()); break;
+                case 0:
+                    damaged.resize(at + 1);
+                    break;
+                case 1:
+                    damaged.insert(at, damaged.substr(random.next() % damaged.size(), 16));
+                    break;
+                case 2:
+                    damaged.replace(at, 4, "\xff\xff\xff\xff");
+                    break;
+                case 3:
+                    damaged.replace(at, 1, "-");
+                    break;
+                case 4:
+                    damaged[at] = static_cast<char>(damaged[at] ^ (1 << random.next() % 8));
+                    break;
+                default:
+                    damaged[at] = static_cast<char>(random.next());
+                    break;
                 }
             }
             const std::span<const std::byte> bytes = std::as_bytes(std::span(damaged));
