@@ -252,8 +252,9 @@ class ReflexGrid {
         }
         live_ = built_ = members_.size();
         // Few nodes are scanned faster than looked up.
-        side_ =
-            live_ < 48 ? 1 : std::min(1024u, static_cast<uint32_t>(std::sqrt(static_cast<double>(live_))));
+        side_ = live_ < 48
+                    ? 1
+                    : std::min(1024u, static_cast<uint32_t>(2.0 * std::sqrt(static_cast<double>(live_))));
         origin_ = low;
         const glm::dvec2 size = high - low;
         per_unit_ = {size.x > 0.0 ? side_ / size.x : 0.0, size.y > 0.0 ? side_ / size.y : 0.0};
@@ -308,7 +309,7 @@ class ReflexGrid {
 
 class Ring {
   public:
-    // edges: of all loops and of what has been cut so far; null where no id occurs twice, as then no diagonal
+    // edges: of all loops and of what has been cut so far; null where no diagonal
     // can repeat an edge.
     Ring(std::span<const glm::dvec2> points, EdgeSet* edges) : points_(points), edges_(edges) {}
 
@@ -349,18 +350,21 @@ class Ring {
         }
         start_clipping();
         while (count_ > 3) {
-            uint32_t ear = none;
-            if (head_ < queue_.size()) {
-                ear = queue_[head_++];
-                nodes_[ear].queued = false;
-                if (nodes_[ear].cut || nodes_[ear].reflex || !is_ear(ear)) continue;
-            } else {
-                ear = least_bad_ear();
+            if (head_ == queue_.size()) {
+                cut_and_update(least_bad_ear());
                 ++forced_;
+                continue;
             }
-            cut_and_update(ear);
+            const uint32_t t = queue_[head_++];
+            nodes_[t].queued = false;
+            if (nodes_[t].cut || nodes_[t].reflex || !is_ear(t)) continue;
+            if (may_join(nodes_[nodes_[t].prev], nodes_[nodes_[t].next])) {
+                cut_and_update(t);
+            } else {
+                close_off_around(t);
+            }
         }
-        cut_last();
+        if (count_ == 3) cut_last(); // else the rest is an edge there and back
     }
 
     // Phase 4: Lawson's edge flips. An edge is flipped where both new triangles are strictly positive and
@@ -395,6 +399,7 @@ class Ring {
             out.triangles.push_back(reversed_ ? Triangle(a, c, b) : Triangle(a, b, c));
         }
         out.forced_ears += forced_;
+        out.vertex_tests += vertex_tests_;
     }
 
   private:
@@ -513,6 +518,16 @@ class Ring {
         if (across != none) twin_[across] = h;
     }
 
+    // The triangle of three nodes in a row whose edges all are edges of the ring.
+    void add_triangle(uint32_t a, uint32_t b, uint32_t c) {
+        const auto h = static_cast<uint32_t>(twin_.size());
+        triangles_.emplace_back(a, b, c);
+        twin_.resize(twin_.size() + 3, none);
+        link(h, nodes_[a].outer);
+        link(h + 1, nodes_[b].outer);
+        link(h + 2, nodes_[c].outer);
+    }
+
     // Cuts the ear at t, whatever it looks like.
     void cut(uint32_t t) {
         const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
@@ -524,21 +539,14 @@ class Ring {
         nodes_[p].outer = h + 2;
         nodes_[p].next = n;
         nodes_[n].prev = p;
-        nodes_[t].cut = true;
         start_ = n;
         --count_;
         if (edges_) edges_->insert(nodes_[p].id, nodes_[n].id);
     }
 
-    // Of the triangle that is left all three edges have something across.
     void cut_last() {
         const uint32_t a = start_, b = nodes_[a].next, c = nodes_[b].next;
-        const auto h = static_cast<uint32_t>(twin_.size());
-        triangles_.emplace_back(a, b, c);
-        twin_.resize(twin_.size() + 3, none);
-        link(h, nodes_[a].outer);
-        link(h + 1, nodes_[b].outer);
-        link(h + 2, nodes_[c].outer);
+        add_triangle(a, b, c);
         if (!(orientation(nodes_[a].p, nodes_[b].p, nodes_[c].p) > 0.0)) ++forced_;
     }
 
@@ -604,9 +612,10 @@ class Ring {
         const Node& tip = nodes_[t];
         const uint32_t p = tip.prev, n = tip.next;
         const glm::dvec2 a = nodes_[p].p, b = tip.p, c = nodes_[n].p;
-        if (!may_join(nodes_[p], nodes_[n])) return false;
+        if (nodes_[p].id == nodes_[n].id) return false;
         const glm::dvec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
         const uint32_t blocker = grid_.find(low, high, [&](uint32_t r) {
+            ++vertex_tests_;
             const Node& node = nodes_[r];
             if (node.cut || !node.reflex || r == p || r == n) return false;
             const glm::dvec2& x = node.p;
@@ -630,19 +639,51 @@ class Ring {
     void cut_and_update(uint32_t t) {
         const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
         cut(t);
-        if (nodes_[t].reflex) grid_.remove();
-        release_waiting(t);
-        for (const uint32_t i : {p, n}) {
-            const bool was_reflex = nodes_[i].reflex;
-            nodes_[i].reflex = !(turn_at(nodes_[i]) > 0.0);
-            if (was_reflex && !nodes_[i].reflex) {
-                grid_.remove();
-                release_waiting(i);
-            }
-            if (!was_reflex && nodes_[i].reflex) grid_.add(i);
-            if (!nodes_[i].reflex) push(i);
-        }
+        forget(t);
+        update(p);
+        update(n);
         if (grid_.is_stale()) grid_.build(nodes_);
+    }
+
+    void forget(uint32_t i) {
+        nodes_[i].cut = true;
+        if (nodes_[i].reflex) grid_.remove();
+        release_waiting(i);
+    }
+
+    void update(uint32_t i) {
+        const bool was_reflex = nodes_[i].reflex;
+        nodes_[i].reflex = !(turn_at(nodes_[i]) > 0.0);
+        if (was_reflex && !nodes_[i].reflex) {
+            grid_.remove();
+            release_waiting(i);
+        }
+        if (!was_reflex && nodes_[i].reflex) grid_.add(i);
+        if (!nodes_[i].reflex) push(i);
+    }
+
+    // A strict ear whose third edge exists: where loops touch in several vertices the ring pinches off a
+    // triangle, f -> b -> c -> g with g the same point as f. It is emitted with its three ring edges, and f
+    // goes on after g.
+    void close_off_around(uint32_t t) {
+        const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
+        uint32_t f = none;
+        if (nodes_[nodes_[p].prev].id == nodes_[n].id) {
+            f = nodes_[p].prev;
+        } else if (nodes_[nodes_[n].next].id == nodes_[p].id) {
+            f = p;
+        } else {
+            return; // left to its neighbours, or to a forced cut
+        }
+        const uint32_t b = nodes_[f].next, c = nodes_[b].next, g = nodes_[c].next;
+        add_triangle(f, b, c);
+        nodes_[f].outer = nodes_[g].outer;
+        nodes_[f].next = nodes_[g].next;
+        nodes_[nodes_[f].next].prev = f;
+        start_ = f;
+        count_ -= 3;
+        for (const uint32_t i : {b, c, g}) forget(i);
+        if (count_ >= 3) update(f);
     }
 
     // For rings without a strict ear: zero-area ones, and such as cross themselves. Prefers, in this order:
@@ -734,6 +775,7 @@ class Ring {
     std::vector<Wait> waits_;
     ReflexGrid grid_;
     uint32_t forced_ = 0;
+    uint64_t vertex_tests_ = 0;
 
     std::vector<Triangle> triangles_; // of node indices
     std::vector<uint32_t> twin_;      // per half-edge 3 t + k (corner k to k + 1): the one across, or none
@@ -748,13 +790,19 @@ bool has_repeated_ids(const std::vector<LoopInfo>& loops) {
     return std::adjacent_find(ids.begin(), ids.end()) != ids.end();
 }
 
+bool has_hole(const std::vector<LoopInfo>& loops) {
+    return std::any_of(loops.begin(), loops.end(), [](const LoopInfo& loop) { return loop.hole_of != none; });
+}
+
 } // namespace
 
 Triangulation triangulate(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
     const Nesting nesting(points, loops);
     const std::vector<LoopInfo>& parts = nesting.loops();
     EdgeSet edges;
-    const bool repeated = has_repeated_ids(parts);
+    // The ends of a bridge are two nodes each; only then, or where loops share ids, can a diagonal repeat an
+    // edge.
+    const bool repeated = has_repeated_ids(parts) || has_hole(parts);
     if (repeated) {
         for (const LoopInfo& loop : parts) {
             for (size_t k = 0; k < loop.ids.size(); ++k) {
