@@ -1,1 +1,93 @@
 #include "fracture/io/import.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+
+#include "fracture/io/read_file.h"
+#include "fracture/io/readers.h"
+#include "fracture/io/weld.h"
+
+namespace brittle::fracture {
+namespace {
+
+std::string lower_case_extension(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+Error unsupported(const std::filesystem::path& file, const std::string& extension) {
+    std::string readable;
+    for (const std::string& known : importable_extensions())
+        readable += (readable.empty() ? "" : ", ") + known;
+    const std::string what =
+        extension.empty() ? "the file name has no ending" : extension + " files are not read";
+    return {Status::unsupported_format,
+            file.string() + ": " + what + "; convert the mesh to one of " + readable};
+}
+
+Result<TriangleMesh> parse(const std::string& extension, std::span<const std::byte> bytes,
+                           const std::filesystem::path& folder) {
+    if (extension == ".obj") return read_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (extension == ".stl") return read_stl(bytes);
+    if (extension == ".3ds") return read_3ds(bytes);
+    return read_gltf(bytes, folder);
+}
+
+Result<void> check_finite(const TriangleMesh& mesh) {
+    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+        const glm::dvec3& p = mesh.positions[v];
+        if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+        char place[96];
+        std::snprintf(place, sizeof(place), "(%g, %g, %g)", p.x, p.y, p.z);
+        return Error{Status::malformed_file, "vertex " + std::to_string(v) + " lies at " + place
+                                                 + "; all coordinates must be finite"};
+    }
+    return {};
+}
+
+Result<TriangleMesh> import_and_weld(const std::filesystem::path& file) {
+    const std::string extension = lower_case_extension(file);
+    const std::vector<std::string>& known = importable_extensions();
+    if (std::find(known.begin(), known.end(), extension) == known.end()) return unsupported(file, extension);
+
+    const Result<std::vector<std::byte>> bytes = read_file(file);
+    if (!bytes) return bytes.error();
+    const Result<TriangleMesh> raw = parse(extension, *bytes, file.parent_path());
+    if (!raw) return Error{raw.error().status, file.string() + ": " + raw.error().message};
+    if (const Result<void> finite = check_finite(*raw); !finite) {
+        return Error{finite.error().status, file.string() + ": " + finite.error().message};
+    }
+    TriangleMesh mesh = weld(*raw);
+    if (mesh.triangles.empty()) {
+        const std::string what =
+            raw->triangles.empty()
+                ? "no triangles in the file; export the mesh with its faces"
+                : "all triangles in the file have two corners at the same place; export it in a "
+                  "larger unit or with more digits";
+        return Error{Status::empty_mesh, file.string() + ": " + what};
+    }
+    return mesh;
+}
+
+} // namespace
+
+const std::vector<std::string>& importable_extensions() {
+    static const std::vector<std::string> extensions{".obj", ".stl", ".glb", ".gltf", ".3ds"};
+    return extensions;
+}
+
+Result<TriangleMesh> import_mesh(const std::filesystem::path& file) {
+    // Our readers do not throw, but allocation and the JSON library do when memory runs out.
+    try {
+        return import_and_weld(file);
+    } catch (const std::exception& exception) {
+        return Error{Status::malformed_file, file.string() + ": cannot be read: " + exception.what()};
+    }
+}
+
+} // namespace brittle::fracture

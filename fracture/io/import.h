@@ -1,11 +1,14 @@
-// Mesh files in: OBJ, STL (text and binary), GLB/glTF, and 3DS.
+// Mesh files in: OBJ, STL (text and binary), glTF and GLB, and 3DS.
 //
-// All meshes of a file are joined into one, with node transforms applied; polygons are split into triangles; vertices
-// at bit-equal positions are welded, because files split them at normal and texture seams. Nothing else is changed:
-// open or non-manifold meshes are returned as they are, and fracture() or `brittle fracture` says what is wrong.
+//     Result<TriangleMesh> mesh = import_mesh("bunny.obj");
+//
+// All meshes of a file are joined into one, with node transforms applied; polygons are split into triangles;
+// vertices at bit-equal positions are welded (weld.h), because files split them at normal and texture seams.
+// Nothing else is changed: units and axes stay as in the file (STL and 3DS are often Z up), materials and
+// textures are not opened, and open or non-manifold meshes are returned as they are: check_topology()
+// (topology.h) says what is wrong, and remove_spare_patches() (repair.h) mends one common flaw.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,8 +18,11 @@
 
 namespace brittle::fracture {
 
-// Errors: file_not_found, unsupported_format, malformed_file, empty_mesh; the message names the file and what to do.
-// Exporters that triangulate or weld badly leave triangles that name a vertex twice after welding: these are dropped.
+// The reader is chosen by the file's ending, in upper or lower case.
+// Errors: file_not_found, unsupported_format, malformed_file (damaged, cut short, indices out of range,
+// coordinates that are not finite), empty_mesh; the message names the file, where in it, and what to do.
+// Never throws, and reads damaged files of any kind in time and memory bounded by their size. Triangles that
+// name a vertex twice after welding are dropped; exporters that round coordinates leave them.
 [[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& file);
 
 // File endings that import_mesh reads, lower case with the dot, for help texts: ".obj", ".stl", ...

@@ -1,1 +1,329 @@
+#include "fracture/io/import.h"
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+
 #include <doctest/doctest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "fracture/io/readers.h"
+#include "fracture/random.h"
+#include "fracture/repair.h"
+#include "mesh_checks.h"
+
+using namespace brittle::fracture;
+using test::is_closed;
+using test::signed_volume;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path meshes = fs::path(BRITTLE_CORPUS) / "meshes";
+const fs::path glmark2 = "/usr/share/glmark2/models";
+
+void write(const fs::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+
+std::string content_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Imports a file that must fail, checks the kind and that the message names the file and says the words.
+void check_refused(const fs::path& file, Status status, const std::string& words) {
+    CAPTURE(file.string());
+    const Result<TriangleMesh> result = import_mesh(file);
+    REQUIRE(!result);
+    CAPTURE(result.error().message);
+    CHECK(std::string(to_string(result.error().status)) == to_string(status));
+    CHECK(result.error().message.find(file.filename().string()) != std::string::npos);
+    CHECK(result.error().message.find(words) != std::string::npos);
+}
+
+void check_malformed(const char* name, const std::string& words) {
+    check_refused(meshes / name, Status::malformed_file, words);
+}
+
+TriangleMesh import_valid(const fs::path& file) {
+    CAPTURE(file.string());
+    Result<TriangleMesh> result = import_mesh(file);
+    if (!result) FAIL(result.error().message);
+    return std::move(*result);
+}
+
+} // namespace
+
+TEST_CASE("import: missing files, folders, pipes and unreadable files are refused with the reason") {
+    const test::TemporaryFolder folder;
+    check_refused(folder.path() / "none.obj", Status::file_not_found, "No such file or directory");
+    fs::create_directory(folder.path() / "folder.obj");
+    check_refused(folder.path() / "folder.obj", Status::file_not_found, "is a folder");
+    REQUIRE(::mkfifo((folder.path() / "pipe.stl").c_str(), 0600) == 0);
+    check_refused(folder.path() / "pipe.stl", Status::file_not_found, "no regular file");
+
+    const fs::path secret = folder.path() / "secret.obj";
+    write(secret, "v 0 0 0\n");
+    REQUIRE(::chmod(folder.path().c_str(), 0755) == 0);
+    REQUIRE(::chmod(secret.c_str(), 0) == 0);
+    const bool root = ::geteuid() == 0; // permissions do not bind root
+    if (root) REQUIRE(::seteuid(65534) == 0);
+    const Result<TriangleMesh> result = import_mesh(secret);
+    if (root) REQUIRE(::seteuid(0) == 0);
+    REQUIRE(!result);
+    CHECK(result.error().message.find("Permission denied") != std::string::npos);
+}
+
+TEST_CASE("import: empty and oversized files are refused without reading them") {
+    check_malformed("empty.obj", "empty (0 bytes)");
+    const test::TemporaryFolder folder;
+    const fs::path huge = folder.path() / "huge.stl";
+    write(huge, "x");
+    std::error_code no_sparse_files;
+    fs::resize_file(huge, uint64_t{5} << 30, no_sparse_files);
+    if (!no_sparse_files) check_refused(huge, Status::malformed_file, "4 GiB");
+}
+
+TEST_CASE("import: unknown endings are refused with the readable ones, in any case of letters") {
+    check_refused("mesh.ply", Status::unsupported_format,
+                  ".ply files are not read; convert the mesh to one of .obj, .stl");
+    check_refused("mesh.off", Status::unsupported_format, ".glb");
+    check_refused("mesh", Status::unsupported_format, "no ending");
+    const test::TemporaryFolder folder;
+    fs::copy_file(meshes / "cube.obj", folder.path() / "CUBE.OBJ");
+    CHECK(import_valid(folder.path() / "CUBE.OBJ").triangles.size() == 12);
+}
+
+TEST_CASE("import: files without usable triangles are named as such") {
+    for (const char* name : {"points_and_lines.obj", "garbage.obj", "no_triangles.stl", "points.gltf"}) {
+        check_refused(meshes / name, Status::empty_mesh, "no triangles in the file");
+    }
+    check_refused(meshes / "all_degenerate.obj", Status::empty_mesh, "two corners at the same place");
+}
+
+TEST_CASE("import: damaged OBJ files are refused with line and value") {
+    check_malformed("nan.obj",
+                    "line 3: vertex 3 needs three finite coordinates, but number 2 of them is 'nan'");
+    check_malformed("out_of_range.obj", "line 15: a face names vertex 9, but the file has only 8 vertices");
+    check_malformed("zero_index.obj", "line 15: a face names vertex '0'");
+    check_malformed("too_negative.obj", "line 4: a face names vertex '-4'");
+    check_malformed("two_corners.obj", "line 15: a face has 2 corners");
+    const test::TemporaryFolder folder;
+    fs::copy_file(meshes / "cube_binary.stl", folder.path() / "renamed.obj");
+    check_refused(folder.path() / "renamed.obj", Status::malformed_file, "not OBJ text");
+    std::string wide = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+    for (int k = 0; k < 5000; ++k) wide += " " + std::to_string(k % 3 + 1);
+    write(folder.path() / "wide.obj", wide);
+    check_refused(folder.path() / "wide.obj", Status::malformed_file, "line 4: a face has 5000 corners");
+}
+
+TEST_CASE("import: damaged STL files are refused with what was promised and what is there") {
+    check_malformed("cut_short_binary.stl", "promises 12 triangles, which take 684 bytes, but it has 614");
+    check_malformed("cut_short_text.stl", "the file ends; it was cut short");
+    check_malformed("wrong_word.stl", "line 7: 'endloop' expected, but found 'endlop'");
+    check_malformed("short_header.stl", "this file has 3");
+    check_malformed("nan_binary.stl", "vertex 9 lies at (nan, ");
+    check_malformed("infinite_text.stl", "a finite coordinate of triangle");
+}
+
+TEST_CASE("import: damaged glTF files are refused with the element") {
+    check_malformed("cut_short.glb", "it was cut short");
+    check_malformed("cut_short_head.glb", "9 bytes");
+    check_malformed("cut_short_inside.glb", "longer than the file");
+    check_malformed("version_1.glb", "version 1");
+    check_malformed("garbage.gltf", "the JSON cannot be read");
+    check_malformed("wrong_types.gltf", "scenes[0]");
+    check_malformed("out_of_range.gltf", "meshes[0].primitives[0]: index 38 names vertex 8 of 8");
+    check_malformed("node_cycle.gltf", "nodes[0] is reached twice");
+    check_malformed("endless_accessor.gltf", "accessors[0] has 4000000000 elements");
+    check_malformed("accessor_too_long.gltf", "accessors[0] has 9 elements");
+    check_malformed("offset_overflows.gltf", "too short");
+    check_malformed("view_too_long.gltf", "its buffer view ends at byte 96 + 100 of a buffer of 168");
+    check_malformed("compressed.gltf", "KHR_draco_mesh_compression");
+    check_malformed("missing_buffer.gltf", "nowhere.bin");
+    check_malformed("buffer_elsewhere.gltf", "not a file below its own folder");
+}
+
+TEST_CASE("import: JSON of a million brackets and a chain of 100,000 nodes do not overflow the stack") {
+    const test::TemporaryFolder folder;
+    write(folder.path() / "brackets.gltf", std::string(1'000'000, '['));
+    check_refused(folder.path() / "brackets.gltf", Status::malformed_file, "nested over 64 levels");
+    std::string chain = R"({"asset":{"version":"2.0"},"nodes":[)";
+    for (int k = 1; k < 100'000; ++k) chain += R"({"children":[)" + std::to_string(k) + "]},";
+    write(folder.path() / "chain.gltf", chain + "{}]}");
+    check_refused(folder.path() / "chain.gltf", Status::empty_mesh, "no triangles");
+}
+
+TEST_CASE("import: one small mesh shown by very many nodes is refused before it fills the memory") {
+    const std::string cube = content_of(meshes / "cube_bytes.gltf");
+    const std::string node = R"({"mesh":0})";
+    const size_t at = cube.find(node);
+    REQUIRE(at != std::string::npos);
+    // Zeros without a buffer: 99,999,999 corners a node.
+    std::string bomb =
+        R"({"asset":{"version":"2.0"},"accessors":[{"count":99999999,"componentType":5126,"type":"VEC3"},
+        {"count":3,"componentType":5125,"type":"SCALAR"}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0}}]}],"nodes":[)";
+    bomb += R"({"mesh":1},)";
+    for (int k = 0; k < 1000; ++k) bomb += node + ",";
+    const test::TemporaryFolder folder;
+    write(folder.path() / "bomb.gltf", bomb + node + "]}");
+    check_refused(folder.path() / "bomb.gltf", Status::malformed_file, "meshes[1]");
+}
+
+TEST_CASE("import: damaged 3DS files are refused with chunk and byte") {
+    check_malformed("cut_short.3ds", "chunk 3D3D at byte 16 claims 237 bytes where 207");
+    check_malformed("out_of_range.3ds", "has a face 12 that names vertex 8 of 8");
+    check_malformed("too_many_vertices.3ds", "chunk 4110 at byte 149 lists 900 elements");
+    check_malformed("not_3ds.3ds", "does not start with the bytes 4D 4D");
+    check_malformed("endless_name.3ds", "a name without an end");
+}
+
+TEST_CASE("import: the same cube comes out of every format, closed and right side out") {
+    for (const char* name :
+         {"cube.obj", "spelled_oddly.obj", "cube_binary.stl", "cube_named_solid.stl", "cube_text.stl",
+          "cube_text_shouting.stl", "cube.glb", "cube_bytes.gltf", "cube_outside_buffer.gltf", "cube.3ds"}) {
+        CAPTURE(name);
+        const TriangleMesh cube = import_valid(meshes / name);
+        CHECK(cube.positions.size() == 8);
+        CHECK(cube.triangles.size() == 12);
+        CHECK(is_closed(cube.triangles));
+        CHECK(signed_volume(cube) == doctest::Approx(8.0).epsilon(1e-15));
+    }
+}
+
+TEST_CASE("import: concave polygons are split inside themselves") {
+    for (const auto& [name, volume, triangles] :
+         {std::tuple{"concave_prism.obj", 5.0, 28u}, std::tuple{"concave_quads.obj", 6.0, 12u}}) {
+        CAPTURE(name);
+        const TriangleMesh mesh = import_valid(meshes / name);
+        CHECK(mesh.triangles.size() == triangles);
+        CHECK(is_closed(mesh.triangles));
+        CHECK(signed_volume(mesh) == doctest::Approx(volume));
+        // A triangle outside the polygon would have to be made up for by one that is upside down.
+        for (const Triangle& t : mesh.triangles) {
+            const glm::dvec3& a = mesh.positions[t.x];
+            const glm::dvec3 n = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+            if (a.z == 1.0 && mesh.positions[t.y].z == 1.0 && mesh.positions[t.z].z == 1.0) CHECK(n.z > 0.0);
+        }
+    }
+}
+
+TEST_CASE("import: OBJ coordinates keep double precision") {
+    const test::TemporaryFolder folder;
+    write(folder.path() / "fine.obj", "v 0.1 0 0\nv 1 0.123456789012345678 0\nv 0 1e-300 1\nf 1 2 3\n");
+    const TriangleMesh mesh = import_valid(folder.path() / "fine.obj");
+    CHECK(mesh.positions
+          == std::vector<glm::dvec3>{{0.1, 0, 0}, {1, 0.123456789012345678, 0}, {0, 1e-300, 1}});
+}
+
+TEST_CASE("import: node transforms apply, and a mirroring one does not turn the mesh inside out") {
+    const TriangleMesh mirrored = import_valid(meshes / "mirrored.gltf");
+    CHECK(is_closed(mirrored.triangles));
+    CHECK(signed_volume(mirrored) == doctest::Approx(48.0));
+    CHECK(bounds(mirrored).min == glm::dvec3(9, -2, -3));
+    CHECK(bounds(mirrored).max == glm::dvec3(11, 2, 3));
+
+    const TriangleMesh two = import_valid(meshes / "matrix_and_rotation.gltf");
+    CHECK(two.triangles.size() == 24);
+    CHECK(is_closed(two.triangles));
+    CHECK(signed_volume(two) == doctest::Approx(64.0 + 8.0));
+    CHECK(bounds(two).min.x == doctest::Approx(-6.0));
+    CHECK(bounds(two).max.x == doctest::Approx(7.0));
+}
+
+TEST_CASE("import: strips and fans face the same way as the quad they cover") {
+    for (const char* name : {"strip.gltf", "fan.gltf"}) {
+        CAPTURE(name);
+        const TriangleMesh mesh = import_valid(meshes / name);
+        REQUIRE(mesh.triangles.size() == 2);
+        glm::dvec3 area{0.0};
+        for (const Triangle& t : mesh.triangles) {
+            const glm::dvec3& a = mesh.positions[t.x];
+            area += 0.5 * glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+        }
+        CHECK(area == glm::dvec3(0, 0, 4));
+    }
+}
+
+TEST_CASE("import: the models of glmark2") {
+    if (!fs::exists(glmark2 / "bunny.obj")) {
+        MESSAGE("skipped: the Debian package glmark2-data is not installed");
+        return;
+    }
+    const TriangleMesh bunny = import_valid(glmark2 / "bunny.obj");
+    CHECK(bunny.positions.size() == 34835);
+    CHECK(bunny.triangles.size() == 69666);
+    CHECK(is_closed(bunny.triangles));
+
+    const TriangleMesh horse = import_valid(glmark2 / "horse.3ds");
+    CHECK(horse.positions.size() == 3582);
+    CHECK(horse.triangles.size() == 7172);
+    CHECK(!is_closed(horse.triangles)); // six quads are split along both diagonals
+    const Repair repair = remove_spare_patches(horse);
+    CHECK(repair.removed_patches == 6);
+    CHECK(repair.removed_triangles == 12);
+    CHECK(is_closed(repair.mesh.triangles));
+
+    const TriangleMesh cat = import_valid(glmark2 / "cat.3ds");
+    CHECK(cat.positions.size() == 7340);
+    CHECK(cat.triangles.size() == 14348);
+}
+
+TEST_CASE("import: readers given files with random bytes changed, cut or repeated never crash or name "
+          "missing vertices") {
+    Random random(1);
+    for (const char* name :
+         {"spelled_oddly.obj", "cube_binary.stl", "cube_text.stl", "cube.glb", "mirrored.gltf", "cube.3ds"}) {
+        CAPTURE(name);
+        const std::string original = content_of(meshes / name);
+        REQUIRE(!original.empty());
+        uint32_t read_well = 0;
+        for (int round = 0; round < 2000; ++round) {
+            CAPTURE(round);
+            std::string damaged = original;
+            for (uint64_t k = 1 + random.next() % 4; k > 0; --k) {
+                const size_t at = random.next() % damaged.size();
+                switch (random.next() % 8) {
+                case 0:
+                    damaged.resize(at + 1);
+                    break;
+                case 1:
+                    damaged.insert(at, damaged.substr(random.next() % damaged.size(), 16));
+                    break;
+                case 2:
+                    damaged.replace(at, 4, "\xff\xff\xff\xff");
+                    break;
+                case 3:
+                    damaged.replace(at, 1, "-");
+                    break;
+                case 4:
+                    damaged[at] = static_cast<char>(damaged[at] ^ (1 << random.next() % 8));
+                    break;
+                default:
+                    damaged[at] = static_cast<char>(random.next());
+                    break;
+                }
+            }
+            const std::span<const std::byte> bytes = std::as_bytes(std::span(damaged));
+            const std::string extension = fs::path(name).extension().string();
+            const Result<TriangleMesh> result = extension == ".obj"   ? read_obj(damaged)
+                                                : extension == ".stl" ? read_stl(bytes)
+                                                : extension == ".3ds" ? read_3ds(bytes)
+                                                                      : read_gltf(bytes, meshes);
+            if (!result) {
+                CHECK(!result.error().message.empty());
+                continue;
+            }
+            ++read_well;
+            for (const Triangle& t : result->triangles) {
+                for (int k = 0; k < 3; ++k) REQUIRE(t[k] < result->positions.size());
+            }
+        }
+        CHECK(read_well > 0); // else the damage is too coarse to reach the insides
+    }
+}

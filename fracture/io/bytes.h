@@ -1,0 +1,24 @@
+// Little-endian numbers in byte arrays, for the binary formats.
+#pragma once
+
+#include <bit>
+#include <cassert>
+#include <cstddef>
+#include <cstring>
+#include <span>
+
+namespace brittle::fracture {
+
+static_assert(std::endian::native == std::endian::little,
+              "binary mesh files are read and written as they lie in memory");
+
+// The T at offset, at any alignment. The caller has checked that it lies inside.
+template<class T>
+[[nodiscard]] T load(std::span<const std::byte> bytes, size_t offset) {
+    assert(offset <= bytes.size() && sizeof(T) <= bytes.size() - offset);
+    T value;
+    std::memcpy(&value, bytes.data() + offset, sizeof(T));
+    return value;
+}
+
+} // namespace brittle::fracture

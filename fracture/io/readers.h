@@ -1,0 +1,39 @@
+// The readers behind import_mesh, one a format. Internal: include io/import.h instead.
+//
+// All take bytes that others damaged and promise: no read outside them, memory and time bounded by their
+// size, and indices in range in what comes out. Positions are as in the file, not yet welded. Messages do not
+// name the file (import_mesh puts it in front) but the line, byte or index.
+//
+// They are our own and not assimp's, which was tried: its glTF reader overflows the stack on deeply nested
+// JSON and on long chains of nodes and drops faces with indices out of range without a word, its 3DS reader
+// swaps axes, it reads single precision only, and its errors name no line.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "fracture/error.h"
+#include "fracture/mesh.h"
+
+namespace brittle::fracture {
+
+// Wavefront OBJ: `v` and `f` (with negative indices, continued lines and polygons, also concave ones);
+// everything else is skipped, materials are never opened.
+[[nodiscard]] Result<TriangleMesh> read_obj(std::string_view text);
+
+// Stereolithography, text or binary, told apart by content: many binary files start with "solid" too.
+[[nodiscard]] Result<TriangleMesh> read_stl(std::span<const std::byte> bytes);
+
+// 3D Studio: the triangle meshes. Their vertices are stored in world coordinates, so the mesh matrix (4160)
+// and the keyframer's nodes are not applied.
+[[nodiscard]] Result<TriangleMesh> read_3ds(std::span<const std::byte> bytes);
+
+// glTF 2.0, as .gltf or .glb: triangles, strips and fans of the default scene under their node transforms.
+// Points, lines, skins, morph targets and animations are skipped; sparse and compressed accessors are
+// refused. Buffers may lie in the file, in data: URIs, or in files below the folder.
+[[nodiscard]] Result<TriangleMesh> read_gltf(std::span<const std::byte> bytes,
+                                             const std::filesystem::path& folder);
+
+} // namespace brittle::fracture

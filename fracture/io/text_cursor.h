@@ -1,0 +1,43 @@
+// Walks through the tokens and lines of a text file, for the text formats.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace brittle::fracture {
+
+// Tokens are separated by spaces and tabs. A backslash before the end of a line continues it, as OBJ wants
+// it.
+class TextCursor {
+  public:
+    explicit TextCursor(std::string_view text) : text_(text) {}
+
+    [[nodiscard]] size_t line() const { return line_; } // counted from 1
+    [[nodiscard]] bool at_end() const { return at_ == text_.size(); }
+
+    // The next token of this line; empty at its end.
+    std::string_view token();
+    // The next token of this line or a later one; empty at the end of the text.
+    std::string_view token_of_any_line();
+    // Skips the rest of this line.
+    void next_line();
+
+  private:
+    [[nodiscard]] size_t
+    continuation() const; // length of a backslash and line end here; 0 where there is none
+
+    std::string_view text_;
+    size_t at_ = 0;
+    size_t line_ = 1;
+};
+
+// The number that the whole token spells, never depending on the locale; nothing where it is none. "nan" and
+// "inf" are numbers, what does not fit a double is infinite or zero.
+[[nodiscard]] std::optional<double> parse_number(std::string_view token);
+
+// The token in quotes for a message, shortened, with bytes that may upset a terminal replaced.
+[[nodiscard]] std::string quoted(std::string_view token);
+
+} // namespace brittle::fracture
