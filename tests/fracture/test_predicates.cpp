@@ -516,6 +516,43 @@ TEST_CASE("pierces are ordered as rational arithmetic orders them, and tie only 
     }
 }
 
+// Each predicate is a quotient of two determinants; the perturbed numerator changes sign whenever any two of
+// its sites are exchanged, the one asked about included. This ties together the answers for different points.
+TEST_CASE("numerators are antisymmetric in all their sites") {
+    for (const Scene& scene : all_scenes()) {
+        CAPTURE(scene.name);
+        Draw draw{scene, Random(17)};
+        const Diagram diagram{scene.sites, scene.box};
+        PredicateStats stats;
+        for (int i = 0; i < 40; ++i) {
+            const auto s = draw.sites(5);
+            const Corners q = draw.corners();
+            const auto numerator = [&](const std::array<int, 5>& p, int count) {
+                const std::array<SiteId, 5> t{s[p[0]], s[p[1]], s[p[2]], s[p[3]], s[p[4]]};
+                if (count == 5) {
+                    const int w = cell_vertex_orientation_exact(diagram, t[0], t[1], t[2], t[3], stats);
+                    return w == 0 ? 0 : w * side4(diagram, t[0], t[1], t[2], t[3], t[4], stats);
+                }
+                const int w = pierce_direction_exact(diagram, t[0], t[1], t[2], q, stats);
+                return w == 0 ? 0 : w * side3(diagram, t[0], t[1], t[2], t[3], q, stats);
+            };
+            for (const int count : {4, 5}) {
+                std::array<int, 5> p{0, 1, 2, 3, 4};
+                int expected = 0; // of the identity, as soon as one order has a point to ask about
+                do {
+                    int inversions = 0;
+                    for (int a = 0; a < count; ++a) {
+                        for (int b = a + 1; b < count; ++b) inversions += p[a] > p[b];
+                    }
+                    const int sign = (inversions % 2 ? -1 : 1) * numerator(p, count);
+                    if (expected == 0) expected = sign;
+                    if (sign != 0) REQUIRE(sign == expected);
+                } while (std::next_permutation(p.begin(), p.begin() + count));
+            }
+        }
+    }
+}
+
 TEST_CASE("the nearest site by side1 is a total order of the sites at every point") {
     Random random(3);
     const Scene scene = lattice_scene(random, 1);
