@@ -34,8 +34,7 @@ std::string edge_error(AccessSet set, const char* edge, Access forbidden, bool i
 
 } // namespace
 
-// --- Resources
-// -------------------------------------------------------------------------------------------------------
+// --- Resources -------------------------------------------------------------------------------------------
 
 Image FrameGraph::create_image(std::string_view name, const ImageDesc& desc) {
     return Image(add_resource(name, desc, false, {}), 0);
@@ -84,8 +83,7 @@ std::uint32_t FrameGraph::add_resource(std::string_view name, std::variant<Image
     return static_cast<std::uint32_t>(resources_.size() - 1);
 }
 
-// --- Passes
-// ----------------------------------------------------------------------------------------------------------
+// --- Passes ----------------------------------------------------------------------------------------------
 
 std::uint32_t FrameGraph::begin_pass(std::string_view name, PassKind kind, Execute execute) {
     passes_.push_back({std::string(name), kind, false, {}, {}, std::move(execute)});

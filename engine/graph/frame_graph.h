@@ -2,8 +2,7 @@
 //
 //     FrameGraph graph;
 //     Image depth = graph.create_image("depth", {.width = w, .height = h, .format = Format::d32_float});
-//     Image target = graph.import_image("swapchain", {.width = w, .height = h, .format =
-//     Format::bgra8_unorm},
+//     Image target = graph.import_image("swapchain", {.width = w, .height = h},
 //                                       {.initial = Access::acquired, .final = Access::present});
 //     graph.add_pass(
 //         "shade", PassKind::graphics,
@@ -45,7 +44,7 @@ class FrameGraph;
 // What a transient needs of memory; transients of one class share a heap. The execute half uses Vulkan's
 // memory type as class and raises the alignment to bufferImageGranularity.
 struct MemoryNeed {
-    std::uint64_t size;          // bytes
+    std::uint64_t size = 0;      // bytes
     std::uint64_t alignment = 1; // bytes, a power of two
     std::uint32_t memory_class = 0;
 };

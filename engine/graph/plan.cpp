@@ -18,8 +18,7 @@ std::uint64_t align_up(std::uint64_t value, std::uint64_t alignment) {
     return (value + alignment - 1) & ~(alignment - 1);
 }
 
-// --- Lifetimes
-// -------------------------------------------------------------------------------------------------------
+// --- Lifetimes -------------------------------------------------------------------------------------------
 
 void find_lifetimes(Plan& plan) {
     for (std::uint32_t p = 0; p < plan.passes.size(); ++p)
@@ -33,8 +32,7 @@ void find_lifetimes(Plan& plan) {
         resource.accesses |= resource.import.initial | resource.import.final;
 }
 
-// --- Memory
-// ----------------------------------------------------------------------------------------------------------
+// --- Memory ----------------------------------------------------------------------------------------------
 
 std::uint32_t find_or_add_heap(std::vector<Plan::Heap>& heaps, const MemoryNeed& need) {
     const auto found = std::find_if(heaps.begin(), heaps.end(), [&](const Plan::Heap& heap) {
@@ -95,8 +93,7 @@ void place_transients(Plan& plan, const MemoryNeeds& needs) {
     }
 }
 
-// --- Barriers
-// --------------------------------------------------------------------------------------------------------
+// --- Barriers --------------------------------------------------------------------------------------------
 
 constexpr std::uint32_t before_frame = ~0u;
 
@@ -173,23 +170,21 @@ void place_barriers(Plan& plan) {
         const Plan::Resource& resource = plan.resources[r];
         const Epoch* previous = nullptr;
         for (const Epoch& epoch : timelines[r]) {
-            if (epoch.first != before_frame) {
-                Plan::Barrier barrier{r, {}, epoch.accesses, Layout::undefined, epoch.layout, false};
-                if (previous) {
-                    barrier.before = previous->accesses;
-                    if (!epoch.discards) barrier.from = previous->layout;
-                } else if (!resource.imported) {
-                    barrier.before = inherited_accesses(plan, timelines, resource);
-                    barrier.aliasing = !barrier.before.empty();
-                }
-                // A buffer that nothing happened to yet needs none; an image has at least to leave
-                // `undefined`.
-                if (resource.is_image() || !barrier.before.empty())
-                    (epoch.first < plan.passes.size() ? plan.passes[epoch.first].barriers
-                                                      : plan.final_barriers)
-                        .push_back(barrier);
+            Plan::Barrier barrier{r, {}, epoch.accesses, Layout::undefined, epoch.layout, false};
+            if (previous) {
+                barrier.before = previous->accesses;
+                if (!epoch.discards) barrier.from = previous->layout;
+            } else if (!resource.imported) {
+                barrier.before = inherited_accesses(plan, timelines, resource);
+                barrier.aliasing = !barrier.before.empty();
             }
             previous = &epoch;
+            if (epoch.first == before_frame) continue;
+            // Before its very first access a buffer has nothing to wait for; an image has to leave
+            // `undefined`.
+            if (barrier.before.empty() && !resource.is_image()) continue;
+            const bool after_frame = epoch.first == plan.passes.size();
+            (after_frame ? plan.final_barriers : plan.passes[epoch.first].barriers).push_back(barrier);
         }
     }
 }
