@@ -2,6 +2,7 @@
 #include "engine/graph/frame_graph.h"
 
 #include <algorithm>
+#include <map>
 
 namespace brittle::engine {
 namespace {
@@ -135,6 +136,15 @@ void append(Timeline& timeline, const Epoch& next) {
     timeline.push_back(next);
 }
 
+// What the pass does to each of its resources. One by one, a pass's first read might join the initial epoch
+// and its second open a new one, whose barrier then comes before the first read and hides it from the next
+// write.
+std::map<std::uint32_t, AccessSet> merged_uses(const Plan::Pass& pass) {
+    std::map<std::uint32_t, AccessSet> merged;
+    for (const Plan::Use& use : pass.uses) merged[use.resource] |= use.access;
+    return merged;
+}
+
 std::vector<Timeline> make_timelines(const Plan& plan) {
     std::vector<Timeline> timelines(plan.resources.size());
     const auto add = [&](std::uint32_t r, std::uint32_t pass, AccessSet accesses) {
@@ -144,7 +154,7 @@ std::vector<Timeline> make_timelines(const Plan& plan) {
         add(r, before_frame, plan.resources[r].import.initial);
     const auto pass_count = static_cast<std::uint32_t>(plan.passes.size());
     for (std::uint32_t p = 0; p < pass_count; ++p)
-        for (const Plan::Use& use : plan.passes[p].uses) add(use.resource, p, use.access);
+        for (const auto& [resource, accesses] : merged_uses(plan.passes[p])) add(resource, p, accesses);
     for (std::uint32_t r = 0; r < plan.resources.size(); ++r)
         add(r, pass_count, plan.resources[r].import.final);
     return timelines;
