@@ -122,6 +122,8 @@ class FrameGraph {
     // Checks and records one use. Returns the newest version of the resource: the one just made, if the write
     // is legal.
     std::uint32_t add_use(std::uint32_t pass, Plan::Use use, bool image, bool write);
+    // What is wrong with the use, or nothing. The resource exists.
+    [[nodiscard]] std::string use_error(const Plan::Pass& pass, const Plan::Use& use, bool write) const;
     [[nodiscard]] bool contents_defined(std::uint32_t resource) const; // of its newest version
     [[nodiscard]] std::uint32_t newest(std::uint32_t resource) const {
         return static_cast<std::uint32_t>(writers_[resource].size() - 1);

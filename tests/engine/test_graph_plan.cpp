@@ -1,4 +1,4 @@
-#include "graph_oracle.h"
+#include "tests/engine/graph_oracle.h"
 
 #include <doctest/doctest.h>
 
@@ -379,6 +379,7 @@ TEST_CASE("resources of different memory classes never share a heap, and offsets
     CHECK(plan.heaps[1].alignment == 64);
     CHECK(plan.resources[big.resource()].memory.offset == 0);
     CHECK(plan.resources[small.resource()].memory.offset == 128);
+    CHECK(plan.heaps[0].size == 10);
     CHECK(plan.heaps[1].size == 133);
     check_sound(plan, needs);
 }
@@ -431,15 +432,15 @@ TEST_CASE("a dead handle is refused with the pass that killed it") {
     SUBCASE("for reading") {
         add(graph, "use", C, [&](PassBuilder& p) { p.read(data, Access::storage_read_compute); });
         CHECK(error_of(graph)
-              == "pass 'use' reads version 0 of 'data', but pass 'make' already replaced that version: use "
-                 "the handle that "
-                 "its write() returned");
+              == "pass 'use' reads 'data' as storage_read_compute, but by its version 0, which pass 'make' "
+                 "has replaced: use "
+                 "the handle that its write() returned");
     }
     SUBCASE("for writing, which would make two writers of one version") {
         add(graph, "again", C, [&](PassBuilder& p) { (void)p.write(data, Access::storage_write_compute); });
-        const std::string error = error_of(graph);
-        CHECK(contains(error, "pass 'again' writes version 0 of 'data'"));
-        CHECK(contains(error, "pass 'make'"));
+        CHECK(contains(error_of(graph),
+                       "pass 'again' writes 'data' as storage_write_compute, but by its version 0, which "
+                       "pass 'make' has replaced"));
     }
 }
 

@@ -1,4 +1,4 @@
-#include "graph_oracle.h"
+#include "tests/engine/graph_oracle.h"
 
 #include <doctest/doctest.h>
 
