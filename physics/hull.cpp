@@ -20,9 +20,8 @@ constexpr double flat_ratio = 1e-3;
 // Half thickness given to a flat set, as a ratio of its longest extent, and in metres where it has none.
 constexpr double flat_half_thickness = 5e-5;
 constexpr double point_half_thickness = 5e-5;
-// btConvexHullComputer works on a grid of about 10^4 cells an axis; planes move inwards by this much more
-// than the margin, so that what is checked afterwards, in double, holds.
-constexpr double grid_allowance = 1.05;
+// Cosine of 3 degrees: planes closer in direction are one face to the eye.
+constexpr double same_face = 0.9986;
 
 struct Plane {
     glm::dvec3 normal{0.0}; // outwards, unit
@@ -121,29 +120,34 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
     return hull.planes.size() < 4 ? std::nullopt : std::optional(std::move(hull));
 }
 
-// Planes moved inwards by the margin; nothing where the computer failed or its grid is too coarse for the
-// claim.
-std::optional<std::vector<glm::dvec3>> planes_moved_in(const FullHull& hull, double margin) {
+struct InnerHull {
+    std::vector<glm::dvec3> vertices;
+    double margin = 0.0; // least distance of a vertex to a plane of the full hull
+};
+
+// Planes moved inwards by the margin. btConvexHullComputer works on a grid of about 10^4 cells an axis, so
+// what was reached is measured afterwards, in double; nothing where that is far less than was asked for.
+std::optional<InnerHull> planes_moved_in(const FullHull& hull, double margin) {
     btConvexHullComputer computer;
-    const double shift = margin * grid_allowance;
     const btScalar moved =
         computer.compute(&hull.vertices[0].x, static_cast<int>(sizeof(glm::dvec3)),
-                         static_cast<int>(hull.vertices.size()), static_cast<btScalar>(shift), 0.0f);
+                         static_cast<int>(hull.vertices.size()), static_cast<btScalar>(margin), 0.0f);
     if (moved < 0.0f || computer.vertices.size() < 4) return std::nullopt;
-    std::vector<glm::dvec3> inner;
+    InnerHull inner{{}, margin};
     for (int i = 0; i < computer.vertices.size(); ++i) {
-        inner.push_back(to_glm(computer.vertices[i]));
+        inner.vertices.push_back(to_glm(computer.vertices[i]));
         for (const Plane& plane : hull.planes)
-            if (glm::dot(plane.normal, inner.back()) > plane.distance - margin) return std::nullopt;
+            inner.margin =
+                std::min(inner.margin, plane.distance - glm::dot(plane.normal, inner.vertices.back()));
     }
-    return inner;
+    return inner.margin < 0.7 * margin ? std::nullopt : std::optional(std::move(inner));
 }
 
 // A hull whose distance s * d + margin from the centre stays within d for every plane as s = 1 - margin /
 // inner.
-std::vector<glm::dvec3> scaled_in(const FullHull& hull, double margin) {
-    std::vector<glm::dvec3> inner = hull.vertices;
-    for (glm::dvec3& vertex : inner)
+InnerHull scaled_in(const FullHull& hull, double margin) {
+    InnerHull inner{hull.vertices, margin};
+    for (glm::dvec3& vertex : inner.vertices)
         vertex = hull.centre + (vertex - hull.centre) * (1.0 - margin / hull.inner);
     return inner;
 }
@@ -221,14 +225,42 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     if (!full || full->inner <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
 
     const double margin = std::min<double>(settings.max_margin, 2.0 * settings.margin_fraction * full->inner);
-    std::optional<std::vector<glm::dvec3>> inner = planes_moved_in(*full, margin);
+    std::optional<InnerHull> inner = planes_moved_in(*full, margin);
     if (!inner) inner = scaled_in(*full, margin);
 
     CollisionHull hull;
-    hull.margin = static_cast<float>(margin);
-    for (const glm::dvec3& vertex : spread_subset(*inner, max_vertices))
+    hull.margin = static_cast<float>(inner->margin);
+    for (const glm::dvec3& vertex : spread_subset(inner->vertices, max_vertices))
         hull.points.push_back(glm::vec3(vertex));
     return hull;
+}
+
+std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points) {
+    std::vector<HullEdge> edges;
+    if (points.empty()) return edges;
+    btConvexHullComputer computer;
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f,
+                     0.0f);
+    const auto index_of = [&](int vertex) {
+        return static_cast<uint32_t>(computer.original_vertex_index[vertex]);
+    };
+    // Of the face on an edge's left; the computer's faces are planar polygons.
+    const auto normal_of = [&](const btConvexHullComputer::Edge* first) {
+        const glm::dvec3 apex(points[index_of(first->getSourceVertex())]);
+        glm::dvec3 area(0.0);
+        for (const auto* edge = first->getNextEdgeOfFace(); edge != first; edge = edge->getNextEdgeOfFace())
+            area += glm::cross(glm::dvec3(points[index_of(edge->getSourceVertex())]) - apex,
+                               glm::dvec3(points[index_of(edge->getTargetVertex())]) - apex);
+        return area;
+    };
+    for (int i = 0; i < computer.edges.size(); ++i) {
+        const btConvexHullComputer::Edge* edge = &computer.edges[i];
+        const HullEdge ends(index_of(edge->getSourceVertex()), index_of(edge->getTargetVertex()));
+        if (ends.first > ends.second) continue;
+        const glm::dvec3 left = normal_of(edge), right = normal_of(edge->getReverseEdge());
+        if (glm::dot(left, right) < same_face * glm::length(left) * glm::length(right)) edges.push_back(ends);
+    }
+    return edges;
 }
 
 } // namespace brittle::physics

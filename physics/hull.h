@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -33,8 +34,8 @@ struct HullSettings {
 };
 
 struct CollisionHull {
-    std::vector<glm::vec3> points; // at least 4, not coplanar, relative to the origin
-    float margin = 0.0f;           // metres, > 0; what Bullet adds around the points
+    std::vector<glm::vec3> points{}; // at least 4, not coplanar, relative to the origin
+    float margin = 0.0f;             // metres, > 0; what Bullet adds around the points
 };
 
 // The reduced and shrunk convex hull of points, relative to origin. Where a bounded vertex count forces a
@@ -47,5 +48,12 @@ struct CollisionHull {
 // ignored: check before calling if that matters.
 [[nodiscard]] CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin,
                                            const HullSettings& settings = {});
+
+// An edge of a hull: two indices into its points, the lower one first.
+using HullEdge = std::pair<uint32_t, uint32_t>;
+
+// The edges of the convex hull of points, each once, for drawing; those inside a flat face (below 3 degrees)
+// are left out. Fewer than 4 points, or flat ones, may give none.
+[[nodiscard]] std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points);
 
 } // namespace brittle::physics

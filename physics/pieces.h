@@ -24,7 +24,7 @@ struct Material {
 
 // How the solid moved when it broke; pieces inherit v + w x r.
 struct PlacedMotion {
-    Pose placement;                   // from the coordinates of the fragments to the world
+    Pose placement{};                 // from the coordinates of the fragments to the world
     glm::vec3 linear_velocity{0.0f};  // m/s, of the point at placement.position
     glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
 };

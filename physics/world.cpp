@@ -10,9 +10,9 @@
 #include <type_traits>
 #include <utility>
 
-#include <BulletCollision/CollisionShapes/btConvexPolyhedron.h>
 #include <btBulletDynamicsCommon.h>
 
+#include "physics/ground_contact.h"
 #include "physics/rotation.h"
 
 // Bullet's global slack around every box in its broadphase tree; not declared by the umbrella header.
@@ -28,6 +28,9 @@ using fracture::Status;
 // Least ratio of a body's smallest to its largest principal moment. Below it the solver's single-precision
 // rows for spins about the needle's own axis blow up before anything else does.
 constexpr double least_moment_ratio = 1e-4;
+// What single precision can hold with products and inverses to spare: from a grain of dust to a mountain.
+constexpr float least_mass = 1e-18f, greatest_mass = 1e18f;    // kg
+constexpr double least_moment = 1e-28, greatest_moment = 1e28; // kg m^2
 // How much of its velocity a body keeps per second while it settles: half a second of it takes jitter to
 // nothing.
 constexpr float settling_kept_per_second = 1e-6f;
@@ -64,11 +67,6 @@ Error bad_setting(std::string message) {
     return {Status::invalid_setting, std::move(message)};
 }
 
-struct Edge {
-    glm::vec3 from;
-    glm::vec3 to;
-};
-
 // One body. Bullet's frame has the same origin as ours and the principal axes as its own.
 struct BodyRecord {
     BodyId id;
@@ -77,7 +75,8 @@ struct BodyRecord {
     Pose previous;
     float still_seconds = 0.0f; // how long it has been slow while touching something
     bool touching = false;      // in the last step
-    std::vector<Edge> edges;    // for debug lines, in principal axes; filled when first asked for
+    std::vector<HullEdge>
+        edges; // for debug lines, indices into the shape's points; filled when first asked for
     std::unique_ptr<btConvexHullShape> shape;
     std::unique_ptr<btRigidBody> rigid;
 
@@ -165,6 +164,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
 struct Engine {
     btDefaultCollisionConfiguration configuration;
     btCollisionDispatcher dispatcher{&configuration};
+    GroundContacts ground_contacts{dispatcher};
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     std::unique_ptr<SteppedWorld> world;
@@ -205,8 +205,9 @@ std::string fault_of(const BodyDesc& desc) {
         if (!finite(desc.hull.points[i])) return text("point ", i, " of its hull is not finite");
     if (!(desc.hull.margin > 0.0f) || !std::isfinite(desc.hull.margin))
         return text("its hull's margin is ", desc.hull.margin, " m, it must be positive");
-    if (!(desc.mass > 0.0f) || !std::isnormal(desc.mass) || !std::isfinite(1.0f / desc.mass))
-        return text("its mass is ", desc.mass, " kg, it must be positive and finite");
+    if (!(desc.mass >= least_mass && desc.mass <= greatest_mass))
+        return text("its mass is ", desc.mass, " kg; it must be between ", least_mass, " and ", greatest_mass,
+                    " kg");
     for (int column = 0; column < 3; ++column)
         if (!finite(desc.inertia[column])) return "its inertia tensor is not finite";
     if (!finite(desc.pose.position) || !finite(desc.linear_velocity) || !finite(desc.angular_velocity))
@@ -226,32 +227,12 @@ std::string settle_moments(glm::dvec3& moments) {
     const double largest = std::max({moments.x, moments.y, moments.z});
     const double smallest = std::min({moments.x, moments.y, moments.z});
     const double sum = moments.x + moments.y + moments.z;
-    if (!(largest > 0.0) || !std::isfinite(static_cast<float>(1.0 / (largest * least_moment_ratio)))
-        || smallest < -moment_slack * largest || 2.0 * largest > sum * (1.0 + moment_slack))
+    if (!(largest >= least_moment && largest <= greatest_moment) || smallest < -moment_slack * largest
+        || 2.0 * largest > sum * (1.0 + moment_slack))
         return text("no body has the principal moments of inertia ", moments.x, ", ", moments.y, ", ",
                     moments.z, " kg m^2");
     moments = glm::max(moments, glm::dvec3(largest * least_moment_ratio));
     return {};
-}
-
-// The edges of a hull as Bullet sees it, flat faces merged, each edge once.
-std::vector<Edge> hull_edges(const btConvexHullShape& shape) {
-    // A copy: polyhedral features, once made, would stay with the shape and take part in its collisions.
-    btConvexHullShape copy(&shape.getUnscaledPoints()[0].x(), shape.getNumPoints(), sizeof(btVector3));
-    copy.initializePolyhedralFeatures();
-    std::vector<Edge> edges;
-    const btConvexPolyhedron* polyhedron = copy.getConvexPolyhedron();
-    std::vector<std::pair<int, int>> seen;
-    for (int f = 0; f < polyhedron->m_faces.size(); ++f) {
-        const btAlignedObjectArray<int>& loop = polyhedron->m_faces[f].m_indices;
-        for (int i = 0; i < loop.size(); ++i)
-            seen.push_back(std::minmax({loop[i], loop[(i + 1) % loop.size()]}));
-    }
-    std::sort(seen.begin(), seen.end());
-    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-    for (const auto& [a, b] : seen)
-        edges.push_back({to_glm(polyhedron->m_vertices[a]), to_glm(polyhedron->m_vertices[b])});
-    return edges;
 }
 
 class Hash {
@@ -585,11 +566,16 @@ void World::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) cons
     // finds anew or keeps in the shape, where they would take part in collisions.
     for (size_t i = 0; draw.hulls && i < impl_->bodies.size(); ++i) {
         BodyRecord& body = *impl_->bodies[i];
-        if (body.edges.empty()) body.edges = hull_edges(*body.shape);
+        const btVector3* points = body.shape->getUnscaledPoints();
+        if (body.edges.empty()) {
+            std::vector<glm::vec3> corners;
+            for (int p = 0; p < body.shape->getNumPoints(); ++p) corners.push_back(to_glm(points[p]));
+            body.edges = hull_edges(corners);
+        }
         const btTransform& frame = body.rigid->getWorldTransform();
         const glm::vec3 colour = body.rigid->isActive() ? awake_colour : asleep_colour;
-        for (const Edge& edge : body.edges)
-            out.push_back({to_glm(frame * to_bullet(edge.from)), to_glm(frame * to_bullet(edge.to)), colour});
+        for (const auto& [from, to] : body.edges)
+            out.push_back({to_glm(frame * points[from]), to_glm(frame * points[to]), colour});
     }
     for (int i = 0; draw.contacts && i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);

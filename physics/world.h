@@ -83,10 +83,10 @@ struct Pose {
 };
 
 struct BodyDesc {
-    CollisionHull hull;      // relative to the centre of mass, in body axes
+    CollisionHull hull{};    // relative to the centre of mass, in body axes
     float mass = 1.0f;       // kg, > 0
     glm::mat3 inertia{1.0f}; // kg m^2 about the centre of mass in body axes; symmetric
-    Pose pose;
+    Pose pose{};
     glm::vec3 linear_velocity{0.0f};  // m/s, of the centre of mass
     glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
     float friction = 0.6f;            // Coulomb coefficients of two bodies are multiplied

@@ -1,5 +1,5 @@
-// Fragments made by hand for the physics tests: boxes in a grid, and a box cut by random planes. Their mass properties
-// come from sums over tetrahedra written here, not from the library.
+// Fragments made by hand for the physics tests: boxes in a grid, and a box cut by random planes. Their mass
+// properties come from sums over tetrahedra written here, not from the library.
 #pragma once
 
 #include <algorithm>
@@ -47,12 +47,16 @@ inline Polyhedron box_polyhedron(const glm::dvec3& low, const glm::dvec3& high) 
     const auto at = [&](int x, int y, int z) {
         return glm::dvec3(x ? high.x : low.x, y ? high.y : low.y, z ? high.z : low.z);
     };
-    return {{at(0, 0, 0), at(0, 0, 1), at(0, 1, 1), at(0, 1, 0)}, {at(1, 0, 0), at(1, 1, 0), at(1, 1, 1), at(1, 0, 1)},
-            {at(0, 0, 0), at(1, 0, 0), at(1, 0, 1), at(0, 0, 1)}, {at(0, 1, 0), at(0, 1, 1), at(1, 1, 1), at(1, 1, 0)},
-            {at(0, 0, 0), at(0, 1, 0), at(1, 1, 0), at(1, 0, 0)}, {at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1)}};
+    return {{at(0, 0, 0), at(0, 0, 1), at(0, 1, 1), at(0, 1, 0)},
+            {at(1, 0, 0), at(1, 1, 0), at(1, 1, 1), at(1, 0, 1)},
+            {at(0, 0, 0), at(1, 0, 0), at(1, 0, 1), at(0, 0, 1)},
+            {at(0, 1, 0), at(0, 1, 1), at(1, 1, 1), at(1, 1, 0)},
+            {at(0, 0, 0), at(0, 1, 0), at(1, 1, 0), at(1, 0, 0)},
+            {at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1)}};
 }
 
-// The part of the polyhedron with normal . x <= distance; empty if there is none. No vertex may lie on the plane.
+// The part of the polyhedron with normal . x <= distance; empty if there is none. No vertex may lie on the
+// plane.
 inline Polyhedron clipped(const Polyhedron& polyhedron, const glm::dvec3& normal, double distance) {
     Polyhedron kept;
     Polygon cap;
@@ -143,7 +147,8 @@ inline fracture::Fragments grid_pieces(const glm::dvec3& low, const glm::dvec3& 
 }
 
 // The box cut into the Voronoi cells of random sites: what a fracture of a box is.
-inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec3& high, int count, uint64_t seed) {
+inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec3& high, int count,
+                                          uint64_t seed) {
     Random random(seed);
     std::vector<glm::dvec3> sites;
     for (int i = 0; i < count; ++i) sites.push_back(random.point(low, high));
@@ -161,7 +166,8 @@ inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec
 }
 
 // The box cut by planes right through, one after the other: wedges and flakes among the pieces.
-inline fracture::Fragments wedge_pieces(const glm::dvec3& low, const glm::dvec3& high, int planes, uint64_t seed) {
+inline fracture::Fragments wedge_pieces(const glm::dvec3& low, const glm::dvec3& high, int planes,
+                                        uint64_t seed) {
     Random random(seed);
     std::vector<Polyhedron> pieces{box_polyhedron(low, high)};
     for (int i = 0; i < planes; ++i) {

@@ -24,7 +24,8 @@ std::vector<glm::dvec3> vertices_of(const test::Polyhedron& polyhedron) {
 std::vector<glm::dvec3> sphere_points(int count, double radius) {
     std::vector<glm::dvec3> points;
     for (int i = 0; i < count; ++i) {
-        const double y = 1.0 - 2.0 * (i + 0.5) / count, angle = i * 2.399963229728653, r = std::sqrt(1.0 - y * y);
+        const double y = 1.0 - 2.0 * (i + 0.5) / count, angle = i * 2.399963229728653,
+                     r = std::sqrt(1.0 - y * y);
         points.push_back(glm::dvec3(r * std::cos(angle), y, r * std::sin(angle)) * radius);
     }
     return points;
@@ -36,8 +37,8 @@ double support(std::span<const glm::dvec3> points, const glm::dvec3& direction) 
     return most;
 }
 
-// How far hull + margin reaches beyond the points, over many directions; negative where it stays inside. For a convex
-// set the support function in all directions decides containment.
+// How far hull + margin reaches beyond the points, over many directions; negative where it stays inside. For
+// a convex set the support function in all directions decides containment.
 double overreach(const CollisionHull& hull, const std::vector<glm::dvec3>& points, const glm::dvec3& origin) {
     double most = -std::numeric_limits<double>::infinity();
     test::Random random(77);
@@ -102,7 +103,8 @@ TEST_CASE("points that are not finite are ignored") {
 }
 
 TEST_CASE("a box keeps its eight corners, each moved in by the margin") {
-    const std::vector<glm::dvec3> points = vertices_of(test::box_polyhedron({-0.1, -0.2, -0.3}, {0.1, 0.2, 0.3}));
+    const std::vector<glm::dvec3> points =
+        vertices_of(test::box_polyhedron({-0.1, -0.2, -0.3}, {0.1, 0.2, 0.3}));
     const CollisionHull hull = collision_hull(points, glm::dvec3(0.0));
     CHECK(hull.points.size() == 8);
     CHECK(hull.margin == doctest::Approx(0.01)); // a twentieth of the thinnest extent
@@ -128,7 +130,8 @@ TEST_CASE("hull and margin stay inside the points, for any shape, size and place
     for (const double size : {1e-4, 0.1, 10.0, 1e4}) {
         for (const glm::dvec3& place : {glm::dvec3(0.0), glm::dvec3(100.0, -50.0, 3.0)}) {
             for (uint64_t seed = 0; seed < 4; ++seed) {
-                const auto fragments = test::wedge_pieces(place, place + glm::dvec3(1.0, 0.5, 0.7) * size, 5, seed);
+                const auto fragments =
+                    test::wedge_pieces(place, place + glm::dvec3(1.0, 0.5, 0.7) * size, 5, seed);
                 for (const fracture::Piece& piece : fragments.pieces) {
                     const auto span = fragments.positions_of(piece);
                     const std::vector<glm::dvec3> points(span.begin(), span.end());
@@ -145,7 +148,8 @@ TEST_CASE("hull and margin stay inside the points, for any shape, size and place
 
 TEST_CASE("thin plates and needles of every ratio stay inside their points") {
     for (const double ratio : {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9}) {
-        for (const glm::dvec3& half : {glm::dvec3(0.1, 0.1, 0.1 * ratio), glm::dvec3(0.1, 0.1 * ratio, 0.1 * ratio)}) {
+        for (const glm::dvec3& half :
+             {glm::dvec3(0.1, 0.1, 0.1 * ratio), glm::dvec3(0.1, 0.1 * ratio, 0.1 * ratio)}) {
             const auto points = vertices_of(test::box_polyhedron(-half, half));
             CAPTURE(ratio);
             const CollisionHull hull = collision_hull(points, glm::dvec3(0.0));

@@ -1,6 +1,8 @@
 #include "physics/rotation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
@@ -49,11 +51,12 @@ TEST_CASE("axes and moments give back any symmetric tensor, however small") {
             tensor[1] = {at(1), at(3), at(4)};
             tensor[2] = {at(2), at(4), at(5)};
             const PrincipalAxes principal = principal_axes(tensor);
-            const glm::dmat3 again =
-                principal.axes * diagonal(principal.moments.x, principal.moments.y, principal.moments.z)
-                * glm::transpose(principal.axes);
+            const glm::dmat3 again = principal.axes
+                                     * diagonal(principal.moments.x, principal.moments.y, principal.moments.z)
+                                     * glm::transpose(principal.axes);
             CHECK(largest_difference(again, tensor) < 1e-13 * scale);
-            CHECK(largest_difference(glm::transpose(principal.axes) * principal.axes, glm::dmat3(1.0)) < 1e-14);
+            CHECK(largest_difference(glm::transpose(principal.axes) * principal.axes, glm::dmat3(1.0))
+                  < 1e-14);
             CHECK(glm::determinant(principal.axes) == doctest::Approx(1.0));
         }
     }

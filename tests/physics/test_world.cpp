@@ -17,7 +17,8 @@ using namespace brittle::physics;
 namespace {
 
 constexpr float nan_value = std::numeric_limits<float>::quiet_NaN();
-const WorldSettings empty_space{.gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
+const WorldSettings empty_space{
+    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
 
 BodyDesc box(const glm::vec3& half, float mass, const glm::vec3& position) {
     BodyDesc desc;
@@ -51,8 +52,9 @@ void add_swarm(World& world, int count) {
     test::Random random(5);
     for (int i = 0; i < count; ++i) {
         const glm::dvec3 place = random.direction() * random.uniform(0.5, 2.0);
-        BodyDesc desc = box(glm::vec3(random.point(glm::dvec3(0.05), glm::dvec3(0.2))),
-                            static_cast<float>(random.uniform(0.5, 3.0)), glm::vec3(place + glm::dvec3(0.0, 3.0, 0.0)));
+        BodyDesc desc =
+            box(glm::vec3(random.point(glm::dvec3(0.05), glm::dvec3(0.2))),
+                static_cast<float>(random.uniform(0.5, 3.0)), glm::vec3(place + glm::dvec3(0.0, 3.0, 0.0)));
         desc.linear_velocity = glm::vec3(-place);
         desc.angular_velocity = glm::vec3(random.point(glm::dvec3(-3.0), glm::dvec3(3.0)));
         must_add(world, desc);
@@ -242,7 +244,8 @@ TEST_CASE("a body with three moments tumbles with a steady angular momentum and 
         }
         const glm::mat3 inertia = desc.inertia;
         const BodyId id = must_add(world, desc);
-        const glm::dvec3 momentum = glm::dvec3(inertia * desc.angular_velocity); // orientation is the identity
+        const glm::dvec3 momentum =
+            glm::dvec3(inertia * desc.angular_velocity); // orientation is the identity
         CHECK(glm::length(world.mechanics().angular_momentum - momentum) < 1e-5 * glm::length(momentum));
         const double energy = world.mechanics().kinetic;
         run(world, 10.0f);
@@ -297,7 +300,8 @@ TEST_CASE("boxes dropped from two metres land on the ground and none goes throug
             BodyDesc desc = box({half, half * 0.7f, half * 1.3f}, 2400.0f * half * half * half * 8.0f,
                                 {static_cast<float>(i) * half * 5.0f, 2.0f + half, 0.0f});
             const glm::dvec3 axis = random.direction();
-            desc.pose.orientation = glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(axis));
+            desc.pose.orientation =
+                glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(axis));
             ids.push_back(must_add(world, desc));
         }
         float lowest = 1.0f;
