@@ -34,20 +34,38 @@ constexpr double least_moment = 1e-28, greatest_moment = 1e28; // kg m^2
 // How much of its velocity a body keeps per second while it settles: half a second of it takes jitter to
 // nothing.
 constexpr float settling_kept_per_second = 1e-6f;
+// A settling body that trembles above the sleeping speeds, but not by this factor, waits longer instead of
+// anew.
+constexpr float tremble_factor = 4.0f;
+// Waiting counts up to this multiple of the sleeping time, so that a tremble does not at once wake a body
+// that waits for its neighbours.
+constexpr float patience = 1.5f;
 // Slack for "none above the sum of the other two" when moments were rounded to float.
 constexpr double moment_slack = 1e-3;
 // Contact points further apart than this, in metres, are near but not touching.
 constexpr float touching_distance = 1e-3f;
 constexpr float contact_line_length = 0.05f; // m
 
+// Bullet counts in decimetres here. Its tolerances are made for bodies of metres (its GJK takes points of
+// less than a centimetre apart for one): in metres, pieces of that size find wrong contacts and creep apart.
+constexpr float bullet_units = 10.0f; // per metre
+
+// Axes, angular velocities.
 btVector3 to_bullet(const glm::vec3& v) {
     return {v.x, v.y, v.z};
+}
+// Positions, velocities, accelerations, impulses: whatever has one metre in it.
+btVector3 metres_to_bullet(const glm::vec3& v) {
+    return to_bullet(v * bullet_units);
 }
 btQuaternion to_bullet(const glm::quat& q) {
     return {q.x, q.y, q.z, q.w};
 }
 glm::vec3 to_glm(const btVector3& v) {
     return {v.x(), v.y(), v.z()};
+}
+glm::vec3 metres_from_bullet(const btVector3& v) {
+    return to_glm(v) / bullet_units;
 }
 glm::quat to_glm(const btQuaternion& q) {
     return {q.w(), q.x(), q.y(), q.z()};
@@ -82,7 +100,8 @@ struct BodyRecord {
 
     [[nodiscard]] Pose pose() const {
         const btTransform& frame = rigid->getWorldTransform();
-        return {to_glm(frame.getOrigin()), to_glm(frame.getRotation()) * glm::conjugate(to_principal)};
+        return {metres_from_bullet(frame.getOrigin()),
+                to_glm(frame.getRotation()) * glm::conjugate(to_principal)};
     }
 };
 
@@ -126,14 +145,20 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         const float kept = std::pow(settling_kept_per_second, seconds);
         for (const auto& body : bodies_) {
             btRigidBody& rigid = *body->rigid;
-            const bool slow = rigid.getLinearVelocity().length() < settings_.sleep_linear_speed
-                              && rigid.getAngularVelocity().length() < settings_.sleep_angular_speed;
             if (rigid.getActivationState() == ISLAND_SLEEPING) {
                 rigid.setLinearVelocity({0, 0, 0});
                 rigid.setAngularVelocity({0, 0, 0});
                 continue;
             }
-            body->still_seconds = slow && body->touching ? body->still_seconds + seconds : 0.0f;
+            const float speed =
+                std::max(rigid.getLinearVelocity().length() / (settings_.sleep_linear_speed * bullet_units),
+                         rigid.getAngularVelocity().length() / settings_.sleep_angular_speed);
+            // One tremble that is soon over does not start the wait anew.
+            if (!body->touching || speed > tremble_factor)
+                body->still_seconds = 0.0f;
+            else
+                body->still_seconds = std::clamp(body->still_seconds + (speed < 1.0f ? seconds : -seconds),
+                                                 0.0f, patience * settings_.sleep_seconds);
             if (body->still_seconds > 0.5f * settings_.sleep_seconds) {
                 rigid.setLinearVelocity(rigid.getLinearVelocity() * kept);
                 rigid.setAngularVelocity(rigid.getAngularVelocity() * kept);
@@ -174,7 +199,7 @@ struct Engine {
     Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies) {
         world = std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings,
                                                bodies);
-        world->setGravity(to_bullet(settings.gravity));
+        world->setGravity(metres_to_bullet(settings.gravity));
         world->setForceUpdateAllAabbs(false); // the boxes of sleeping bodies do not change
         btContactSolverInfo& info = world->getSolverInfo();
         info.m_numIterations = static_cast<int>(settings.solver_iterations);
@@ -182,8 +207,10 @@ struct Engine {
         // repair of an overlap turns into kinetic energy.
         info.m_splitImpulse = 1;
         info.m_splitImpulsePenetrationThreshold = 0.0f;
+        info.m_restitutionVelocityThreshold *= bullet_units;
         if (!settings.ground_height) return;
-        ground_shape = std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height);
+        ground_shape =
+            std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * bullet_units);
         btRigidBody::btRigidBodyConstructionInfo ground_info(0.0f, nullptr, ground_shape.get());
         ground_info.m_friction = settings.ground_friction;
         ground_info.m_restitution = settings.ground_restitution;
@@ -269,7 +296,7 @@ struct World::Impl {
     Impl& operator=(const Impl&) = delete;
 
     void make_engine() {
-        gDbvtMargin = settings.broadphase_margin;
+        gDbvtMargin = settings.broadphase_margin * bullet_units;
         engine = std::make_unique<Engine>(settings, bodies);
     }
     // Bullet must let go of a body before the body goes.
@@ -300,8 +327,8 @@ struct World::Impl {
 Mechanics World::Impl::mechanics_of(const BodyRecord& body) const {
     const btRigidBody& rigid = *body.rigid;
     const double mass = 1.0 / static_cast<double>(rigid.getInvMass());
-    const glm::dvec3 position(to_glm(rigid.getCenterOfMassPosition()));
-    const glm::dvec3 velocity(to_glm(rigid.getLinearVelocity()));
+    const glm::dvec3 position(metres_from_bullet(rigid.getCenterOfMassPosition()));
+    const glm::dvec3 velocity(metres_from_bullet(rigid.getLinearVelocity()));
     const glm::dvec3 spin(to_glm(rigid.getAngularVelocity()));
     const glm::dquat orientation = glm::normalize(glm::dquat(to_glm(rigid.getOrientation())));
     const glm::dvec3 own = orientation * (body.moments * (glm::conjugate(orientation) * spin));
@@ -377,28 +404,29 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     body->shape = std::make_unique<btConvexHullShape>();
     const glm::quat from_body = glm::conjugate(body->to_principal);
     for (const glm::vec3& point : desc.hull.points)
-        body->shape->addPoint(to_bullet(from_body * point), false);
-    body->shape->setMargin(desc.hull.margin);
+        body->shape->addPoint(metres_to_bullet(from_body * point), false);
+    body->shape->setMargin(desc.hull.margin * bullet_units);
     body->shape->recalcLocalAabb();
 
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
-    const btTransform frame(to_bullet(orientation * body->to_principal), to_bullet(desc.pose.position));
-    btRigidBody::btRigidBodyConstructionInfo info(desc.mass, nullptr, body->shape.get(),
-                                                  to_bullet(glm::vec3(principal.moments)));
+    const btTransform frame(to_bullet(orientation * body->to_principal),
+                            metres_to_bullet(desc.pose.position));
+    btRigidBody::btRigidBodyConstructionInfo info(
+        desc.mass, nullptr, body->shape.get(), metres_to_bullet(glm::vec3(principal.moments) * bullet_units));
     info.m_startWorldTransform = frame;
     info.m_friction = desc.friction;
     info.m_restitution = desc.restitution;
     info.m_linearDamping = impl_->settings.linear_damping;
     info.m_angularDamping = impl_->settings.angular_damping;
     body->rigid = std::make_unique<btRigidBody>(info);
-    body->rigid->setLinearVelocity(to_bullet(desc.linear_velocity));
+    body->rigid->setLinearVelocity(metres_to_bullet(desc.linear_velocity));
     body->rigid->setAngularVelocity(to_bullet(desc.angular_velocity));
     body->rigid->setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
     body->rigid->setUserIndex(static_cast<int>(impl_->bodies.size()));
     if (!impl_->settings.sleeping) body->rigid->setActivationState(DISABLE_DEACTIVATION);
     body->previous = body->pose();
 
-    gDbvtMargin = impl_->settings.broadphase_margin;
+    gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
     impl_->engine->world->addRigidBody(body->rigid.get());
     impl_->order_of_id.push_back(static_cast<uint32_t>(impl_->bodies.size()));
     impl_->ids.push_back(body->id);
@@ -454,7 +482,7 @@ uint64_t World::steps_taken() const {
 
 void World::step() {
     for (const auto& body : impl_->bodies) body->previous = body->pose();
-    gDbvtMargin = impl_->settings.broadphase_margin;
+    gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
     impl_->engine->world->stepSimulation(impl_->settings.step, 0); // 0: one step of just that length
     ++impl_->steps;
 }
@@ -493,7 +521,7 @@ Pose World::previous_pose(BodyId id) const {
     return impl_->get(id).previous;
 }
 glm::vec3 World::linear_velocity(BodyId id) const {
-    return to_glm(impl_->get(id).rigid->getLinearVelocity());
+    return metres_from_bullet(impl_->get(id).rigid->getLinearVelocity());
 }
 glm::vec3 World::angular_velocity(BodyId id) const {
     return to_glm(impl_->get(id).rigid->getAngularVelocity());
@@ -513,7 +541,8 @@ void World::apply_impulse(BodyId id, glm::vec3 impulse, glm::vec3 point) {
     assert(body && "no such body in this world");
     assert(finite(impulse) && finite(point));
     impl_->wake(*body);
-    body->rigid->applyImpulse(to_bullet(impulse), to_bullet(point) - body->rigid->getCenterOfMassPosition());
+    body->rigid->applyImpulse(metres_to_bullet(impulse),
+                              metres_to_bullet(point) - body->rigid->getCenterOfMassPosition());
 }
 
 void World::wake_all() {
@@ -542,7 +571,8 @@ size_t World::contact_count() const {
     for (int i = 0; i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);
         for (int point = 0; point < manifold->getNumContacts(); ++point)
-            count += manifold->getContactPoint(point).getDistance() < touching_distance ? 1u : 0u;
+            count +=
+                manifold->getContactPoint(point).getDistance() < touching_distance * bullet_units ? 1u : 0u;
     }
     return count;
 }
@@ -575,16 +605,17 @@ void World::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) cons
         const btTransform& frame = body.rigid->getWorldTransform();
         const glm::vec3 colour = body.rigid->isActive() ? awake_colour : asleep_colour;
         for (const auto& [from, to] : body.edges)
-            out.push_back({to_glm(frame * points[from]), to_glm(frame * points[to]), colour});
+            out.push_back(
+                {metres_from_bullet(frame * points[from]), metres_from_bullet(frame * points[to]), colour});
     }
     for (int i = 0; draw.contacts && i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);
         for (int p = 0; p < manifold->getNumContacts(); ++p) {
             const btManifoldPoint& point = manifold->getContactPoint(p);
-            if (point.getDistance() >= touching_distance) continue;
-            const btVector3& from = point.getPositionWorldOnB();
-            out.push_back(
-                {to_glm(from), to_glm(from + point.m_normalWorldOnB * contact_line_length), contact_colour});
+            if (point.getDistance() >= touching_distance * bullet_units) continue;
+            const glm::vec3 from = metres_from_bullet(point.getPositionWorldOnB());
+            const glm::vec3 normal = to_glm(point.m_normalWorldOnB);
+            out.push_back({from, from + normal * contact_line_length, contact_colour});
         }
     }
 }

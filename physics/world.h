@@ -55,12 +55,12 @@ struct WorldSettings {
     // A pair of bodies is examined closely when their boxes come within this distance, m. Bullet's own
     // default of 5 cm is made for crates: among centimetre pieces it finds many times more pairs than touch.
     float broadphase_margin = 0.01f;
-    // Sleeping. A body that touches something and stays below both speeds is at rest; after half of the time
-    // its remaining jitter is damped away, after the whole time it sleeps together with all it touches, until
-    // something disturbs it. A body that touches nothing never sleeps.
+    // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of
+    // the time its remaining jitter is damped away, after the whole time it sleeps, together with all it
+    // touches, until something disturbs it. A body that touches nothing never sleeps.
     bool sleeping = true;
-    float sleep_linear_speed = 0.05f; // m/s
-    float sleep_angular_speed = 0.5f; // rad/s
+    float sleep_linear_speed = 0.08f; // m/s
+    float sleep_angular_speed = 0.8f; // rad/s
     float sleep_seconds = 0.5f;       // s
 };
 
