@@ -2,9 +2,9 @@
 //
 // Bullet adds a collision margin outside a convex hull: two pieces that share a face would overlap by two
 // margins at birth and push each other apart. So the hull's planes are moved inwards by the margin first, and
-// hull + margin is then inside the convex hull of the piece. (Convex pieces, all those cut from a convex
-// solid, are therefore never in each other's way at birth; a piece that is not convex can still reach into a
-// neighbour with the hull of its notch.)
+// hull + margin is inside the convex hull of the piece. Convex pieces, all those cut from a convex solid, are
+// therefore never in each other's way at birth. A piece that is not convex can still reach into a neighbour
+// with the hull of its notch; the world moves such pairs apart gently (WorldSettings::separation_speed).
 //
 // Points are relative to an origin that the caller names, usually the centre of mass. Metres. Thread-safe: no
 // state.

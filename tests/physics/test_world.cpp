@@ -90,6 +90,7 @@ TEST_CASE("settings outside their range are named with their value") {
         {{.linear_damping = 1.5f}, "linear_damping"},
         {{.angular_damping = -0.5f}, "angular_damping"},
         {{.solver_iterations = 0}, "solver_iterations"},
+        {{.separation_speed = -1.0f}, "separation_speed"},
         {{.broadphase_margin = -1.0f}, "broadphase_margin"},
         {{.sleep_linear_speed = nan_value}, "sleep_linear_speed"},
         {{.sleep_angular_speed = -1.0f}, "sleep_angular_speed"},
@@ -344,6 +345,25 @@ TEST_CASE("energy never rises on its own while a swarm falls and piles up") {
     }
     CHECK(rise < 2e-3 * start);
     CHECK(energy < 0.5 * start);
+}
+
+TEST_CASE("hulls that overlap are moved apart gently and get no velocity from it") {
+    for (const float speed : {0.02f, 0.2f}) {
+        WorldSettings settings = empty_space;
+        settings.separation_speed = speed;
+        World world(settings);
+        const BodyId left = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {-0.05f, 0.0f, 0.0f}));
+        const BodyId right = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {0.05f, 0.0f, 0.0f}));
+        float before = 0.1f;
+        for (int step = 0; step < 60; ++step) {
+            world.step();
+            const float apart = glm::length(world.pose(right).position - world.pose(left).position);
+            CHECK(apart - before < 1.2f * speed / 120.0f);
+            before = apart;
+            CHECK(glm::length(world.linear_velocity(left)) < 1e-3f);
+        }
+        CHECK(before > 0.1f + 0.4f * speed);
+    }
 }
 
 TEST_CASE("the same calls give the same state, in a new world and in a cleared one") {
