@@ -107,11 +107,12 @@ TEST_CASE("a box keeps its eight corners, each moved in by the margin") {
         vertices_of(test::box_polyhedron({-0.1, -0.2, -0.3}, {0.1, 0.2, 0.3}));
     const CollisionHull hull = collision_hull(points, glm::dvec3(0.0));
     CHECK(hull.points.size() == 8);
-    CHECK(hull.margin == doctest::Approx(0.01).epsilon(0.05)); // a twentieth of the thinnest extent
+    CHECK(hull.margin
+          == doctest::Approx(0.004).epsilon(0.05).scale(0.0)); // a fiftieth of the thinnest extent
     for (const glm::vec3& corner : hull.points) {
-        CHECK(std::abs(corner.x) == doctest::Approx(0.09).epsilon(0.01));
-        CHECK(std::abs(corner.y) == doctest::Approx(0.19).epsilon(0.01));
-        CHECK(std::abs(corner.z) == doctest::Approx(0.29).epsilon(0.01));
+        CHECK(std::abs(corner.x) == doctest::Approx(0.096).epsilon(1e-3).scale(0.0));
+        CHECK(std::abs(corner.y) == doctest::Approx(0.196).epsilon(1e-3).scale(0.0));
+        CHECK(std::abs(corner.z) == doctest::Approx(0.296).epsilon(1e-3).scale(0.0));
     }
 }
 
@@ -120,10 +121,10 @@ TEST_CASE("the margin is bounded by its setting and by the size of the piece") {
         const auto points = vertices_of(test::box_polyhedron(glm::dvec3(-half), glm::dvec3(half)));
         return collision_hull(points, glm::dvec3(0.0), settings).margin;
     };
-    CHECK(margin_of(5.0, {}) == doctest::Approx(0.01).epsilon(0.05));
-    CHECK(margin_of(5.0, {.max_margin = 0.002f}) == doctest::Approx(0.002).epsilon(0.05));
-    CHECK(margin_of(0.01, {}) == doctest::Approx(0.001).epsilon(0.05));
-    CHECK(margin_of(0.01, {.margin_fraction = 0.02f}) == doctest::Approx(0.0004).epsilon(0.05));
+    CHECK(margin_of(5.0, {}) == doctest::Approx(0.01).epsilon(0.05).scale(0.0));
+    CHECK(margin_of(5.0, {.max_margin = 0.002f}) == doctest::Approx(0.002).epsilon(0.05).scale(0.0));
+    CHECK(margin_of(0.01, {}) == doctest::Approx(0.0004).epsilon(0.05).scale(0.0));
+    CHECK(margin_of(0.01, {.margin_fraction = 0.05f}) == doctest::Approx(0.001).epsilon(0.05).scale(0.0));
 }
 
 TEST_CASE("hull and margin stay inside the points, for any shape, size and place") {

@@ -80,7 +80,8 @@ TEST_CASE("tumbling about the middle axis keeps angular momentum and energy for 
         flipped = flipped || before * (glm::conjugate(spin.orientation) * spin.velocity).y < 0.0;
     }
     CHECK(glm::length(angular_momentum(spin, moments) - momentum) < 1e-9 * glm::length(momentum));
-    CHECK(glm::dot(angular_momentum(spin, moments), spin.velocity) == doctest::Approx(energy).epsilon(1e-9));
+    CHECK(glm::dot(angular_momentum(spin, moments), spin.velocity)
+          == doctest::Approx(energy).epsilon(1e-9).scale(0.0));
     CHECK(flipped); // the tennis racket effect: damped away where it is missing
 }
 
@@ -93,8 +94,8 @@ TEST_CASE("a symmetric top precesses at the rate of the closed form") {
     for (int step = 0; step < steps; ++step) spin = free_spin(spin, {a, a, c}, seconds / steps);
     const glm::dvec3 body = glm::conjugate(spin.orientation) * spin.velocity;
     const double angle = (c - a) / a * spin_rate * seconds;
-    CHECK(body.x == doctest::Approx(0.5 * std::cos(angle)).epsilon(1e-4));
-    CHECK(body.y == doctest::Approx(0.5 * std::sin(angle)).epsilon(1e-4));
+    CHECK(body.x == doctest::Approx(0.5 * std::cos(angle)).epsilon(1e-4).scale(0.0));
+    CHECK(body.y == doctest::Approx(0.5 * std::sin(angle)).epsilon(1e-4).scale(0.0));
     CHECK(body.z == doctest::Approx(spin_rate));
 }
 
