@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <LinearMath/btConvexHullComputer.h>
@@ -20,6 +21,8 @@ constexpr double flat_ratio = 1e-3;
 // Half thickness given to a flat set, as a ratio of its longest extent, and in metres where it has none.
 constexpr double flat_half_thickness = 5e-5;
 constexpr double point_half_thickness = 5e-5;
+// Range of HullSettings::margin_fraction: something to stand on, and something left in the middle.
+constexpr double least_fraction = 1e-3, greatest_fraction = 0.45;
 // Cosine of 3 degrees: planes closer in direction are one face to the eye.
 constexpr double same_face = 0.9986;
 
@@ -224,7 +227,8 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     const std::optional<FullHull> full = full_hull(local);
     if (!full || full->inner <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
 
-    const double margin = std::min<double>(settings.max_margin, 2.0 * settings.margin_fraction * full->inner);
+    const double fraction = std::clamp<double>(settings.margin_fraction, least_fraction, greatest_fraction);
+    const double margin = std::min(std::max<double>(settings.max_margin, 1e-6), 2.0 * fraction * full->inner);
     std::optional<InnerHull> inner = planes_moved_in(*full, margin);
     if (!inner) inner = scaled_in(*full, margin);
 

@@ -27,9 +27,9 @@ struct HullSettings {
     uint32_t max_vertices = 32;
     // Collision margin as a fraction of the thinnest extent of the piece. The margin rounds sharp corners off
     // by a few times its size, and so far do they sink into the ground. A smaller one costs next to no time,
-    // but overlap beyond it takes Bullet's slow path.
+    // but overlap beyond it takes Bullet's slow path. Clamped to 0.001 .. 0.45.
     float margin_fraction = 0.02f;
-    // Upper bound of the margin in metres.
+    // Upper bound of the margin in metres; at least a micrometre.
     float max_margin = 0.01f;
 };
 

@@ -94,7 +94,7 @@ struct BodyDesc {
     glm::vec3 linear_velocity{0.0f};  // m/s, of the centre of mass
     glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
     float friction = 0.6f;            // Coulomb coefficients of two bodies are multiplied
-    float restitution = 0.3f;         // 0: dead, 1: elastic; multiplied likewise
+    float restitution = 0.3f;         // 0: dead, 1: elastic; multiplied likewise; fast falls bounce less
 };
 
 // Sums over all bodies (or of one), in double so that differences between steps mean something.

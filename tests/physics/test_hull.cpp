@@ -127,6 +127,33 @@ TEST_CASE("the margin is bounded by its setting and by the size of the piece") {
     CHECK(margin_of(0.01, {.margin_fraction = 0.05f}) == doctest::Approx(0.001).epsilon(0.05).scale(0.0));
 }
 
+TEST_CASE("margins that leave nothing, or are nothing, are clamped") {
+    const auto points = vertices_of(test::box_polyhedron(glm::dvec3(-0.1), glm::dvec3(0.1)));
+    for (const float fraction : {-1.0f, 0.0f, 0.5f, 100.0f}) {
+        for (const float bound : {-1.0f, 0.0f, 1.0f}) {
+            const CollisionHull hull =
+                collision_hull(points, glm::dvec3(0.0),
+                               {.max_vertices = 0, .margin_fraction = fraction, .max_margin = bound});
+            check_usable(hull, 8);
+            CHECK(overreach(hull, points, glm::dvec3(0.0)) <= 1e-6);
+        }
+    }
+}
+
+TEST_CASE("the edges of a cube are twelve, whatever the order of its points and however its faces are cut") {
+    std::vector<glm::vec3> points;
+    for (const glm::dvec3& point : vertices_of(test::box_polyhedron(glm::dvec3(-0.1), glm::dvec3(0.1))))
+        points.push_back(glm::vec3(point)); // each corner three times
+    const std::vector<physics::HullEdge> edges = physics::hull_edges(points);
+    CHECK(edges.size() == 12);
+    for (const auto& [from, to] : edges) {
+        CHECK(from < to);
+        CHECK(glm::length(points[from] - points[to]) == doctest::Approx(0.2).epsilon(1e-5).scale(0.0));
+    }
+    CHECK(physics::hull_edges({}).empty());
+    CHECK(physics::hull_edges(std::vector<glm::vec3>(5, glm::vec3(1.0f))).empty());
+}
+
 TEST_CASE("hull and margin stay inside the points, for any shape, size and place") {
     for (const double size : {1e-4, 0.1, 10.0, 1e4}) {
         for (const glm::dvec3& place : {glm::dvec3(0.0), glm::dvec3(100.0, -50.0, 3.0)}) {
