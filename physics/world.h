@@ -1,1 +1,185 @@
+// The rigid-body world: bodies with convex hulls, a ground plane, a fixed time step.
+//
+// Right-handed, Y up, metres, kilograms, seconds. The engine behind it is Bullet, which appears in world.cpp
+// only.
+//
+// - A body's frame has its origin at the centre of mass. Its pose maps body coordinates to the world:
+//   world = position + orientation * local. The inertia tensor may be any symmetric one in that frame: that
+//   Bullet wants principal axes is hidden here.
+// - Bodies keep the order in which they were added; write_transforms() fills an instance buffer in that
+// order.
+// - Time advances in fixed steps only. The same calls on a new (or cleared) World give the same state bit for
+// bit
+//   (state_hash()) with one build on one machine.
+// - Angular momentum and energy of a freely spinning body are conserved (rotation.h), for any inertia.
+// - Not thread-safe, and two Worlds must not step at the same time: Bullet keeps globals. Uses no threads
+// itself.
+//
+//     World world({.ground_height = 0.0f});
+//     Result<std::vector<BodyId>> bodies = add_pieces(world, fragments, {});   // pieces.h
+//     each frame:
+//         float alpha = world.advance(frame_seconds);
+//         world.write_transforms(instances, alpha);
 #pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "fracture/error.h"
+#include "physics/hull.h"
+
+namespace brittle::physics {
+
+using fracture::Result;
+
+struct WorldSettings {
+    glm::vec3 gravity{0.0f, -9.81f, 0.0f}; // m/s^2
+    float step = 1.0f / 120.0f;            // s; longer steps let piles sag, shorter ones cost in proportion
+    uint32_t max_substeps = 4;             // steps one advance() may take; time beyond them is dropped
+    std::optional<float> ground_height = 0.0f; // m, a plane y = height, solid below; nothing: no ground
+    float ground_friction = 0.6f;              // multiplied with a body's friction
+    float ground_restitution = 0.3f;           // multiplied with a body's restitution
+    float linear_damping = 0.0f;               // fraction of velocity lost in one second, 0 .. 1
+    float angular_damping = 0.0f;              // fraction of angular velocity lost in one second, 0 .. 1
+    uint32_t solver_iterations = 20;           // more: stiffer piles; 10 more cost about a tenth of a step
+    // How fast overlapping hulls are moved apart, m/s. Pieces that are not convex overlap their neighbours
+    // with their hulls at birth: a high speed blows them apart, a low one lets hard impacts overlap for
+    // longer. Moving apart gives no velocity.
+    float separation_speed = 0.2f;
+    // A pair of bodies is examined closely when their boxes come within this distance, m. Bullet's own
+    // default of 5 cm is made for crates: among centimetre pieces it finds many times more pairs than touch.
+    float broadphase_margin = 0.01f;
+    // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of
+    // the time its remaining jitter is damped away, after the whole time it sleeps, together with all it
+    // touches, until something disturbs it. A body that touches nothing never sleeps.
+    bool sleeping = true;
+    float sleep_linear_speed = 0.08f; // m/s
+    float sleep_angular_speed = 0.8f; // rad/s
+    float sleep_seconds = 0.5f;       // s
+};
+
+// What is wrong with settings that came from outside (a recipe, a command line): the field, its value, its
+// range.
+[[nodiscard]] Result<void> validate(const WorldSettings& settings);
+
+// Names a body of one World. Never reused within a World, so a handle of a removed body is recognised as
+// such.
+struct BodyId {
+    uint32_t value = UINT32_MAX; // the default names no body
+
+    friend auto operator<=>(BodyId, BodyId) = default;
+};
+std::ostream& operator<<(std::ostream& stream, BodyId id);
+
+struct Pose {
+    glm::vec3 position{0.0f};                      // of the centre of mass, m
+    glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f}; // w, x, y, z; unit
+};
+
+struct BodyDesc {
+    CollisionHull hull{};    // relative to the centre of mass, in body axes
+    float mass = 1.0f;       // kg, > 0
+    glm::mat3 inertia{1.0f}; // kg m^2 about the centre of mass in body axes; symmetric
+    Pose pose{};
+    glm::vec3 linear_velocity{0.0f};  // m/s, of the centre of mass
+    glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
+    float friction = 0.6f;            // Coulomb coefficients of two bodies are multiplied
+    float restitution = 0.3f;         // 0: dead, 1: elastic; multiplied likewise; fast falls bounce less
+};
+
+// Sums over all bodies (or of one), in double so that differences between steps mean something.
+struct Mechanics {
+    double kinetic = 0.0;             // J, of translation and rotation
+    double potential = 0.0;           // J, in the world's gravity; zero at the origin
+    glm::dvec3 momentum{0.0};         // kg m/s
+    glm::dvec3 angular_momentum{0.0}; // kg m^2/s, about the world's origin
+};
+
+struct DebugLine {
+    glm::vec3 from;
+    glm::vec3 to;
+    glm::vec3 colour; // linear RGB, 0 .. 1
+};
+
+struct DebugDraw {
+    bool hulls = true;     // red: awake, dark red: asleep
+    bool contacts = false; // yellow: 5 cm along the normal at each contact point
+};
+
+class World {
+  public:
+    // Asserts that the settings are valid: see validate().
+    explicit World(const WorldSettings& settings = {});
+    ~World();
+    World(World&&) noexcept;
+    World& operator=(World&&) noexcept;
+
+    [[nodiscard]] const WorldSettings& settings() const;
+
+    // Adds a body behind all others. Fails (invalid_setting) on non-finite values, a mass or inertia that no
+    // body can have, an orientation of no length, or a hull of fewer than 4 points; the world is then
+    // unchanged. Eigenvalues of the inertia below a ten-thousandth of the largest (needles, flakes) are
+    // raised to it, for the solver's sake.
+    Result<BodyId> add_body(const BodyDesc& desc);
+    // Removes a body and wakes what it touched; later bodies move up by one in body order. False if there is
+    // none.
+    bool remove_body(BodyId id);
+    // Removes all bodies and forgets the history: the world behaves as a new one does. Handles stay unused.
+    void clear();
+
+    [[nodiscard]] size_t body_count() const;
+    [[nodiscard]] bool contains(BodyId id) const;
+    [[nodiscard]] std::span<const BodyId> bodies() const; // in body order
+
+    // Advances by exactly settings().step.
+    void step();
+    // Takes as many steps as fit into the time gone by, at most max_substeps, and returns how far, 0 .. 1,
+    // the rest of it reaches from the previous pose to the current: the alpha of write_transforms(). Negative
+    // and non-finite seconds count as none.
+    float advance(double seconds);
+    [[nodiscard]] uint64_t steps_taken() const;
+
+    // Poses of all bodies in body order, interpolated from those before the last step (alpha 0) to the
+    // current ones (alpha 1). Writes as many as fit and returns how many.
+    size_t write_transforms(std::span<Pose> out, float alpha = 1.0f) const;
+
+    // One body; each asserts that it exists. A velocity is that after the last step.
+    [[nodiscard]] Pose pose(BodyId id) const;
+    [[nodiscard]] Pose previous_pose(BodyId id) const;
+    [[nodiscard]] glm::vec3 linear_velocity(BodyId id) const;
+    [[nodiscard]] glm::vec3 angular_velocity(BodyId id) const;
+    [[nodiscard]] float mass(BodyId id) const;
+    [[nodiscard]] bool awake(BodyId id) const;
+    [[nodiscard]] Mechanics mechanics(BodyId id) const;
+
+    // Changes momentum at once: impulse in N s, applied at a point in world coordinates. Wakes the body.
+    void apply_impulse(BodyId id, glm::vec3 impulse, glm::vec3 point);
+    void wake_all();
+
+    [[nodiscard]] Mechanics mechanics() const;
+    [[nodiscard]] size_t awake_count() const;
+    [[nodiscard]] size_t contact_count() const; // points that touch (not those that are merely near)
+
+    // Of all poses and velocities in body order (FNV-1a over their bits).
+    [[nodiscard]] uint64_t state_hash() const;
+
+    // Appends the edges of the hulls that bodies collide with (the paper's figure 10). They lie a margin
+    // inside the pieces, so draw them without depth test. The ground is left out.
+    void debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw = {}) const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace brittle::physics

@@ -1,0 +1,59 @@
+// The collision hull of a piece: a small convex point set that stays inside the piece's own convex hull.
+//
+// Bullet adds a collision margin outside a convex hull: two pieces that share a face would overlap by two
+// margins at birth and push each other apart. So the hull's planes are moved inwards by the margin first, and
+// hull + margin is inside the convex hull of the piece. Convex pieces, all those cut from a convex solid, are
+// therefore never in each other's way at birth. A piece that is not convex can still reach into a neighbour
+// with the hull of its notch; the world moves such pairs apart gently (WorldSettings::separation_speed).
+//
+// Points are relative to an origin that the caller names, usually the centre of mass. Metres. Thread-safe: no
+// state.
+//
+//     CollisionHull hull = collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass);
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace brittle::physics {
+
+struct HullSettings {
+    // Upper bound on the vertices of a hull, at least 8. The cost of a pair of hulls grows linearly with it;
+    // below about 16, pieces visibly rock on corners that they do not have.
+    uint32_t max_vertices = 32;
+    // Collision margin as a fraction of the thinnest extent of the piece. The margin rounds sharp corners off
+    // by a few times its size, and so far do they sink into the ground. A smaller one costs next to no time,
+    // but overlap beyond it takes Bullet's slow path. Clamped to 0.001 .. 0.45.
+    float margin_fraction = 0.02f;
+    // Upper bound of the margin in metres; at least a micrometre.
+    float max_margin = 0.01f;
+};
+
+struct CollisionHull {
+    std::vector<glm::vec3> points{}; // at least 4, not coplanar, relative to the origin
+    float margin = 0.0f;             // metres, > 0; what Bullet adds around the points
+};
+
+// The reduced and shrunk convex hull of points, relative to origin. Where a bounded vertex count forces a
+// choice, the vertices that bound the hull in evenly spread directions are kept, so the result is inside the
+// full hull.
+//
+// Degenerate input has a result too, as every piece needs a body: coplanar, collinear, coincident or no
+// points give the corners of a thin box around them; only there may hull + margin reach outside, by a
+// ten-thousandth of the extent (or a tenth of a millimetre where the extent is zero). Non-finite points are
+// ignored: check before calling if that matters.
+[[nodiscard]] CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin,
+                                           const HullSettings& settings = {});
+
+// An edge of a hull: two indices into its points, the lower one first.
+using HullEdge = std::pair<uint32_t, uint32_t>;
+
+// The edges of the convex hull of points, each once, for drawing; those inside a flat face (below 3 degrees)
+// are left out. Fewer than 4 points, or flat ones, may give none.
+[[nodiscard]] std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points);
+
+} // namespace brittle::physics

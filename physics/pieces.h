@@ -1,0 +1,40 @@
+// Bodies for all pieces of a fracture: density times volume as mass, the true inertia, a hull that does not
+// push neighbours apart (hull.h).
+//
+// The frame of a piece's body has the input's axes and its origin at the piece's centre of mass: a vertex p
+// of the fragments is at (p - piece.mass.centre_of_mass) in the body, and is drawn with the body's pose. At
+// birth a pose is that centre of mass moved by the placement, so pieces stand exactly where the mesh stood.
+//
+//     Result<std::vector<BodyId>> bodies = add_pieces(world, fragments, {.density = 2400.0f});
+#pragma once
+
+#include <vector>
+
+#include "fracture/fragments.h"
+#include "physics/hull.h"
+#include "physics/world.h"
+
+namespace brittle::physics {
+
+struct Material {
+    float density = 2400.0f; // kg/m^3; concrete
+    float friction = 0.8f;
+    float restitution = 0.2f;
+};
+
+// How the solid moved when it broke; pieces inherit v + w x r.
+struct PlacedMotion {
+    Pose placement{};                 // from the coordinates of the fragments to the world
+    glm::vec3 linear_velocity{0.0f};  // m/s, of the point at placement.position
+    glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
+};
+
+// One body a piece, in the order of fragments.pieces. Fails (invalid_mesh, invalid_setting) on non-finite
+// positions, vertex ranges outside the arena, or a density that is not positive, naming the piece; then no
+// body is added. A piece without volume (a sliver, an open or inside-out shell) gets the mass properties of a
+// thin box around it.
+Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments,
+                                       const Material& material = {}, const PlacedMotion& motion = {},
+                                       const HullSettings& hull = {});
+
+} // namespace brittle::physics
