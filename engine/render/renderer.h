@@ -7,7 +7,7 @@
 //     (*renderer)->set_pieces(pieces);
 //     Scene scene{.camera = look_at_bounds(bounds, 0.5f, 0.3f, 16.0f / 9.0f), .bounds = bounds};
 //     scene.write_poses = [&](std::span<BodyPose> poses) { world.poses(poses); };
-//     Result<Image> image = (*renderer)->render(scene, {1280, 720});
+//     Result<Bitmap> image = (*renderer)->render(scene, {1280, 720});
 //     write_png(*image, "frame.png");
 //
 // With a window: attach(window) once, then present(scene, ui) each frame instead of render(). The renderer
@@ -32,7 +32,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "engine/core/image.h"
+#include "engine/core/bitmap.h"
 #include "engine/core/result.h"
 #include "engine/gpu/device.h"
 #include "engine/render/scene.h"
@@ -82,7 +82,7 @@ class Renderer {
     [[nodiscard]] uint32_t body_count() const; // one more than the largest PieceMesh::body; 0 without pieces
 
     // Draws one frame off screen and reads it back. Width and height from 1 to the device's limit.
-    [[nodiscard]] Result<Image> render(const Scene& scene, glm::uvec2 size);
+    [[nodiscard]] Result<Bitmap> render(const Scene& scene, glm::uvec2 size);
 
     // Makes the swapchain and starts Dear ImGui on the window. Once in a renderer's life.
     [[nodiscard]] Result<void> attach(Window& window);

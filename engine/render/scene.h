@@ -84,7 +84,8 @@ struct Scene {
     std::span<const LineVertex> lines; // two a line; the physics debug drawer, cell edges
     bool lines_on_top = false;         // true shows lines through the pieces; false hides what is behind them
     std::span<const Sphere> spheres;   // the Voronoi sites
-    bool pieces_visible = true;        // false leaves lines and spheres alone on the ground
+    bool spheres_on_top = false;
+    bool pieces_visible = true; // false leaves lines and spheres alone on the ground
     bool ground = true;
     float ground_height = 0.0f; // y of the ground plane
 
