@@ -1,0 +1,148 @@
+// The frame graph's declaration: made anew each frame, compiled to a Plan, thrown away. No Vulkan type here.
+//
+//     FrameGraph graph;
+//     Image depth = graph.create_image("depth", {.width = w, .height = h, .format = Format::d32_float});
+//     Image target = graph.import_image("swapchain", {.width = w, .height = h, .format =
+//     Format::bgra8_unorm},
+//                                       {.initial = Access::acquired, .final = Access::present});
+//     graph.add_pass(
+//         "shade", PassKind::graphics,
+//         [&](PassBuilder& p) {
+//             p.read(shadow, Access::sampled_fragment);
+//             depth = p.write(depth, Access::depth_attachment);
+//             target = p.write(target, Access::colour_attachment);
+//         },
+//         [=](PassContext& context) { ... });
+//     CompileResult plan = std::move(graph).compile(needs);
+//     if (!plan) { log(plan.error().message); return; }
+//
+// Rules. Setup runs at once; execute runs later, if the pass lives. A write returns a new handle and the old
+// one is dead: only the newest handle of a resource may be read or written, hence the order of declaration is
+// a topological order. A pass uses a resource for reading (any accesses of one image layout) or writes it
+// once; to do both, it uses a read_write or _load access. A pass lives if it has a side effect, makes the
+// last version of an imported resource, or makes something that a live pass needs. A write needs the version
+// before it, since it may leave parts untouched, except colour_attachment and depth_attachment, which replace
+// everything.
+//
+// Misuse never throws or asserts: it is collected, and compile() reports all of it with pass and resource
+// names. One thread at a time.
+#pragma once
+
+#include "engine/graph/plan.h"
+
+#include <cassert>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace brittle::engine {
+
+class FrameGraph;
+
+// How an imported resource enters and leaves the frame.
+struct Import {
+    // The accesses last made to it, by an earlier frame or the CPU: writes among them are waited for; reads
+    // tell what its contents are already visible to. Empty: nothing to wait for and contents undefined.
+    AccessSet initial;
+    AccessSet final;            // what comes after the frame; empty: whatever the last pass left
+    bool read_only = false;     // a pass that writes it is an error
+    std::uint64_t external = 0; // whatever the execute half needs to find its own object again
+};
+
+// What a transient needs of memory; transients of one class share a heap. The execute half uses Vulkan's
+// memory type as class and raises the alignment to bufferImageGranularity.
+struct MemoryNeed {
+    std::uint64_t size;          // bytes
+    std::uint64_t alignment = 1; // bytes, a power of two
+    std::uint32_t memory_class = 0;
+};
+
+// Called once for each transient that a live pass uses; its `accesses` are final by then.
+using MemoryNeeds = std::function<MemoryNeed(const Plan::Resource&)>;
+
+struct GraphError {
+    std::string message; // for people: one line for each misuse, with pass and resource names
+};
+
+class [[nodiscard]] CompileResult {
+  public:
+    CompileResult(Plan plan) : plan_(std::move(plan)) {}
+    CompileResult(GraphError error) : error_(std::move(error)) {}
+
+    explicit operator bool() const { return plan_.has_value(); }
+    Plan& operator*() { return *plan_; }
+    Plan* operator->() { return &*plan_; }
+    [[nodiscard]] const GraphError& error() const {
+        assert(!plan_);
+        return error_;
+    }
+
+  private:
+    std::optional<Plan> plan_;
+    GraphError error_;
+};
+
+// Declares what one pass does; valid during its setup only.
+class PassBuilder {
+  public:
+    void read(Image image, Access access);
+    void read(Buffer buffer, Access access);
+    // The new version; `image` is dead from here on.
+    [[nodiscard]] Image write(Image image, Access access);
+    [[nodiscard]] Buffer write(Buffer buffer, Access access);
+    void side_effect(); // the pass is never culled
+
+  private:
+    friend class FrameGraph;
+    PassBuilder(FrameGraph& graph, std::uint32_t pass) : graph_(graph), pass_(pass) {}
+
+    FrameGraph& graph_;
+    std::uint32_t pass_;
+};
+
+class FrameGraph {
+  public:
+    // Transients: they live within the frame, contents undefined until written. Zero extents are reported by
+    // compile().
+    [[nodiscard]] Image create_image(std::string_view name, const ImageDesc& desc);
+    [[nodiscard]] Buffer create_buffer(std::string_view name, const BufferDesc& desc);
+
+    [[nodiscard]] Image import_image(std::string_view name, const ImageDesc& desc, const Import& import);
+    [[nodiscard]] Buffer import_buffer(std::string_view name, const BufferDesc& desc, const Import& import);
+
+    template<class Setup>
+    void add_pass(std::string_view name, PassKind kind, Setup&& setup, Execute execute) {
+        PassBuilder builder(*this, begin_pass(name, kind, std::move(execute)));
+        setup(builder);
+    }
+
+    // The plan, or everything that is wrong. Takes the passes out of the graph.
+    CompileResult compile(const MemoryNeeds& needs) &&;
+
+  private:
+    friend class PassBuilder;
+
+    struct Resource {
+        Import import;
+        // The pass that made each version; [0], which no pass made, is no_pass.
+        std::vector<std::uint32_t> writers;
+    };
+
+    std::uint32_t begin_pass(std::string_view name, PassKind kind, Execute execute);
+    std::uint32_t add_resource(std::string_view name, std::variant<ImageDesc, BufferDesc> desc, bool imported,
+                               const Import& import);
+    // Returns the newest version of the resource: the one just made if the write is legal.
+    std::uint32_t use(std::uint32_t pass, bool image, bool valid, std::uint32_t resource,
+                      std::uint32_t version, Access access, bool write);
+    void fail(std::string message) { errors_.push_back(std::move(message)); }
+
+    std::vector<Plan::Pass> passes_;
+    std::vector<Plan::Resource> resources_;
+    std::vector<Resource> declared_; // beside resources_
+    std::vector<std::string> errors_;
+};
+
+} // namespace brittle::engine
