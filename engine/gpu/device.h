@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,7 @@ struct DeviceOptions {
     // Which device: "" or "auto" takes the best usable one (discrete, then integrated, then virtual, then
     // CPU); "gpu" and "cpu" restrict that choice; a number is an index of list_devices(); anything else is
     // part of a name, upper or lower case.
-    std::string select;
+    std::string select{};
     // Turns on the Khronos validation layer with synchronization validation. Each message is printed to
     // stderr and kept for validation_messages(). Fails with missing_feature when the layer is not installed.
     bool validation = false;
@@ -72,10 +73,14 @@ class Device {
 
     void wait_idle() const;
 
+    // The first memory type among those `allowed` (bits, as in VkMemoryRequirements) that has all `flags`.
+    [[nodiscard]] std::optional<uint32_t> find_memory_type(uint32_t allowed,
+                                                           VkMemoryPropertyFlags flags) const;
+
   private:
     Device() = default;
     Result<void> create_instance(bool validation);
-    Result<void> create_device();
+    void create_device();
 
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
@@ -85,8 +90,12 @@ class Device {
     uint32_t queue_family_ = 0;
     bool can_present_ = false;
     bool debug_utils_ = false;
+    PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
+    PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
+    PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
     DeviceInfo info_;
     VkPhysicalDeviceLimits limits_{};
+    VkPhysicalDeviceMemoryProperties memory_{};
     // On the heap: the messenger holds its address.
     std::unique_ptr<std::vector<std::string>> messages_ = std::make_unique<std::vector<std::string>>();
 };

@@ -44,12 +44,13 @@ class Window;
 // What costs time on a device that has little. Unset members are chosen by the device: cheap on a CPU, good
 // on a GPU.
 struct Quality {
-    std::optional<uint32_t> shadow_size; // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
-    std::optional<bool> soft_shadows;    // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
+    std::optional<uint32_t>
+        shadow_size{};                  // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
+    std::optional<bool> soft_shadows{}; // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
 };
 
 struct RendererSettings {
-    Quality quality;
+    Quality quality{};
     bool vsync = true; // wait for the display before each present
 };
 

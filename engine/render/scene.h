@@ -17,11 +17,11 @@ namespace brittle::engine {
 
 // One piece to upload: a triangle list, counter-clockwise seen from outside, exterior triangles first.
 struct PieceMesh {
-    std::span<const glm::vec3> positions;  // in the frame of its body: relative to the body's centre of mass
-    std::span<const glm::uvec3> triangles; // indices into positions
-    uint32_t exterior_triangles = 0;       // the first so many; the rest are interior
-    uint32_t body = 0;                     // the pose that moves it; several pieces may share one
-    glm::vec3 tint{1.0f};                  // multiplies both materials; see piece_tint()
+    std::span<const glm::vec3> positions{}; // in the frame of its body: relative to the body's centre of mass
+    std::span<const glm::uvec3> triangles{}; // indices into positions
+    uint32_t exterior_triangles = 0;         // the first so many; the rest are interior
+    uint32_t body = 0;                       // the pose that moves it; several pieces may share one
+    glm::vec3 tint{1.0f};                    // multiplies both materials; see piece_tint()
 };
 
 // A body's place in the world, as the GPU reads it: Scene::write_poses writes these straight into mapped
@@ -43,13 +43,13 @@ static_assert(sizeof(BodyPose) == 32, "the layout that shaders/shared.h declares
 }
 
 struct LineVertex {
-    glm::vec3 position;
+    glm::vec3 position{0.0f};
     uint32_t colour = srgb8(215, 38, 30);
 };
 static_assert(sizeof(LineVertex) == 16, "the layout of the vertex attributes");
 
 struct Sphere {
-    glm::vec3 centre;
+    glm::vec3 centre{0.0f};
     float radius = 0.01f;
 };
 static_assert(sizeof(Sphere) == 16, "the layout of the instance attributes");
@@ -71,25 +71,25 @@ struct Look {
 };
 
 struct Scene {
-    Camera camera;
+    Camera camera{};
     // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
     // depth range; what sticks out is drawn, without a shadow.
-    Bounds bounds;
+    Bounds bounds{};
     // Called once in each draw, with one pose a body (Renderer::body_count()). Unset: every body at the
     // origin.
-    std::function<void(std::span<BodyPose>)> write_poses;
+    std::function<void(std::span<BodyPose>)> write_poses{};
     // False promises that no pose differs from the previous draw's: the shadow map is then kept.
     bool moved = true;
 
-    std::span<const LineVertex> lines; // two a line; the physics debug drawer, cell edges
+    std::span<const LineVertex> lines{}; // two a line; the physics debug drawer, cell edges
     bool lines_on_top = false;         // true shows lines through the pieces; false hides what is behind them
-    std::span<const Sphere> spheres;   // the Voronoi sites
+    std::span<const Sphere> spheres{}; // the Voronoi sites
     bool spheres_on_top = false;
     bool pieces_visible = true; // false leaves lines and spheres alone on the ground
     bool ground = true;
     float ground_height = 0.0f; // y of the ground plane
 
-    Look look;
+    Look look{};
 };
 
 } // namespace brittle::engine
