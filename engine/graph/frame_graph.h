@@ -42,16 +42,6 @@ namespace brittle::engine {
 
 class FrameGraph;
 
-// How an imported resource enters and leaves the frame.
-struct Import {
-    // The accesses last made to it, by an earlier frame or the CPU: writes among them are waited for; reads
-    // tell what its contents are already visible to. Empty: nothing to wait for and contents undefined.
-    AccessSet initial;
-    AccessSet final;            // what comes after the frame; empty: whatever the last pass left
-    bool read_only = false;     // a pass that writes it is an error
-    std::uint64_t external = 0; // whatever the execute half needs to find its own object again
-};
-
 // What a transient needs of memory; transients of one class share a heap. The execute half uses Vulkan's
 // memory type as class and raises the alignment to bufferImageGranularity.
 struct MemoryNeed {
@@ -125,23 +115,26 @@ class FrameGraph {
   private:
     friend class PassBuilder;
 
-    struct Resource {
-        Import import;
-        // The pass that made each version; [0], which no pass made, is no_pass.
-        std::vector<std::uint32_t> writers;
-    };
+    static constexpr std::uint32_t no_pass = ~0u;
 
     std::uint32_t begin_pass(std::string_view name, PassKind kind, Execute execute);
     std::uint32_t add_resource(std::string_view name, std::variant<ImageDesc, BufferDesc> desc, bool imported,
                                const Import& import);
-    // Returns the newest version of the resource: the one just made if the write is legal.
-    std::uint32_t use(std::uint32_t pass, bool image, bool valid, std::uint32_t resource,
-                      std::uint32_t version, Access access, bool write);
+    // Checks and records one use. Returns the newest version of the resource: the one just made, if the write
+    // is legal.
+    std::uint32_t add_use(std::uint32_t pass, Plan::Use use, bool image, bool write);
+    [[nodiscard]] bool contents_defined(std::uint32_t resource) const; // of its newest version
+    [[nodiscard]] std::uint32_t newest(std::uint32_t resource) const {
+        return static_cast<std::uint32_t>(writers_[resource].size() - 1);
+    }
+    void check_final_accesses();
+    [[nodiscard]] std::vector<bool> find_live_passes() const;
     void fail(std::string message) { errors_.push_back(std::move(message)); }
 
     std::vector<Plan::Pass> passes_;
     std::vector<Plan::Resource> resources_;
-    std::vector<Resource> declared_; // beside resources_
+    // By resource and version: the pass that made it; version 0 is made by no_pass.
+    std::vector<std::vector<std::uint32_t>> writers_;
     std::vector<std::string> errors_;
 };
 

@@ -57,15 +57,16 @@ class Handle {
     constexpr Handle() = default; // names nothing
     constexpr Handle(std::uint32_t resource, std::uint32_t version) : bits_(version << 20 | resource) {}
 
-    [[nodiscard]] constexpr bool valid() const { return bits_ != ~0u; }
+    [[nodiscard]] constexpr bool valid() const { return resource() < max_resources; }
     [[nodiscard]] constexpr std::uint32_t resource() const {
-        return bits_ & max_resource;
+        return bits_ & max_resources;
     }                                                                             // in Plan::resources
     [[nodiscard]] constexpr std::uint32_t version() const { return bits_ >> 20; } // 0: as created or imported
     friend constexpr auto operator<=>(Handle, Handle) = default;
 
-    static constexpr std::uint32_t max_resource = (1u << 20) - 1;
-    static constexpr std::uint32_t max_version = (1u << 12) - 2; // the last is kept for "names nothing"
+    static constexpr std::uint32_t max_resources =
+        (1u << 20) - 1; // the last index is kept for "names nothing"
+    static constexpr std::uint32_t max_version = (1u << 12) - 1;
 
   private:
     std::uint32_t bits_ = ~0u;
@@ -78,6 +79,16 @@ struct Memory {
     std::uint32_t heap = 0;   // in Plan::heaps
     std::uint64_t offset = 0; // bytes from the heap's start
     std::uint64_t size = 0;   // bytes
+};
+
+// How an imported resource enters and leaves the frame.
+struct Import {
+    // The accesses last made to it, by an earlier frame or the CPU: writes among them are waited for; reads
+    // tell what its contents are already visible to. Empty: nothing to wait for and contents undefined.
+    AccessSet initial;
+    AccessSet final;            // what comes after the frame; empty: whatever the last pass left
+    bool read_only = false;     // a pass that writes it is an error
+    std::uint64_t external = 0; // whatever the execute half needs to find its own object again
 };
 
 struct Plan {
@@ -113,8 +124,8 @@ struct Plan {
         std::string name;
         std::variant<ImageDesc, BufferDesc> desc;
         bool imported;
-        std::uint64_t external; // Import::external, untouched
-        AccessSet accesses;     // all that live passes and the import's edges do: the usage to create it with
+        Import import;      // imported ones only
+        AccessSet accesses; // all that live passes and the import's edges do: the usage to create it with
         // First and last pass that use it, as indices of `passes`; first > last if no live pass does, and
         // then a transient needs no memory and must not be created.
         std::uint32_t first_pass = 1;
