@@ -35,6 +35,7 @@
 #include "engine/core/bitmap.h"
 #include "engine/core/result.h"
 #include "engine/gpu/device.h"
+#include "engine/graph/pass_time.h"
 #include "engine/render/scene.h"
 
 namespace brittle::engine {
@@ -52,11 +53,6 @@ struct Quality {
 struct RendererSettings {
     Quality quality{};
     bool vsync = true; // wait for the display before each present
-};
-
-struct PassTime {
-    std::string name;
-    double milliseconds = 0.0; // between the device's timestamps around the pass
 };
 
 // What the last frame drew: for tests and for the profile.
