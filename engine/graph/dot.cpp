@@ -18,13 +18,17 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
+std::string node(const char* prefix, std::size_t index) {
+    return std::string(prefix).append(std::to_string(index));
+}
+
 class Writer {
   public:
     explicit Writer(const Plan& plan) : plan_(plan) {}
 
     void pass(const Plan::Pass& pass, const std::string& id, bool live) {
         text_ += "  " + id + " [shape=box, label=\"" + escaped(pass.name) + "\\n" + to_string(pass.kind);
-        if (!pass.barriers.empty()) text_ += "\\nbarriers: " + std::to_string(pass.barriers.size());
+        if (!pass.barriers.empty()) text_ += node("\\nbarriers: ", pass.barriers.size());
         text_ += live ? "\"];\n" : "\", color=grey, fontcolor=grey];\n";
         for (const Plan::Use& use : pass.uses) {
             const AccessTraits& t = traits(use.access);
@@ -39,10 +43,10 @@ class Writer {
     std::string finish() {
         for (const auto& [key, live] : versions_) {
             const Plan::Resource& resource = plan_.resources[key.first];
-            text_ += "  " + id(key) + " [shape=ellipse, label=\"" + escaped(resource.name) + "\\nversion "
-                     + std::to_string(key.second);
+            text_ += std::string("  ") + id(key) + " [shape=ellipse, label=\"" + escaped(resource.name)
+                     + "\\nversion " + std::to_string(key.second);
             if (!resource.imported && resource.used())
-                text_ += "\\nheap " + std::to_string(resource.memory.heap) + " at "
+                text_ += node("\\nheap ", resource.memory.heap) + " at "
                          + std::to_string(resource.memory.offset) + ", "
                          + std::to_string(resource.memory.size) + " bytes";
             text_ += resource.imported ? "\", peripheries=2" : "\"";
@@ -54,9 +58,7 @@ class Writer {
   private:
     using Version = std::pair<std::uint32_t, std::uint32_t>; // resource, version
 
-    static std::string id(Version key) {
-        return "r" + std::to_string(key.first) + "v" + std::to_string(key.second);
-    }
+    static std::string id(Version key) { return node("r", key.first) + node("v", key.second); }
     std::string version(std::uint32_t resource, std::uint32_t version, bool live) {
         versions_[{resource, version}] |= live;
         return id({resource, version});
@@ -75,10 +77,8 @@ class Writer {
 
 std::string to_dot(const Plan& plan) {
     Writer writer(plan);
-    for (std::size_t p = 0; p < plan.passes.size(); ++p)
-        writer.pass(plan.passes[p], "p" + std::to_string(p), true);
-    for (std::size_t p = 0; p < plan.culled.size(); ++p)
-        writer.pass(plan.culled[p], "c" + std::to_string(p), false);
+    for (std::size_t p = 0; p < plan.passes.size(); ++p) writer.pass(plan.passes[p], node("p", p), true);
+    for (std::size_t p = 0; p < plan.culled.size(); ++p) writer.pass(plan.culled[p], node("c", p), false);
     return writer.finish();
 }
 

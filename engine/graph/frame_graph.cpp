@@ -6,12 +6,9 @@
 namespace brittle::engine {
 namespace {
 
-std::string quoted(std::string_view name) {
-    return "'" + std::string(name) + "'";
-}
-
-std::string version_of(std::uint32_t version, std::string_view name) {
-    return "version " + std::to_string(version) + " of " + quoted(name);
+// "pass 'shade'".
+std::string named(const char* what, std::string_view name) {
+    return std::string(what).append(" '").append(name).append("'");
 }
 
 // What is wrong with an import's initial or final accesses, or nothing.
@@ -34,8 +31,7 @@ std::string edge_error(AccessSet set, const char* edge, Access forbidden, bool i
 
 } // namespace
 
-// --- Resources
-// -------------------------------------------------------------------------------------------------------
+// --- Resources -------------------------------------------------------------------------------------------
 
 Image FrameGraph::create_image(std::string_view name, const ImageDesc& desc) {
     return Image(add_resource(name, desc, false, {}), 0);
@@ -56,24 +52,24 @@ Buffer FrameGraph::import_buffer(std::string_view name, const BufferDesc& desc, 
 std::uint32_t FrameGraph::add_resource(std::string_view name, std::variant<ImageDesc, BufferDesc> desc,
                                        bool imported, const Import& import) {
     if (resources_.size() >= Image::max_resources) {
-        fail("resource " + quoted(name) + " is one too many: a graph holds "
+        fail(named("resource", name) + " is one too many: a graph holds "
              + std::to_string(Image::max_resources));
         return Image::max_resources;
     }
     const auto* image = std::get_if<ImageDesc>(&desc);
     if (image) {
         if (!image->width || !image->height || !image->samples || !image->mip_levels || !image->layers)
-            fail("image " + quoted(name) + " is " + std::to_string(image->width) + "x"
+            fail(named("image", name) + " is " + std::to_string(image->width) + "x"
                  + std::to_string(image->height) + " with " + std::to_string(image->samples) + " samples, "
                  + std::to_string(image->mip_levels) + " mip levels and " + std::to_string(image->layers)
                  + " layers: none of these may be 0");
     } else if (!std::get<BufferDesc>(desc).size) {
-        fail("buffer " + quoted(name) + " has size 0");
+        fail(named("buffer", name) + " has size 0");
     }
     for (const std::string& error :
          {edge_error(import.initial, "initial", Access::host_read, image != nullptr),
           edge_error(import.final, "final", Access::host_write, image != nullptr)})
-        if (!error.empty()) fail("imported " + quoted(name) + ": " + error);
+        if (!error.empty()) fail(named("imported", name) + ": " + error);
 
     Plan::Resource& resource = resources_.emplace_back();
     resource.name = name;
@@ -84,8 +80,7 @@ std::uint32_t FrameGraph::add_resource(std::string_view name, std::variant<Image
     return static_cast<std::uint32_t>(resources_.size() - 1);
 }
 
-// --- Passes
-// ----------------------------------------------------------------------------------------------------------
+// --- Passes ----------------------------------------------------------------------------------------------
 
 std::uint32_t FrameGraph::begin_pass(std::string_view name, PassKind kind, Execute execute) {
     passes_.push_back({std::string(name), kind, false, {}, {}, std::move(execute)});
@@ -120,63 +115,72 @@ bool FrameGraph::contents_defined(std::uint32_t resource) const {
 
 std::uint32_t FrameGraph::add_use(std::uint32_t pass_index, Plan::Use use, bool image, bool write) {
     Plan::Pass& pass = passes_[pass_index];
-    const AccessTraits& t = traits(use.access);
-    const std::string who = "pass " + quoted(pass.name) + (write ? " writes " : " reads ");
-
     // Also catches default-made handles and, where it shows, handles of another graph.
     if (use.resource >= resources_.size() || resources_[use.resource].is_image() != image
         || use.version > newest(use.resource)) {
-        fail(who + (image ? "an image" : "a buffer") + " handle that names nothing in this graph");
+        fail(named("pass", pass.name) + (write ? " writes " : " reads ") + (image ? "an image" : "a buffer")
+             + " handle that names nothing in this graph");
         return use.version;
     }
-    const Plan::Resource& resource = resources_[use.resource];
-    std::vector<std::uint32_t>& writers = writers_[use.resource];
-    const std::uint32_t current = newest(use.resource);
-    const std::string what = who + quoted(resource.name) + " as " + t.name + ", ";
-    const auto refuse = [&](const std::string& message) {
-        fail(message);
-        return current; // so that one mistake is reported once
-    };
+    const bool repeated = std::any_of(pass.uses.begin(), pass.uses.end(), [&](const Plan::Use& other) {
+        return other.resource == use.resource && other.access == use.access;
+    });
+    if (repeated && !write) return newest(use.resource);
 
-    if (!(image ? t.images : t.buffers))
-        return refuse(what + "which is no access to " + (image ? "an image" : "a buffer"));
-    if (!t.kinds) return refuse(what + "which is only for the edges of an import");
-    if (!(t.kinds >> static_cast<unsigned>(pass.kind) & 1))
-        return refuse(what + "which is not allowed in a " + to_string(pass.kind) + " pass");
-    if (t.writes != write) return refuse(what + "which " + (write ? "only reads" : "writes"));
-
-    for (const Plan::Use& other : pass.uses) {
-        if (other.resource != use.resource) continue;
-        if (other.access == use.access && !write) return current;
-        const AccessTraits& o = traits(other.access);
-        if (write || o.writes)
-            return refuse(what + "but also uses it as " + o.name
-                          + ": a pass may read a resource or write it once; to do both, use a read_write or "
-                            "_load access");
-        if (image && o.layout != t.layout)
-            return refuse(what + "but also as " + o.name + ": the two need different image layouts");
+    std::string error = use_error(pass, use, write);
+    if (!error.empty()) {
+        fail(std::move(error));
+        return newest(use.resource); // alive, so that one mistake is reported once
     }
-
-    if (use.version != current)
-        return refuse(who + version_of(use.version, resource.name) + ", but pass "
-                      + quoted(passes_[writers[use.version + 1]].name)
-                      + " already replaced that version: use the handle that its write() returned");
-    if (write && resource.imported && resource.import.read_only)
-        return refuse(what + "but it is imported as read-only");
-    if (t.reads && !contents_defined(use.resource))
-        return refuse(what
-                      + (resource.imported
-                             ? "but it was imported with undefined contents and no pass wrote it before"
-                             : "but no pass wrote it before"));
     if (write) {
-        if (current == Image::max_version)
-            return refuse(what + "but it was written " + std::to_string(current)
-                          + " times already, the most allowed");
-        writers.push_back(pass_index);
+        writers_[use.resource].push_back(pass_index);
         ++use.version;
     }
     pass.uses.push_back(use);
     return use.version;
+}
+
+std::string FrameGraph::use_error(const Plan::Pass& pass, const Plan::Use& use, bool write) const {
+    const AccessTraits& t = traits(use.access);
+    const Plan::Resource& resource = resources_[use.resource];
+    const bool image = resource.is_image();
+    const std::uint32_t current = newest(use.resource);
+    const auto wrong = [&](const std::string& why) {
+        return named("pass", pass.name) + named(write ? " writes" : " reads", resource.name) + " as " + t.name
+               + ", " + why;
+    };
+
+    if (!(image ? t.images : t.buffers))
+        return wrong(image ? "which is no access to an image" : "which is no access to a buffer");
+    if (!t.kinds) return wrong("which is only for the edges of an import");
+    if (!(t.kinds >> static_cast<unsigned>(pass.kind) & 1))
+        return wrong(std::string("which is not allowed in a ") + to_string(pass.kind) + " pass");
+    if (t.writes != write) return wrong(write ? "which only reads" : "which writes");
+
+    for (const Plan::Use& other : pass.uses) {
+        if (other.resource != use.resource) continue;
+        const AccessTraits& o = traits(other.access);
+        if (write || o.writes)
+            return wrong(std::string("but also uses it as ") + o.name
+                         + ": a pass may read a resource or write it once; to do both, use a read_write or "
+                           "_load access");
+        if (image && o.layout != t.layout)
+            return wrong(std::string("but also as ") + o.name + ": the two need different image layouts");
+    }
+
+    if (use.version != current)
+        return wrong("but by its version " + std::to_string(use.version) + ", which "
+                     + named("pass", passes_[writers_[use.resource][use.version + 1]].name)
+                     + " has replaced: use the handle that its write() returned");
+    if (write && resource.imported && resource.import.read_only)
+        return wrong("but it is imported as read-only");
+    if (t.reads && !contents_defined(use.resource))
+        return wrong(resource.imported
+                         ? "but it was imported with undefined contents and no pass wrote it before"
+                         : "but no pass wrote it before");
+    if (write && current == Image::max_version)
+        return wrong("but it was written " + std::to_string(current) + " times already, the most allowed");
+    return {};
 }
 
 void FrameGraph::check_final_accesses() {
@@ -184,7 +188,7 @@ void FrameGraph::check_final_accesses() {
         bool reads = false;
         resources_[r].import.final.for_each([&](Access access) { reads |= traits(access).reads; });
         if (reads && !contents_defined(r))
-            fail("imported " + quoted(resources_[r].name) + " is to end as "
+            fail(named("imported", resources_[r].name) + " is to end as "
                  + to_string(resources_[r].import.final) + ", but no pass wrote it");
     }
 }

@@ -2,8 +2,7 @@
 //
 //     FrameGraph graph;
 //     Image depth = graph.create_image("depth", {.width = w, .height = h, .format = Format::d32_float});
-//     Image target = graph.import_image("swapchain", {.width = w, .height = h, .format =
-//     Format::bgra8_unorm},
+//     Image target = graph.import_image("swapchain", {.width = w, .height = h},
 //                                       {.initial = Access::acquired, .final = Access::present});
 //     graph.add_pass(
 //         "shade", PassKind::graphics,
@@ -45,7 +44,7 @@ class FrameGraph;
 // What a transient needs of memory; transients of one class share a heap. The execute half uses Vulkan's
 // memory type as class and raises the alignment to bufferImageGranularity.
 struct MemoryNeed {
-    std::uint64_t size;          // bytes
+    std::uint64_t size = 0;      // bytes
     std::uint64_t alignment = 1; // bytes, a power of two
     std::uint32_t memory_class = 0;
 };
@@ -123,6 +122,8 @@ class FrameGraph {
     // Checks and records one use. Returns the newest version of the resource: the one just made, if the write
     // is legal.
     std::uint32_t add_use(std::uint32_t pass, Plan::Use use, bool image, bool write);
+    // What is wrong with the use, or nothing. The resource exists.
+    [[nodiscard]] std::string use_error(const Plan::Pass& pass, const Plan::Use& use, bool write) const;
     [[nodiscard]] bool contents_defined(std::uint32_t resource) const; // of its newest version
     [[nodiscard]] std::uint32_t newest(std::uint32_t resource) const {
         return static_cast<std::uint32_t>(writers_[resource].size() - 1);

@@ -2,6 +2,7 @@
 #include "engine/graph/frame_graph.h"
 
 #include <algorithm>
+#include <map>
 
 namespace brittle::engine {
 namespace {
@@ -18,8 +19,7 @@ std::uint64_t align_up(std::uint64_t value, std::uint64_t alignment) {
     return (value + alignment - 1) & ~(alignment - 1);
 }
 
-// --- Lifetimes
-// -------------------------------------------------------------------------------------------------------
+// --- Lifetimes -------------------------------------------------------------------------------------------
 
 void find_lifetimes(Plan& plan) {
     for (std::uint32_t p = 0; p < plan.passes.size(); ++p)
@@ -33,8 +33,7 @@ void find_lifetimes(Plan& plan) {
         resource.accesses |= resource.import.initial | resource.import.final;
 }
 
-// --- Memory
-// ----------------------------------------------------------------------------------------------------------
+// --- Memory ----------------------------------------------------------------------------------------------
 
 std::uint32_t find_or_add_heap(std::vector<Plan::Heap>& heaps, const MemoryNeed& need) {
     const auto found = std::find_if(heaps.begin(), heaps.end(), [&](const Plan::Heap& heap) {
@@ -95,8 +94,7 @@ void place_transients(Plan& plan, const MemoryNeeds& needs) {
     }
 }
 
-// --- Barriers
-// --------------------------------------------------------------------------------------------------------
+// --- Barriers --------------------------------------------------------------------------------------------
 
 constexpr std::uint32_t before_frame = ~0u;
 
@@ -138,6 +136,15 @@ void append(Timeline& timeline, const Epoch& next) {
     timeline.push_back(next);
 }
 
+// What the pass does to each of its resources. One by one, a pass's first read might join the initial epoch
+// and its second open a new one, whose barrier then comes before the first read and hides it from the next
+// write.
+std::map<std::uint32_t, AccessSet> merged_uses(const Plan::Pass& pass) {
+    std::map<std::uint32_t, AccessSet> merged;
+    for (const Plan::Use& use : pass.uses) merged[use.resource] |= use.access;
+    return merged;
+}
+
 std::vector<Timeline> make_timelines(const Plan& plan) {
     std::vector<Timeline> timelines(plan.resources.size());
     const auto add = [&](std::uint32_t r, std::uint32_t pass, AccessSet accesses) {
@@ -147,7 +154,7 @@ std::vector<Timeline> make_timelines(const Plan& plan) {
         add(r, before_frame, plan.resources[r].import.initial);
     const auto pass_count = static_cast<std::uint32_t>(plan.passes.size());
     for (std::uint32_t p = 0; p < pass_count; ++p)
-        for (const Plan::Use& use : plan.passes[p].uses) add(use.resource, p, use.access);
+        for (const auto& [resource, accesses] : merged_uses(plan.passes[p])) add(resource, p, accesses);
     for (std::uint32_t r = 0; r < plan.resources.size(); ++r)
         add(r, pass_count, plan.resources[r].import.final);
     return timelines;
@@ -173,23 +180,21 @@ void place_barriers(Plan& plan) {
         const Plan::Resource& resource = plan.resources[r];
         const Epoch* previous = nullptr;
         for (const Epoch& epoch : timelines[r]) {
-            if (epoch.first != before_frame) {
-                Plan::Barrier barrier{r, {}, epoch.accesses, Layout::undefined, epoch.layout, false};
-                if (previous) {
-                    barrier.before = previous->accesses;
-                    if (!epoch.discards) barrier.from = previous->layout;
-                } else if (!resource.imported) {
-                    barrier.before = inherited_accesses(plan, timelines, resource);
-                    barrier.aliasing = !barrier.before.empty();
-                }
-                // A buffer that nothing happened to yet needs none; an image has at least to leave
-                // `undefined`.
-                if (resource.is_image() || !barrier.before.empty())
-                    (epoch.first < plan.passes.size() ? plan.passes[epoch.first].barriers
-                                                      : plan.final_barriers)
-                        .push_back(barrier);
+            Plan::Barrier barrier{r, {}, epoch.accesses, Layout::undefined, epoch.layout, false};
+            if (previous) {
+                barrier.before = previous->accesses;
+                if (!epoch.discards) barrier.from = previous->layout;
+            } else if (!resource.imported) {
+                barrier.before = inherited_accesses(plan, timelines, resource);
+                barrier.aliasing = !barrier.before.empty();
             }
             previous = &epoch;
+            if (epoch.first == before_frame) continue;
+            // Before its very first access a buffer has nothing to wait for; an image has to leave
+            // `undefined`.
+            if (barrier.before.empty() && !resource.is_image()) continue;
+            const bool after_frame = epoch.first == plan.passes.size();
+            (after_frame ? plan.final_barriers : plan.passes[epoch.first].barriers).push_back(barrier);
         }
     }
 }

@@ -58,14 +58,13 @@ class Handle {
     constexpr Handle(std::uint32_t resource, std::uint32_t version) : bits_(version << 20 | resource) {}
 
     [[nodiscard]] constexpr bool valid() const { return resource() < max_resources; }
-    [[nodiscard]] constexpr std::uint32_t resource() const {
-        return bits_ & max_resources;
-    }                                                                             // in Plan::resources
-    [[nodiscard]] constexpr std::uint32_t version() const { return bits_ >> 20; } // 0: as created or imported
+    // The index in Plan::resources.
+    [[nodiscard]] constexpr std::uint32_t resource() const { return bits_ & max_resources; }
+    // 0 as created or imported; each write makes the next.
+    [[nodiscard]] constexpr std::uint32_t version() const { return bits_ >> 20; }
     friend constexpr auto operator<=>(Handle, Handle) = default;
 
-    static constexpr std::uint32_t max_resources =
-        (1u << 20) - 1; // the last index is kept for "names nothing"
+    static constexpr std::uint32_t max_resources = (1u << 20) - 1; // the last index names nothing
     static constexpr std::uint32_t max_version = (1u << 12) - 1;
 
   private:
@@ -85,8 +84,8 @@ struct Memory {
 struct Import {
     // The accesses last made to it, by an earlier frame or the CPU: writes among them are waited for; reads
     // tell what its contents are already visible to. Empty: nothing to wait for and contents undefined.
-    AccessSet initial;
-    AccessSet final;            // what comes after the frame; empty: whatever the last pass left
+    AccessSet initial = {};
+    AccessSet final = {};       // what comes after the frame; empty: whatever the last pass left
     bool read_only = false;     // a pass that writes it is an error
     std::uint64_t external = 0; // whatever the execute half needs to find its own object again
 };
