@@ -218,7 +218,7 @@ void GraphExecutor::record(const Plan& plan, const External& external, VkCommand
     context.plan_ = &plan;
     for (size_t i = 0; i < plan.resources.size(); ++i) {
         if (plan.resources[i].imported) {
-            const External::Object& object = external.objects_[plan.resources[i].external];
+            const External::Object& object = external.objects_[plan.resources[i].import.external];
             context.objects_.push_back({object.image, object.view, object.buffer});
         } else {
             context.objects_.push_back(transients_[i].object);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <glm/gtc/packing.hpp>
+#include <glm/packing.hpp>
 
 #include "engine/gpu/device.h"
 #include "engine/graph/upload.h"
