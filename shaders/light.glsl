@@ -35,9 +35,10 @@ vec3 background() {
     return mix(frame.background_top.rgb, frame.background_bottom.rgb, smoothstep(0.0, 1.0, y));
 }
 
-// A soft shoulder instead of a hard clip, then the sRGB curve (IEC 61966-2-1): targets are UNORM and encode nothing.
+// A filmic curve (Narkowicz 2015, a fit of ACES) instead of a hard clip, then the sRGB curve (IEC 61966-2-1): targets are
+// UNORM and encode nothing.
 vec4 display(vec3 light) {
-    vec3 c = 1.0 - exp(-1.25 * light);
+    vec3 c = clamp(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0.0, 1.0);
     vec3 low = 12.92 * c;
     vec3 high = 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055;
     return vec4(mix(high, low, lessThanEqual(c, vec3(0.0031308))), 1.0);

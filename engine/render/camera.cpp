@@ -57,11 +57,21 @@ CameraMatrices matrices(const Camera& camera, float aspect, const Bounds& bounds
 
 Camera look_at_bounds(const Bounds& bounds, float azimuth, float elevation, float aspect, float vertical_fov,
                       float margin) {
-    const float half = 0.5f * vertical_fov;
-    const float narrow = std::min(half, std::atan(std::tan(half) * aspect));
-    const float radius = std::max(glm::length(bounds.size()) * 0.5f, least_radius);
-    const float distance = margin * radius / std::sin(narrow);
-    return {bounds.centre() + orbit_direction(azimuth, elevation) * distance, bounds.centre(), vertical_fov};
+    const glm::vec3 back = orbit_direction(azimuth, elevation);
+    const glm::vec3 right(std::cos(azimuth), 0.0f, -std::sin(azimuth));
+    const glm::vec3 up = glm::cross(back, right);
+    const float tangent_y = std::tan(0.5f * vertical_fov);
+    const float tangent_x = tangent_y * aspect;
+    const glm::vec3 half = glm::max(bounds.size() * 0.5f, glm::vec3(least_radius));
+    float distance = 0.0f;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p =
+            half * glm::vec3(corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, corner & 4 ? 1.0f : -1.0f);
+        const float sideways =
+            std::max(std::abs(glm::dot(p, right)) / tangent_x, std::abs(glm::dot(p, up)) / tangent_y);
+        distance = std::max(distance, glm::dot(p, back) + margin * sideways);
+    }
+    return {bounds.centre() + back * distance, bounds.centre(), vertical_fov};
 }
 
 OrbitCamera OrbitCamera::around(const Bounds& bounds, float aspect) {

@@ -44,7 +44,7 @@ struct CameraMatrices {
 // A camera that sees all of `bounds`. Azimuth turns about Y from +Z towards +X, elevation rises from the
 // ground; both in radians. `margin` 1 fits the bounding sphere tightly.
 [[nodiscard]] Camera look_at_bounds(const Bounds& bounds, float azimuth, float elevation, float aspect,
-                                    float vertical_fov = 0.6f, float margin = 1.1f);
+                                    float vertical_fov = 0.6f, float margin = 1.05f);
 
 // An orbit for the mouse:
 //
