@@ -1,0 +1,103 @@
+#include "engine/core/bitmap.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include <stb_image.h>
+#include <stb_image_write.h>
+
+namespace brittle::engine {
+
+namespace {
+
+Error file_error(const std::string& doing, const std::string& path, const std::string& why) {
+    return {Status::file_error, doing + " " + path + ": " + why};
+}
+
+} // namespace
+
+Result<void> write_png(const Bitmap& image, const std::string& path) {
+    if (image.width == 0 || image.height == 0 || image.width > INT_MAX / 4 || image.height > INT_MAX
+        || image.pixels.size() != size_t{4} * image.width * image.height)
+        return Error{Status::invalid_argument,
+                     "cannot write " + path + ": the picture is empty or its size wrong"};
+
+    std::vector<uint8_t> png;
+    const auto append = [](void* context, void* data, int size) {
+        auto& out = *static_cast<std::vector<uint8_t>*>(context);
+        const auto* bytes = static_cast<const uint8_t*>(data);
+        out.insert(out.end(), bytes, bytes + size);
+    };
+    if (!stbi_write_png_to_func(append, &png, static_cast<int>(image.width), static_cast<int>(image.height),
+                                4, image.pixels.data(), static_cast<int>(image.width) * 4))
+        return Error{Status::out_of_memory, "cannot encode " + path + " as PNG"};
+
+    const std::string temporary = path + ".part";
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    if (!file) return file_error("cannot create", temporary, std::strerror(errno));
+    file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+    file.close();
+    std::error_code error;
+    if (file) std::filesystem::rename(temporary, path, error);
+    if (!file || error) {
+        const std::string why = error ? error.message() : "the disk is full or not writable";
+        std::filesystem::remove(temporary, error);
+        return file_error("cannot write", path, why);
+    }
+    return {};
+}
+
+Result<Bitmap> read_png(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return file_error("cannot open", path, std::strerror(errno));
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    if (!file.eof() || bytes.size() > INT_MAX)
+        return file_error("cannot read", path, "not a regular file, or huge");
+
+    int width = 0, height = 0, channels = 0;
+    const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size()),
+                              &width, &height, &channels, 4),
+        stbi_image_free);
+    if (!pixels) return file_error("cannot read", path, "not a PNG that can be decoded");
+    Bitmap image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
+    image.pixels.assign(pixels.get(), pixels.get() + size_t{4} * image.width * image.height);
+    return image;
+}
+
+BitmapDifference compare_bitmaps(const Bitmap& actual, const Bitmap& expected,
+                                 const BitmapTolerance& tolerance) {
+    BitmapDifference result;
+    result.same_size = actual.width == expected.width && actual.height == expected.height
+                       && actual.pixels.size() == expected.pixels.size();
+    if (!result.same_size) return result;
+
+    const size_t count = size_t{actual.width} * actual.height;
+    result.picture = {actual.width, actual.height, std::vector<uint8_t>(4 * count)};
+    for (size_t i = 0; i < count; ++i) {
+        int worst = 0;
+        for (size_t c = 0; c < 4; ++c)
+            worst = std::max(worst, std::abs(actual.pixels[4 * i + c] - expected.pixels[4 * i + c]));
+        result.largest = std::max(result.largest, worst);
+        if (worst > tolerance.channel) ++result.unequal_pixels;
+        // Steep on purpose: a difference of one shows, one beyond the tolerance glows.
+        uint8_t* out = &result.picture.pixels[4 * i];
+        out[0] = static_cast<uint8_t>(std::min(255, worst * 48));
+        out[1] = static_cast<uint8_t>(std::clamp((worst - tolerance.channel) * 24, 0, 255));
+        out[2] = static_cast<uint8_t>(std::clamp((worst - tolerance.channel) * 6, 0, 255));
+        out[3] = 255;
+    }
+    result.within_tolerance =
+        static_cast<double>(result.unequal_pixels) <= tolerance.fraction * static_cast<double>(count);
+    return result;
+}
+
+} // namespace brittle::engine

@@ -1,0 +1,97 @@
+#include "engine/core/window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace brittle::engine {
+
+namespace {
+
+// GLFW is one per process and reports through a callback without user data.
+int open_windows = 0;
+std::string last_error;
+
+Window& window_of(GLFWwindow* window) {
+    return *static_cast<Window*>(glfwGetWindowUserPointer(window));
+}
+
+} // namespace
+
+Result<std::unique_ptr<Window>> Window::create(const WindowSettings& settings) {
+    glfwSetErrorCallback([](int, const char* text) { last_error = text; });
+    last_error.clear();
+    // A second glfwInit() succeeds at once.
+    if (!glfwInit())
+        return Error{Status::no_display,
+                     "cannot open a window, there is no display: " + last_error
+                         + ". Without one, `brittle render` draws the same pictures into files."};
+
+    std::unique_ptr<Window> window(new Window);
+    ++open_windows; // the destructor counts down
+    glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+    window->window_ = glfwCreateWindow(static_cast<int>(settings.width), static_cast<int>(settings.height),
+                                       settings.title.c_str(), nullptr, nullptr);
+    if (!window->window_) return Error{Status::no_display, "cannot open a window: " + last_error};
+    glfwSetWindowUserPointer(window->window_, window.get());
+    window->install_callbacks();
+    return window;
+}
+
+Window::~Window() {
+    if (window_) glfwDestroyWindow(window_);
+    if (--open_windows == 0) glfwTerminate();
+}
+
+// Before Dear ImGui's own, which call these on (see Renderer::attach).
+void Window::install_callbacks() {
+    glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
+        if (action == GLFW_PRESS) window_of(w).collecting_.keys.push_back(static_cast<Key>(key));
+    });
+    glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
+        window_of(w).collecting_.scroll += static_cast<float>(y);
+    });
+    // A press moves the cursor's last known place, so that a drag starts at zero even where no motion came
+    // before it.
+    glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int, int, int) {
+        double x = 0.0, y = 0.0;
+        glfwGetCursorPos(w, &x, &y);
+        window_of(w).collecting_.cursor = {static_cast<float>(x), static_cast<float>(y)};
+    });
+    glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
+        Input& input = window_of(w).collecting_;
+        const glm::vec2 cursor(static_cast<float>(x), static_cast<float>(y));
+        const glm::vec2 motion = cursor - input.cursor;
+        input.cursor = cursor;
+        const auto down = [w](int button) { return glfwGetMouseButton(w, button) == GLFW_PRESS; };
+        if (down(GLFW_MOUSE_BUTTON_LEFT)) input.drag_left += motion;
+        if (down(GLFW_MOUSE_BUTTON_MIDDLE)) input.drag_middle += motion;
+        if (down(GLFW_MOUSE_BUTTON_RIGHT)) input.drag_right += motion;
+    });
+}
+
+const Input& Window::poll() {
+    glfwPollEvents();
+    input_ = collecting_;
+    collecting_ = Input{.cursor = input_.cursor};
+    return input_;
+}
+
+bool Window::should_close() const {
+    return glfwWindowShouldClose(window_) != 0;
+}
+
+void Window::close() {
+    glfwSetWindowShouldClose(window_, GLFW_TRUE);
+}
+
+void Window::set_title(const std::string& title) {
+    glfwSetWindowTitle(window_, title.c_str());
+}
+
+glm::uvec2 Window::framebuffer_size() const {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    return {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+}
+
+} // namespace brittle::engine

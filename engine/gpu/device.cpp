@@ -1,0 +1,416 @@
+#include "engine/gpu/device.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <span>
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <dlfcn.h>
+#endif
+
+#include "engine/gpu/check.h"
+
+namespace brittle::engine {
+
+namespace {
+
+constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
+
+// LeakSanitizer cannot name what a driver leaked once the loader has unloaded it. Keep both libraries mapped,
+// so that the few bytes that lavapipe and the layer leave behind at exit stay reachable or can be suppressed
+// by name.
+void keep_drivers_loaded() {
+#if defined(__SANITIZE_ADDRESS__)
+    dlopen("libvulkan_lvp.so", RTLD_NOW | RTLD_NODELETE);
+    dlopen("libVkLayer_khronos_validation.so", RTLD_NOW | RTLD_NODELETE);
+#endif
+}
+
+bool lists(const std::vector<VkExtensionProperties>& extensions, const char* name) {
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+std::vector<VkExtensionProperties> instance_extensions(const char* layer) {
+    uint32_t count = 0;
+    vkEnumerateInstanceExtensionProperties(layer, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateInstanceExtensionProperties(layer, &count, extensions.data());
+    extensions.resize(count);
+    return extensions;
+}
+
+std::vector<VkExtensionProperties> device_extensions(VkPhysicalDevice device) {
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
+    extensions.resize(count);
+    return extensions;
+}
+
+bool validation_available() {
+    uint32_t count = 0;
+    vkEnumerateInstanceLayerProperties(&count, nullptr);
+    std::vector<VkLayerProperties> layers(count);
+    vkEnumerateInstanceLayerProperties(&count, layers.data());
+    return std::any_of(layers.begin(), layers.end(),
+                       [](const auto& l) { return std::strcmp(l.layerName, validation_layer) == 0; });
+}
+
+std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
+    uint32_t count = 0;
+    vkEnumeratePhysicalDevices(instance, &count, nullptr);
+    std::vector<VkPhysicalDevice> devices(count);
+    vkEnumeratePhysicalDevices(instance, &count, devices.data());
+    devices.resize(count);
+    return devices;
+}
+
+// The first family that does graphics and compute; in practice every device has one.
+std::optional<uint32_t> find_queue_family(VkPhysicalDevice device) {
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+    for (uint32_t i = 0; i < count; ++i) {
+        constexpr VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+        if ((families[i].queueFlags & wanted) == wanted) return i;
+    }
+    return std::nullopt;
+}
+
+// What Brittle needs, asked for and checked from one list.
+struct Features {
+    VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                         .pNext = nullptr};
+    VkPhysicalDeviceFeatures2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v13};
+    Features() = default;
+    Features(const Features&) = delete;
+};
+
+struct NeededFeature {
+    const char* name;
+    VkBool32& (*member)(Features&);
+};
+
+constexpr NeededFeature needed_features[] = {
+    {"multiDrawIndirect", [](Features& f) -> VkBool32& { return f.all.features.multiDrawIndirect; }},
+    {"drawIndirectFirstInstance",
+     [](Features& f) -> VkBool32& { return f.all.features.drawIndirectFirstInstance; }},
+    {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
+    {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
+    {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
+};
+
+std::string find_problem(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties) {
+    if (properties.apiVersion < VK_API_VERSION_1_3)
+        return "its driver offers Vulkan " + std::to_string(VK_API_VERSION_MAJOR(properties.apiVersion)) + "."
+               + std::to_string(VK_API_VERSION_MINOR(properties.apiVersion)) + ", Brittle needs 1.3";
+    if (!find_queue_family(device)) return "it has no queue for both graphics and compute";
+    Features features;
+    vkGetPhysicalDeviceFeatures2(device, &features.all);
+    std::string missing;
+    for (const NeededFeature& feature : needed_features)
+        if (!feature.member(features)) missing += (missing.empty() ? "" : ", ") + std::string(feature.name);
+    return missing.empty() ? "" : "it lacks the feature " + missing;
+}
+
+DeviceKind kind_of(VkPhysicalDeviceType type) {
+    switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return DeviceKind::discrete;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return DeviceKind::integrated;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return DeviceKind::virtual_gpu;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return DeviceKind::cpu;
+    default:
+        return DeviceKind::other;
+    }
+}
+
+DeviceInfo describe(VkPhysicalDevice device, uint32_t index) {
+    VkPhysicalDeviceProperties basic;
+    vkGetPhysicalDeviceProperties(device, &basic);
+    DeviceInfo info{index, basic.deviceName, kind_of(basic.deviceType), {}, {}};
+    // Devices before 1.2 do not know the driver properties; they are unusable and need none.
+    if (basic.apiVersion >= VK_API_VERSION_1_2) {
+        VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+        VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+                                               .pNext = &driver};
+        vkGetPhysicalDeviceProperties2(device, &properties);
+        info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+    }
+    info.problem = find_problem(device, basic);
+    return info;
+}
+
+std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices) {
+    std::vector<DeviceInfo> infos;
+    for (uint32_t i = 0; i < devices.size(); ++i) infos.push_back(describe(devices[i], i));
+    return infos;
+}
+
+std::string lower(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
+std::string table_of(const std::vector<DeviceInfo>& infos) {
+    std::string text;
+    for (const DeviceInfo& info : infos)
+        text += "\n  " + std::to_string(info.index) + "  " + info.name + " (" + to_string(info.kind) + ")"
+                + (info.problem.empty() ? "" : ": unusable, " + info.problem);
+    return text;
+}
+
+// The usable device that `select` asks for, or why there is none.
+Result<uint32_t> choose(const std::vector<DeviceInfo>& infos, const std::string& select) {
+    const std::string wanted = lower(select);
+    uint32_t index = 0;
+    const char* end = wanted.data() + wanted.size();
+    const auto number = std::from_chars(wanted.data(), end, index);
+    if (!wanted.empty() && number.ptr == end && number.ec == std::errc()) {
+        if (index >= infos.size())
+            return Error{Status::no_device,
+                         "there is no Vulkan device " + select + ". The devices are:" + table_of(infos)};
+        if (!infos[index].problem.empty())
+            return Error{Status::missing_feature, "Vulkan device " + select + " (" + infos[index].name
+                                                      + ") cannot be used: " + infos[index].problem};
+        return index;
+    }
+
+    const auto matches = [&](const DeviceInfo& info) {
+        if (wanted.empty() || wanted == "auto") return true;
+        if (wanted == "cpu") return info.kind == DeviceKind::cpu;
+        if (wanted == "gpu") return info.kind != DeviceKind::cpu;
+        return lower(info.name).find(wanted) != std::string::npos;
+    };
+    const DeviceInfo* best = nullptr;
+    for (const DeviceInfo& info : infos)
+        if (matches(info) && info.problem.empty() && (!best || info.kind < best->kind)) best = &info;
+    if (best) return best->index;
+    const std::string which = wanted.empty() || wanted == "auto"
+                                  ? "no usable Vulkan device"
+                                  : "no usable Vulkan device matches \"" + select + "\"";
+    return Error{Status::no_device,
+                 which + ". The devices are:" + (infos.empty() ? " none" : table_of(infos))};
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                          VkDebugUtilsMessageTypeFlagsEXT,
+                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+    static_cast<std::vector<std::string>*>(user)->push_back(data->pMessage);
+    std::fprintf(stderr, "vulkan validation: %s\n", data->pMessage);
+    return VK_FALSE;
+}
+
+// General messages (the loader's about other drivers) are left out: they say nothing about our calls.
+VkDebugUtilsMessengerCreateInfoEXT messenger_info(std::vector<std::string>* messages) {
+    return {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+            .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT
+                               | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+            .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+            .pfnUserCallback = on_message,
+            .pUserData = messages};
+}
+
+template<class Function>
+Function instance_function(VkInstance instance, const char* name) {
+    return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
+}
+
+Error no_driver(VkResult result) {
+    return {Status::no_driver,
+            std::string("no Vulkan driver was found (") + to_string(result)
+                + "). Install one: on Debian, `apt install mesa-vulkan-drivers` has drivers for"
+                  " most GPUs and one for the CPU."};
+}
+
+} // namespace
+
+const char* to_string(DeviceKind kind) {
+    switch (kind) {
+    case DeviceKind::discrete:
+        return "discrete GPU";
+    case DeviceKind::integrated:
+        return "integrated GPU";
+    case DeviceKind::virtual_gpu:
+        return "virtual GPU";
+    case DeviceKind::cpu:
+        return "CPU";
+    case DeviceKind::other:
+        return "other";
+    }
+    return "other";
+}
+
+Result<std::vector<DeviceInfo>> list_devices() {
+    keep_drivers_loaded();
+    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                        .pApplicationName = "brittle",
+                                        .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                    .pApplicationInfo = &application};
+    VkInstance instance = VK_NULL_HANDLE;
+    const VkResult result = vkCreateInstance(&info, nullptr, &instance);
+    if (result != VK_SUCCESS) return no_driver(result);
+    std::vector<DeviceInfo> infos = describe_all(physical_devices(instance));
+    vkDestroyInstance(instance, nullptr);
+    return infos;
+}
+
+Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
+    keep_drivers_loaded();
+    return guarded([&]() -> Result<std::unique_ptr<Device>> {
+        std::unique_ptr<Device> device(new Device);
+        if (Result<void> made = device->create_instance(options.validation); !made) return made.error();
+
+        const std::vector<VkPhysicalDevice> devices = physical_devices(device->instance_);
+        const std::vector<DeviceInfo> infos = describe_all(devices);
+        Result<uint32_t> index = choose(infos, options.select);
+        if (!index) return index.error();
+        device->physical_ = devices[*index];
+        device->info_ = infos[*index];
+        device->create_device();
+        return device;
+    });
+}
+
+Result<void> Device::create_instance(bool validation) {
+    if (validation && !validation_available())
+        return Error{
+            Status::missing_feature,
+            "the Vulkan validation layer is not installed: on Debian, `apt install vulkan-validationlayers`"};
+
+    // Surfaces of every window system that the loader offers: which of them a window will want is not known
+    // here.
+    const std::vector<VkExtensionProperties> offered = instance_extensions(nullptr);
+    std::vector<const char*> extensions;
+    if (lists(offered, "VK_KHR_surface"))
+        for (const char* name :
+             {"VK_KHR_surface", "VK_KHR_xcb_surface", "VK_KHR_xlib_surface", "VK_KHR_wayland_surface"})
+            if (lists(offered, name)) extensions.push_back(name);
+    can_present_ = !extensions.empty();
+
+    const VkValidationFeatureEnableEXT enables[] = {
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                           .enabledValidationFeatureCount = 1,
+                                           .pEnabledValidationFeatures = enables};
+    // In the chain as well, to hear about instance creation and destruction.
+    VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(messages_.get());
+    messenger.pNext = &features;
+    if (validation) {
+        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+    }
+
+    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                        .pApplicationName = "brittle",
+                                        .pEngineName = "brittle",
+                                        .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                    .pNext = validation ? &messenger : nullptr,
+                                    .pApplicationInfo = &application,
+                                    .enabledLayerCount = validation ? 1u : 0u,
+                                    .ppEnabledLayerNames = &validation_layer,
+                                    .enabledExtensionCount = static_cast<uint32_t>(extensions.size()),
+                                    .ppEnabledExtensionNames = extensions.data()};
+    const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER) return no_driver(result);
+    check(result, "create a Vulkan instance");
+
+    debug_utils_ = validation;
+    if (validation) {
+        messenger.pNext = nullptr;
+        const auto create = instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(
+            instance_, "vkCreateDebugUtilsMessengerEXT");
+        check(create(instance_, &messenger, nullptr, &messenger_), "create a debug messenger");
+    }
+    return {};
+}
+
+void Device::create_device() {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(physical_, &properties);
+    limits_ = properties.limits;
+    queue_family_ = *find_queue_family(physical_); // choose() took a device that has one
+
+    Features features;
+    for (const NeededFeature& feature : needed_features) feature.member(features) = VK_TRUE;
+
+    std::vector<const char*> extensions;
+    can_present_ = can_present_ && lists(device_extensions(physical_), VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    if (can_present_) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+
+    const float priority = 1.0f;
+    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                        .queueFamilyIndex = queue_family_,
+                                        .queueCount = 1,
+                                        .pQueuePriorities = &priority};
+    const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                  .pNext = &features.all,
+                                  .queueCreateInfoCount = 1,
+                                  .pQueueCreateInfos = &queue,
+                                  .enabledExtensionCount = static_cast<uint32_t>(extensions.size()),
+                                  .ppEnabledExtensionNames = extensions.data()};
+    check(vkCreateDevice(physical_, &info, nullptr, &device_), "create a Vulkan device");
+    vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+    vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+
+    if (debug_utils_) {
+        set_name_ =
+            instance_function<PFN_vkSetDebugUtilsObjectNameEXT>(instance_, "vkSetDebugUtilsObjectNameEXT");
+        begin_label_ =
+            instance_function<PFN_vkCmdBeginDebugUtilsLabelEXT>(instance_, "vkCmdBeginDebugUtilsLabelEXT");
+        end_label_ =
+            instance_function<PFN_vkCmdEndDebugUtilsLabelEXT>(instance_, "vkCmdEndDebugUtilsLabelEXT");
+    }
+}
+
+Device::~Device() {
+    if (device_) vkDestroyDevice(device_, nullptr);
+    if (messenger_)
+        instance_function<PFN_vkDestroyDebugUtilsMessengerEXT>(instance_, "vkDestroyDebugUtilsMessengerEXT")(
+            instance_, messenger_, nullptr);
+    if (instance_) vkDestroyInstance(instance_, nullptr);
+}
+
+void Device::set_name(VkObjectType type, uint64_t object, const char* name) const {
+    if (!set_name_) return;
+    const VkDebugUtilsObjectNameInfoEXT info{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+                                             .objectType = type,
+                                             .objectHandle = object,
+                                             .pObjectName = name};
+    set_name_(device_, &info);
+}
+
+void Device::begin_label(VkCommandBuffer commands, const char* name) const {
+    if (!begin_label_) return;
+    const VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = name};
+    begin_label_(commands, &label);
+}
+
+void Device::end_label(VkCommandBuffer commands) const {
+    if (end_label_) end_label_(commands);
+}
+
+void Device::wait_idle() const {
+    // A lost device fails here, and will again, with a message, in the next call that uses it.
+    vkDeviceWaitIdle(device_);
+}
+
+std::optional<uint32_t> Device::find_memory_type(uint32_t allowed, VkMemoryPropertyFlags flags) const {
+    for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
+        if ((allowed >> i & 1u) && (memory_.memoryTypes[i].propertyFlags & flags) == flags) return i;
+    return std::nullopt;
+}
+
+} // namespace brittle::engine

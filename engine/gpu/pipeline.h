@@ -1,0 +1,68 @@
+// Graphics pipelines for dynamic rendering.
+//
+//     Pipeline pipeline(device, {.name = "lines", .layout = layout, .vertex = line_vert, .fragment =
+//     line_frag,
+//                                .colour = VK_FORMAT_R8G8B8A8_UNORM, ...});
+//
+// What all of Brittle's pipelines have in common is fixed: one sample, no blending, counter-clockwise front
+// faces, depth in D32, dynamic viewport and scissor.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include <vulkan/vulkan.h>
+
+namespace brittle::engine {
+
+class Device;
+
+struct PipelineDesc {
+    const char* name = "";
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    std::span<const uint32_t> vertex{};   // SPIR-V
+    std::span<const uint32_t> fragment{}; // empty: depth only
+    std::span<const VkVertexInputBindingDescription> bindings{};
+    std::span<const VkVertexInputAttributeDescription> attributes{};
+    VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkCullModeFlags cull = VK_CULL_MODE_BACK_BIT;
+    bool depth_write = true;                         // tested with less-or-equal in any case
+    VkFormat colour = VK_FORMAT_UNDEFINED;           // undefined: no colour attachment
+    const VkSpecializationInfo* constants = nullptr; // of the fragment shader
+};
+
+class Pipeline {
+  public:
+    Pipeline() = default;
+    Pipeline(const Device& device, const PipelineDesc& desc); // throws VulkanFailure
+    ~Pipeline();
+    Pipeline(Pipeline&& other) noexcept { swap(other); }
+    Pipeline& operator=(Pipeline&& other) noexcept {
+        Pipeline(std::move(other)).swap(*this);
+        return *this;
+    }
+    [[nodiscard]] VkPipeline handle() const { return pipeline_; }
+
+  private:
+    void swap(Pipeline& other) noexcept {
+        std::swap(device_, other.device_);
+        std::swap(pipeline_, other.pipeline_);
+    }
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkPipeline pipeline_ = VK_NULL_HANDLE;
+};
+
+// Begins dynamic rendering over the whole extent, with viewport and scissor set to it. A null view is no
+// attachment.
+struct Rendering {
+    VkExtent2D extent{};
+    VkImageView colour = VK_NULL_HANDLE;
+    VkAttachmentLoadOp colour_load = VK_ATTACHMENT_LOAD_OP_LOAD;
+    VkImageView depth = VK_NULL_HANDLE;
+    VkAttachmentLoadOp depth_load = VK_ATTACHMENT_LOAD_OP_LOAD; // clears to 1, the far plane
+    VkAttachmentStoreOp depth_store = VK_ATTACHMENT_STORE_OP_STORE;
+};
+void begin_rendering(VkCommandBuffer commands, const Rendering& rendering);
+
+} // namespace brittle::engine

@@ -1,0 +1,212 @@
+#include "engine/render/frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "engine/gpu/check.h"
+
+namespace brittle::engine {
+
+FrameLayout::FrameLayout(const Device& device, uint32_t sets) : device_(device) {
+    try {
+        create(sets);
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+FrameLayout::~FrameLayout() {
+    destroy();
+}
+
+void FrameLayout::create(uint32_t sets) {
+    // Linear filtering of a comparison is 2x2 percentage-closer filtering for free on a GPU; a CPU device
+    // pays for each tap, and with nearest filtering reads one.
+    const VkFilter filter = device_.is_cpu() ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+    const VkSamplerCreateInfo sampler{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+                                      .magFilter = filter,
+                                      .minFilter = filter,
+                                      .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                      .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER,
+                                      .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER,
+                                      .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER,
+                                      .compareEnable = VK_TRUE,
+                                      .compareOp = VK_COMPARE_OP_LESS_OR_EQUAL,
+                                      .borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE};
+    check(vkCreateSampler(device_.handle(), &sampler, nullptr, &shadow_sampler_), "create a sampler");
+
+    constexpr VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    const VkDescriptorSetLayoutBinding bindings[] = {
+        {shared::binding_frame, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, both, nullptr},
+        {shared::binding_poses, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
+        {shared::binding_draws, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
+        {shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT,
+         &shadow_sampler_}};
+    const VkDescriptorSetLayoutCreateInfo set_layout{
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+        .bindingCount = static_cast<uint32_t>(std::size(bindings)),
+        .pBindings = bindings};
+    check(vkCreateDescriptorSetLayout(device_.handle(), &set_layout, nullptr, &set_layout_),
+          "create a descriptor set layout");
+    const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                            .setLayoutCount = 1,
+                                            .pSetLayouts = &set_layout_};
+    check(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &layout_), "create a pipeline layout");
+
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, sets},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2 * sets},
+                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sets}};
+    const VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                          .maxSets = sets,
+                                          .poolSizeCount = static_cast<uint32_t>(std::size(sizes)),
+                                          .pPoolSizes = sizes};
+    check(vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &pool_), "create a descriptor pool");
+}
+
+void FrameLayout::destroy() {
+    vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
+    vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
+    vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
+    vkDestroySampler(device_.handle(), shadow_sampler_, nullptr);
+}
+
+VkDescriptorSet FrameLayout::allocate() const {
+    const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                           .descriptorPool = pool_,
+                                           .descriptorSetCount = 1,
+                                           .pSetLayouts = &set_layout_};
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    check(vkAllocateDescriptorSets(device_.handle(), &info, &set), "allocate a descriptor set");
+    return set;
+}
+
+void FrameLayout::update(VkDescriptorSet set, const Bindings& bindings) const {
+    const VkDescriptorBufferInfo frame{bindings.frame, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo poses{bindings.poses, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo draws{bindings.draws, 0, VK_WHOLE_SIZE};
+    const VkDescriptorImageInfo shadow{VK_NULL_HANDLE, bindings.shadow, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
+    const auto write = [set](uint32_t binding, VkDescriptorType type, const VkDescriptorBufferInfo* buffer,
+                             const VkDescriptorImageInfo* image) {
+        return VkWriteDescriptorSet{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                    .dstSet = set,
+                                    .dstBinding = binding,
+                                    .descriptorCount = 1,
+                                    .descriptorType = type,
+                                    .pImageInfo = image,
+                                    .pBufferInfo = buffer};
+    };
+    const VkWriteDescriptorSet writes[] = {
+        write(shared::binding_frame, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, &frame, nullptr),
+        write(shared::binding_poses, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &poses, nullptr),
+        write(shared::binding_draws, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &draws, nullptr),
+        write(shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, nullptr, &shadow)};
+    vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(std::size(writes)), writes, 0, nullptr);
+}
+
+namespace {
+
+struct ShadowFit {
+    glm::mat4 clip_from_world;
+    float texel; // metres
+    float depth; // metres from near to far
+};
+
+// The tightest box in the light's frame around the casters. Receivers need no room in it: what lies behind a
+// caster has the same place in the map, and a depth beyond the far plane is clamped to it.
+ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
+    const glm::vec3 up =
+        std::abs(to_light.y) < 0.99f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, 1.0f);
+    const glm::vec3 centre = bounds.centre();
+    const glm::mat4 view = glm::lookAt(centre + to_light, centre, up);
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                          corner & 4 ? bounds.max.z : bounds.min.z);
+        const glm::vec3 q(view * glm::vec4(p, 1.0f));
+        low = glm::min(low, q);
+        high = glm::max(high, q);
+    }
+    // A rim of a few texels for filters to read beyond the last caster, and a size for casters that have
+    // none.
+    const float extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-5f});
+    const float rim = extent * 4.0f / static_cast<float>(size);
+    low -= rim;
+    high += rim;
+    const float width = std::max(high.x - low.x, high.y - low.y);
+    return {glm::orthoRH_ZO(low.x, high.x, low.y, high.y, -high.z, -low.z) * view,
+            width / static_cast<float>(size), high.z - low.z};
+}
+
+} // namespace
+
+shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shadow_size) {
+    const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
+    const CameraMatrices camera = matrices(scene.camera, aspect, scene.bounds);
+    const glm::vec3 eye(glm::inverse(camera.view)[3]);
+    const glm::mat4 eye_to_world = glm::translate(glm::mat4(1.0f), eye);
+
+    const Look& look = scene.look;
+    const float length = glm::length(look.to_light);
+    const glm::vec3 to_light = length > 0.0f ? look.to_light / length : glm::vec3(0.0f, 1.0f, 0.0f);
+    const ShadowFit shadow = fit_shadow(scene.bounds, to_light, shadow_size);
+    const glm::mat4 texture_from_clip = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f, 0.5f, 0.0f))
+                                        * glm::scale(glm::mat4(1.0f), glm::vec3(0.5f, 0.5f, 1.0f));
+
+    // Against shadow acne: along the normal for slopes, along the light for what rounding is left. In texels,
+    // since the error is a texel's.
+    constexpr float normal_offset_texels = 1.6f;
+    constexpr float bias_texels = 0.6f;
+    // The ground fades away between these multiples of the distance to the target, so that it looks alike at
+    // any zoom.
+    constexpr float fade_begin = 0.9f;
+    constexpr float fade_end = 3.5f;
+    // Of the scene's height; see shade() in light.glsl.
+    constexpr float ground_darkens = 0.35f;
+
+    const float reach = glm::length(scene.camera.target - eye);
+    const float height = std::max(scene.bounds.size().y, 1e-5f);
+    return {
+        .clip_from_eye = camera.projection * glm::mat4(glm::mat3(camera.view)),
+        .shadow_from_eye = texture_from_clip * shadow.clip_from_world * eye_to_world,
+        .shadow_clip_from_world = shadow.clip_from_world,
+        .eye = {eye, 1.0f / static_cast<float>(size.y)},
+        .to_light = {to_light, normal_offset_texels * shadow.texel},
+        .sun = {look.sun, bias_texels * shadow.texel / shadow.depth},
+        .sky = {look.sky, ground_darkens * height},
+        .bounce = {look.bounce, 1.0f / static_cast<float>(shadow_size)},
+        .materials = {{look.exterior, look.tint}, {look.interior, 0.45f * look.tint}},
+        .sphere = {look.sphere, 0.0f},
+        .ground = {look.ground, scene.ground_height},
+        .ground_disc = {scene.camera.target.x, scene.camera.target.z, fade_begin * reach, fade_end * reach},
+        .background_top = {look.background_top, 0.0f},
+        .background_bottom = {look.background_bottom, 0.0f}};
+}
+
+void read_pieces(const Frame& frame, PassBuilder& pass) {
+    pass.read(frame.poses, Access::storage_read_vertex);
+    pass.read(frame.draw_data, Access::storage_read_vertex);
+    pass.read(frame.vertices, Access::vertex_read);
+    pass.read(frame.indices, Access::index_read);
+    pass.read(frame.commands, Access::indirect_read);
+}
+
+void draw_pieces(Frame& frame, const PassContext& context) {
+    const VkBuffer vertices = context.buffer(frame.vertices);
+    const VkDeviceSize start = 0;
+    vkCmdBindVertexBuffers(context.commands, 0, 1, &vertices, &start);
+    vkCmdBindIndexBuffer(context.commands, context.buffer(frame.indices), 0, VK_INDEX_TYPE_UINT32);
+    constexpr uint32_t stride = sizeof(VkDrawIndexedIndirectCommand);
+    for (uint32_t first = 0; first < frame.pieces.draws(); first += frame.most_draws) {
+        const uint32_t count = std::min(frame.most_draws, frame.pieces.draws() - first);
+        vkCmdDrawIndexedIndirect(context.commands, context.buffer(frame.commands), uint64_t{first} * stride,
+                                 count, stride);
+        ++frame.stats.indirect_calls;
+    }
+}
+
+} // namespace brittle::engine

@@ -1,0 +1,77 @@
+// One frame while it is declared and recorded: what the renderer hands to its passes.
+//
+// A pass is a class with its pipelines, and one function, declare(Frame&), that adds it to the graph. Frame's
+// handles are always the newest versions: a pass that writes an image replaces the handle here, and the next
+// pass goes on from there.
+#pragma once
+
+#include <cstdint>
+
+#include <glm/vec2.hpp>
+#include <vulkan/vulkan.h>
+
+#include "engine/graph/execute.h"
+#include "engine/render/piece_arena.h"
+#include "engine/render/renderer.h"
+#include "engine/render/scene.h"
+#include "shaders/shared.h"
+
+namespace brittle::engine {
+
+// The descriptor set layout that all shaders use, and the sampler of the shadow map.
+class FrameLayout {
+  public:
+    FrameLayout(const Device& device, uint32_t sets); // throws VulkanFailure
+    ~FrameLayout();
+    FrameLayout(const FrameLayout&) = delete;
+    FrameLayout& operator=(const FrameLayout&) = delete;
+
+    [[nodiscard]] VkPipelineLayout pipeline_layout() const { return layout_; }
+    [[nodiscard]] VkDescriptorSet allocate() const;
+
+    struct Bindings {
+        VkBuffer frame, poses, draws;
+        VkImageView shadow;
+    };
+    // Points a set, which no submitted frame may be using, at these.
+    void update(VkDescriptorSet set, const Bindings& bindings) const;
+
+  private:
+    void create(uint32_t sets);
+    void destroy();
+
+    const Device& device_;
+    VkSampler shadow_sampler_ = VK_NULL_HANDLE;
+    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    VkDescriptorPool pool_ = VK_NULL_HANDLE;
+};
+
+struct Frame {
+    FrameGraph graph;
+    External external;
+    const Scene& scene;
+    const PieceArena& pieces;
+    uint32_t most_draws; // in one multi-draw, by the device's limit
+    VkPipelineLayout layout;
+    VkDescriptorSet set;
+    FrameStats stats;
+
+    // Imports. The four of the arena are valid only if it holds a draw.
+    Buffer uniforms, poses, vertices, indices, draw_data, commands;
+    Buffer lines, spheres; // valid if the scene has any
+    Image shadow;
+    // Targets.
+    Image colour, depth;
+
+    [[nodiscard]] bool draws_pieces() const { return scene.pieces_visible && pieces.draws() != 0; }
+};
+
+// What the shaders are told about a scene.
+[[nodiscard]] shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shadow_size);
+
+// For the passes that draw pieces: their reads, and the multi-draw.
+void read_pieces(const Frame& frame, PassBuilder& pass);
+void draw_pieces(Frame& frame, const PassContext& context);
+
+} // namespace brittle::engine

@@ -1,0 +1,33 @@
+// Draws the marks of a scene over what was shaded: the spheres of the Voronoi sites, and the lines of the
+// physics debug drawer.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/gpu/memory.h"
+#include "engine/gpu/pipeline.h"
+#include "engine/render/frame.h"
+
+namespace brittle::engine {
+
+class MarksPass {
+  public:
+    MarksPass(const Device& device, VkPipelineLayout layout, VkFormat colour);
+
+    // Up to two passes: what the pieces hide, then what is on top of them. Adds to frame.colour.
+    void declare(Frame& frame) const;
+
+  private:
+    struct Marks {
+        bool lines;
+        bool spheres;
+    };
+    void declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load) const;
+
+    Pipeline spheres_;
+    Pipeline lines_;
+    DeviceBuffer sphere_vertices_; // a unit icosphere, as a triangle list
+    uint32_t sphere_vertex_count_ = 0;
+};
+
+} // namespace brittle::engine

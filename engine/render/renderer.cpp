@@ -1,0 +1,415 @@
+#include "engine/render/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+
+#include <imgui.h>
+
+#include "engine/core/window.h"
+#include "engine/gpu/check.h"
+#include "engine/gpu/commands.h"
+#include "engine/gpu/swapchain.h"
+#include "engine/graph/access_vulkan.h"
+#include "engine/render/frame.h"
+#include "engine/render/marks_pass.h"
+#include "engine/render/shade_pass.h"
+#include "engine/render/shadow_pass.h"
+#include "engine/render/ui_pass.h"
+
+namespace brittle::engine {
+
+namespace {
+
+constexpr uint32_t frames_in_flight = 2;
+constexpr uint32_t least_shadow_size = 64;
+constexpr uint32_t most_shadow_size = 8192;
+
+class Semaphore {
+  public:
+    explicit Semaphore(const Device& device) : device_(device.handle()) {
+        const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+        check(vkCreateSemaphore(device_, &info, nullptr, &semaphore_), "create a semaphore");
+    }
+    ~Semaphore() { vkDestroySemaphore(device_, semaphore_, nullptr); }
+    Semaphore(const Semaphore&) = delete;
+    Semaphore& operator=(const Semaphore&) = delete;
+    [[nodiscard]] VkSemaphore handle() const { return semaphore_; }
+
+  private:
+    VkDevice device_;
+    VkSemaphore semaphore_ = VK_NULL_HANDLE;
+};
+
+// What one frame in flight has to itself. The CPU writes its buffers while the device reads another slot's.
+struct FrameSlot {
+    FrameSlot(const Device& device, const FrameLayout& layout)
+        : executor(device), acquired(device), set(layout.allocate()),
+          uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                   MemoryKind::upload),
+          commands(device) {}
+
+    GraphExecutor executor;
+    Semaphore acquired; // a swapchain image is ready
+    VkDescriptorSet set;
+    DeviceBuffer uniforms;
+    DeviceBuffer poses;
+    DeviceBuffer lines;
+    DeviceBuffer spheres;
+    CommandSlot commands; // last: its destructor waits before the others go
+};
+
+// Makes room for `size` bytes: half as much again as is needed, so that a growing scene does not allocate
+// each frame.
+void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size,
+             VkBufferUsageFlags usage) {
+    if (buffer.handle() && buffer.size() >= size) return;
+    buffer = DeviceBuffer(device, name, size + size / 2, usage, MemoryKind::upload);
+}
+
+struct Passes {
+    ShadowPass shadow;
+    ShadePass shade;
+    MarksPass marks;
+};
+
+// Where a frame goes.
+struct Target {
+    Format format;
+    VkExtent2D extent;
+};
+
+} // namespace
+
+struct Renderer::State {
+    State(Device& device_, const RendererSettings& settings_, bool soft, uint32_t size)
+        : device(device_), settings(settings_), soft_shadows(soft), shadow_size(size),
+          layout(device_, frames_in_flight),
+          shadow_map(device_, "shadow map", {size, size}, VK_FORMAT_D32_SFLOAT,
+                     VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT),
+          pieces(device_) {
+        for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
+    }
+    ~State() { device.wait_idle(); }
+
+    Passes& passes_for(Format format);
+    FrameSlot& next_slot();
+    Frame begin_frame(FrameSlot& slot, const Scene& scene, const Target& target);
+    void import_slot(Frame& frame, FrameSlot& slot);
+    void import_pieces(Frame& frame);
+    void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
+    void declare_scene(Frame& frame, Format format);
+    void record(Frame& frame, FrameSlot& slot);
+    Bitmap draw_off_screen(const Scene& scene, const Target& target);
+    bool draw_in_window(const Scene& scene, const std::function<void()>& ui);
+
+    Device& device;
+    RendererSettings settings;
+    bool soft_shadows;
+    uint32_t shadow_size;
+    FrameLayout layout;
+    DeviceImage shadow_map;
+    bool shadow_kept = false; // the map holds the shadows of the frame before
+    PieceArena pieces;
+    std::map<Format, Passes> passes; // the window's format may differ from the pictures'
+    std::array<std::unique_ptr<FrameSlot>, frames_in_flight> slots;
+    uint32_t frame_number = 0;
+    DeviceBuffer readback;
+    Window* window = nullptr;
+    std::unique_ptr<Swapchain> swapchain;
+    std::unique_ptr<UiPass> ui;
+
+    std::vector<PassTime> timings;
+    FrameStats stats;
+    std::string dot;
+};
+
+Passes& Renderer::State::passes_for(Format format) {
+    const auto found = passes.find(format);
+    if (found != passes.end()) return found->second;
+    const VkPipelineLayout pipeline_layout = layout.pipeline_layout();
+    const VkFormat vulkan_format = to_vulkan(format);
+    return passes
+        .emplace(format, Passes{ShadowPass(device, pipeline_layout),
+                                ShadePass(device, pipeline_layout, vulkan_format, soft_shadows),
+                                MarksPass(device, pipeline_layout, vulkan_format)})
+        .first->second;
+}
+
+// Waits until the device is done with the oldest frame, and takes its times.
+FrameSlot& Renderer::State::next_slot() {
+    FrameSlot& slot = *slots[frame_number++ % frames_in_flight];
+    slot.commands.wait();
+    if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty())
+        timings = std::move(times);
+    return slot;
+}
+
+void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
+    const shared::FrameData data = frame_data(scene, {extent.width, extent.height}, shadow_size);
+    std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
+
+    const uint32_t bodies = pieces.bodies();
+    reserve(device, slot.poses, "poses", std::max(bodies, 1u) * sizeof(BodyPose),
+            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    const std::span<BodyPose> poses = slot.poses.mapped_as<BodyPose>(0, bodies);
+    if (scene.write_poses)
+        scene.write_poses(poses);
+    else
+        std::ranges::fill(poses, BodyPose{});
+
+    if (!scene.lines.empty()) {
+        reserve(device, slot.lines, "lines", scene.lines.size_bytes(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+        std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
+    }
+    if (!scene.spheres.empty()) {
+        reserve(device, slot.spheres, "spheres", scene.spheres.size_bytes(),
+                VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+        std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
+    }
+    layout.update(slot.set, {slot.uniforms.handle(), slot.poses.handle(), pieces.draw_data().handle(),
+                             shadow_map.view()});
+}
+
+void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
+    const auto import = [&](const char* name, const DeviceBuffer& buffer) {
+        return frame.graph.import_buffer(name, {buffer.size()},
+                                         {.initial = Access::host_write,
+                                          .final = {},
+                                          .read_only = true,
+                                          .external = frame.external.add(buffer.handle())});
+    };
+    frame.uniforms = import("frame data", slot.uniforms);
+    frame.poses = import("poses", slot.poses);
+    if (!frame.scene.lines.empty()) frame.lines = import("lines", slot.lines);
+    if (!frame.scene.spheres.empty()) frame.spheres = import("spheres", slot.spheres);
+}
+
+void Renderer::State::import_pieces(Frame& frame) {
+    // upload() made them visible to these reads for good.
+    const auto import = [&](const char* name, const DeviceBuffer& buffer, Access read) {
+        return frame.graph.import_buffer(name, {buffer.size()},
+                                         {.initial = read,
+                                          .final = {},
+                                          .read_only = true,
+                                          .external = frame.external.add(buffer.handle())});
+    };
+    if (pieces.draws() == 0) return;
+    frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
+    frame.indices = import("piece indices", pieces.indices(), Access::index_read);
+    frame.draw_data = import("draw data", pieces.draw_data(), Access::storage_read_vertex);
+    frame.commands = import("draw commands", pieces.commands(), Access::indirect_read);
+}
+
+Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Target& target) {
+    write_slot(slot, scene, target.extent);
+    Frame frame{.scene = scene,
+                .pieces = pieces,
+                .most_draws = std::max(device.limits().maxDrawIndirectCount, 1u),
+                .layout = layout.pipeline_layout(),
+                .set = slot.set};
+    if (frame.draws_pieces()) frame.stats = {pieces.pieces(), pieces.draws(), 0, pieces.triangles(), false};
+    import_slot(frame, slot);
+    import_pieces(frame);
+    frame.shadow = frame.graph.import_image(
+        "shadow map", {.width = shadow_size, .height = shadow_size, .format = Format::d32_float},
+        {.initial = shadow_kept ? AccessSet(Access::sampled_fragment) : AccessSet(),
+         .final = Access::sampled_fragment,
+         .external = frame.external.add(shadow_map.handle(), shadow_map.view())});
+    frame.depth = frame.graph.create_image(
+        "depth", {.width = target.extent.width, .height = target.extent.height, .format = Format::d32_float});
+    return frame;
+}
+
+void Renderer::State::declare_scene(Frame& frame, Format format) {
+    const Passes& p = passes_for(format);
+    if (frame.scene.moved || !shadow_kept) p.shadow.declare(frame);
+    p.shade.declare(frame);
+    p.marks.declare(frame);
+}
+
+void Renderer::State::record(Frame& frame, FrameSlot& slot) {
+    CompileResult plan = std::move(frame.graph).compile(slot.executor.memory_needs());
+    if (!plan)
+        throw VulkanFailure{{Status::invalid_argument, "a bug in the frame graph: " + plan.error().message}};
+    slot.commands.begin();
+    vkCmdBindDescriptorSets(slot.commands.buffer(), VK_PIPELINE_BIND_POINT_GRAPHICS, frame.layout, 0, 1,
+                            &frame.set, 0, nullptr);
+    slot.executor.record(*plan, frame.external, slot.commands.buffer());
+    stats = frame.stats;
+    dot = to_dot(*plan);
+}
+
+Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target) {
+    FrameSlot& slot = next_slot();
+    const uint64_t bytes = uint64_t{4} * target.extent.width * target.extent.height;
+    if (!readback.handle() || readback.size() < bytes)
+        readback =
+            DeviceBuffer(device, "readback", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback);
+
+    Frame frame = begin_frame(slot, scene, target);
+    frame.colour = frame.graph.create_image(
+        "colour", {.width = target.extent.width, .height = target.extent.height, .format = target.format});
+    Buffer pixels = frame.graph.import_buffer(
+        "readback", {readback.size()},
+        {.initial = {}, .final = Access::host_read, .external = frame.external.add(readback.handle())});
+    declare_scene(frame, target.format);
+    frame.graph.add_pass(
+        "read back", PassKind::transfer,
+        [&](PassBuilder& pass) {
+            pass.read(frame.colour, Access::transfer_read);
+            pixels = pass.write(pixels, Access::transfer_write);
+        },
+        [&](PassContext& context) {
+            const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                           .imageExtent = {target.extent.width, target.extent.height, 1}};
+            vkCmdCopyImageToBuffer(context.commands, context.image(frame.colour),
+                                   VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, context.buffer(pixels), 1, &region);
+        });
+    record(frame, slot);
+    slot.commands.submit({}, VK_NULL_HANDLE);
+    shadow_kept = true;
+    slot.commands.wait();
+    if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty())
+        timings = std::move(times);
+
+    Bitmap bitmap{target.extent.width, target.extent.height, std::vector<uint8_t>(bytes)};
+    std::memcpy(bitmap.pixels.data(), readback.mapped(), bytes);
+    return bitmap;
+}
+
+bool Renderer::State::draw_in_window(const Scene& scene, const std::function<void()>& draw_ui) {
+    const glm::uvec2 size = window->framebuffer_size();
+    if (size.x == 0 || size.y == 0) return false;
+    FrameSlot& slot = next_slot();
+    // Twice at most: a window that changes faster than that gets its frame next time.
+    std::optional<uint32_t> image;
+    for (int attempt = 0; attempt < 2 && !image; ++attempt) {
+        if (swapchain->fit(size)) ui->fit(*swapchain);
+        image = swapchain->acquire(slot.acquired.handle());
+    }
+    if (!image) return false;
+
+    const Target target{swapchain->format(), swapchain->extent()};
+    ui->build(draw_ui);
+    Frame frame = begin_frame(slot, scene, target);
+    frame.colour = frame.graph.import_image(
+        "swapchain", {.width = target.extent.width, .height = target.extent.height, .format = target.format},
+        {.initial = Access::acquired,
+         .final = Access::present,
+         .external = frame.external.add(swapchain->images()[*image], swapchain->views()[*image])});
+    declare_scene(frame, target.format);
+    ui->declare(frame, *image);
+    record(frame, slot);
+    slot.commands.submit({slot.acquired.handle(), to_vulkan(Access::acquired).stages},
+                         swapchain->finished(*image));
+    shadow_kept = true;
+    swapchain->present(*image);
+    return true;
+}
+
+Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Renderer::~Renderer() = default;
+
+Result<std::unique_ptr<Renderer>> Renderer::create(Device& device, const RendererSettings& settings) {
+    return guarded([&]() -> Result<std::unique_ptr<Renderer>> {
+        const uint32_t size = settings.quality.shadow_size.value_or(device.is_cpu() ? 1024 : 2048);
+        if (size < least_shadow_size
+            || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
+            return Error{Status::invalid_argument, "a shadow map of " + std::to_string(size)
+                                                       + " texels a side is out of range, which is "
+                                                       + std::to_string(least_shadow_size) + " to "
+                                                       + std::to_string(most_shadow_size)};
+        const bool soft = settings.quality.soft_shadows.value_or(!device.is_cpu());
+        return std::unique_ptr<Renderer>(new Renderer(std::make_unique<State>(device, settings, soft, size)));
+    });
+}
+
+Result<void> Renderer::set_pieces(std::span<const PieceMesh> pieces) {
+    return guarded([&]() -> Result<void> {
+        Result<PieceArena> arena = PieceArena::create(state_->device, pieces);
+        if (!arena) return arena.error();
+        state_->device.wait_idle();
+        state_->pieces = *std::move(arena);
+        state_->shadow_kept = false;
+        return {};
+    });
+}
+
+uint32_t Renderer::body_count() const {
+    return state_->pieces.bodies();
+}
+
+Result<Bitmap> Renderer::render(const Scene& scene, glm::uvec2 size) {
+    return guarded([&]() -> Result<Bitmap> {
+        const uint32_t most = state_->device.limits().maxImageDimension2D;
+        if (size.x == 0 || size.y == 0 || size.x > most || size.y > most)
+            return Error{Status::invalid_argument,
+                         "cannot draw a picture of " + std::to_string(size.x) + " x " + std::to_string(size.y)
+                             + " pixels: each side must be 1 to " + std::to_string(most)};
+        return state_->draw_off_screen(scene, {Format::rgba8_unorm, {size.x, size.y}});
+    });
+}
+
+Result<void> Renderer::attach(Window& window) {
+    return guarded([&]() -> Result<void> {
+        if (state_->window)
+            return Error{Status::invalid_argument, "the renderer already draws into a window"};
+        auto swapchain = std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync);
+        state_->ui = std::make_unique<UiPass>(state_->device, window, *swapchain);
+        state_->swapchain = std::move(swapchain);
+        state_->window = &window;
+        return {};
+    });
+}
+
+Result<bool> Renderer::present(const Scene& scene, const std::function<void()>& ui) {
+    return guarded([&]() -> Result<bool> {
+        if (!state_->window) return Error{Status::invalid_argument, "present() needs attach() first"};
+        return state_->draw_in_window(scene, ui);
+    });
+}
+
+bool Renderer::ui_wants_mouse() const {
+    return state_->ui && ImGui::GetIO().WantCaptureMouse;
+}
+
+bool Renderer::ui_wants_keyboard() const {
+    return state_->ui && ImGui::GetIO().WantCaptureKeyboard;
+}
+
+Result<void> Renderer::warm_up() {
+    return guarded([&]() -> Result<void> {
+        // One triangle, when there is no piece that would make the driver compile the pieces' shaders.
+        const glm::vec3 corners[] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
+        const glm::uvec3 triangle(0, 1, 2);
+        const PieceMesh piece{.positions = corners, .triangles = {&triangle, 1}, .exterior_triangles = 1};
+        const bool stand_in = state_->pieces.draws() == 0;
+        if (stand_in)
+            if (Result<void> set = set_pieces({&piece, 1}); !set) return set.error();
+
+        const LineVertex line[] = {{{0.0f, 0.0f, 0.0f}}, {{1.0f, 0.0f, 0.0f}}};
+        const Sphere sphere{};
+        const Scene scene{.lines = line, .spheres = {&sphere, 1}};
+        const Format format = state_->swapchain ? state_->swapchain->format() : Format::rgba8_unorm;
+        (void)state_->draw_off_screen(scene, {format, {16, 16}});
+        state_->shadow_kept = false;
+        return stand_in ? set_pieces({}) : Result<void>{};
+    });
+}
+
+const std::vector<PassTime>& Renderer::timings() const {
+    return state_->timings;
+}
+
+const FrameStats& Renderer::stats() const {
+    return state_->stats;
+}
+
+const std::string& Renderer::graph_dot() const {
+    return state_->dot;
+}
+
+} // namespace brittle::engine

@@ -1,0 +1,110 @@
+// Draws a Scene: into an image in main memory, or into a window.
+//
+// Headless:
+//
+//     auto device = Device::create({});                      // Results: check each
+//     auto renderer = Renderer::create(**device);
+//     (*renderer)->set_pieces(pieces);
+//     Scene scene{.camera = look_at_bounds(bounds, 0.5f, 0.3f, 16.0f / 9.0f), .bounds = bounds};
+//     scene.write_poses = [&](std::span<BodyPose> poses) { world.poses(poses); };
+//     Result<Bitmap> image = (*renderer)->render(scene, {1280, 720});
+//     write_png(*image, "frame.png");
+//
+// With a window: attach(window) once, then present(scene, ui) each frame instead of render(). The renderer
+// notices by itself that the window was resized or minimised. A Window must outlive the renderer attached to
+// it, a Device every renderer made from it.
+//
+// Each frame is a frame graph declared anew (frame.cpp): instance upload, shadow, shade, spheres, lines, then
+// UI and present, or read back. Two frames are in flight in a window; render() waits for its image.
+//
+// Pixels are reproducible: the same scene gives the same bytes on the same device and driver. There is no
+// dithering, no noise and no history. Shaders write sRGB themselves into UNORM targets, because a window's
+// sRGB formats would encode the user interface's colours twice.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "engine/core/bitmap.h"
+#include "engine/core/result.h"
+#include "engine/gpu/device.h"
+#include "engine/graph/pass_time.h"
+#include "engine/render/scene.h"
+
+namespace brittle::engine {
+
+class Window;
+
+// What costs time on a device that has little. Unset members are chosen by the device: cheap on a CPU, good
+// on a GPU.
+struct Quality {
+    std::optional<uint32_t>
+        shadow_size{};                  // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
+    std::optional<bool> soft_shadows{}; // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
+};
+
+struct RendererSettings {
+    Quality quality{};
+    bool vsync = true; // wait for the display before each present
+};
+
+// What the last frame drew: for tests and for the profile.
+struct FrameStats {
+    uint32_t pieces = 0;
+    uint32_t draws = 0; // draw ranges in the indirect buffer: one for each exterior, one for each interior
+    uint32_t indirect_calls = 0; // multi-draw calls that draw them, over all passes
+    uint64_t triangles = 0;      // of the pieces
+    bool shadow_drawn = false;   // false when the kept shadow map was used
+};
+
+class Renderer {
+  public:
+    [[nodiscard]] static Result<std::unique_ptr<Renderer>> create(Device& device,
+                                                                  const RendererSettings& settings = {});
+    ~Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+
+    // Replaces all pieces. Copies what it needs before it returns; waits for the frames in flight. No piece
+    // at all is fine. Fails with invalid_argument on an index out of range or more exterior triangles than
+    // triangles, with the piece's number, and then keeps the old pieces.
+    [[nodiscard]] Result<void> set_pieces(std::span<const PieceMesh> pieces);
+    [[nodiscard]] uint32_t body_count() const; // one more than the largest PieceMesh::body; 0 without pieces
+
+    // Draws one frame off screen and reads it back. Width and height from 1 to the device's limit.
+    [[nodiscard]] Result<Bitmap> render(const Scene& scene, glm::uvec2 size);
+
+    // Makes the swapchain and starts Dear ImGui on the window. Once in a renderer's life.
+    [[nodiscard]] Result<void> attach(Window& window);
+
+    // Draws one frame into the attached window. `ui` makes Dear ImGui calls between its new-frame and render;
+    // empty for none. Returns false when there was nothing to draw into because the window is minimised.
+    [[nodiscard]] Result<bool> present(const Scene& scene, const std::function<void()>& ui = {});
+    // True while the mouse is over, or the keyboard goes to, the user interface: the application should then
+    // leave that input alone.
+    [[nodiscard]] bool ui_wants_mouse() const;
+    [[nodiscard]] bool ui_wants_keyboard() const;
+
+    // Draws every pass once into a tiny target, so that the driver compiles every shader now (0.1 to 0.5 s on
+    // a CPU device) and not in the first frame that needs it.
+    [[nodiscard]] Result<void> warm_up();
+
+    // Of the newest frame that the device has finished: in a window, one or two behind the newest.
+    [[nodiscard]] const std::vector<PassTime>& timings() const;
+    [[nodiscard]] const FrameStats& stats() const;      // of the newest frame
+    [[nodiscard]] const std::string& graph_dot() const; // the newest frame's graph, for `dot -Tsvg`
+
+  private:
+    struct State;
+    explicit Renderer(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+} // namespace brittle::engine

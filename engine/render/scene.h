@@ -1,0 +1,95 @@
+// What a frame shows. Plain data that the caller fills each frame; the geometry of pieces is uploaded apart
+// from it, by Renderer::set_pieces().
+//
+// Right-handed, Y up, metres. Colours are linear light in [0, 1] unless they are called sRGB.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec3.hpp>
+
+#include "engine/render/camera.h"
+
+namespace brittle::engine {
+
+// One piece to upload: a triangle list, counter-clockwise seen from outside, exterior triangles first.
+struct PieceMesh {
+    std::span<const glm::vec3> positions{}; // in the frame of its body: relative to the body's centre of mass
+    std::span<const glm::uvec3> triangles{}; // indices into positions
+    uint32_t exterior_triangles = 0;         // the first so many; the rest are interior
+    uint32_t body = 0;                       // the pose that moves it; several pieces may share one
+    glm::vec3 tint{1.0f};                    // multiplies both materials; see piece_tint()
+};
+
+// A body's place in the world, as the GPU reads it: Scene::write_poses writes these straight into mapped
+// memory, which may be slow to read back, so write each once and read none.
+struct BodyPose {
+    glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f}; // unit length
+    glm::vec3 position{0.0f};                   // of the body's centre of mass
+    float scale = 1.0f;                         // about the centre of mass; 0 hides the body
+};
+static_assert(sizeof(BodyPose) == 32, "the layout that shaders/shared.h declares");
+
+// The tint of piece `index`: a fixed sequence without end of soft hues, neighbours in number far apart in
+// hue.
+[[nodiscard]] glm::vec3 piece_tint(uint32_t index);
+
+// `colour` packed for a Line, from sRGB components in [0, 255].
+[[nodiscard]] constexpr uint32_t srgb8(uint32_t red, uint32_t green, uint32_t blue) {
+    return red | green << 8 | blue << 16 | 0xff000000u;
+}
+
+struct LineVertex {
+    glm::vec3 position{0.0f};
+    uint32_t colour = srgb8(215, 38, 30);
+};
+static_assert(sizeof(LineVertex) == 16, "the layout of the vertex attributes");
+
+struct Sphere {
+    glm::vec3 centre{0.0f};
+    float radius = 0.01f;
+};
+static_assert(sizeof(Sphere) == 16, "the layout of the instance attributes");
+
+// Materials and light. The defaults are the look of Brittle's pictures: off-white stone that breaks to
+// terracotta.
+struct Look {
+    glm::vec3 exterior{0.66f, 0.615f, 0.54f};
+    glm::vec3 interior{0.40f, 0.125f, 0.06f};
+    float tint = 0.4f; // how much of a piece's tint shows, 0 to 1
+    glm::vec3 sphere{0.72f, 0.03f, 0.02f};
+    glm::vec3 ground{0.50f, 0.495f, 0.49f};
+    glm::vec3 background_top{0.40f, 0.43f, 0.47f};
+    glm::vec3 background_bottom{0.62f, 0.61f, 0.60f};
+    glm::vec3 to_light{-0.55f, 0.90f, 0.55f}; // towards the sun; any length but zero
+    glm::vec3 sun{1.12f, 1.04f, 0.93f};       // its light
+    glm::vec3 sky{0.36f, 0.40f, 0.47f};       // light from above
+    glm::vec3 bounce{0.17f, 0.145f, 0.125f};  // light from below
+};
+
+struct Scene {
+    Camera camera{};
+    // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
+    // depth range; what sticks out is drawn, without a shadow.
+    Bounds bounds{};
+    // Called once in each draw, with one pose a body (Renderer::body_count()). Unset: every body at the
+    // origin.
+    std::function<void(std::span<BodyPose>)> write_poses{};
+    // False promises that no pose differs from the previous draw's: the shadow map is then kept.
+    bool moved = true;
+
+    std::span<const LineVertex> lines{}; // two a line; the physics debug drawer, cell edges
+    bool lines_on_top = false;         // true shows lines through the pieces; false hides what is behind them
+    std::span<const Sphere> spheres{}; // the Voronoi sites
+    bool spheres_on_top = false;
+    bool pieces_visible = true; // false leaves lines and spheres alone on the ground
+    bool ground = true;
+    float ground_height = 0.0f; // y of the ground plane
+
+    Look look{};
+};
+
+} // namespace brittle::engine

@@ -1,0 +1,76 @@
+#include "engine/render/shade_pass.h"
+
+#include "compiled/background_frag.h"
+#include "compiled/background_vert.h"
+#include "compiled/ground_frag.h"
+#include "compiled/ground_vert.h"
+#include "compiled/piece_frag.h"
+#include "compiled/piece_vert.h"
+
+namespace brittle::engine {
+
+ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, VkFormat colour, bool soft_shadows) {
+    const VkBool32 soft = soft_shadows;
+    const VkSpecializationMapEntry entry{shared::constant_soft_shadows, 0, sizeof soft};
+    const VkSpecializationInfo constants{1, &entry, sizeof soft, &soft};
+
+    const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
+    const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
+    pieces_ = Pipeline(device, {.name = "pieces",
+                                .layout = layout,
+                                .vertex = piece_vert,
+                                .fragment = piece_frag,
+                                .bindings = {&binding, 1},
+                                .attributes = {&attribute, 1},
+                                .colour = colour,
+                                .constants = &constants});
+    // From below there is no ground: a camera under it still sees the pieces.
+    ground_ = Pipeline(device, {.name = "ground",
+                                .layout = layout,
+                                .vertex = ground_vert,
+                                .fragment = ground_frag,
+                                .colour = colour,
+                                .constants = &constants});
+    background_ = Pipeline(device, {.name = "background",
+                                    .layout = layout,
+                                    .vertex = background_vert,
+                                    .fragment = background_frag,
+                                    .cull = VK_CULL_MODE_NONE,
+                                    .depth_write = false,
+                                    .colour = colour,
+                                    .constants = &constants});
+}
+
+void ShadePass::declare(Frame& frame) const {
+    frame.graph.add_pass(
+        "shade", PassKind::graphics,
+        [&](PassBuilder& pass) {
+            if (frame.draws_pieces()) read_pieces(frame, pass);
+            pass.read(frame.uniforms, Access::uniform_read);
+            pass.read(frame.shadow, Access::sampled_fragment);
+            frame.colour = pass.write(frame.colour, Access::colour_attachment);
+            frame.depth = pass.write(frame.depth, Access::depth_attachment);
+        },
+        [this, &frame](PassContext& context) {
+            const VkCommandBuffer commands = context.commands;
+            begin_rendering(commands,
+                            {.extent = context.extent(frame.colour),
+                             .colour = context.view(frame.colour),
+                             .colour_load = VK_ATTACHMENT_LOAD_OP_DONT_CARE, // the background covers the rest
+                             .depth = context.view(frame.depth),
+                             .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
+            if (frame.draws_pieces()) {
+                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pieces_.handle());
+                draw_pieces(frame, context);
+            }
+            if (frame.scene.ground) {
+                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.handle());
+                vkCmdDraw(commands, 6, 1, 0, 0);
+            }
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, background_.handle());
+            vkCmdDraw(commands, 3, 1, 0, 0);
+            vkCmdEndRendering(commands);
+        });
+}
+
+} // namespace brittle::engine

@@ -1,0 +1,42 @@
+#include "engine/render/shadow_pass.h"
+
+#include "compiled/shadow_vert.h"
+
+namespace brittle::engine {
+
+ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout) {
+    const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
+    const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
+    // Front faces, although back faces would need no bias: where a piece stands on the ground, its back face
+    // lies in the ground, and the shadow would begin a bias away from the piece.
+    pipeline_ = Pipeline(device, {.name = "shadow",
+                                  .layout = layout,
+                                  .vertex = shadow_vert,
+                                  .bindings = {&binding, 1},
+                                  .attributes = {&attribute, 1}});
+}
+
+void ShadowPass::declare(Frame& frame) const {
+    frame.stats.shadow_drawn = true;
+    frame.graph.add_pass(
+        "shadow", PassKind::graphics,
+        [&](PassBuilder& pass) {
+            if (frame.draws_pieces()) {
+                read_pieces(frame, pass);
+                pass.read(frame.uniforms, Access::uniform_read);
+            }
+            frame.shadow = pass.write(frame.shadow, Access::depth_attachment);
+        },
+        [this, &frame](PassContext& context) {
+            begin_rendering(context.commands, {.extent = context.extent(frame.shadow),
+                                               .depth = context.view(frame.shadow),
+                                               .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
+            if (frame.draws_pieces()) {
+                vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.handle());
+                draw_pieces(frame, context);
+            }
+            vkCmdEndRendering(context.commands);
+        });
+}
+
+} // namespace brittle::engine

@@ -1,0 +1,47 @@
+// Light, shadow, background and the way from linear light to the screen: fragment shaders only.
+#ifndef BRITTLE_LIGHT_GLSL
+#define BRITTLE_LIGHT_GLSL
+
+#include "frame.glsl"
+
+layout(constant_id = constant_soft_shadows) const bool soft_shadows = false;
+layout(set = 0, binding = binding_shadow) uniform sampler2DShadow shadow_map;
+
+// 0 in the shadow, 1 in the sun. Lit outside the map: it encloses all that casts a shadow, and its border is far.
+float sun_visibility(vec3 from_eye, vec3 normal) {
+    vec3 receiver = from_eye + normal * frame.to_light.w;
+    vec3 s = (frame.shadow_from_eye * vec4(receiver, 1.0)).xyz;
+    s.z = min(s.z - frame.sun.w, 1.0);
+    if (!soft_shadows) return texture(shadow_map, s);
+    float texel = frame.bounce.w;
+    float lit = 0.0;
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 4; ++x)
+            lit += texture(shadow_map, vec3(s.xy + (vec2(x, y) - 1.5) * texel, s.z));
+    return lit / 16.0;
+}
+
+// Lambert under a sun and a two-coloured sky. `height` above the ground: near it, less of the sky is to be seen.
+vec3 shade(vec3 albedo, vec3 normal, float lit, float height) {
+    float open = 0.45 + 0.55 * clamp(height / frame.sky.w + 0.5 * max(normal.y, 0.0), 0.0, 1.0);
+    vec3 ambient = mix(frame.bounce.rgb, frame.sky.rgb, 0.5 + 0.5 * normal.y) * open;
+    return albedo * (ambient + frame.sun.rgb * (lit * max(dot(normal, frame.to_light.xyz), 0.0)));
+}
+
+// The backdrop behind a pixel: a vertical gradient of the picture, not of the world, so that the ground can fade into
+// it wherever the camera looks.
+vec3 background() {
+    float y = gl_FragCoord.y * frame.eye.w;
+    return mix(frame.background_top.rgb, frame.background_bottom.rgb, smoothstep(0.0, 1.0, y));
+}
+
+// A filmic curve (Narkowicz 2015, a fit of ACES) instead of a hard clip, then the sRGB curve (IEC 61966-2-1): targets are
+// UNORM and encode nothing.
+vec4 display(vec3 light) {
+    vec3 c = clamp(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0.0, 1.0);
+    vec3 low = 12.92 * c;
+    vec3 high = 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055;
+    return vec4(mix(high, low, lessThanEqual(c, vec3(0.0031308))), 1.0);
+}
+
+#endif

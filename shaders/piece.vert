@@ -1,0 +1,16 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Pieces: one instance a draw range, whose number is the draw's first instance.
+#include "frame.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 0) out vec3 from_eye;
+layout(location = 1) flat out vec3 albedo;
+
+void main() {
+    DrawData draw = draws[gl_InstanceIndex];
+    from_eye = place(poses[draw.body], position, frame.eye.xyz);
+    vec4 material = frame.materials[draw.material];
+    albedo = material.rgb * mix(vec3(1.0), unpackUnorm4x8(draw.tint).rgb, material.w);
+    gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
+}

@@ -1,0 +1,70 @@
+// Constants and struct layouts that C++ and GLSL share: both compile this file.
+//
+// Structs hold only vec4, mat4 and uint, in an order in which std140, std430 and C++ agree on every offset.
+#ifndef BRITTLE_SHADERS_SHARED_H
+#define BRITTLE_SHADERS_SHARED_H
+
+#ifdef __cplusplus
+#include <cstdint>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
+
+namespace brittle::engine::shared {
+using uint = uint32_t;
+using glm::mat4;
+using glm::vec4;
+#endif
+
+// The one descriptor set.
+const uint binding_frame = 0;  // FrameData, uniform
+const uint binding_poses = 1;  // Pose, one a body
+const uint binding_draws = 2;  // DrawData, one a draw range
+const uint binding_shadow = 3; // the shadow map with its comparison sampler
+
+// Specialization constants.
+const uint constant_soft_shadows = 0; // bool: 16 taps instead of 1
+
+const uint material_exterior = 0;
+const uint material_interior = 1;
+const uint material_count = 2;
+
+// Positions called "from the eye" have the eye as origin and the world's axes: what is near keeps its precision however
+// far the scene is from the world's origin.
+struct FrameData {
+    mat4 clip_from_eye;         // from a position from the eye to clip space
+    mat4 shadow_from_eye;       // ... to shadow map coordinates: texture xy, depth
+    mat4 shadow_clip_from_world; // from a world position to the shadow map's clip space
+    vec4 eye;                   // world position; w: 1 / height of the target in pixels
+    vec4 to_light;              // unit vector; w: how far a receiver is moved along its normal, metres
+    vec4 sun;                   // rgb; w: the shadow map's depth bias
+    vec4 sky;                   // rgb; w: the height over which the ground darkens what stands on it, metres
+    vec4 bounce;                // rgb; w: the shadow map's texel in texture coordinates
+    vec4 materials[material_count]; // rgb by material; w: how much of the tint shows
+    vec4 sphere;                // rgb
+    vec4 ground;                // rgb; w: its height
+    vec4 ground_disc;           // centre x and z in the world, the radius where it begins to fade, and where it ends
+    vec4 background_top;        // rgb
+    vec4 background_bottom;     // rgb
+};
+
+struct Pose {
+    vec4 rotation;           // unit quaternion x y z w
+    vec4 position_and_scale;
+};
+
+struct DrawData {
+    uint body; // index of its Pose
+    uint material;
+    uint tint; // linear, as packUnorm4x8
+    uint unused;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(FrameData) == 3 * 64 + 12 * 16);
+static_assert(sizeof(Pose) == 32);
+static_assert(sizeof(DrawData) == 16);
+} // namespace brittle::engine::shared
+#endif
+
+#endif

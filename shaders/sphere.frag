@@ -1,0 +1,11 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "light.glsl"
+
+layout(location = 0) in vec3 normal;
+layout(location = 0) out vec4 colour;
+
+// Markers, not matter: always in the sun, wherever they are inside a mesh.
+void main() {
+    colour = display(shade(frame.sphere.rgb, normalize(normal), 1.0, frame.sky.w));
+}
