@@ -24,6 +24,14 @@ enum class Algorithm {
     sequential // the paper's Algorithm 1, plane by plane: the readable reference
 };
 
+// The name as on the command line and in recipes.
+[[nodiscard]] constexpr const char* to_string(Algorithm algorithm) {
+    switch (algorithm) {
+    case Algorithm::sequential: return "sequential";
+    }
+    return "unknown";
+}
+
 struct Settings {
     Algorithm algorithm = Algorithm::sequential;
     uint32_t threads = 0; // cells are worked on side by side; 0 = one thread a core
