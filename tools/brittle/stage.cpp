@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/color_space.hpp>
 
 #include "physics/pieces.h"
 #include "tools/brittle/failure.h"
@@ -17,9 +18,9 @@ constexpr double stage_height = 0.5;   // m, of its lowest point above the groun
 constexpr float site_radius = 0.02f;   // m
 constexpr float bounds_limit = 12.0f;  // m, debris that rolls further away casts no shadow and moves no camera
 
-uint32_t red_line(const glm::vec3& colour) {
-    const glm::vec3 c = glm::clamp(colour, 0.0f, 1.0f) * 255.0f;
-    return engine::srgb8(static_cast<uint32_t>(c.r), static_cast<uint32_t>(c.g), static_cast<uint32_t>(c.b));
+uint32_t packed(const glm::vec3& linear) {
+    const glm::uvec3 c(glm::convertLinearToSRGB(glm::clamp(linear, 0.0f, 1.0f)) * 255.0f + 0.5f);
+    return engine::srgb8(c.x, c.y, c.z);
 }
 
 } // namespace
@@ -110,8 +111,8 @@ engine::Scene Stage::scene() {
         debug_lines_.clear();
         world_.debug_lines(debug_lines_);
         for (const physics::DebugLine& line : debug_lines_) {
-            lines_.push_back({line.from, red_line(line.colour)});
-            lines_.push_back({line.to, red_line(line.colour)});
+            lines_.push_back({line.from, packed(line.colour)});
+            lines_.push_back({line.to, packed(line.colour)});
         }
     }
     scene.lines = lines_;
