@@ -116,7 +116,7 @@ TEST_CASE("import: damaged OBJ files are refused with line and value") {
     fs::copy_file(meshes / "cube_binary.stl", folder.path() / "renamed.obj");
     check_refused(folder.path() / "renamed.obj", Status::malformed_file, "not OBJ text");
     std::string wide = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
-    for (int k = 0; k < 5000; ++k) wide += " " + std::to_string(k % 3 + 1);
+    for (int k = 0; k < 5000; ++k) (wide += ' ') += std::to_string(k % 3 + 1);
     write(folder.path() / "wide.obj", wide);
     check_refused(folder.path() / "wide.obj", Status::malformed_file, "line 4: a face has 5000 corners");
 }
@@ -296,10 +296,10 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
                     damaged.insert(at, damaged.substr(random.next() % damaged.size(), 16));
                     break;
                 case 2:
-                    damaged.replace(at, 4, "\xff\xff\xff\xff");
+                    damaged.replace(at, 4, 4, '\xff');
                     break;
                 case 3:
-                    damaged.replace(at, 1, "-");
+                    damaged[at] = '-';
                     break;
                 case 4:
                     damaged[at] = static_cast<char>(damaged[at] ^ (1 << random.next() % 8));
