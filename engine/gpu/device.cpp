@@ -22,7 +22,10 @@ constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 // LeakSanitizer cannot name what a driver leaked once the loader has unloaded it. Keep both libraries mapped,
 // so that the few bytes that lavapipe and the layer leave behind at exit stay reachable or can be suppressed
 // by name.
-void keep_drivers_loaded() {
+// Before the first instance is made. Mesa's device-select layer, which only reorders devices, asks the Wayland server
+// which one is in use, and libwayland prints an error where there is no server: DeviceOptions::select chooses here.
+void prepare_loader() {
+    setenv("NODEVICE_SELECT", "1", 0);
 #if defined(__SANITIZE_ADDRESS__)
     dlopen("libvulkan_lvp.so", RTLD_NOW | RTLD_NODELETE);
     dlopen("libVkLayer_khronos_validation.so", RTLD_NOW | RTLD_NODELETE);
@@ -252,7 +255,7 @@ const char* to_string(DeviceKind kind) {
 }
 
 Result<std::vector<DeviceInfo>> list_devices() {
-    keep_drivers_loaded();
+    prepare_loader();
     const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
                                         .pApplicationName = "brittle",
                                         .apiVersion = VK_API_VERSION_1_3};
@@ -267,7 +270,7 @@ Result<std::vector<DeviceInfo>> list_devices() {
 }
 
 Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
-    keep_drivers_loaded();
+    prepare_loader();
     return guarded([&]() -> Result<std::unique_ptr<Device>> {
         std::unique_ptr<Device> device(new Device);
         if (Result<void> made = device->create_instance(options.validation); !made) return made.error();

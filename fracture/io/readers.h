@@ -4,9 +4,8 @@
 // size, and indices in range in what comes out. Positions are as in the file, not yet welded. Messages do not
 // name the file (import_mesh puts it in front) but the line, byte or index.
 //
-// They are our own and not assimp's, which was tried: its glTF reader overflows the stack on deeply nested
-// JSON and on long chains of nodes and drops faces with indices out of range without a word, its 3DS reader
-// swaps axes, it reads single precision only, and its errors name no line.
+// They are our own and not assimp's: its glTF reader crashed on deeply nested JSON and on long chains of nodes (both are
+// tests here), it stores positions in single precision, and these name the line, byte or index at fault.
 #pragma once
 
 #include <cstddef>

@@ -144,8 +144,24 @@ TEST_CASE("open and non-manifold meshes are refused with the place of the first 
     const Outcome shared = brittle(folder, "fracture " + folder / "shared.obj" + " -o " + folder / "out.glb");
     INFO(shared.output);
     CHECK(shared.exit_code == 4);
-    CHECK(has(shared, "manifold"));
+    CHECK(has(shared, "three triangles"));
+    CHECK(has(shared, "between vertices 0 and 1"));
     CHECK_FALSE(fs::exists(folder / "out.glb"));
+}
+
+TEST_CASE("a mesh whose surface is doubled in places is refused with the way out, and broken with it") {
+    const Folder folder;
+    // One face of the tetrahedron stands twice.
+    write(folder / "doubled.obj", tetrahedron + "f 2 3 4\n");
+    const std::string command = "fracture " + folder / "doubled.obj" + " -n 3 -o " + folder / "out.glb";
+    const Outcome refused = brittle(folder, command);
+    INFO(refused.output);
+    CHECK(refused.exit_code == 4);
+    CHECK(has(refused, "--repair"));
+    const Outcome repaired = brittle(folder, command + " --repair");
+    INFO(repaired.output);
+    CHECK(repaired.exit_code == 0);
+    CHECK(has(repaired, "removed 1 triangles in 1 patches"));
 }
 
 TEST_CASE("a bad line in a site file is named") {

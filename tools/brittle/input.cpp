@@ -1,14 +1,18 @@
 #include "tools/brittle/input.h"
 
+#include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "fracture/certificate.h"
 #include "fracture/io/import.h"
+#include "fracture/repair.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
+#include "fracture/topology.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/stopwatch.h"
 
@@ -32,6 +36,26 @@ std::string mesh_name(const std::string& mesh) {
     return std::filesystem::path(mesh).stem().string();
 }
 
+// Removes patches that double the surface. Says what it did, on standard error.
+void repair(fracture::TriangleMesh& mesh, const std::string& name) {
+    fracture::Repair repair = fracture::remove_spare_patches(mesh);
+    std::fprintf(stderr, "brittle: %s: removed %u triangles in %u patches that doubled the surface\n", name.c_str(),
+                 repair.removed_triangles, repair.removed_patches);
+    mesh = std::move(repair.mesh);
+}
+
+// Points to --repair where it would help, before fracture() refuses the mesh.
+void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name) {
+    const auto report = fracture::check_topology(mesh.positions.size(), mesh.triangles);
+    if (report.closed()) return;
+    const fracture::Repair repair = fracture::remove_spare_patches(mesh);
+    if (!fracture::check_topology(repair.mesh.positions.size(), repair.mesh.triangles).closed()) return;
+    throw Failure(exit_mesh, name + ": " + fracture::describe(report) + ". Add --repair: it removes " +
+                                 std::to_string(repair.removed_triangles) + " triangles in " +
+                                 std::to_string(repair.removed_patches) +
+                                 " patches that double the surface, and the mesh is then closed");
+}
+
 } // namespace
 
 Input load_input(const FractureOptions& options, const std::function<void(fracture::TriangleMesh&)>& prepare) {
@@ -40,6 +64,11 @@ Input load_input(const FractureOptions& options, const std::function<void(fractu
     const Stopwatch import;
     input.mesh = load_mesh(options.mesh);
     input.import_milliseconds = import.milliseconds();
+    if (options.repair) {
+        repair(input.mesh, input.name);
+    } else {
+        suggest_repair(input.mesh, input.name);
+    }
     if (prepare) prepare(input.mesh);
     input.sites = options.sites_file.empty()
                       ? fracture::uniform_sites(fracture::bounds(input.mesh), options.pieces, options.seed)
@@ -66,6 +95,7 @@ std::string recipe_json(const FractureOptions& options) {
     } else {
         recipe["pattern"] = {{"type", "points"}, {"file", options.sites_file}};
     }
+    if (options.repair) recipe["repair"] = true;
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     return recipe.dump();
 }

@@ -15,6 +15,7 @@ struct FractureOptions {
     uint32_t pieces = 20;   // -n: number of uniform random sites
     uint64_t seed = 1;      // --seed of the random sites
     std::string sites_file; // --sites: takes the place of pieces and seed
+    bool repair = false;    // --repair: remove patches that double the surface, and say so
     fracture::Algorithm algorithm = fracture::Algorithm::sequential;
     uint32_t threads = 0; // 0: one a core
 };

@@ -48,6 +48,8 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
         ->type_name("FILE")
         ->excludes(count)
         ->excludes(seed);
+    command.add_flag("--repair", options.repair,
+                     "First remove patches that double the surface, a common flaw of models; says what it removed");
     command
         .add_option("--algorithm", options.algorithm,
                     "sequential: clip by one bisector after the other, after the paper")
