@@ -50,8 +50,15 @@ int sum(const double* e, int m, const double* f, int n, double f_sign, double* h
         if (j == n || (i < m && std::abs(e[i]) < std::abs(f[j]))) return e[i++];
         return f_sign * f[j++];
     };
-    if (m + n == 0) return 0;
     int count = 0;
+    if (m == 1 && n == 1) {
+        double error;
+        const double high = two_sum(e[0], f_sign * f[0], error);
+        if (error != 0.0) h[count++] = error;
+        if (high != 0.0) h[count++] = high;
+        return count;
+    }
+    if (m + n == 0) return 0;
     double q = take_smaller();
     while (i < m || j < n) {
         double error;
@@ -151,17 +158,15 @@ Expansion Expansion::scaled(double power_of_two) const {
     return result;
 }
 
-Expansion operator+(const Expansion& a, const Expansion& b) {
-    double terms[2 * Expansion::kCapacity];
+Expansion Expansion::add(const Expansion& a, const Expansion& b, double b_sign) {
     Expansion result;
-    result.assign(terms, sum(a.terms_, a.size_, b.terms_, b.size_, 1.0, terms));
-    return result;
-}
-
-Expansion operator-(const Expansion& a, const Expansion& b) {
-    double terms[2 * Expansion::kCapacity];
-    Expansion result;
-    result.assign(terms, sum(a.terms_, a.size_, b.terms_, b.size_, -1.0, terms));
+    if (a.size_ + b.size_ <= kCapacity) { // in place: the usual case, and on lattice data the only one
+        result.size_ = sum(a.terms_, a.size_, b.terms_, b.size_, b_sign, result.terms_);
+        if (result.size_ > kLazyTerms) result.size_ = compress(result.terms_, result.size_);
+        return result;
+    }
+    double terms[2 * kCapacity];
+    result.assign(terms, sum(a.terms_, a.size_, b.terms_, b.size_, b_sign, terms));
     return result;
 }
 

@@ -50,11 +50,12 @@ class Expansion {
     [[nodiscard]] Expansion scaled(double power_of_two) const;
 
     friend Expansion operator-(const Expansion& a) { return a.scaled(-1.0); }
-    friend Expansion operator+(const Expansion& a, const Expansion& b);
-    friend Expansion operator-(const Expansion& a, const Expansion& b);
+    friend Expansion operator+(const Expansion& a, const Expansion& b) { return add(a, b, 1.0); }
+    friend Expansion operator-(const Expansion& a, const Expansion& b) { return add(a, b, -1.0); }
     friend Expansion operator*(const Expansion& a, const Expansion& b);
 
   private:
+    static Expansion add(const Expansion& a, const Expansion& b, double b_sign); // a + b_sign * b
     void assign(double* terms, int count); // compresses where needed; may overwrite its argument
 
     int size_ = 0;

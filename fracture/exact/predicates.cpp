@@ -152,55 +152,15 @@ PredicateStats& PredicateStats::operator+=(const PredicateStats& other) {
 // ---- Filters
 // --------------------------------------------------------------------------------------------------
 
-int side3_filter(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& l, double error) {
-    const auto largest = [](const glm::dvec3& v) {
-        return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    };
-    const double ma = largest(a);
-    const double mb = largest(b);
-    const double ml = largest(l);
-    const double m0 = a.y * b.z - a.z * b.y;
-    const double m1 = a.z * b.x - a.x * b.z;
-    const double m2 = a.x * b.y - a.y * b.x;
-    const double numerator = l.x * m0 + l.y * m1 + l.z * m2;
-    const double denominator = m0 + m1 + m2;
-    const double mab = ma * mb;
-    const double numerator_bound =
-        6.06 * error * (mab + ml * (ma + mb) + error * (ma + mb + ml + error)) + 0x24.0p-53 * mab * ml;
-    const double denominator_bound = 6.06 * error * (ma + mb + error) + 0x1c.0p-53 * mab;
-    if (!(std::abs(numerator) > numerator_bound && std::abs(denominator) > denominator_bound)) return 0;
-    return (numerator > 0.0) == (denominator > 0.0) ? 1 : -1;
-}
-
-CellVertex make_cell_vertex(const Bisector& a, const Bisector& b, const Bisector& d) {
-    const glm::dvec3 bd = glm::cross(b.n, d.n);
-    CellVertex v;
-    v.x = a.h * bd + b.h * glm::cross(d.n, a.n) + d.h * glm::cross(a.n, b.n);
-    v.w = a.n.x * bd.x + a.n.y * bd.y + a.n.z * bd.z;
-    v.pw = a.length * b.length * d.length;
-    v.px = std::abs(a.h) * b.length * d.length + std::abs(b.h) * d.length * a.length
-           + std::abs(d.h) * a.length * b.length;
-    // |w error| <= 8 sqrt(2) u pw: 1u for each n, 5u for products and sums.
-    if (!(std::abs(v.w) > 0xc.0p-53 * v.pw)) {
-        v.pw = v.px = std::numeric_limits<double>::infinity();
-    } else if (v.w < 0.0) {
-        v.w = -v.w;
-        v.x = -v.x;
-    }
-    return v;
-}
-
 PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corners& y,
                                const glm::dvec3& a_values, const glm::dvec3& b_values, double error) {
     constexpr double u = 0x1.0p-53;
-    const auto largest = [](const glm::dvec3& v) {
-        return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    };
     const glm::dvec3 d = glm::cross(a.n, b.n);
     const double t0 = glm::dot(y[0], d);
     const double t1 = glm::dot(y[1], d);
     const double t2 = glm::dot(y[2], d);
-    const double reach = glm::length(glm::dvec3(largest(y[0]), largest(y[1]), largest(y[2]))) * 1.7321;
+    const double reach =
+        1.7321 * std::max({largest_component(y[0]), largest_component(y[1]), largest_component(y[2])});
     // y.d: 1u for y, 4u for d (sqrt(2) for its two products), 3u for the dot: 8 sqrt(2) u.
     const double t_error = 12.0 * u * a.length * b.length * reach;
 
@@ -212,8 +172,8 @@ PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corne
     const double denominator = c0 + c1 + c2;
     const double offset = (c1 * (t1 - t0) + c2 * (t2 - t0)) / denominator;
 
-    const double ma = largest(a_values);
-    const double mb = largest(b_values);
+    const double ma = largest_component(a_values);
+    const double mb = largest_component(b_values);
     const double span = std::max(std::abs(t1 - t0), std::abs(t2 - t0));
     const double c_error = 2.01 * error * (ma + mb + error) + 4.0 * u * ma * mb;
     const double denominator_error = 3.0 * c_error + 18.0 * u * ma * mb;

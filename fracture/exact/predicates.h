@@ -36,6 +36,7 @@
 // own. Compile without floating-point contraction and without fast-math.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -56,6 +57,10 @@ inline constexpr double kGranularity = 0x1.0p-150;
 [[nodiscard]] inline double snap(double x) {
     constexpr double magic = 0x1.8p-98; // its unit in the last place is kGranularity
     return std::abs(x) < 0x1.0p-98 ? (x + magic) - magic : x;
+}
+
+[[nodiscard]] inline glm::dvec3 snap(const glm::dvec3& p) {
+    return {snap(p.x), snap(p.y), snap(p.z)};
 }
 
 using SiteId = uint32_t;
@@ -130,9 +135,10 @@ struct Bisector {
     return l.h - (l.n.x * y.x + l.n.y * y.y + l.n.z * y.z);
 }
 
-// E, a bound on |value - exact value| for all bisectors with |n| <= longest and points with |y| <= reach.
-// Each term of n.y carries n, y, product and two sums: 5u; each of h likewise 5u; the difference 1u more:
-// 6u (|n|^2 / 2 + |n||y|). 8u leaves room for the rounding of longest, reach and of this line.
+// E, a bound on |value - exact value| for all bisectors (not box planes: the mesh lies strictly inside the
+// box and is never compared with them) with |n| <= longest and points with |y| <= reach. Each term of n.y
+// carries n, y, product and two sums: 5u; each of h likewise 5u; the difference 1u more: 6u (|n|^2 / 2 +
+// |n||y|). 8u leaves room for the rounding of longest, reach and of this line.
 [[nodiscard]] inline double value_error(double longest, double reach) {
     return 0x8.0p-53 * longest * (0.5 * longest + reach);
 }
@@ -160,11 +166,31 @@ struct Bisector {
     return (numerator > 0.0) == (denominator > 0.0) ? 1 : -1;
 }
 
+[[nodiscard]] inline double largest_component(const glm::dvec3& v) {
+    return std::max(std::max(std::abs(v.x), std::abs(v.y)), std::abs(v.z));
+}
+
 // sign g_l(x), x = (triangle) on the bisectors (c,a), (c,b) = det[A;B;L] / det[A;B;1], where A = values of a
 // at the three corners, and so on; error: their common bound E. With m_A = max|A_i| and so on, and six
 // products a determinant: |numerator error| <= 6E(m_A m_B + m_A m_L + m_B m_L) + 6E^2(m_A + m_B + m_L) + 6E^3
 // + 31u m_A m_B m_L, |denominator error| <= 6E(m_A + m_B) + 6E^2 + 25u m_A m_B.
-[[nodiscard]] int side3_filter(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& l, double error);
+[[nodiscard]] inline int side3_filter(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& l,
+                                      double error) {
+    const double ma = largest_component(a);
+    const double mb = largest_component(b);
+    const double ml = largest_component(l);
+    const double m0 = a.y * b.z - a.z * b.y;
+    const double m1 = a.z * b.x - a.x * b.z;
+    const double m2 = a.x * b.y - a.y * b.x;
+    const double numerator = l.x * m0 + l.y * m1 + l.z * m2;
+    const double denominator = m0 + m1 + m2;
+    const double mab = ma * mb;
+    const double numerator_bound =
+        6.06 * error * (mab + ml * (ma + mb) + error * (ma + mb + ml + error)) + 0x24.0p-53 * mab * ml;
+    const double denominator_bound = 6.06 * error * (ma + mb + error) + 0x1c.0p-53 * mab;
+    if (!(std::abs(numerator) > numerator_bound && std::abs(denominator) > denominator_bound)) return 0;
+    return (numerator > 0.0) == (denominator > 0.0) ? 1 : -1;
+}
 
 // The point where three planes of a cell meet, homogeneous: y = x / w with w > 0, in the frame of the site.
 struct CellVertex {
@@ -173,7 +199,23 @@ struct CellVertex {
     double pw; // |n_a||n_b||n_d|, infinite where the sign of w is uncertain: then every filter says so
     double px; // sum of |h||n||n|, infinite likewise
 };
-[[nodiscard]] CellVertex make_cell_vertex(const Bisector& a, const Bisector& b, const Bisector& d);
+// Planes in any order. |w error| <= 8 sqrt(2) u pw: 1u for each n, 5u for products and sums.
+[[nodiscard]] inline CellVertex make_cell_vertex(const Bisector& a, const Bisector& b, const Bisector& d) {
+    const glm::dvec3 bd = glm::cross(b.n, d.n);
+    CellVertex v;
+    v.x = a.h * bd + b.h * glm::cross(d.n, a.n) + d.h * glm::cross(a.n, b.n);
+    v.w = a.n.x * bd.x + a.n.y * bd.y + a.n.z * bd.z;
+    v.pw = a.length * b.length * d.length;
+    v.px = std::abs(a.h) * b.length * d.length + std::abs(b.h) * d.length * a.length
+           + std::abs(d.h) * a.length * b.length;
+    if (!(std::abs(v.w) > 0xc.0p-53 * v.pw)) {
+        v.pw = v.px = std::numeric_limits<double>::infinity();
+    } else if (v.w < 0.0) {
+        v.w = -v.w;
+        v.x = -v.x;
+    }
+    return v;
+}
 
 // sign g_l(v) = (h_l w - n_l.x) / w. The permanent of three rows is at most 2/sqrt(3) times the product of
 // their lengths (Carlen, Lieb and Loss 2006; sqrt(2) by Cauchy-Schwarz, used here). Counting roundings, h_l w
