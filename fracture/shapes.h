@@ -1,5 +1,7 @@
 // Procedural closed meshes with known volumes, for tests, benchmarks and a first try without a file.
 // All are closed, oriented and manifold. Lengths in metres, centred on the origin unless said otherwise.
+// Counts outside what makes sense (two segments, forty subdivisions) are clamped, so that no argument asks
+// for unbounded memory.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +14,24 @@
 namespace brittle::fracture {
 
 [[nodiscard]] TriangleMesh cube(double edge = 2.0);
-// The cube with each face cut into n x n squares of two triangles.
+// The cube with each face cut into n x n squares of two triangles: integer-like coordinates, coplanar
+// neighbours.
 [[nodiscard]] TriangleMesh lattice_cube(uint32_t n, double edge = 2.0);
 // 20 * 4^subdivisions triangles, vertices on the sphere.
 [[nodiscard]] TriangleMesh icosphere(uint32_t subdivisions = 4, double radius = 1.0);
 // Axis Y; major radius to the tube's centre.
 [[nodiscard]] TriangleMesh torus(uint32_t major_segments = 96, uint32_t minor_segments = 48,
                                  double major_radius = 1.0, double minor_radius = 0.4);
-// A (p, q) torus knot as a tube.
+// A (p, q) torus knot as a tube: p turns around axis Y, q around the torus of radii 1 and 0.5 it lies on. A
+// common divisor of p and q is dropped. Free of self-intersections for the defaults; many turns need a
+// thinner tube.
 [[nodiscard]] TriangleMesh torus_knot(uint32_t p = 2, uint32_t q = 3, uint32_t segments = 400,
                                       uint32_t ring = 24, double tube_radius = 0.25);
 // A sphere with a concentric spherical cavity (two components, the inner one inside out).
 [[nodiscard]] TriangleMesh hollow_sphere(uint32_t subdivisions = 4, double radius = 1.0, double cavity = 0.6);
-// A four-legged animal of smoothly joined ellipsoids (body, head, legs): one component of genus 0. Feet at y = 0,
-// looking along +Z. A plane across the legs leaves four separate parts below it, as in the paper's figure 12.
+// A four-legged animal of smoothly joined ellipsoids (body, head, legs): one component of genus 0. Feet at y
+// = 0, looking along +Z. A plane across the legs leaves four separate parts below it, as in the paper's
+// figure 12.
 [[nodiscard]] TriangleMesh four_legged_animal(uint32_t resolution = 64);
 
 // Names that shape() knows, for help texts.

@@ -1,1 +1,106 @@
+#include "fracture/shapes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/mass_properties.h"
+#include "fracture/topology.h"
+
+using namespace brittle::fracture;
+using std::numbers::pi;
+
+namespace {
+
+void check_solid(const TriangleMesh& mesh, uint64_t components, int64_t euler) {
+    const TopologyReport report = check_topology(mesh.positions.size(), mesh.triangles);
+    CHECK_MESSAGE(report.manifold(), describe(report));
+    CHECK(report.components == components);
+    CHECK(report.euler_characteristic() == euler);
+    CHECK(report.vertices == mesh.positions.size());
+}
+
+double volume(const TriangleMesh& mesh) {
+    return signed_volume(mesh.positions, mesh.triangles);
+}
+
+} // namespace
+
+TEST_CASE("counts without sense are clamped and still give solids") {
+    check_solid(lattice_cube(0), 1, 2);
+    check_solid(torus(0, 1), 1, 0);
+    check_solid(torus_knot(0, 0, 0, 0), 1, 0);
+    check_solid(icosphere(0), 1, 2);
+    check_solid(four_legged_animal(0), 1, 2);
+}
+
+TEST_CASE("cubes have the volume of cubes") {
+    check_solid(cube(), 1, 2);
+    CHECK(cube().triangles.size() == 12);
+    CHECK(volume(cube()) == 8.0);
+    CHECK(volume(cube(0.5)) == 0.125);
+    for (const uint32_t n : {2u, 3u, 16u}) {
+        const TriangleMesh mesh = lattice_cube(n, 2.0);
+        check_solid(mesh, 1, 2);
+        CHECK(mesh.triangles.size() == 12 * n * n);
+        CHECK(volume(mesh) == doctest::Approx(8.0).epsilon(1e-14));
+        const Box box = bounds(mesh);
+        CHECK(box.min == glm::dvec3(-1));
+        CHECK(box.max == glm::dvec3(1));
+    }
+}
+
+TEST_CASE("icospheres converge to the sphere from inside, four times nearer with each subdivision") {
+    const double exact = 4.0 / 3.0 * pi * 8.0;
+    double previous = 1.0;
+    for (uint32_t k = 1; k < 6; ++k) {
+        const TriangleMesh mesh = icosphere(k, 2.0);
+        check_solid(mesh, 1, 2);
+        CHECK(mesh.triangles.size() == 20u << (2 * k));
+        for (const glm::dvec3& p : mesh.positions) CHECK(length(p) == doctest::Approx(2.0).epsilon(1e-15));
+        const double error = 1.0 - volume(mesh) / exact;
+        CHECK(error > 0.0);
+        if (k > 1) CHECK(previous / error == doctest::Approx(4.0).epsilon(0.1));
+        previous = error;
+    }
+}
+
+TEST_CASE("the torus has the volume of its polyhedron") {
+    // A horizontal cut is a regular n-gon less another, of area n/2 sin(2 pi / n) r^2 each; integrated over
+    // the height that is n sin(2 pi / n) times the first moment of the minor polygon.
+    for (const auto& [n, m] : {std::pair{3u, 3u}, {8u, 5u}, {96u, 48u}}) {
+        const TriangleMesh mesh = torus(n, m, 1.0, 0.4);
+        check_solid(mesh, 1, 0);
+        const double polygon_area = 0.5 * m * std::sin(2 * pi / m) * 0.16;
+        const double expected = n * std::sin(2 * pi / n) * polygon_area * 1.0;
+        CHECK(volume(mesh) == doctest::Approx(expected).epsilon(1e-12));
+    }
+    CHECK(volume(torus(400, 400)) == doctest::Approx(2 * pi * pi * 0.16).epsilon(1e-3));
+}
+
+TEST_CASE("the torus knot has the volume of a tube along its curve") {
+    const TriangleMesh mesh = torus_knot(2, 3, 4000, 48, 0.25);
+    check_solid(mesh, 1, 0);
+    double length_of_curve = 0.0;
+    constexpr int steps = 100'000;
+    for (int i = 0; i < steps; ++i) {
+        const double v = 3.0 * 2.0 * pi * (i + 0.5) / steps;
+        const double major_speed = 2.0 * (1.0 + 0.5 * std::cos(v));
+        length_of_curve += std::hypot(major_speed, 3.0 * 0.5) * 2.0 * pi / steps;
+    }
+    const double polygon_area = 0.5 * 48 * std::sin(2 * pi / 48) * 0.0625;
+    CHECK(volume(mesh) == doctest::Approx(polygon_area * length_of_curve).epsilon(1e-4));
+    CHECK(torus_knot(4, 6).positions == torus_knot(2, 3).positions);
+    check_solid(torus_knot(), 1, 0);
+    check_solid(torus_knot(3, 5, 600, 12, 0.1), 1, 0);
+}
+
+TEST_CASE("the hollow sphere is two shells whose volumes subtract") {
+    const TriangleMesh mesh = hollow_sphere(3, 1.0, 0.6);
+    check_solid(mesh, 2, 4);
+    const double shell = volume(icosphere(3, 1.0));
+    CHECK(volume(mesh) == doctest::Approx(shell * (1.0 - 0.216)).epsilon(1e-13));
+}
