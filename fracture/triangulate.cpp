@@ -1,1 +1,840 @@
 #include "fracture/triangulate.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "fracture/plane_predicates.h"
+
+namespace brittle::fracture {
+namespace {
+
+constexpr uint32_t none = std::numeric_limits<uint32_t>::max();
+
+// In Node::outer: the edge is one side of the bridge with this bit removed.
+constexpr uint32_t bridge_bit = 0x80000000u;
+
+// How many nodes a forced cut compares. All of a small ring; of a big ring only so many, or a loop of n
+// crossings would cost n^2.
+constexpr uint32_t forced_window = 256;
+
+// Bridge candidates tried before the nearest one is taken unseen; only tangled input gets there.
+constexpr uint32_t max_bridge_tries = 1024;
+
+// Lawson's flips end by themselves; the bound keeps adversarial input from taking quadratic time.
+constexpr size_t max_flips_per_triangle = 32;
+
+bool lexicographically_less(const glm::dvec2& a, const glm::dvec2& b) {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
+
+bool on_segment(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b) {
+    return p.x >= std::min(a.x, b.x) && p.x <= std::max(a.x, b.x) && p.y >= std::min(a.y, b.y)
+           && p.y <= std::max(a.y, b.y) && orientation(a, b, p) == 0.0;
+}
+
+// A set of undirected edges between point indices: open addressing, grows, never forgets.
+class EdgeSet {
+  public:
+    void insert(uint32_t a, uint32_t b) {
+        if (2 * (size_ + 1) > slots_.size()) grow();
+        uint64_t& slot = slots_[find(key(a, b))];
+        size_ += slot == empty;
+        slot = key(a, b);
+    }
+    [[nodiscard]] bool contains(uint32_t a, uint32_t b) const {
+        return !slots_.empty() && slots_[find(key(a, b))] != empty;
+    }
+
+  private:
+    static constexpr uint64_t empty = std::numeric_limits<uint64_t>::max();
+
+    static uint64_t key(uint32_t a, uint32_t b) {
+        return static_cast<uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
+    }
+    [[nodiscard]] size_t find(uint64_t wanted) const {
+        const size_t mask = slots_.size() - 1;
+        size_t at = static_cast<size_t>((wanted * 0x9e3779b97f4a7c15ull) >> 32) & mask;
+        while (slots_[at] != empty && slots_[at] != wanted) at = (at + 1) & mask;
+        return at;
+    }
+    void grow() {
+        std::vector<uint64_t> old(std::max<size_t>(64, slots_.size() * 2), empty);
+        old.swap(slots_);
+        for (const uint64_t k : old) {
+            if (k != empty) slots_[find(k)] = k;
+        }
+    }
+
+    std::vector<uint64_t> slots_;
+    size_t size_ = 0;
+};
+
+// ---------------------------------------------------------------------------------------------------------------
+// Loops and their nesting
+
+struct LoopInfo {
+    std::vector<uint32_t> ids;
+    double area = 0.0; // twice the signed area
+    glm::dvec2 low{0.0}, high{0.0};
+    uint32_t hole_of = none; // the loop whose ring this one is bridged to
+};
+
+enum class Side { outside, boundary, inside };
+
+class Nesting {
+  public:
+    Nesting(std::span<const glm::dvec2> points, std::span<const Loop> loops) : points_(points) {
+        for (const Loop& loop : loops) {
+            assert(loop.size() >= 3);
+            split(loop);
+        }
+        for (LoopInfo& loop : loops_) measure(loop);
+        if (loops_.size() > 1) nest();
+    }
+
+    [[nodiscard]] const std::vector<LoopInfo>& loops() const { return loops_; }
+
+  private:
+    // A loop that visits a point twice is two loops that touch there. Parts of fewer than three points (there
+    // and back again) bound nothing and their edges cancel.
+    void split(const Loop& loop) {
+        std::unordered_map<uint32_t, size_t> position; // on the open path
+        std::vector<uint32_t> path;
+        path.reserve(loop.size());
+        position.reserve(loop.size());
+        for (const uint32_t id : loop) {
+            const auto [at, is_new] = position.try_emplace(id, path.size());
+            if (!is_new) {
+                const auto begin = path.begin() + static_cast<std::ptrdiff_t>(at->second);
+                keep(std::vector<uint32_t>(begin, path.end()));
+                for (auto k = begin + 1; k != path.end(); ++k) position.erase(*k);
+                path.erase(begin + 1, path.end());
+                continue;
+            }
+            path.push_back(id);
+        }
+        keep(std::move(path));
+    }
+
+    void keep(std::vector<uint32_t>&& ids) {
+        if (ids.size() < 3) return;
+        LoopInfo info;
+        info.ids = std::move(ids);
+        loops_.push_back(std::move(info));
+    }
+
+    void measure(LoopInfo& loop) const {
+        const glm::dvec2 origin = points_[loop.ids[0]];
+        loop.low = loop.high = origin;
+        glm::dvec2 previous = points_[loop.ids.back()] - origin;
+        for (const uint32_t id : loop.ids) {
+            const glm::dvec2 current = points_[id] - origin;
+            loop.area += previous.x * current.y - previous.y * current.x;
+            loop.low = glm::min(loop.low, points_[id]);
+            loop.high = glm::max(loop.high, points_[id]);
+            previous = current;
+        }
+        if (!std::isfinite(loop.area)) loop.area = 0.0;
+    }
+
+    // Along a path of the containment tree, loops match like parentheses: a loop closes the innermost open
+    // one of the other direction, and is then its hole, or else opens. So islands in holes, layers over
+    // layers (self-intersecting input) and inside-out input, where the outermost loops run clockwise, all
+    // find their match.
+    void nest() {
+        std::vector<uint32_t> order(loops_.size());
+        std::iota(order.begin(), order.end(), 0u);
+        std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+            return std::abs(loops_[a].area) > std::abs(loops_[b].area);
+        });
+        std::vector<uint32_t> innermost_open(loops_.size(), none); // for what lies directly inside this loop
+        std::vector<uint32_t> open_around(loops_.size(),
+                                          none); // of an opening loop: the next open one outwards
+        for (size_t k = 0; k < order.size(); ++k) {
+            LoopInfo& loop = loops_[order[k]];
+            if (loop.area == 0.0) break; // the rest of the order bounds no area: rings of their own
+            uint32_t top = none;
+            for (size_t j = k; j-- > 0;) {
+                if (!contains(loops_[order[j]], loop)) continue;
+                top = innermost_open[order[j]];
+                break;
+            }
+            if (top != none && (loops_[top].area > 0.0) != (loop.area > 0.0)) {
+                loop.hole_of = top;
+                innermost_open[order[k]] = open_around[top];
+            } else {
+                open_around[order[k]] = top;
+                innermost_open[order[k]] = order[k];
+            }
+        }
+    }
+
+    [[nodiscard]] Side locate(const glm::dvec2& p, const LoopInfo& loop) const {
+        bool inside = false;
+        glm::dvec2 a = points_[loop.ids.back()];
+        for (const uint32_t id : loop.ids) {
+            const glm::dvec2 b = points_[id];
+            if (on_segment(p, a, b)) return Side::boundary;
+            if ((a.y > p.y) != (b.y > p.y) && (orientation(a, b, p) > 0.0) == (b.y > a.y)) inside = !inside;
+            a = b;
+        }
+        return inside ? Side::inside : Side::outside;
+    }
+
+    // Loops may touch: the first vertex, then the first edge midpoint, off the outer boundary decides.
+    [[nodiscard]] bool contains(const LoopInfo& outer, const LoopInfo& inner) const {
+        if (inner.low.x < outer.low.x || inner.low.y < outer.low.y || inner.high.x > outer.high.x
+            || inner.high.y > outer.high.y) {
+            return false;
+        }
+        for (const uint32_t id : inner.ids) {
+            const Side side = locate(points_[id], outer);
+            if (side != Side::boundary) return side == Side::inside;
+        }
+        for (size_t k = 0; k < inner.ids.size(); ++k) {
+            const glm::dvec2 a = points_[inner.ids[k]];
+            const glm::dvec2 b = points_[inner.ids[(k + 1) % inner.ids.size()]];
+            const Side side = locate((a + b) * 0.5, outer);
+            if (side != Side::boundary) return side == Side::inside;
+        }
+        return true;
+    }
+
+    std::span<const glm::dvec2> points_;
+    std::vector<LoopInfo> loops_;
+};
+
+// ---------------------------------------------------------------------------------------------------------------
+// One ring of nodes: an outer loop with its holes bridged in
+
+// A corner of the ring. Points may have several nodes (both ends of a bridge, touching loops).
+struct Node {
+    glm::dvec2 p{0.0};
+    uint32_t id = 0;
+    uint32_t prev = none;
+    uint32_t next = none;
+    uint32_t outer =
+        none; // what lies across the edge to next: nothing, a half-edge of a triangle, or a bridge
+    uint32_t waiting = none; // first Wait of those whose ear this node blocks
+    bool reflex = false;     // interior angle not strictly below 180 degrees
+    bool queued = false;
+    bool cut = false;
+};
+
+struct Wait {
+    uint32_t node;
+    uint32_t next;
+};
+
+// Reflex nodes in a uniform grid, for "which of them lie in this triangle's box". Nodes that stop being
+// reflex are skipped, and dropped when the grid is built anew after half of them have gone.
+class ReflexGrid {
+  public:
+    void build(const std::vector<Node>& nodes) {
+        members_.clear();
+        late_.clear();
+        glm::dvec2 low(0.0), high(0.0);
+        for (uint32_t i = 0; i < nodes.size(); ++i) {
+            if (nodes[i].cut || !nodes[i].reflex) continue;
+            low = members_.empty() ? nodes[i].p : glm::min(low, nodes[i].p);
+            high = members_.empty() ? nodes[i].p : glm::max(high, nodes[i].p);
+            members_.push_back(i);
+        }
+        live_ = built_ = members_.size();
+        // Few nodes are scanned faster than looked up.
+        side_ = live_ < 48
+                    ? 1
+                    : std::min(1024u, static_cast<uint32_t>(2.0 * std::sqrt(static_cast<double>(live_))));
+        origin_ = low;
+        const glm::dvec2 size = high - low;
+        per_unit_ = {size.x > 0.0 ? side_ / size.x : 0.0, size.y > 0.0 ? side_ / size.y : 0.0};
+        begin_.assign(size_t{side_} * side_ + 1, 0);
+        for (const uint32_t i : members_) ++begin_[cell(nodes[i].p) + 1];
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        sorted_.resize(members_.size());
+        std::vector<uint32_t> cursor(begin_.begin(), begin_.end() - 1);
+        for (const uint32_t i : members_) sorted_[cursor[cell(nodes[i].p)]++] = i;
+    }
+
+    void remove() { --live_; }
+    // Only forced cuts make a node reflex that was not.
+    void add(uint32_t node) {
+        late_.push_back(node);
+        ++live_;
+    }
+    [[nodiscard]] bool is_stale() const { return (built_ >= 48 && live_ * 2 < built_) || late_.size() > 64; }
+
+    // The first reflex node in the box for which accept() is true, or none.
+    template<class Accept>
+    uint32_t find(const glm::dvec2& low, const glm::dvec2& high, Accept&& accept) const {
+        for (const uint32_t i : late_) {
+            if (accept(i)) return i;
+        }
+        const uint32_t x0 = column(low.x), x1 = column(high.x);
+        const uint32_t y0 = row(low.y), y1 = row(high.y);
+        for (uint32_t y = y0; y <= y1; ++y) {
+            const size_t base = size_t{y} * side_;
+            for (uint32_t k = begin_[base + x0]; k < begin_[base + x1 + 1]; ++k) {
+                if (accept(sorted_[k])) return sorted_[k];
+            }
+        }
+        return none;
+    }
+
+  private:
+    // Written so that NaN lands in the first cell.
+    [[nodiscard]] uint32_t clamp_cell(double at) const {
+        if (!(at > 0.0)) return 0;
+        return at >= side_ ? side_ - 1 : static_cast<uint32_t>(at);
+    }
+    [[nodiscard]] uint32_t column(double x) const { return clamp_cell((x - origin_.x) * per_unit_.x); }
+    [[nodiscard]] uint32_t row(double y) const { return clamp_cell((y - origin_.y) * per_unit_.y); }
+    [[nodiscard]] size_t cell(const glm::dvec2& p) const { return size_t{row(p.y)} * side_ + column(p.x); }
+
+    std::vector<uint32_t> members_, begin_, sorted_, late_;
+    glm::dvec2 origin_{0.0}, per_unit_{0.0};
+    uint32_t side_ = 1;
+    size_t live_ = 0, built_ = 0;
+};
+
+class Ring {
+  public:
+    // edges: of all loops and of what has been cut so far; null where no diagonal
+    // can repeat an edge.
+    Ring(std::span<const glm::dvec2> points, EdgeSet* edges) : points_(points), edges_(edges) {}
+
+    // Phase 1: the outer loop. Clockwise ones are turned round, and their triangles back when they are
+    // emitted.
+    void set_outer(const LoopInfo& loop) {
+        reversed_ = loop.area < 0.0;
+        start_ = add_loop(loop);
+        count_ = static_cast<uint32_t>(loop.ids.size());
+    }
+
+    // Phase 2: holes, by their lexicographically largest vertex, largest first: each can then see a vertex of
+    // what is already merged, and no hole still to come is in the way (Eberly).
+    void bridge_holes(const std::vector<const LoopInfo*>& holes) {
+        std::vector<uint32_t> tips;
+        for (const LoopInfo* hole : holes) {
+            const uint32_t first = add_loop(*hole);
+            uint32_t tip = first;
+            for (uint32_t i = first; i < nodes_.size(); ++i) {
+                if (lexicographically_less(nodes_[tip].p, nodes_[i].p)) tip = i;
+            }
+            tips.push_back(tip);
+            count_ += static_cast<uint32_t>(hole->ids.size());
+        }
+        std::stable_sort(tips.begin(), tips.end(), [&](uint32_t a, uint32_t b) {
+            return lexicographically_less(nodes_[b].p, nodes_[a].p);
+        });
+        for (const uint32_t tip : tips) bridge(tip, find_bridge(tip));
+    }
+
+    // Phase 3: ears until a triangle is left.
+    void clip() {
+        triangles_.reserve(count_ - 2);
+        twin_.reserve(size_t{3} * (count_ - 2));
+        if (!edges_ && is_convex()) {
+            clip_convex();
+            return;
+        }
+        start_clipping();
+        while (count_ > 3) {
+            if (head_ == queue_.size()) {
+                cut_and_update(least_bad_ear());
+                ++forced_;
+                continue;
+            }
+            const uint32_t t = queue_[head_++];
+            nodes_[t].queued = false;
+            if (nodes_[t].cut || nodes_[t].reflex || !is_ear(t)) continue;
+            if (may_join(nodes_[nodes_[t].prev], nodes_[nodes_[t].next])) {
+                cut_and_update(t);
+            } else {
+                close_off_around(t);
+            }
+        }
+        if (count_ == 3) cut_last(); // else the rest is an edge there and back
+    }
+
+    // Phase 4: Lawson's edge flips. An edge is flipped where both new triangles are strictly positive and
+    // either an old one was not (a forced ear), or the circle test certainly asks for it. Each flip lowers
+    // the number of non-positive triangles or the lifted surface, so the sequence ends.
+    void flip_edges() {
+        EdgeSet own;
+        EdgeSet* edges = edges_;
+        if (!edges && forced_ > 0) { // overlapping triangles may propose an edge that exists elsewhere
+            for (const Triangle& t : triangles_) {
+                for (int k = 0; k < 3; ++k) own.insert(nodes_[t[k]].id, nodes_[t[(k + 1) % 3]].id);
+            }
+            edges = &own;
+        }
+        std::vector<uint32_t> stack;
+        for (uint32_t h = 0; h < twin_.size(); ++h) {
+            if (twin_[h] != none && h < twin_[h]) stack.push_back(h);
+        }
+        size_t flips_left = max_flips_per_triangle * triangles_.size();
+        while (!stack.empty() && flips_left > 0) {
+            const uint32_t h = stack.back();
+            stack.pop_back();
+            if (twin_[h] == none || !should_flip(h, edges)) continue;
+            flip(h, edges, stack);
+            --flips_left;
+        }
+    }
+
+    void emit(Triangulation& out) const {
+        for (const Triangle& t : triangles_) {
+            const uint32_t a = nodes_[t.x].id, b = nodes_[t.y].id, c = nodes_[t.z].id;
+            out.triangles.push_back(reversed_ ? Triangle(a, c, b) : Triangle(a, b, c));
+        }
+        out.forced_ears += forced_;
+        out.vertex_tests += vertex_tests_;
+    }
+
+  private:
+    uint32_t add_loop(const LoopInfo& loop) {
+        const auto first = static_cast<uint32_t>(nodes_.size());
+        const auto n = static_cast<uint32_t>(loop.ids.size());
+        for (uint32_t k = 0; k < n; ++k) {
+            Node node;
+            node.id = loop.ids[reversed_ ? n - 1 - k : k];
+            node.p = points_[node.id];
+            node.prev = first + (k + n - 1) % n;
+            node.next = first + (k + 1) % n;
+            nodes_.push_back(node);
+        }
+        return first;
+    }
+
+    double turn_at(const Node& n) const { return orientation(nodes_[n.prev].p, n.p, nodes_[n.next].p); }
+
+    // --- bridges
+
+    // Does the ring's interior, seen from this node, open towards p?
+    bool opens_towards(const Node& n, const glm::dvec2& p) const {
+        const bool left_of_in = orientation(nodes_[n.prev].p, n.p, p) > 0.0;
+        const bool left_of_out = orientation(n.p, nodes_[n.next].p, p) > 0.0;
+        return turn_at(n) > 0.0 ? left_of_in && left_of_out : left_of_in || left_of_out;
+    }
+
+    // Does the edge a -> b of the ring stand between m and q, a vertex of the ring?
+    static bool blocks(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& m, const glm::dvec2& q) {
+        if (a == q || b == q) return false; // settled by opens_towards()
+        if (std::max(a.x, b.x) < std::min(m.x, q.x) || std::min(a.x, b.x) > std::max(m.x, q.x)
+            || std::max(a.y, b.y) < std::min(m.y, q.y) || std::min(a.y, b.y) > std::max(m.y, q.y)) {
+            return false;
+        }
+        if (on_segment(m, a, b)) return orientation(a, b, q) <= 0.0; // the hole touches this edge
+        const double side_a = orientation(m, q, a), side_b = orientation(m, q, b);
+        if ((side_a > 0.0 && side_b > 0.0) || (side_a < 0.0 && side_b < 0.0)) return false;
+        const double side_m = orientation(a, b, m), side_q = orientation(a, b, q);
+        return !((side_m > 0.0 && side_q > 0.0) || (side_m < 0.0 && side_q < 0.0));
+    }
+
+    bool is_bridge(const Node& m, const Node& q) const {
+        if (q.p == m.p) return opens_towards(q, nodes_[m.next].p) || opens_towards(q, nodes_[m.prev].p);
+        if (q.id == m.id || (edges_ && edges_->contains(q.id, m.id))) return false;
+        if (!opens_towards(q, m.p)) return false;
+        uint32_t i = start_;
+        do {
+            const Node& a = nodes_[i];
+            if (blocks(a.p, nodes_[a.next].p, m.p, q.p)) return false;
+            i = a.next;
+        } while (i != start_);
+        return true;
+    }
+
+    // The nearest node of the ring that sees the hole's tip.
+    uint32_t find_bridge(uint32_t tip) const {
+        const Node& m = nodes_[tip];
+        std::vector<std::pair<double, uint32_t>> candidates;
+        uint32_t i = start_;
+        do {
+            const glm::dvec2 d = nodes_[i].p - m.p;
+            const double distance = dot(d, d);
+            if (!lexicographically_less(nodes_[i].p, m.p) && std::isfinite(distance)) {
+                candidates.emplace_back(distance, i);
+            }
+            i = nodes_[i].next;
+        } while (i != start_);
+        if (candidates.empty()) return start_; // not inside at all
+        std::make_heap(candidates.begin(), candidates.end(), std::greater<>());
+        const uint32_t nearest = candidates.front().second;
+        for (uint32_t tries = 0; tries < max_bridge_tries && !candidates.empty(); ++tries) {
+            const uint32_t q = candidates.front().second;
+            if (is_bridge(m, nodes_[q])) return q;
+            std::pop_heap(candidates.begin(), candidates.end(), std::greater<>());
+            candidates.pop_back();
+        }
+        return nearest;
+    }
+
+    void bridge(uint32_t m, uint32_t q) {
+        if (nodes_[m].id == nodes_[q].id) { // the loops touch: cross over, no bridge is needed
+            std::swap(nodes_[m].next, nodes_[q].next);
+            std::swap(nodes_[m].outer, nodes_[q].outer);
+            nodes_[nodes_[m].next].prev = m;
+            nodes_[nodes_[q].next].prev = q;
+            return;
+        }
+        // q -> m -> (hole) -> m2 -> q2 -> (rest)
+        const auto m2 = static_cast<uint32_t>(nodes_.size());
+        const uint32_t q2 = m2 + 1;
+        nodes_.push_back(nodes_[m]);
+        nodes_.push_back(nodes_[q]);
+        nodes_[nodes_[m2].prev].next = m2;
+        nodes_[nodes_[q2].next].prev = q2;
+        nodes_[m2].next = q2;
+        nodes_[q2].prev = m2;
+        nodes_[q].next = m;
+        nodes_[m].prev = q;
+        const auto token = bridge_bit | static_cast<uint32_t>(bridge_half_edge_.size());
+        nodes_[q].outer = nodes_[m2].outer = token;
+        bridge_half_edge_.push_back(none);
+        if (edges_) edges_->insert(nodes_[m].id, nodes_[q].id);
+        count_ += 2;
+    }
+
+    // --- triangles and their neighbours
+
+    // Notes what lies across half-edge h, both ways.
+    void link(uint32_t h, uint32_t across) {
+        if (across != none && (across & bridge_bit) != 0) {
+            uint32_t& first = bridge_half_edge_[across & ~bridge_bit];
+            across = std::exchange(first, h);
+        }
+        twin_[h] = across;
+        if (across != none) twin_[across] = h;
+    }
+
+    // The triangle of three nodes in a row whose edges all are edges of the ring.
+    void add_triangle(uint32_t a, uint32_t b, uint32_t c) {
+        const auto h = static_cast<uint32_t>(twin_.size());
+        triangles_.emplace_back(a, b, c);
+        twin_.resize(twin_.size() + 3, none);
+        link(h, nodes_[a].outer);
+        link(h + 1, nodes_[b].outer);
+        link(h + 2, nodes_[c].outer);
+    }
+
+    // Cuts the ear at t, whatever it looks like.
+    void cut(uint32_t t) {
+        const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
+        const auto h = static_cast<uint32_t>(twin_.size());
+        triangles_.emplace_back(p, t, n);
+        twin_.resize(twin_.size() + 3, none);
+        link(h, nodes_[p].outer);
+        link(h + 1, nodes_[t].outer);
+        nodes_[p].outer = h + 2;
+        nodes_[p].next = n;
+        nodes_[n].prev = p;
+        start_ = n;
+        --count_;
+        if (edges_) edges_->insert(nodes_[p].id, nodes_[n].id);
+    }
+
+    void cut_last() {
+        const uint32_t a = start_, b = nodes_[a].next, c = nodes_[b].next;
+        add_triangle(a, b, c);
+        if (!(orientation(nodes_[a].p, nodes_[b].p, nodes_[c].p) > 0.0)) ++forced_;
+    }
+
+    // --- ears
+
+    // Strictly left turns all the way, once around.
+    bool is_convex() const {
+        uint32_t changes = 0;
+        uint32_t i = start_;
+        do {
+            const Node& n = nodes_[i];
+            if (!(turn_at(n) > 0.0)) return false;
+            const bool rose = lexicographically_less(nodes_[n.prev].p, n.p);
+            const bool rises = lexicographically_less(n.p, nodes_[n.next].p);
+            changes += rose != rises;
+            i = n.next;
+        } while (i != start_);
+        return changes == 2;
+    }
+
+    // A zigzag strip, which needs fewer flips than a fan.
+    void clip_convex() {
+        uint32_t left = start_, right = nodes_[start_].next;
+        for (bool cut_right = true; count_ > 3; cut_right = !cut_right) {
+            if (cut_right) {
+                const uint32_t next = nodes_[right].next;
+                cut(right);
+                right = next;
+            } else {
+                const uint32_t previous = nodes_[left].prev;
+                cut(left);
+                left = previous;
+            }
+        }
+        cut_last();
+    }
+
+    void start_clipping() {
+        uint32_t i = start_;
+        do {
+            nodes_[i].reflex = !(turn_at(nodes_[i]) > 0.0);
+            if (!nodes_[i].reflex) push(i);
+            i = nodes_[i].next;
+        } while (i != start_);
+        grid_.build(nodes_);
+    }
+
+    void push(uint32_t i) {
+        if (nodes_[i].queued) return;
+        nodes_[i].queued = true;
+        queue_.push_back(i);
+    }
+
+    bool may_join(const Node& a, const Node& b) const {
+        return a.id != b.id && !(edges_ && edges_->contains(a.id, b.id));
+    }
+
+    // A strict ear: convex, and no other vertex in the closed triangle. Only reflex vertices need to be
+    // looked at (ElGindy et al.). Vertices that coincide with a corner are not in the way: their own sector
+    // of the plane is another one. A node that is no ear waits for the node that blocks it, so nothing is
+    // tested twice in vain.
+    bool is_ear(uint32_t t) {
+        const Node& tip = nodes_[t];
+        const uint32_t p = tip.prev, n = tip.next;
+        const glm::dvec2 a = nodes_[p].p, b = tip.p, c = nodes_[n].p;
+        if (nodes_[p].id == nodes_[n].id) return false;
+        const glm::dvec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
+        const uint32_t blocker = grid_.find(low, high, [&](uint32_t r) {
+            ++vertex_tests_;
+            const Node& node = nodes_[r];
+            if (node.cut || !node.reflex || r == p || r == n) return false;
+            const glm::dvec2& x = node.p;
+            if (x.x < low.x || x.x > high.x || x.y < low.y || x.y > high.y) return false;
+            if (x == a || x == b || x == c) return false;
+            return orientation(a, b, x) >= 0.0 && orientation(b, c, x) >= 0.0 && orientation(c, a, x) >= 0.0;
+        });
+        if (blocker == none) return true;
+        waits_.push_back({t, nodes_[blocker].waiting});
+        nodes_[blocker].waiting = static_cast<uint32_t>(waits_.size() - 1);
+        return false;
+    }
+
+    void release_waiting(uint32_t blocker) {
+        for (uint32_t w = std::exchange(nodes_[blocker].waiting, none); w != none; w = waits_[w].next) {
+            const Node& node = nodes_[waits_[w].node];
+            if (!node.cut && !node.reflex) push(waits_[w].node);
+        }
+    }
+
+    void cut_and_update(uint32_t t) {
+        const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
+        cut(t);
+        forget(t);
+        update(p);
+        update(n);
+        if (grid_.is_stale()) grid_.build(nodes_);
+    }
+
+    void forget(uint32_t i) {
+        nodes_[i].cut = true;
+        if (nodes_[i].reflex) grid_.remove();
+        release_waiting(i);
+    }
+
+    void update(uint32_t i) {
+        const bool was_reflex = nodes_[i].reflex;
+        nodes_[i].reflex = !(turn_at(nodes_[i]) > 0.0);
+        if (was_reflex && !nodes_[i].reflex) {
+            grid_.remove();
+            release_waiting(i);
+        }
+        if (!was_reflex && nodes_[i].reflex) grid_.add(i);
+        if (!nodes_[i].reflex) push(i);
+    }
+
+    // A strict ear whose third edge exists: where loops touch in several vertices the ring pinches off a
+    // triangle, f -> b -> c -> g with g the same point as f. It is emitted with its three ring edges, and f
+    // goes on after g.
+    void close_off_around(uint32_t t) {
+        const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
+        uint32_t f = none;
+        if (nodes_[nodes_[p].prev].id == nodes_[n].id) {
+            f = nodes_[p].prev;
+        } else if (nodes_[nodes_[n].next].id == nodes_[p].id) {
+            f = p;
+        } else {
+            return; // left to its neighbours, or to a forced cut
+        }
+        const uint32_t b = nodes_[f].next, c = nodes_[b].next, g = nodes_[c].next;
+        add_triangle(f, b, c);
+        nodes_[f].outer = nodes_[g].outer;
+        nodes_[f].next = nodes_[g].next;
+        nodes_[nodes_[f].next].prev = f;
+        start_ = f;
+        count_ -= 3;
+        for (const uint32_t i : {b, c, g}) forget(i);
+        if (count_ >= 3) update(f);
+    }
+
+    // For rings without a strict ear: zero-area ones, and such as cross themselves. Prefers, in this order:
+    // ends that may be joined, a triangle that is not inside out, a small one (flat ones first, and of them
+    // those whose tip lies between its neighbours). Ends of equal id are cut only where nothing else is left.
+    uint32_t least_bad_ear() const {
+        using Badness = std::tuple<int, bool, double, bool>;
+        uint32_t best = none;
+        Badness least;
+        uint32_t i = start_;
+        for (uint32_t k = 0; k < std::min(count_, forced_window); ++k, i = nodes_[i].next) {
+            const Node& t = nodes_[i];
+            const Node& p = nodes_[t.prev];
+            const Node& n = nodes_[t.next];
+            const double turn = turn_at(t);
+            const int clash = p.id == n.id ? 2 : may_join(p, n) ? 0 : 1;
+            const double size = std::isfinite(turn) ? std::abs(turn) : std::numeric_limits<double>::max();
+            const Badness badness{clash, turn<0.0, size, dot(p.p - t.p, n.p - t.p)> 0.0};
+            if (best == none || badness < least) {
+                best = i;
+                least = badness;
+            }
+        }
+        return best;
+    }
+
+    // --- flips
+
+    struct Quad {
+        uint32_t a, b, c, d; // corners: the edge a -> b, the apex c on its left, d on its right
+    };
+
+    Quad quad_at(uint32_t h) const {
+        const uint32_t g = twin_[h];
+        const auto corner = [&](uint32_t half_edge, uint32_t step) {
+            return triangles_[half_edge / 3][static_cast<int>((half_edge % 3 + step) % 3)];
+        };
+        return {corner(h, 0), corner(h, 1), corner(h, 2), corner(g, 2)};
+    }
+
+    bool should_flip(uint32_t h, const EdgeSet* edges) const {
+        const Quad q = quad_at(h);
+        const glm::dvec2 &a = nodes_[q.a].p, &b = nodes_[q.b].p, &c = nodes_[q.c].p, &d = nodes_[q.d].p;
+        const bool sound = orientation(a, b, c) > 0.0 && orientation(b, a, d) > 0.0;
+        if (sound && !certainly_in_circle(a, b, c, d)) return false;
+        if (!(orientation(a, d, c) > 0.0 && orientation(d, b, c) > 0.0)) return false;
+        const uint32_t from = nodes_[q.c].id, to = nodes_[q.d].id;
+        return from != to && !(edges && edges->contains(from, to));
+    }
+
+    // (a, b, c), (b, a, d) become (a, d, c), (d, b, c).
+    void flip(uint32_t h, EdgeSet* edges, std::vector<uint32_t>& stack) {
+        const Quad q = quad_at(h);
+        const uint32_t g = twin_[h];
+        const auto next = [](uint32_t e) { return e - e % 3 + (e + 1) % 3; };
+        const uint32_t across_bc = twin_[next(h)], across_ca = twin_[next(next(h))];
+        const uint32_t across_ad = twin_[next(g)], across_db = twin_[next(next(g))];
+        const uint32_t s = h / 3, t = g / 3;
+        for (const uint32_t across : {across_bc, across_ca, across_ad, across_db}) {
+            if (across != none && (across / 3 == s || across / 3 == t)) return; // the two share another edge
+        }
+        triangles_[s] = {q.a, q.d, q.c};
+        triangles_[t] = {q.d, q.b, q.c};
+        const auto join = [&](uint32_t e, uint32_t across) {
+            twin_[e] = across;
+            if (across == none) return;
+            twin_[across] = e;
+            stack.push_back(e);
+        };
+        join(3 * s, across_ad);
+        join(3 * s + 2, across_ca);
+        join(3 * t, across_db);
+        join(3 * t + 1, across_bc);
+        twin_[3 * s + 1] = 3 * t + 2;
+        twin_[3 * t + 2] = 3 * s + 1;
+        // The old edge stays in the set: a flip too few is harmless, an edge twice is not.
+        if (edges) edges->insert(nodes_[q.c].id, nodes_[q.d].id);
+    }
+
+    std::span<const glm::dvec2> points_;
+    EdgeSet* edges_;
+    std::vector<Node> nodes_;
+    uint32_t start_ = none; // a node of the ring
+    uint32_t count_ = 0;    // nodes in the ring, with those of holes not bridged yet
+    bool reversed_ = false;
+
+    std::vector<uint32_t> queue_; // nodes that may be ears; those before head_ are done
+    size_t head_ = 0;
+    std::vector<Wait> waits_;
+    ReflexGrid grid_;
+    uint32_t forced_ = 0;
+    uint64_t vertex_tests_ = 0;
+
+    std::vector<Triangle> triangles_; // of node indices
+    std::vector<uint32_t> twin_;      // per half-edge 3 t + k (corner k to k + 1): the one across, or none
+    std::vector<uint32_t> bridge_half_edge_; // per bridge the side that came first
+};
+
+bool has_repeated_ids(const std::vector<LoopInfo>& loops) {
+    if (loops.size() < 2) return false; // within a loop ids are distinct once it is split
+    std::vector<uint32_t> ids;
+    for (const LoopInfo& loop : loops) ids.insert(ids.end(), loop.ids.begin(), loop.ids.end());
+    std::sort(ids.begin(), ids.end());
+    return std::adjacent_find(ids.begin(), ids.end()) != ids.end();
+}
+
+bool has_hole(const std::vector<LoopInfo>& loops) {
+    return std::any_of(loops.begin(), loops.end(), [](const LoopInfo& loop) { return loop.hole_of != none; });
+}
+
+} // namespace
+
+Triangulation triangulate(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
+    const Nesting nesting(points, loops);
+    const std::vector<LoopInfo>& parts = nesting.loops();
+    EdgeSet edges;
+    // The ends of a bridge are two nodes each; only then, or where loops share ids, can a diagonal repeat an
+    // edge.
+    const bool repeated = has_repeated_ids(parts) || has_hole(parts);
+    if (repeated) {
+        for (const LoopInfo& loop : parts) {
+            for (size_t k = 0; k < loop.ids.size(); ++k) {
+                edges.insert(loop.ids[k], loop.ids[(k + 1) % loop.ids.size()]);
+            }
+        }
+    }
+    std::vector<std::vector<const LoopInfo*>> holes(parts.size());
+    for (const LoopInfo& loop : parts) {
+        if (loop.hole_of != none) holes[loop.hole_of].push_back(&loop);
+    }
+    Triangulation result;
+    for (size_t i = 0; i < parts.size(); ++i) {
+        if (parts[i].hole_of != none) continue;
+        Ring ring(points, repeated ? &edges : nullptr);
+        ring.set_outer(parts[i]);
+        ring.bridge_holes(holes[i]);
+        ring.clip();
+        ring.flip_edges();
+        ring.emit(result);
+    }
+    return result;
+}
+
+glm::dvec2 project(const glm::dvec3& point, const glm::dvec3& normal) {
+    const glm::dvec3 size = glm::abs(normal);
+    if (size.x >= size.y && size.x >= size.z) {
+        return normal.x >= 0.0 ? glm::dvec2(point.y, point.z) : glm::dvec2(point.z, point.y);
+    }
+    if (size.y >= size.z)
+        return normal.y >= 0.0 ? glm::dvec2(point.z, point.x) : glm::dvec2(point.x, point.z);
+    return normal.z >= 0.0 ? glm::dvec2(point.x, point.y) : glm::dvec2(point.y, point.x);
+}
+
+} // namespace brittle::fracture
