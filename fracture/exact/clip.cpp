@@ -208,6 +208,7 @@ VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, 
     }
     PiercePoint point{};
     point.cells = cells;
+    point.triangle = crossing_->triangle;
     // Seen from outside the mesh the cells around the point are, counter-clockwise, c, then the one beyond the line
     // that comes in, then the one beyond the line that goes out.
     point.leaves = even(c, a.site, b.site) ? 1 : 0;

@@ -1,0 +1,303 @@
+#include "fracture/exact/caps.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+constexpr uint32_t kLeastFacets = 32;
+
+// What the walk around a facet meets: a pierce point, where the winding changes, or a Voronoi vertex.
+struct Stop {
+    VertexId pierce;     // none at a Voronoi vertex
+    uint32_t vertex = 0; // of the diagram
+    int32_t before = 0, after = 0;
+};
+
+bool even(uint32_t a, uint32_t b, uint32_t c) {
+    return (a < b && b < c) || (b < c && c < a) || (c < a && a < b);
+}
+
+} // namespace
+
+class Capper::Worker {
+  public:
+    struct Context {
+        const Scene& scene;
+        const VoronoiDiagram& diagram;
+        const Winding& winding;
+        const Cut& cut;
+        std::span<uint8_t> visited;
+    };
+
+    void start() {
+        forced_ears = 0;
+        closed = true;
+    }
+    void cap(const Context& context, uint32_t facet, std::span<const uint32_t> edge_points, CapChunk& out);
+
+    uint64_t forced_ears = 0;
+    bool closed = true;
+
+  private:
+    bool walk_around(const Context& context, const VoronoiDiagram::Facet& facet);
+    void find_strands(const Context& context, int32_t sheet);
+    void trace_strands(const Context& context, const VoronoiDiagram::Facet& facet, CapChunk& out);
+    void trace_chains(const Context& context, std::span<const uint32_t> edge_points, CapChunk& out);
+    bool follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at, CapChunk& out);
+    void begin_loop(const CapChunk& out) { loop_begin_ = out.corners.size(); }
+    void end_loop(CapChunk& out);
+    void triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+                           CapChunk& out);
+    [[nodiscard]] glm::dvec3 position(const Context& context, VertexId id) const;
+
+    std::vector<Stop> stops_;
+    struct Strand {
+        uint32_t begin, end; // into strand_corners_
+        bool used;
+    };
+    std::vector<Strand> strands_;
+    std::vector<VertexId> strand_corners_;
+    size_t loop_begin_ = 0;
+    size_t cap_begin_ = 0;
+    size_t loop_count_ = 0;
+    std::vector<Loop> loops_; // the first loop_count_ are the cap's
+    std::vector<uint32_t> node_vertex_;
+    std::vector<glm::dvec2> flat_;
+};
+
+Capper::Capper() = default;
+Capper::~Capper() = default;
+
+bool Capper::Worker::walk_around(const Context& context, const VoronoiDiagram::Facet& facet) {
+    const auto ring = context.diagram.ring_of(facet);
+    stops_.clear();
+    int32_t w = context.winding.of_vertex[ring.back().vertex];
+    bool any = w != 0;
+    for (const VoronoiDiagram::Corner& corner : ring) {
+        const auto pierces = context.winding.pierces_of(corner.edge);
+        const bool along = even(facet.i, facet.j, corner.third);
+        for (size_t k = 0; k < pierces.size(); ++k) {
+            const uint32_t p = along ? pierces[k] : pierces[pierces.size() - 1 - k];
+            const int32_t change = (context.cut.pierce_points[p].leaves != 0) == along ? -1 : 1;
+            stops_.push_back({{VertexId::pierce, p}, 0, w, w + change});
+            w += change;
+            any = true;
+        }
+        stops_.push_back({VertexId{}, corner.vertex, w, w});
+        if (w != context.winding.of_vertex[corner.vertex]) closed = false;
+        any = any || w != 0;
+    }
+    return any;
+}
+
+void Capper::Worker::find_strands(const Context& context, int32_t sheet) {
+    const size_t n = stops_.size();
+    const auto has = [sheet](int32_t w) { return Winding::has_sheet(w, sheet); };
+    size_t first = 0;
+    while (first < n && !(!has(stops_[first].before) && has(stops_[first].after))) ++first;
+    const auto begin = static_cast<uint32_t>(strand_corners_.size());
+    if (first == n) { // nowhere, or all around: then the sides of the facet are a loop of their own
+        if (!has(stops_[0].before)) return;
+        for (const Stop& stop : stops_) {
+            if (stop.pierce.is_none()) {
+                strand_corners_.push_back({VertexId::node, context.winding.node(stop.vertex, sheet)});
+            }
+        }
+        if (sheet <= 0) std::reverse(strand_corners_.begin() + begin, strand_corners_.end());
+        strands_.push_back({begin, static_cast<uint32_t>(strand_corners_.size()), false});
+        return;
+    }
+    uint32_t strand_begin = begin;
+    for (size_t k = 0; k < n; ++k) {
+        const Stop& stop = stops_[(first + k) % n];
+        const bool before = has(stop.before), after = has(stop.after);
+        if (stop.pierce.is_none()) {
+            if (after) strand_corners_.push_back({VertexId::node, context.winding.node(stop.vertex, sheet)});
+        } else if (before != after) {
+            if (after) strand_begin = static_cast<uint32_t>(strand_corners_.size());
+            strand_corners_.push_back(stop.pierce);
+            if (after) continue;
+            if (sheet <= 0) std::reverse(strand_corners_.begin() + strand_begin, strand_corners_.end());
+            strands_.push_back({strand_begin, static_cast<uint32_t>(strand_corners_.size()), false});
+        }
+    }
+}
+
+// From a pierce point along the surface to the next one; all but the last are written. False where it breaks off.
+bool Capper::Worker::follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at,
+                                  CapChunk& out) {
+    const PiercePoint& from = context.cut.pierce_points[at.index()];
+    const auto place = [&](uint32_t site) {
+        return static_cast<uint32_t>(std::find(from.cells.begin(), from.cells.end(), site) - from.cells.begin());
+    };
+    out.corners.push_back(at);
+    at = from.next[pair_index(place(facet.i), place(facet.j))];
+    while (!at.is_none() && at.kind() == VertexId::edge) {
+        if (context.visited[at.index()]) return false;
+        context.visited[at.index()] = 1;
+        out.corners.push_back(at);
+        at = context.cut.edge_points[at.index()].next;
+    }
+    return !at.is_none() && at.kind() == VertexId::pierce;
+}
+
+void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram::Facet& facet, CapChunk& out) {
+    for (Strand& first : strands_) {
+        if (first.used) continue;
+        begin_loop(out);
+        for (Strand* strand = &first;;) {
+            strand->used = true;
+            const std::span corners(strand_corners_.data() + strand->begin, strand->end - strand->begin);
+            if (corners.front().kind() == VertexId::node) { // all around the facet
+                out.corners.insert(out.corners.end(), corners.begin(), corners.end());
+                break;
+            }
+            out.corners.insert(out.corners.end(), corners.begin(), corners.end() - 1);
+            VertexId at = corners.back();
+            if (!follow_chain(context, facet, at, out)) {
+                closed = false;
+                break;
+            }
+            const auto next = std::find_if(strands_.begin(), strands_.end(), [&](const Strand& s) {
+                return strand_corners_[s.begin] == at;
+            });
+            if (next == strands_.end() || (next->used && &*next != &first)) {
+                closed = false;
+                break;
+            }
+            if (&*next == &first) break;
+            strand = &*next;
+        }
+        end_loop(out);
+    }
+}
+
+void Capper::Worker::trace_chains(const Context& context, std::span<const uint32_t> edge_points, CapChunk& out) {
+    for (const uint32_t first : edge_points) {
+        if (context.visited[first]) continue;
+        begin_loop(out);
+        VertexId at(VertexId::edge, first);
+        while (!at.is_none() && at.kind() == VertexId::edge && !context.visited[at.index()]) {
+            context.visited[at.index()] = 1;
+            out.corners.push_back(at);
+            at = context.cut.edge_points[at.index()].next;
+        }
+        if (at != VertexId(VertexId::edge, first)) closed = false;
+        end_loop(out);
+    }
+}
+
+void Capper::Worker::end_loop(CapChunk& out) {
+    const size_t n = out.corners.size() - loop_begin_;
+    // Two triangles back to back leave a loop of two corners: it has no area, and the edges pair up without a cap.
+    if (n < 3) {
+        out.corners.resize(loop_begin_);
+        return;
+    }
+    if (loops_.size() == loop_count_) loops_.emplace_back();
+    Loop& loop = loops_[loop_count_++];
+    loop.resize(n);
+    for (size_t k = 0; k < n; ++k) loop[k] = static_cast<uint32_t>(loop_begin_ - cap_begin_ + k);
+}
+
+glm::dvec3 Capper::Worker::position(const Context& context, VertexId id) const {
+    switch (id.kind()) {
+    case VertexId::edge: return context.cut.edge_positions[id.index()];
+    case VertexId::pierce: return context.cut.pierce_positions[id.index()];
+    case VertexId::node: {
+        const auto& first = context.winding.first_node;
+        const auto above = std::upper_bound(first.begin(), first.end(), id.index());
+        return context.diagram.vertices[static_cast<size_t>(above - first.begin()) - 1].position;
+    }
+    case VertexId::mesh: break;
+    }
+    assert(false);
+    return glm::dvec3(0.0);
+}
+
+void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+                                       CapChunk& out) {
+    const glm::dvec3& site = context.scene.sites[facet.i];
+    const glm::dvec3 normal = context.scene.sites[facet.j] - site;
+    flat_.clear();
+    for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
+        flat_.push_back(project(position(context, out.corners[k]), normal));
+    }
+    const Triangulation done = triangulate(flat_, std::span(loops_).first(loop_count_));
+    forced_ears += done.forced_ears;
+    out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());
+}
+
+void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uint32_t> edge_points, CapChunk& out) {
+    const VoronoiDiagram::Facet& facet = context.diagram.facets[f];
+    const bool strands = walk_around(context, facet);
+    if (!strands && edge_points.empty()) return;
+    cap_begin_ = out.corners.size();
+    loop_count_ = 0;
+    if (strands) {
+        int32_t most = 0, least = 0;
+        for (const Stop& stop : stops_) {
+            most = std::max(most, stop.after);
+            least = std::min(least, stop.after);
+        }
+        strands_.clear();
+        strand_corners_.clear();
+        for (int32_t sheet = least + 1; sheet <= most; ++sheet) find_strands(context, sheet);
+        trace_strands(context, facet, out);
+    }
+    trace_chains(context, edge_points, out);
+    if (loop_count_ == 0) return;
+    Cap cap{f, static_cast<uint32_t>(cap_begin_), static_cast<uint32_t>(out.corners.size()),
+            static_cast<uint32_t>(out.triangles.size()), 0};
+    triangulate_loops(context, facet, cap, out);
+    cap.triangles_end = static_cast<uint32_t>(out.triangles.size());
+    out.caps.push_back(cap);
+}
+
+void Capper::group_by_facet(const VoronoiDiagram& diagram, const Cut& cut) {
+    points_begin_.assign(diagram.facets.size() + 2, 0);
+    for (const EdgePoint& point : cut.edge_points) ++points_begin_[point.facet + 2];
+    for (size_t f = 2; f < points_begin_.size(); ++f) points_begin_[f] += points_begin_[f - 1];
+    points_.resize(cut.edge_points.size());
+    for (uint32_t p = 0; p < cut.edge_points.size(); ++p) {
+        points_[points_begin_[cut.edge_points[p].facet + 1]++] = p;
+    }
+    visited_.assign(cut.edge_points.size(), 0);
+}
+
+bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, const Cut& cut,
+                 Threads& threads) {
+    group_by_facet(diagram, cut);
+    const auto facets = static_cast<uint32_t>(diagram.facets.size());
+    chunk_count_ = threads.chunks(facets, kLeastFacets);
+    if (chunks_.size() < chunk_count_) chunks_.resize(chunk_count_);
+    if (workers_.size() < chunk_count_) workers_.resize(chunk_count_);
+    const Worker::Context context{scene, diagram, winding, cut, visited_};
+    threads.for_chunks(facets, kLeastFacets, [&](uint32_t k, uint32_t begin, uint32_t end) {
+        CapChunk& out = chunks_[k];
+        out.caps.clear();
+        out.corners.clear();
+        out.triangles.clear();
+        workers_[k].start();
+        for (uint32_t f = begin; f < end; ++f) {
+            workers_[k].cap(context, f,
+                            std::span(points_).subspan(points_begin_[f], points_begin_[f + 1] - points_begin_[f]),
+                            out);
+        }
+    });
+    bool closed = winding.consistent;
+    for (uint32_t k = 0; k < chunk_count_; ++k) closed = closed && workers_[k].closed;
+    return closed;
+}
+
+uint64_t Capper::forced_ears() const {
+    uint64_t sum = 0;
+    for (uint32_t k = 0; k < chunk_count_; ++k) sum += workers_[k].forced_ears;
+    return sum;
+}
+
+} // namespace brittle::fracture::exact
