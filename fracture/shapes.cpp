@@ -101,12 +101,12 @@ constexpr std::array<Bone, 14> bones = {{
     {{0, 1.05, 0.55}, {0, 1.34, 0.88}, 0.25, 0.16, 0.18},                // neck
     {{0, 1.41, 0.93}, {0, 1.27, 1.24}, 0.17, 0.12, 0.08},                // head
     {{0, 1.24, 1.28}, {0, 1.23, 1.32}, 0.125, 0.115, 0.05},              // muzzle
-    {{0.18, 0.85, 0.47}, {0.20, 0.48, 0.48}, 0.17, 0.10, 0.12, true},    // upper foreleg
-    {{0.20, 0.48, 0.48}, {0.20, 0.10, 0.50}, 0.095, 0.085, 0.04, true},  // foreleg
-    {{0.18, 0.88, -0.55}, {0.21, 0.50, -0.66}, 0.22, 0.11, 0.12, true},  // thigh
-    {{0.21, 0.50, -0.66}, {0.21, 0.10, -0.60}, 0.10, 0.085, 0.04, true}, // hind leg
-    {{0.12, 1.47, 0.88}, {0.33, 1.50, 0.84}, 0.06, 0.055, 0.04, true},   // ear
-    {{0.08, 1.53, 0.92}, {0.15, 1.72, 0.92}, 0.055, 0.045, 0.03, true},  // horn
+    {{0.18, 0.85, 0.47}, {0.20, 0.50, 0.48}, 0.17, 0.09, 0.12, true},    // upper foreleg
+    {{0.20, 0.50, 0.48}, {0.20, 0.10, 0.50}, 0.085, 0.085, 0.03, true},  // foreleg
+    {{0.18, 0.88, -0.55}, {0.21, 0.50, -0.66}, 0.22, 0.095, 0.12, true}, // thigh
+    {{0.21, 0.50, -0.66}, {0.21, 0.10, -0.60}, 0.09, 0.085, 0.03, true}, // hind leg
+    {{0.13, 1.46, 0.87}, {0.31, 1.41, 0.82}, 0.05, 0.07, 0.04, true},    // ear
+    {{0.08, 1.53, 0.91}, {0.17, 1.66, 0.93}, 0.055, 0.045, 0.03, true},  // horn
     {{0, 1.20, -0.80}, {0, 1.05, -0.99}, 0.055, 0.05, 0.06},             // tail
     {{0, 1.05, -0.99}, {0, 0.62, -1.06}, 0.05, 0.05, 0.02},              // tail, hanging
     {{0, 0.62, -1.06}, {0, 0.52, -1.06}, 0.075, 0.06, 0.04},             // tuft
@@ -393,8 +393,8 @@ TriangleMesh hollow_sphere(uint32_t subdivisions, double radius, double cavity) 
 }
 
 TriangleMesh four_legged_animal(uint32_t resolution) {
-    // Below 48 cells along its length the horns fall between lattice points.
-    const double spacing = 2.7 / std::clamp(resolution, 48u, 160u);
+    // Below 56 cells along its length the tips of the horns fall between lattice points.
+    const double spacing = 2.7 / std::clamp(resolution, 56u, 160u);
     const glm::dvec3 low(-0.5, -0.1, -1.22), high(0.5, 1.9, 1.54);
     // Half a cell off the plane of symmetry, which no lattice point should lie on.
     const auto half_width = static_cast<uint32_t>(std::ceil(high.x / spacing)) + 1;

@@ -111,7 +111,7 @@ TEST_CASE("the hollow sphere is two shells whose volumes subtract") {
 
 TEST_CASE("the animal is one smooth solid of genus 0 on four legs") {
     double previous = 0.0;
-    for (const uint32_t resolution : {48u, 64u, 97u}) {
+    for (const uint32_t resolution : {56u, 64u, 97u}) {
         CAPTURE(resolution);
         const TriangleMesh mesh = four_legged_animal(resolution);
         check_solid(mesh, 1, 2);
