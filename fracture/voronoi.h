@@ -2,16 +2,17 @@
 //
 //     Result<VoronoiDiagram> diagram = voronoi_diagram(sites, box);
 //     for (const auto& facet : diagram->facets)
-//         for (const auto& corner : diagram->ring_of(facet)) line_to(diagram->vertices[corner.vertex].position);
+//         for (const auto& corner : diagram->ring_of(facet))
+//         line_to(diagram->vertices[corner.vertex].position);
 //
-// The combinatorics are exact. Where sites are in special position (four in a plane and on a circle, five on a
-// sphere, ...) ties are broken by perturbing the sites' weights symbolically, lower indices winning, so the diagram
-// is always simple: three facets meet in an edge, six in a vertex, and a facet or an edge may have no extent. All
-// cells agree about what they share, because each item exists once. The same diagram is what the exact fracture cuts
-// with.
+// The combinatorics are exact. Where sites are in special position (four in a plane and on a circle, five on
+// a sphere, ...) ties are broken by perturbing the sites' weights symbolically, lower indices winning, so the
+// diagram is always simple: three facets meet in an edge, six in a vertex, and a facet or an edge may have no
+// extent. All cells agree about what they share, because each item exists once. The same diagram is what the
+// exact fracture cuts with.
 //
-// Planes are named by a number: a site (the bisector with it), or one of six values for the sides of the box, which
-// are larger than any site. Thread-safe to read. Coordinates are those of the input.
+// Planes are named by a number: a site (the bisector with it), or one of six values for the sides of the box,
+// which are larger than any site. Thread-safe to read. Coordinates are those of the input.
 #pragma once
 
 #include <array>
@@ -54,8 +55,9 @@ struct VoronoiDiagram {
         uint32_t ring_begin, ring_end;
     };
 
-    // One side of a facet and the vertex at its end. Rings run counter-clockwise seen from outside cell i, that is
-    // from the side of j; an edge is run along its direction exactly where (i, j, third) is an even permutation.
+    // One side of a facet and the vertex at its end. Rings run counter-clockwise seen from outside cell i,
+    // that is from the side of j; an edge is run along its direction exactly where (i, j, third) is an even
+    // permutation.
     struct Corner {
         uint32_t third; // the plane on the other side of the edge
         uint32_t edge;
@@ -85,9 +87,9 @@ struct VoronoiDiagram {
     [[nodiscard]] uint32_t facet_between(uint32_t a, uint32_t b) const;
 };
 
-// Of duplicate sites the lowest index owns the cell. Sites may lie outside the box. threads = 0: one a core; the
-// result does not depend on it. Errors: invalid_sites (none, not finite), invalid_setting for a box that is not
-// finite or has no volume.
+// Of duplicate sites the lowest index owns the cell. Sites may lie outside the box. threads = 0: one a core;
+// the result does not depend on it. Errors: invalid_sites (none, not finite), invalid_setting for a box that
+// is not finite or has no volume.
 [[nodiscard]] Result<VoronoiDiagram> voronoi_diagram(std::span<const glm::dvec3> sites, const Box& box,
                                                      uint32_t threads = 0);
 

@@ -23,6 +23,21 @@ bool even(uint32_t a, uint32_t b, uint32_t c) {
 
 } // namespace
 
+glm::dvec3 cap_position(const VoronoiDiagram& diagram, const Winding& winding, const Cut& cut, VertexId id) {
+    switch (id.kind()) {
+    case VertexId::edge:
+        return cut.edge_positions[id.index()];
+    case VertexId::pierce:
+        return cut.pierce_positions[id.index()];
+    case VertexId::node:
+        return diagram.vertices[winding.vertex_of_node[id.index()]].position;
+    case VertexId::mesh:
+        break;
+    }
+    assert(false && "a mesh vertex never lies on a bisector");
+    return glm::dvec3(0.0);
+}
+
 class Capper::Worker {
   public:
     struct Context {
@@ -47,12 +62,12 @@ class Capper::Worker {
     void find_strands(const Context& context, int32_t sheet);
     void trace_strands(const Context& context, const VoronoiDiagram::Facet& facet, CapChunk& out);
     void trace_chains(const Context& context, std::span<const uint32_t> edge_points, CapChunk& out);
-    bool follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at, CapChunk& out);
+    bool follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at,
+                      CapChunk& out);
     void begin_loop(const CapChunk& out) { loop_begin_ = out.corners.size(); }
     void end_loop(CapChunk& out);
     void triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
                            CapChunk& out);
-    [[nodiscard]] glm::dvec3 position(const Context& context, VertexId id) const;
 
     std::vector<Stop> stops_;
     struct Strand {
@@ -65,7 +80,6 @@ class Capper::Worker {
     size_t cap_begin_ = 0;
     size_t loop_count_ = 0;
     std::vector<Loop> loops_; // the first loop_count_ are the cap's
-    std::vector<uint32_t> node_vertex_;
     std::vector<glm::dvec2> flat_;
 };
 
@@ -127,12 +141,14 @@ void Capper::Worker::find_strands(const Context& context, int32_t sheet) {
     }
 }
 
-// From a pierce point along the surface to the next one; all but the last are written. False where it breaks off.
+// From a pierce point along the surface to the next one; all but the last are written. False where it breaks
+// off.
 bool Capper::Worker::follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at,
                                   CapChunk& out) {
     const PiercePoint& from = context.cut.pierce_points[at.index()];
     const auto place = [&](uint32_t site) {
-        return static_cast<uint32_t>(std::find(from.cells.begin(), from.cells.end(), site) - from.cells.begin());
+        return static_cast<uint32_t>(std::find(from.cells.begin(), from.cells.end(), site)
+                                     - from.cells.begin());
     };
     out.corners.push_back(at);
     at = from.next[pair_index(place(facet.i), place(facet.j))];
@@ -145,7 +161,8 @@ bool Capper::Worker::follow_chain(const Context& context, const VoronoiDiagram::
     return !at.is_none() && at.kind() == VertexId::pierce;
 }
 
-void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram::Facet& facet, CapChunk& out) {
+void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram::Facet& facet,
+                                   CapChunk& out) {
     for (Strand& first : strands_) {
         if (first.used) continue;
         begin_loop(out);
@@ -162,9 +179,8 @@ void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram:
                 closed = false;
                 break;
             }
-            const auto next = std::find_if(strands_.begin(), strands_.end(), [&](const Strand& s) {
-                return strand_corners_[s.begin] == at;
-            });
+            const auto next = std::find_if(strands_.begin(), strands_.end(),
+                                           [&](const Strand& s) { return strand_corners_[s.begin] == at; });
             if (next == strands_.end() || (next->used && &*next != &first)) {
                 closed = false;
                 break;
@@ -176,7 +192,8 @@ void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram:
     }
 }
 
-void Capper::Worker::trace_chains(const Context& context, std::span<const uint32_t> edge_points, CapChunk& out) {
+void Capper::Worker::trace_chains(const Context& context, std::span<const uint32_t> edge_points,
+                                  CapChunk& out) {
     for (const uint32_t first : edge_points) {
         if (context.visited[first]) continue;
         begin_loop(out);
@@ -193,7 +210,8 @@ void Capper::Worker::trace_chains(const Context& context, std::span<const uint32
 
 void Capper::Worker::end_loop(CapChunk& out) {
     const size_t n = out.corners.size() - loop_begin_;
-    // Two triangles back to back leave a loop of two corners: it has no area, and the edges pair up without a cap.
+    // Two triangles back to back leave a loop of two corners: it has no area, and the edges pair up without a
+    // cap.
     if (n < 3) {
         out.corners.resize(loop_begin_);
         return;
@@ -204,35 +222,22 @@ void Capper::Worker::end_loop(CapChunk& out) {
     for (size_t k = 0; k < n; ++k) loop[k] = static_cast<uint32_t>(loop_begin_ - cap_begin_ + k);
 }
 
-glm::dvec3 Capper::Worker::position(const Context& context, VertexId id) const {
-    switch (id.kind()) {
-    case VertexId::edge: return context.cut.edge_positions[id.index()];
-    case VertexId::pierce: return context.cut.pierce_positions[id.index()];
-    case VertexId::node: {
-        const auto& first = context.winding.first_node;
-        const auto above = std::upper_bound(first.begin(), first.end(), id.index());
-        return context.diagram.vertices[static_cast<size_t>(above - first.begin()) - 1].position;
-    }
-    case VertexId::mesh: break;
-    }
-    assert(false);
-    return glm::dvec3(0.0);
-}
-
-void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
-                                       CapChunk& out) {
+void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet,
+                                       const Cap& cap, CapChunk& out) {
     const glm::dvec3& site = context.scene.sites[facet.i];
     const glm::dvec3 normal = context.scene.sites[facet.j] - site;
     flat_.clear();
     for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
-        flat_.push_back(project(position(context, out.corners[k]), normal));
+        flat_.push_back(
+            project(cap_position(context.diagram, context.winding, context.cut, out.corners[k]), normal));
     }
     const Triangulation done = triangulate(flat_, std::span(loops_).first(loop_count_));
     forced_ears += done.forced_ears;
     out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());
 }
 
-void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uint32_t> edge_points, CapChunk& out) {
+void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uint32_t> edge_points,
+                         CapChunk& out) {
     const VoronoiDiagram::Facet& facet = context.diagram.facets[f];
     const bool strands = walk_around(context, facet);
     if (!strands && edge_points.empty()) return;
@@ -284,9 +289,9 @@ bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Windin
         out.triangles.clear();
         workers_[k].start();
         for (uint32_t f = begin; f < end; ++f) {
-            workers_[k].cap(context, f,
-                            std::span(points_).subspan(points_begin_[f], points_begin_[f + 1] - points_begin_[f]),
-                            out);
+            workers_[k].cap(
+                context, f,
+                std::span(points_).subspan(points_begin_[f], points_begin_[f + 1] - points_begin_[f]), out);
         }
     });
     bool closed = winding.consistent;

@@ -1,11 +1,13 @@
-// Closes the cuts: the part of each Voronoi facet that lies inside the solid, triangulated once for both sides.
+// Closes the cuts: the part of each Voronoi facet that lies inside the solid, triangulated once for both
+// sides.
 //
-// The border of that part consists of chains, where the surface crosses the facet (made by the triangle cutter as the
-// `next` of each point), and of strands, the stretches of the facet's own sides that lie inside. Walking once around
-// the facet with the winding number in hand, a strand of sheet s begins where the number rises to s and ends where it
-// falls below; chains end where strands begin, so following both gives closed loops. Nothing is searched, and
-// overlapping or inside-out surfaces give one set of loops for each sheet. This replaces the border walk of the
-// paper's section 2.3, which has no facet sides because it cuts with whole planes.
+// The border of that part consists of chains, where the surface crosses the facet (made by the triangle
+// cutter as the `next` of each point), and of strands, the stretches of the facet's own sides that lie
+// inside. Walking once around the facet with the winding number in hand, a strand of sheet s begins where the
+// number rises to s and ends where it falls below; chains end where strands begin, so following both gives
+// closed loops. Nothing is searched, and overlapping or inside-out surfaces give one set of loops for each
+// sheet. This replaces the border walk of the paper's section 2.3, which has no facet sides because it cuts
+// with whole planes.
 #pragma once
 
 #include <array>
@@ -33,10 +35,14 @@ struct CapChunk {
     std::vector<Triangle> triangles; // of indices that count from the cap's first corner
 };
 
+// The position of a cap's corner, in the coordinates of the scene.
+[[nodiscard]] glm::dvec3 cap_position(const VoronoiDiagram& diagram, const Winding& winding, const Cut& cut,
+                                      VertexId id);
+
 class Capper {
   public:
-    // After TriangleCutter::run() and Winding::compute(). False where the loops do not close, which a closed surface
-    // rules out.
+    // After TriangleCutter::run() and Winding::compute(). False where the loops do not close, which a closed
+    // surface rules out.
     bool run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, const Cut& cut,
              Threads& threads);
 

@@ -16,7 +16,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // side4_filter's bound is 32u (|h| pw + |n| px) for the homogeneous vertex; dividing by w adds less than 4u.
 constexpr double kVertexError = 0x28.0p-53;
 
-// Below this ratio of w to its permanent a vertex's position has too few digits to bound the cell's reach with.
+// Below this ratio of w to its permanent a vertex's position has too few digits to bound the cell's reach
+// with.
 constexpr double kReliableVertex = 1e-9;
 
 // Slack of the security radius for the rounding of positions that are reliable.
@@ -87,13 +88,16 @@ void CellBuilder::start_with_box() {
     }
     count_ = 0;
     unreliable_ = 0;
-    // Corner (sx,sy,sz) with bits 1 = max: normals have the determinant sx*sy*sz, which says the order of planes.
+    // Corner (sx,sy,sz) with bits 1 = max: normals have the determinant sx*sy*sz, which says the order of
+    // planes.
     for (uint32_t corner = 0; corner < 8; ++corner) {
         const uint32_t px = corner & 1u, py = 2 + ((corner >> 1) & 1u), pz = 4 + ((corner >> 2) & 1u);
         const bool positive = ((px + py + pz) & 1u) != 0; // one or three maxima
         const uint32_t v = count_++;
-        if (positive) place_vertex(v, px, py, pz);
-        else place_vertex(v, px, pz, py);
+        if (positive)
+            place_vertex(v, px, py, pz);
+        else
+            place_vertex(v, px, pz, py);
         // The edge between two planes runs along the third axis: the corner with that bit flipped.
         const uint32_t along_x = corner ^ 1u, along_y = corner ^ 2u, along_z = corner ^ 4u;
         beside_[v] = positive ? std::array{along_z, along_x, along_y} : std::array{along_y, along_x, along_z};
@@ -130,15 +134,16 @@ double CellBuilder::reach2() const {
 }
 
 CellBuilder::Cut CellBuilder::find_removed(const Bisector& l, SiteId site) {
-    const uint64_t doubtful = simd::plane_values(x_.data(), y_.data(), z_.data(), ew_.data(), ex_.data(), count_,
-                                                 l, value_.data(), bound_.data());
+    const uint64_t doubtful = simd::plane_values(x_.data(), y_.data(), z_.data(), ew_.data(), ex_.data(),
+                                                 count_, l, value_.data(), bound_.data());
     if (doubtful == 0) return Cut::none;
     removed_.clear();
     for (uint32_t v = 0; v < count_; ++v) {
         if (value_[v] > bound_[v]) continue;
         if (!(value_[v] < -bound_[v])) {
             const auto& [a, b, d] = corner_[v];
-            if (side4_exact(*diagram_, c_, plane_id_[a], plane_id_[b], plane_id_[d], site, stats) > 0) continue;
+            if (side4_exact(*diagram_, c_, plane_id_[a], plane_id_[b], plane_id_[d], site, stats) > 0)
+                continue;
         }
         removed_.push_back(v);
     }

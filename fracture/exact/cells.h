@@ -1,10 +1,10 @@
 // One Voronoi cell inside a box, by clipping the box with bisectors in order of distance.
 //
-// The cell is kept as its dual triangulation: a vertex is a triple of planes, counter-clockwise seen from outside,
-// and knows the three vertices beside it. Clipping removes the vertices beyond the new plane and joins the rim of the
-// hole to it. Which vertices are beyond is decided by side4, exact and perturbed, so the cell is always simple (three
-// planes a vertex) and all cells agree about their common facets, edges and vertices. Coordinates only serve the
-// filter.
+// The cell is kept as its dual triangulation: a vertex is a triple of planes, counter-clockwise seen from
+// outside, and knows the three vertices beside it. Clipping removes the vertices beyond the new plane and
+// joins the rim of the hole to it. Which vertices are beyond is decided by side4, exact and perturbed, so the
+// cell is always simple (three planes a vertex) and all cells agree about their common facets, edges and
+// vertices. Coordinates only serve the filter.
 //
 // Security radius: a site farther than twice the farthest vertex cannot cut. (Levy and Bonneel, "Variational
 // anisotropic surface meshing with Voronoi parallel linear enumeration", 2013.)
@@ -21,8 +21,8 @@ namespace brittle::fracture::exact {
 
 class CellBuilder {
   public:
-    // Builds the cell of c, replacing the one before. False where it is empty: c is a duplicate, or the cell lies
-    // outside the box altogether.
+    // Builds the cell of c, replacing the one before. False where it is empty: c is a duplicate, or the cell
+    // lies outside the box altogether.
     bool build(const Diagram& diagram, const SiteGrid& grid, SiteId c);
 
     // The planes that bound the cell, ascending (sides of the box come last).
@@ -51,11 +51,12 @@ class CellBuilder {
     std::vector<PlaneId> plane_id_;
     std::vector<Bisector> plane_;
 
-    // Vertices, as arrays for the vectorised filter: position in the frame of c, and the factors of the error bound
-    // |h| * ew + |n| * ex; infinite where the position is meaningless.
+    // Vertices, as arrays for the vectorised filter: position in the frame of c, and the factors of the error
+    // bound |h| * ew + |n| * ex; infinite where the position is meaningless.
     std::vector<double> x_, y_, z_, ew_, ex_;
     std::vector<std::array<uint32_t, 3>> corner_; // plane slots (a,b,d)
-    std::vector<std::array<uint32_t, 3>> beside_; // [e]: the vertex at the other end of the edge between planes e, e+1
+    std::vector<std::array<uint32_t, 3>>
+        beside_; // [e]: the vertex at the other end of the edge between planes e, e+1
     uint32_t count_ = 0;
     uint32_t unreliable_ = 0; // vertices whose position may be far off
 

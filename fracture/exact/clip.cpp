@@ -38,7 +38,8 @@ class TriangleCutter::Worker {
         stats = {};
     }
 
-    void cut_simple(const CrossingTriangle& crossing, const Triangle& t, std::span<const SiteId> cell_of, Cut& cut);
+    void cut_simple(const CrossingTriangle& crossing, const Triangle& t, std::span<const SiteId> cell_of,
+                    Cut& cut);
     void cut_general(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
                      std::span<const SiteId> cell_of);
 
@@ -93,9 +94,11 @@ void TriangleCutter::Worker::cut_simple(const CrossingTriangle& crossing, const 
     // Turn the triangle so that corner `a` is alone in its cell; edges a and c = a - 1 carry the points.
     const uint32_t uncut = crossing.count[0] == 0 ? 0 : (crossing.count[1] == 0 ? 1 : 2);
     const uint32_t a = (uncut + 2) % 3;
-    const auto corner = [&](uint32_t k) { return VertexId(VertexId::mesh, t[static_cast<int>((a + k) % 3)]); };
-    const uint32_t p = crossing.first[a];              // on the edge that leaves a
-    const uint32_t q = crossing.first[(a + 2) % 3];    // on the edge that returns to a
+    const auto corner = [&](uint32_t k) {
+        return VertexId(VertexId::mesh, t[static_cast<int>((a + k) % 3)]);
+    };
+    const uint32_t p = crossing.first[a];           // on the edge that leaves a
+    const uint32_t q = crossing.first[(a + 2) % 3]; // on the edge that returns to a
     const SiteId alone = cell_of[t[static_cast<int>(a)]], others = cell_of[t[static_cast<int>((a + 1) % 3)]];
     const VertexId id_p(VertexId::edge, p), id_q(VertexId::edge, q);
 
@@ -105,12 +108,14 @@ void TriangleCutter::Worker::cut_simple(const CrossingTriangle& crossing, const 
     out_->polygons.push_back({alone, crossing.triangle, begin, begin + 3});
     out_->polygons.push_back({others, crossing.triangle, begin + 3, begin + 7});
     // The polygon of the lower cell runs p -> q (alone) or q -> p (others); the cap runs against it.
-    if (alone < others) cut.edge_points[q].next = id_p;
-    else cut.edge_points[p].next = id_q;
+    if (alone < others)
+        cut.edge_points[q].next = id_p;
+    else
+        cut.edge_points[p].next = id_q;
 }
 
-void TriangleCutter::Worker::cut_general(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
-                                         std::span<const SiteId> cell_of) {
+void TriangleCutter::Worker::cut_general(const Context& context, const CrossingTriangle& crossing,
+                                         const Triangle& t, std::span<const SiteId> cell_of) {
     crossing_ = &crossing;
     corners_ = {t.x, t.y, t.z};
     for (size_t k = 0; k < 3; ++k) corner_positions_[k] = context.positions[corners_[k]];
@@ -154,8 +159,9 @@ int TriangleCutter::Worker::side(const Context& context, SiteId c, Line in, Line
     }
     const Knife &a = knives_[in - 3], &b = knives_[out - 3];
     const int certain = side3_filter(a.at, b.at, knife.at, error);
-    return certain != 0 ? certain
-                        : side3_exact(context.problem, c, a.site, b.site, knife.site, corner_positions_, stats);
+    return certain != 0
+               ? certain
+               : side3_exact(context.problem, c, a.site, b.site, knife.site, corner_positions_, stats);
 }
 
 // Sutherland and Hodgman's algorithm on lines instead of points. False where nothing is left.
@@ -200,7 +206,8 @@ VertexId TriangleCutter::Worker::vertex_at(const Context& context, SiteId c, Lin
     return {};
 }
 
-VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, const Knife& a, const Knife& b) {
+VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, const Knife& a,
+                                              const Knife& b) {
     std::array<SiteId, 3> cells{c, a.site, b.site};
     std::sort(cells.begin(), cells.end());
     for (auto p = first_pierce_; p < pierce_points.size(); ++p) {
@@ -209,8 +216,8 @@ VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, 
     PiercePoint point{};
     point.cells = cells;
     point.triangle = crossing_->triangle;
-    // Seen from outside the mesh the cells around the point are, counter-clockwise, c, then the one beyond the line
-    // that comes in, then the one beyond the line that goes out.
+    // Seen from outside the mesh the cells around the point are, counter-clockwise, c, then the one beyond
+    // the line that comes in, then the one beyond the line that goes out.
     point.leaves = even(c, a.site, b.site) ? 1 : 0;
     point.voronoi_edge = VoronoiDiagram::none;
     for (const VoronoiDiagram::Corner& corner : context.diagram.ring_of(context.diagram.facets[a.facet])) {
@@ -222,7 +229,8 @@ VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, 
     return {VertexId::pierce, static_cast<uint32_t>(pierce_points.size()) - 1};
 }
 
-glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context, const std::array<SiteId, 3>& cells) {
+glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context,
+                                                   const std::array<SiteId, 3>& cells) {
     const glm::dvec3& site = context.problem.sites[cells[0]];
     const Bisector a = make_bisector(site, context.problem.sites[cells[1]]);
     const Bisector b = make_bisector(site, context.problem.sites[cells[2]]);
@@ -255,12 +263,15 @@ void TriangleCutter::Worker::link(Cut& cut, uint32_t facet, VertexId from, Verte
     if (from.kind() == VertexId::edge) {
         assert(cut.edge_points[from.index()].facet == facet);
         if (cut.edge_points[from.index()].facet != facet) return;
-        if (to.kind() == VertexId::pierce) links.push_back({from.index(), to.index()});
-        else cut.edge_points[from.index()].next = to;
+        if (to.kind() == VertexId::pierce)
+            links.push_back({from.index(), to.index()});
+        else
+            cut.edge_points[from.index()].next = to;
     } else if (from.kind() == VertexId::pierce) {
         PiercePoint& point = pierce_points[from.index()];
         const auto place = [&](SiteId s) {
-            return static_cast<uint32_t>(std::find(point.cells.begin(), point.cells.end(), s) - point.cells.begin());
+            return static_cast<uint32_t>(std::find(point.cells.begin(), point.cells.end(), s)
+                                         - point.cells.begin());
         };
         point.next[pair_index(place(sites.i), place(sites.j))] = to;
     }
@@ -278,15 +289,16 @@ void TriangleCutter::Worker::emit(const Context& context, SiteId c) {
         if (lines_[m] < 3) continue;
         const Knife& knife = knives_[lines_[m] - 3];
         if (knife.site > c) { // the cap runs against the lower cell's polygon
-            link(context.cut, knife.facet, ids_[m + 1 == n ? 0 : m + 1], ids_[m], context.diagram.facets[knife.facet]);
+            link(context.cut, knife.facet, ids_[m + 1 == n ? 0 : m + 1], ids_[m],
+                 context.diagram.facets[knife.facet]);
         }
         if (std::find(queue_.begin(), queue_.end(), knife.site) == queue_.end()) queue_.push_back(knife.site);
     }
 }
 
 void TriangleCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
-                         std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads,
-                         Cut& cut, PredicateStats& stats) {
+                         std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
+                         Threads& threads, Cut& cut, PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(cut.crossing.size());
     const uint32_t parts = threads.chunks(count, kLeastTriangles);
     if (workers_.size() < parts) workers_.resize(parts);

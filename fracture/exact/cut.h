@@ -1,5 +1,5 @@
-// The vertices that a cut makes, and the polygons that the mesh's triangles fall into. Data only; edges.cpp and
-// clip.cpp fill it.
+// The vertices that a cut makes, and the polygons that the mesh's triangles fall into. Data only; edges.cpp
+// and clip.cpp fill it.
 //
 // A vertex of the result is known by what it lies on, never by its coordinates:
 //
@@ -42,17 +42,21 @@ inline constexpr uint32_t kMostVertices = 0x3ffffffeu; // of a kind
 struct EdgePoint {
     std::array<uint32_t, 2> cells; // in the order of the edge, from its lower to its higher vertex
     uint32_t facet;                // between them
-    // The vertex that follows on the border of the facet's cap, seen from outside the cell with the lower index.
+    // The vertex that follows on the border of the facet's cap, seen from outside the cell with the lower
+    // index.
     VertexId next;
+    std::array<uint32_t, 2> local{}; // its index in the two cells' pieces
 };
 
 struct PiercePoint {
     std::array<uint32_t, 3> cells; // ascending
     uint32_t triangle;
     uint32_t voronoi_edge;
-    uint32_t leaves; // 1 where the Voronoi edge, along its direction, leaves the solid here; 0 where it enters
+    uint32_t
+        leaves; // 1 where the Voronoi edge, along its direction, leaves the solid here; 0 where it enters
     // As EdgePoint::next, on the facets (0,1), (0,2), (1,2) of cells.
     std::array<VertexId, 3> next;
+    std::array<uint32_t, 3> local;
 };
 
 // Which of a pierce point's three facets lies between its a-th and b-th cell, a < b.

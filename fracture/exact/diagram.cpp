@@ -12,8 +12,8 @@ namespace {
 constexpr uint32_t kLeastCells = 4;
 constexpr uint32_t kLeastFacets = 64;
 
-// Below this ratio of the determinant to its permanent a position has lost eight digits: it is then rounded from the
-// exact one.
+// Below this ratio of the determinant to its permanent a position has lost eight digits: it is then rounded
+// from the exact one.
 constexpr double kWellConditioned = 1e-8;
 
 void exclusive_sum(std::vector<uint32_t>& counts) {
@@ -60,9 +60,8 @@ void DiagramBuilder::build(const Diagram& problem, Threads& threads, VoronoiDiag
         collect_rings(chunks_[chunk], begin, end, out);
     });
     number_items(out);
-    threads.for_chunks(sites, kLeastCells, [&](uint32_t, uint32_t begin, uint32_t end) {
-        fill_owned(problem, begin, end, out);
-    });
+    threads.for_chunks(sites, kLeastCells,
+                       [&](uint32_t, uint32_t begin, uint32_t end) { fill_owned(problem, begin, end, out); });
     threads.for_chunks(static_cast<uint32_t>(out.facets.size()), kLeastFacets,
                        [&](uint32_t, uint32_t begin, uint32_t end) { link_rings(begin, end, out); });
 }
@@ -110,7 +109,8 @@ void DiagramBuilder::number_facets(VoronoiDiagram& out) {
     exclusive_sum(facet_begin_);
     out.neighbours.resize(out.cell_begin[sites]);
     out.facets.resize(facet_begin_[sites]);
-    // Facet ids ascend with (i,j), and so do the neighbours of j below j: one cursor a cell finds each facet's place.
+    // Facet ids ascend with (i,j), and so do the neighbours of j below j: one cursor a cell finds each
+    // facet's place.
     std::vector<uint32_t>& cursor = edge_begin_; // borrowed
     cursor.assign(out.cell_begin.begin(), out.cell_begin.end());
     for (SiteId c = 0; c < sites; ++c) {
@@ -150,15 +150,18 @@ void DiagramBuilder::collect_rings(Chunk& chunk, SiteId begin, SiteId end, Voron
         uint32_t facet = facet_begin_[c];
         for (uint32_t p = 0; p < planes.size() && !is_box_plane(planes[p]); ++p) {
             if (planes[p] < c) continue;
-            const std::span fan(chunk.fan.data() + chunk.fan_begin[p], chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
+            const std::span fan(chunk.fan.data() + chunk.fan_begin[p],
+                                chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
             uint32_t at = fan[0][0];
             for (size_t step = 0; step < fan.size(); ++step) {
                 chunk.rings.push_back(planes[at]);
-                const auto next = std::find_if(fan.begin(), fan.end(), [&](const auto& f) { return f[0] == at; });
+                const auto next =
+                    std::find_if(fan.begin(), fan.end(), [&](const auto& f) { return f[0] == at; });
                 assert(next != fan.end());
                 at = next == fan.end() ? at : (*next)[1];
             }
-            out.facets[facet].ring_end = static_cast<uint32_t>(fan.size()); // the length, until number_items()
+            out.facets[facet].ring_end =
+                static_cast<uint32_t>(fan.size()); // the length, until number_items()
             ++facet;
         }
     }

@@ -1,7 +1,8 @@
 // Builds the Voronoi diagram from the cells of its sites.
 //
-// Each facet (i,j), i < j, is described by cell i; each edge and vertex belongs to the facet of its two lowest sites.
-// So every item has one owner, and ids follow from prefix sums over owners: no hash table, no order of threads.
+// Each facet (i,j), i < j, is described by cell i; each edge and vertex belongs to the facet of its two
+// lowest sites. So every item has one owner, and ids follow from prefix sums over owners: no hash table, no
+// order of threads.
 #pragma once
 
 #include <vector>
@@ -52,7 +53,8 @@ class DiagramBuilder {
     std::vector<uint32_t> vertex_begin_; // facets + 1
 };
 
-// The position of the Voronoi vertex of these ascending planes, always computed in the frame of the first site.
+// The position of the Voronoi vertex of these ascending planes, always computed in the frame of the first
+// site.
 [[nodiscard]] glm::dvec3 vertex_position(const Diagram& problem, const std::array<PlaneId, 4>& planes);
 
 } // namespace brittle::fracture::exact

@@ -12,8 +12,8 @@ namespace {
 
 constexpr uint32_t kLeastTriangles = 256;
 
-// A quotient of differences whose error bound is this much smaller has nine good digits or more; else it is rounded
-// from the exact one.
+// A quotient of differences whose error bound is this much smaller has nine good digits or more; else it is
+// rounded from the exact one.
 constexpr double kWellConditioned = 1e7;
 
 uint64_t key_of(uint32_t low, uint32_t high) {
@@ -28,7 +28,8 @@ uint64_t hash_of(uint64_t key) {
 // So that the message does not depend on which thread was first.
 void keep_largest(std::atomic<uint64_t>& target, uint64_t key) {
     uint64_t seen = target.load(std::memory_order_relaxed);
-    while (seen < key && !target.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {}
+    while (seen < key && !target.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {
+    }
 }
 
 // The bisector that an edge leaves its cell through, so far.
@@ -38,14 +39,15 @@ struct Exit {
 };
 
 // The point where the edge meets the bisector of two cells; always computed in the frame of the lower one.
-glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::dvec3& low, const glm::dvec3& high) {
+glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::dvec3& low,
+                         const glm::dvec3& high) {
     const SiteId c = std::min(a, b), other = std::max(a, b);
     const glm::dvec3& site = problem.sites[c];
     const Bisector plane = make_bisector(site, problem.sites[other]);
     const glm::dvec3 y0 = low - site, y1 = high - site;
     const double g0 = value(plane, y0), g1 = value(plane, y1);
-    const double reach = std::sqrt(std::max(y0.x * y0.x + y0.y * y0.y + y0.z * y0.z,
-                                            y1.x * y1.x + y1.y * y1.y + y1.z * y1.z));
+    const double reach =
+        std::sqrt(std::max(y0.x * y0.x + y0.y * y0.y + y0.z * y0.z, y1.x * y1.x + y1.y * y1.y + y1.z * y1.z));
     const double difference = g0 - g1;
     const bool good = std::abs(difference) > kWellConditioned * value_error(plane.length, reach);
     const double t =
@@ -56,15 +58,16 @@ glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::
 
 } // namespace
 
-void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames, uint32_t low,
-                           uint32_t high, SiteId from, SiteId to, Chunk& chunk) const {
+void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
+                           uint32_t low, uint32_t high, SiteId from, SiteId to, Chunk& chunk) const {
     const Diagram problem = scene.diagram();
     const glm::dvec3 &q0 = scene.positions[low], &q1 = scene.positions[high];
     const auto first = static_cast<uint32_t>(chunk.points.size());
     for (SiteId c = from; c != to;) {
         const Frames::Cell& cell = frames.cells[c];
         const glm::dvec3 y0 = q0 - cell.site, y1 = q1 - cell.site;
-        const uint32_t filled = (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
+        const uint32_t filled =
+            (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
         if (chunk.beyond.size() < filled) chunk.beyond.resize(filled);
         plane_values_at(frames, cell.begin, filled, y1, chunk.beyond.data());
         Exit exit;
@@ -78,7 +81,8 @@ void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, co
             if (exit.slot != kNone) { // keep the one that is met first
                 side = side2_filter(exit.at_low, exit.at_high, at_low, at_high, cell.error);
                 if (side == 0) {
-                    side = side2_exact(problem, c, frames.site[exit.slot], frames.site[l], q0, q1, chunk.stats);
+                    side =
+                        side2_exact(problem, c, frames.site[exit.slot], frames.site[l], q0, q1, chunk.stats);
                 }
                 if (side > 0) continue;
             }
@@ -88,7 +92,7 @@ void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, co
         if (exit.slot == kNone) break;
         const SiteId next = frames.site[exit.slot];
         const uint32_t facet = diagram.neighbours[cell.first_neighbour + (exit.slot - cell.begin)].facet;
-        chunk.points.push_back({{c, next}, facet, VertexId{}});
+        chunk.points.push_back({{c, next}, facet, VertexId{}, {}});
         chunk.positions.push_back(point_on_edge(problem, c, next, q0, q1));
         c = next;
     }
@@ -183,10 +187,9 @@ Result<void> EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, 
     });
     const uint64_t bad = std::max(shared_edge_.load(), lonely_edge.load());
     if (bad != 0) {
-        return Error{Status::invalid_mesh, "more than two triangles share the edge between vertices "
-                                               + std::to_string(bad >> 32) + " and "
-                                               + std::to_string(bad & 0xffffffffu)
-                                               + "; split the mesh there first"};
+        return Error{Status::invalid_mesh,
+                     "more than two triangles share the edge between vertices " + std::to_string(bad >> 32)
+                         + " and " + std::to_string(bad & 0xffffffffu) + "; split the mesh there first"};
     }
     return {};
 }

@@ -1,10 +1,11 @@
 // Cuts the mesh's edges: every edge whose ends lie in different cells is walked from cell to cell, once.
 //
-// From cell c the walk leaves through the bisector that the edge meets first, of those with the far end beyond them;
-// two bisectors are compared by side2. No parameter along the edge is ever compared with another.
+// From cell c the walk leaves through the bisector that the edge meets first, of those with the far end
+// beyond them; two bisectors are compared by side2. No parameter along the edge is ever compared with
+// another.
 //
-// An edge is walked by the triangle that runs it from the lower vertex to the higher; the triangle on the other side
-// finds the points in a hash table. A closed, oriented, manifold mesh has exactly one of each.
+// An edge is walked by the triangle that runs it from the lower vertex to the higher; the triangle on the
+// other side finds the points in a hash table. A closed, oriented, manifold mesh has exactly one of each.
 #pragma once
 
 #include <atomic>
@@ -21,8 +22,8 @@ namespace brittle::fracture::exact {
 
 class EdgeCutter {
   public:
-    // cut.crossing names the triangles; fills their first and count, and the edge points. Errors: invalid_mesh where
-    // more than two triangles share an edge that is cut.
+    // cut.crossing names the triangles; fills their first and count, and the edge points. Errors:
+    // invalid_mesh where more than two triangles share an edge that is cut.
     [[nodiscard]] Result<void> run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
                                    std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
                                    Threads& threads, Cut& cut, PredicateStats& stats);
@@ -47,7 +48,7 @@ class EdgeCutter {
     [[nodiscard]] const Walk* find(uint64_t key) const;
 
     std::vector<Chunk> chunks_;
-    std::vector<Walk> table_; // open addressing, key 0 is free
+    std::vector<Walk> table_;              // open addressing, key 0 is free
     std::atomic<uint64_t> shared_edge_{0}; // the key of an edge that two owners claim
 };
 

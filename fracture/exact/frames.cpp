@@ -12,7 +12,8 @@ namespace {
 constexpr uint32_t kLeastCells = 32;
 constexpr double kBeyondReach = 1e30; // the h of filling planes
 
-// value_error() with the unit roundoff of float, one unit more for rounding y, and the error in double on top.
+// value_error() with the unit roundoff of float, one unit more for rounding y, and the error in double on
+// top.
 constexpr double kFloatRoundings = 0xa.0p-24;
 
 uint32_t padded(uint32_t n) {
@@ -58,7 +59,8 @@ void Frames::build(const Diagram& problem, const VoronoiDiagram& diagram, Thread
                 fz[l] = static_cast<float>(plane.n.z);
                 fh[l] = static_cast<float>(plane.h);
             }
-            const glm::dvec3 far = glm::max(glm::abs(problem.box.min - cell.site), glm::abs(problem.box.max - cell.site));
+            const glm::dvec3 far =
+                glm::max(glm::abs(problem.box.min - cell.site), glm::abs(problem.box.max - cell.site));
             const double reach = glm::length(far);
             cell.error = value_error(longest, reach);
             cell.float_error =

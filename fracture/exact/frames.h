@@ -1,5 +1,5 @@
-// The neighbours of each cell as arrays for vectorised tests: in the frame of site c, neighbour l is the plane
-// h - n.y = 0 with n = s_l - s_c and h = |n|^2 / 2, positive on the side of c (predicates.h).
+// The neighbours of each cell as arrays for vectorised tests: in the frame of site c, neighbour l is the
+// plane h - n.y = 0 with n = s_l - s_c and h = |n|^2 / 2, positive on the side of c (predicates.h).
 #pragma once
 
 #include <vector>
@@ -11,16 +11,16 @@
 namespace brittle::fracture::exact {
 
 struct Frames {
-    // A neighbour's place in the arrays. Each cell's run starts at a multiple of kLanes and is filled up with planes
-    // that nothing is beyond.
+    // A neighbour's place in the arrays. Each cell's run starts at a multiple of kLanes and is filled up with
+    // planes that nothing is beyond.
     using Slot = uint32_t;
     static constexpr uint32_t kLanes = 8;
 
     struct Cell {
         glm::dvec3 site;
-        double error;      // of a value anywhere in the box, in double
-        float float_error; // in float
-        Slot begin, end;   // end without the filling
+        double error;             // of a value anywhere in the box, in double
+        float float_error;        // in float
+        Slot begin, end;          // end without the filling
         uint32_t first_neighbour; // into VoronoiDiagram::neighbours
     };
 
@@ -38,14 +38,15 @@ struct Frames {
 };
 
 // Values of the planes [begin, begin + n) at y; n is a multiple of Frames::kLanes.
-void plane_values_at(const Frames& frames, Frames::Slot begin, uint32_t n, const glm::dvec3& y, double* values);
+void plane_values_at(const Frames& frames, Frames::Slot begin, uint32_t n, const glm::dvec3& y,
+                     double* values);
 
 // The least value in float of the planes [begin, begin + n) at y, and its slot.
 struct LeastValue {
     float value;
     Frames::Slot slot;
 };
-[[nodiscard]] LeastValue least_value_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
-                                        float z);
+[[nodiscard]] LeastValue least_value_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x,
+                                        float y, float z);
 
 } // namespace brittle::fracture::exact

@@ -21,7 +21,8 @@ struct Threads::Arena {
 
 Threads::Threads(uint32_t count)
     : count_(std::clamp(count == 0 ? std::thread::hardware_concurrency() : count, 1u, kMostThreads)),
-      arena_(count_ > 1 ? std::make_unique<Arena>(std::clamp(std::thread::hardware_concurrency(), 2u, count_)) : nullptr) {}
+      arena_(count_ > 1 ? std::make_unique<Arena>(std::clamp(std::thread::hardware_concurrency(), 2u, count_))
+                        : nullptr) {}
 
 Threads::~Threads() = default;
 Threads::Threads(Threads&&) noexcept = default;

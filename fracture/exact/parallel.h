@@ -1,7 +1,8 @@
 // Loops over index ranges, split into chunks that the threads of one TBB arena take.
 //
-// Nothing here may influence a result: chunks differ with the number of threads, so every phase that uses them writes
-// to places that depend on the index alone (prefix sums over chunks, in order). TBB appears in parallel.cpp only.
+// Nothing here may influence a result: chunks differ with the number of threads, so every phase that uses
+// them writes to places that depend on the index alone (prefix sums over chunks, in order). TBB appears in
+// parallel.cpp only.
 #pragma once
 
 #include <cstdint>
@@ -19,25 +20,14 @@ class Threads {
 
     [[nodiscard]] uint32_t count() const { return count_; }
 
-    // How many chunks for_chunks() makes of n items: one with a single thread, else a few for each thread, none of
-    // them smaller than `least` (but for the only one). At least one, also for n = 0.
+    // How many chunks for_chunks() makes of n items: one with a single thread, else a few for each thread,
+    // none of them smaller than `least` (but for the only one). At least one, also for n = 0.
     [[nodiscard]] uint32_t chunks(uint32_t n, uint32_t least) const;
 
     // Calls body(chunk, begin, end) for each chunk of [0, n), in any order, and waits for all.
     template<class Body>
     void for_chunks(uint32_t n, uint32_t least, Body&& body) {
         run(n, chunks(n, least), &call<std::remove_reference_t<Body>>, &body);
-    }
-
-    // Runs both and waits.
-    template<class First, class Second>
-    void both(First&& first, Second&& second) {
-        for_chunks(2, 1, [&](uint32_t, uint32_t begin, uint32_t end) {
-            for (uint32_t i = begin; i < end; ++i) {
-                if (i == 0) first();
-                else second();
-            }
-        });
     }
 
   private:

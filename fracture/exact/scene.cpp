@@ -9,7 +9,8 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-// The box must hold the mesh strictly; how much larger it is decides nothing, but a close box keeps cells small.
+// The box must hold the mesh strictly; how much larger it is decides nothing, but a close box keeps cells
+// small.
 constexpr double kBoxMargin = 0x1.0p-3; // of the unit that the mesh is scaled to
 constexpr uint32_t kLeastVertices = 8192;
 
@@ -31,7 +32,8 @@ struct Bounds {
 
 Bounds bounds_of(std::span<const glm::dvec3> points) {
     Bounds result;
-    double poison = 0.0; // becomes NaN with the first infinity or NaN: one multiply instead of three tests a point
+    double poison =
+        0.0; // becomes NaN with the first infinity or NaN: one multiply instead of three tests a point
     for (const glm::dvec3& p : points) {
         for (int k = 0; k < 3; ++k) {
             result.min[k] = p[k] < result.min[k] ? p[k] : result.min[k];

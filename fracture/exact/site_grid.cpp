@@ -14,8 +14,8 @@ namespace {
 constexpr double kSitesPerBin = 2.0;
 constexpr int kMostBins = 128; // along an axis
 
-// Sites spread this many times wider than the box would leave the box with few bins: the grid then covers the box
-// alone, and sites outside it are kept in the bins nearest to them.
+// Sites spread this many times wider than the box would leave the box with few bins: the grid then covers the
+// box alone, and sites outside it are kept in the bins nearest to them.
 constexpr double kWidestRegion = 4.0;
 
 uint64_t hash_of(const glm::dvec3& p) {
@@ -44,8 +44,10 @@ void SiteGrid::find_duplicates(std::span<const glm::dvec3> sites) {
     for (uint32_t i = 0; i < sites.size(); ++i) { // in index order, so the lowest index comes first
         size_t slot = hash_of(sites[i]) & (slots - 1);
         while (scratch_[slot] != kEmpty && sites[scratch_[slot]] != sites[i]) slot = (slot + 1) & (slots - 1);
-        if (scratch_[slot] == kEmpty) scratch_[slot] = i;
-        else owns_cell_[i] = 0;
+        if (scratch_[slot] == kEmpty)
+            scratch_[slot] = i;
+        else
+            owns_cell_[i] = 0;
     }
 }
 
@@ -125,13 +127,13 @@ bool SiteGrid::Walk::next(double reach2) {
         const int r = ring_;
         const glm::ivec3 low = home_ - r;
         const glm::ivec3 high = home_ + r;
-        const bool all_visited = low.x < 0 && low.y < 0 && low.z < 0 && high.x >= bins.x && high.y >= bins.y
-                                 && high.z >= bins.z;
+        const bool all_visited =
+            low.x < 0 && low.y < 0 && low.z < 0 && high.x >= bins.x && high.y >= bins.y && high.z >= bins.z;
         if (all_visited) return false;
         if (r > 0) {
-            // The nearest that a site of this ring can be: the border of the block of rings before it, seen from
-            // the point of the region nearest to c (moving both points into a convex region brings them no farther
-            // apart). Bins are found by rounded division, hence the slack.
+            // The nearest that a site of this ring can be: the border of the block of rings before it, seen
+            // from the point of the region nearest to c (moving both points into a convex region brings them
+            // no farther apart). Bins are found by rounded division, hence the slack.
             double border = std::numeric_limits<double>::infinity();
             for (int k = 0; k < 3; ++k) {
                 const double inside = origin_[k] - grid_.region_.min[k];

@@ -29,15 +29,16 @@ class SiteGrid {
         }
     };
 
-    // Walks over the other sites in batches, nearest batch first; inside a batch they are sorted. Sites farther than
-    // the reach at the time of the batch are left out.
+    // Walks over the other sites in batches, nearest batch first; inside a batch they are sorted. Sites
+    // farther than the reach at the time of the batch are left out.
     //
     //     SiteGrid::Walk walk(grid, sites, c);
     //     while (walk.next(reach2)) for (const auto& candidate : walk.batch()) ...
     class Walk {
       public:
         // `memory` is scratch that outlives the walk.
-        Walk(const SiteGrid& grid, std::span<const glm::dvec3> sites, SiteId c, std::vector<Candidate>& memory);
+        Walk(const SiteGrid& grid, std::span<const glm::dvec3> sites, SiteId c,
+             std::vector<Candidate>& memory);
         // False when no unvisited site is within the squared distance reach2 (may be infinite).
         bool next(double reach2);
         [[nodiscard]] std::span<const Candidate> batch() const { return batch_; }

@@ -51,7 +51,8 @@ Result<void> Surface::inspect(const TriangleMesh& mesh) {
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Triangle& t = mesh.triangles[i];
         if (t.x >= vertices || t.y >= vertices || t.z >= vertices) {
-            return Error{Status::invalid_mesh, "triangle " + std::to_string(i) + " names a vertex that the mesh of "
+            return Error{Status::invalid_mesh, "triangle " + std::to_string(i)
+                                                   + " names a vertex that the mesh of "
                                                    + std::to_string(vertices) + " vertices does not have"};
         }
         if (t.x == t.y || t.y == t.z || t.z == t.x) return unsound(mesh);
@@ -79,7 +80,8 @@ void Surface::find_components(const TriangleMesh& mesh) {
         uint32_t a = root(t.x);
         for (const uint32_t v : {t.y, t.z}) {
             const uint32_t b = root(v);
-            if (a < b) component_[b] = a;
+            if (a < b)
+                component_[b] = a;
             else {
                 component_[a] = b;
                 a = b;

@@ -86,20 +86,20 @@ void Winding::spread(const VoronoiDiagram& diagram, const Cut& cut) {
     assert(queue_.size() == vertices);
 
     first_node.resize(vertices + 1);
-    uint32_t nodes = 0;
+    vertex_of_node.clear();
     for (uint32_t v = 0; v < vertices; ++v) {
-        first_node[v] = nodes;
+        first_node[v] = static_cast<uint32_t>(vertex_of_node.size());
         if (of_vertex[v] == kUnknown) of_vertex[v] = 0;
-        nodes += static_cast<uint32_t>(std::abs(of_vertex[v]));
+        vertex_of_node.insert(vertex_of_node.end(), static_cast<size_t>(std::abs(of_vertex[v])), v);
     }
-    first_node[vertices] = nodes;
+    first_node[vertices] = static_cast<uint32_t>(vertex_of_node.size());
 }
 
-void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles,
-                        const Cut& cut, uint32_t voronoi_edge, PredicateStats& stats) {
-    const std::span<uint32_t> points =
-        std::span(pierces).subspan(pierce_begin[voronoi_edge],
-                                   pierce_begin[voronoi_edge + 1] - pierce_begin[voronoi_edge]);
+void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram,
+                        std::span<const Triangle> triangles, const Cut& cut, uint32_t voronoi_edge,
+                        PredicateStats& stats) {
+    const std::span<uint32_t> points = std::span(pierces).subspan(
+        pierce_begin[voronoi_edge], pierce_begin[voronoi_edge + 1] - pierce_begin[voronoi_edge]);
     if (points.size() < 2) return;
     const auto& [i, j, k] = diagram.edges[voronoi_edge].planes;
     const Diagram problem = scene.diagram();
@@ -113,7 +113,8 @@ void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram, std::
     if (points.size() == 2) { // by far the most frequent case
         if (order(points[0], points[1]) > 0) std::swap(points[0], points[1]);
     } else {
-        std::stable_sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) { return order(a, b) < 0; });
+        std::stable_sort(points.begin(), points.end(),
+                         [&](uint32_t a, uint32_t b) { return order(a, b) < 0; });
     }
     int32_t winding = of_vertex[diagram.edges[voronoi_edge].start];
     for (size_t first = 0; first < points.size();) {

@@ -26,7 +26,8 @@ std::vector<glm::dvec3> lattice_sites(uint32_t n) {
     std::vector<glm::dvec3> sites;
     for (uint32_t z = 0; z < n; ++z)
         for (uint32_t y = 0; y < n; ++y)
-            for (uint32_t x = 0; x < n; ++x) sites.push_back((glm::dvec3(x, y, z) + 0.5) / static_cast<double>(n));
+            for (uint32_t x = 0; x < n; ++x)
+                sites.push_back((glm::dvec3(x, y, z) + 0.5) / static_cast<double>(n));
     return sites;
 }
 
@@ -89,8 +90,8 @@ void check_vertices(const VoronoiDiagram& d, const std::vector<glm::dvec3>& site
     }
 }
 
-// Volume of the cells by pyramids over facets plus what the box cuts off, found by Monte Carlo's exact cousin: the
-// facet areas times heights of interior cells.
+// Volume of the cells by pyramids over facets plus what the box cuts off, found by Monte Carlo's exact
+// cousin: the facet areas times heights of interior cells.
 double volume_of_interior_cell(const VoronoiDiagram& d, uint32_t c, const std::vector<glm::dvec3>& sites) {
     double volume = 0.0;
     for (const auto& n : d.neighbours_of(c)) {
@@ -164,7 +165,8 @@ TEST_CASE("collinear, coplanar, cospherical and lattice sites give sound diagram
         for (int y = -3; y <= 3; ++y)
             for (int z = -3; z <= 3; ++z)
                 if (x * x + y * y + z * z == 9) sphere.push_back(glm::dvec3(x, y, z) / 8.0 + 0.5);
-    for (const auto& sites : {collinear, coplanar, sphere, lattice_sites(2), lattice_sites(4), lattice_sites(5)}) {
+    for (const auto& sites :
+         {collinear, coplanar, sphere, lattice_sites(2), lattice_sites(4), lattice_sites(5)}) {
         const auto d = voronoi_diagram(sites, kUnitBox);
         REQUIRE(d);
         check_structure(*d);
@@ -242,7 +244,8 @@ TEST_CASE("neighbours are those that brute force finds") {
             }
         }
         if (second == first) continue;
-        // The second nearest site is always a Delaunay neighbour of the nearest; inside the box only near the facet.
+        // The second nearest site is always a Delaunay neighbour of the nearest; inside the box only near the
+        // facet.
         const glm::dvec3 n = sites[second] - sites[first];
         const double h = 0.5 * glm::dot(n, sites[second] + sites[first]) - glm::dot(n, p);
         if (h / glm::length(n) < 1e-3) CHECK(d->facet_between(first, second) != VoronoiDiagram::none);
