@@ -226,12 +226,13 @@ class TetrahedraMarcher {
                                                                  {3, 2, 1, 0}}};
         for (const auto& [i, j, k, l] : even) {
             if (count == 2 ? !(inside(i) && inside(j)) : inside(i) != (count == 1)) continue;
+            // In braces, which fix the order of evaluation and with it the numbering of vertices.
             const auto cut = [&](size_t a, size_t b) { return vertex_between(v[a], v[b]); };
-            if (count == 1) mesh_.triangles.emplace_back(cut(i, j), cut(i, k), cut(i, l));
-            if (count == 3) mesh_.triangles.emplace_back(cut(i, j), cut(i, l), cut(i, k));
+            if (count == 1) mesh_.triangles.push_back({cut(i, j), cut(i, k), cut(i, l)});
+            if (count == 3) mesh_.triangles.push_back({cut(i, j), cut(i, l), cut(i, k)});
             if (count == 2) {
-                mesh_.triangles.emplace_back(cut(i, k), cut(i, l), cut(j, l));
-                mesh_.triangles.emplace_back(cut(i, k), cut(j, l), cut(j, k));
+                mesh_.triangles.push_back({cut(i, k), cut(i, l), cut(j, l)});
+                mesh_.triangles.push_back({cut(i, k), cut(j, l), cut(j, k)});
             }
             return;
         }

@@ -130,7 +130,7 @@ TEST_CASE("the animal is one smooth solid of genus 0 on four legs") {
         for (const Triangle& t : mesh.triangles) {
             const glm::dvec3 normal =
                 face_normal(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
-            for (int k = 0; k < 3; ++k) folded += dot(normal, normals[t[k]]) < 0.3;
+            for (int k = 0; k < 3; ++k) folded += dot(normal, normals[t[k]]) <= 0.0;
         }
         CHECK(folded == 0);
 
