@@ -28,7 +28,7 @@ struct Settings {
     Algorithm algorithm = Algorithm::sequential;
     uint32_t threads = 0; // cells are worked on side by side; 0 = one thread a core
     // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be empty.
-    std::function<void(double)> progress;
+    std::function<void(double)> progress{};
 };
 
 // Cuts the mesh along the bisectors of the sites: one or more pieces (islands) per non-empty cell.
