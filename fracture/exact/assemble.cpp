@@ -38,20 +38,25 @@ double distance2(const glm::dvec3& a, const glm::dvec3& b) {
 
 } // namespace
 
-void sort_triangles(std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads,
-                    std::vector<SiteId>& cell_of_triangle, Cut& cut) {
+void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
+                    std::span<const SiteId> cell_of, Threads& threads, std::vector<SiteId>& cell_of_triangle,
+                    Cut& cut) {
     const uint32_t count = size_of(triangles);
     cell_of_triangle.resize(count);
     const uint32_t parts = threads.chunks(count, kLeastTriangles);
     std::vector<uint32_t> crossing_begin(parts + 1, 0);
+    const auto left_out = [&](uint32_t t) {
+        return surface.leaves_triangles_out() && surface.components()[triangles[t].x] == kNone;
+    };
     threads.for_chunks(count, kLeastTriangles, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t crossing = 0;
         for (uint32_t t = begin; t < end; ++t) {
             const SiteId a = cell_of[triangles[t].x], b = cell_of[triangles[t].y],
                          c = cell_of[triangles[t].z];
             const bool whole = a == b && b == c;
-            cell_of_triangle[t] = whole ? a : kNone;
-            crossing += whole ? 0 : 1;
+            const bool used = !left_out(t);
+            cell_of_triangle[t] = whole && used ? a : kNone;
+            crossing += whole || !used ? 0 : 1;
         }
         crossing_begin[chunk + 1] = crossing;
     });
@@ -61,7 +66,7 @@ void sort_triangles(std::span<const Triangle> triangles, std::span<const SiteId>
         uint32_t at = crossing_begin[chunk];
         if (at == crossing_begin[chunk + 1]) return;
         for (uint32_t t = begin; t < end; ++t) {
-            if (cell_of_triangle[t] == kNone) cut.crossing[at++].triangle = t;
+            if (cell_of_triangle[t] == kNone && !left_out(t)) cut.crossing[at++].triangle = t;
         }
     });
 }
@@ -81,8 +86,8 @@ uint32_t Assembler::local_index(const Input& input, VertexId id, SiteId cell) co
     case VertexId::node:
         break;
     }
-    const auto& planes = input.diagram.vertices[input.winding.vertex_of_node[id.index()]].planes;
-    return local_of_node_[id.index()][place_of(cell, planes)];
+    const Node& node = input.cut.nodes[id.index()];
+    return node.local[place_of(cell, node.cells)];
 }
 
 void Assembler::count(const Input& input, Threads& threads) {
@@ -90,7 +95,7 @@ void Assembler::count(const Input& input, Threads& threads) {
     const uint32_t cells = size_of(input.scene.sites);
     const uint32_t vertices = size_of(input.cell_of), triangles = size_of(input.cell_of_triangle);
     const uint32_t points = size_of(cut.edge_points), pierces = size_of(cut.pierce_points);
-    const uint32_t nodes = size_of(input.winding.vertex_of_node);
+    const uint32_t nodes = size_of(cut.nodes);
 
     edge_row_ = threads.chunks(vertices, kLeastVertices);
     pierce_row_ = edge_row_ + threads.chunks(points, kLeastPoints);
@@ -116,7 +121,9 @@ void Assembler::count(const Input& input, Threads& threads) {
     threads.for_chunks(nodes, kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = vertex_table_.row(node_row_ + chunk);
         for (uint32_t n = begin; n < end; ++n) {
-            for (const uint32_t c : input.diagram.vertices[input.winding.vertex_of_node[n]].planes) ++row[c];
+            for (const uint32_t c : cut.nodes[n].cells) {
+                if (c != kNone) ++row[c];
+            }
         }
     });
 
@@ -191,7 +198,7 @@ void Assembler::place_vertices(const Input& input, Threads& threads, Fragments& 
                            }
                        });
     const auto place = [&](uint32_t* row, auto& local, const auto& cells, const glm::dvec3& position) {
-        for (size_t k = 0; k < cells.size(); ++k) {
+        for (size_t k = 0; k < cells.size() && cells[k] != kNone; ++k) {
             local[k] = row[cells[k]]++;
             out.positions[cells_[cells[k]].vertices.begin + local[k]] = position;
         }
@@ -212,16 +219,13 @@ void Assembler::place_vertices(const Input& input, Threads& threads, Fragments& 
                                place(row, point.local, point.cells, cut.pierce_positions[p] * to_input);
                            }
                        });
-    const auto& vertex_of_node = input.winding.vertex_of_node;
-    local_of_node_.resize(vertex_of_node.size());
-    threads.for_chunks(
-        size_of(vertex_of_node), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-            uint32_t* const row = vertex_table_.row(node_row_ + chunk);
-            for (uint32_t n = begin; n < end; ++n) {
-                const VoronoiDiagram::Vertex& vertex = input.diagram.vertices[vertex_of_node[n]];
-                place(row, local_of_node_[n], vertex.planes, vertex.position * to_input);
-            }
-        });
+    threads.for_chunks(size_of(cut.nodes), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        uint32_t* const row = vertex_table_.row(node_row_ + chunk);
+        for (uint32_t n = begin; n < end; ++n) {
+            Node& node = cut.nodes[n];
+            place(row, node.local, node.cells, node.position * to_input);
+        }
+    });
 }
 
 void Assembler::place_whole(const Input& input, Threads& threads, Fragments& out) {

@@ -15,7 +15,6 @@
 #include "fracture/exact/cut.h"
 #include "fracture/exact/parallel.h"
 #include "fracture/exact/surface.h"
-#include "fracture/exact/winding.h"
 #include "fracture/fragments.h"
 
 namespace brittle::fracture::exact {
@@ -30,9 +29,10 @@ struct CellRun {
 };
 
 // Sorts the mesh's triangles into those inside a cell and those that cross: fills cut.crossing and
-// cell_of_triangle (kNone where it crosses).
-void sort_triangles(std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads,
-                    std::vector<SiteId>& cell_of_triangle, Cut& cut);
+// cell_of_triangle (kNone where it crosses or is left out).
+void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
+                    std::span<const SiteId> cell_of, Threads& threads, std::vector<SiteId>& cell_of_triangle,
+                    Cut& cut);
 
 class Assembler {
   public:
@@ -44,7 +44,6 @@ class Assembler {
         std::span<const SiteId> cell_of;
         std::span<const SiteId> cell_of_triangle;
         Cut& cut; // receives local indices
-        const Winding& winding;
         std::span<const CapChunk> caps;
     };
 
@@ -68,7 +67,6 @@ class Assembler {
     std::vector<uint32_t> vertex_total_, triangle_total_;
     std::vector<CellRun> cells_;
     std::vector<uint32_t> local_of_mesh_;
-    std::vector<std::array<uint32_t, 4>> local_of_node_;
 };
 
 } // namespace brittle::fracture::exact

@@ -51,7 +51,7 @@ void find_bonds(const Assembler::Input& input, const Assembler& assembler, const
             corners.clear();
             for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
                 const VertexId id = chunk.corners[k];
-                corners.push_back(cap_position(input.diagram, input.winding, cut, id) * input.scene.to_input);
+                corners.push_back(cap_position(cut, id) * input.scene.to_input);
             }
             for (uint32_t t = cap.triangles_begin; t < cap.triangles_end; ++t) {
                 const Triangle& k = chunk.triangles[t];

@@ -23,14 +23,14 @@ bool even(uint32_t a, uint32_t b, uint32_t c) {
 
 } // namespace
 
-glm::dvec3 cap_position(const VoronoiDiagram& diagram, const Winding& winding, const Cut& cut, VertexId id) {
+glm::dvec3 cap_position(const Cut& cut, VertexId id) {
     switch (id.kind()) {
     case VertexId::edge:
         return cut.edge_positions[id.index()];
     case VertexId::pierce:
         return cut.pierce_positions[id.index()];
     case VertexId::node:
-        return diagram.vertices[winding.vertex_of_node[id.index()]].position;
+        return cut.nodes[id.index()].position;
     case VertexId::mesh:
         break;
     }
@@ -69,7 +69,15 @@ class Capper::Worker {
     void triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
                            CapChunk& out);
 
+    void find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+                    const CapChunk& out);
+    void split_diagonals_along_sides(const Context& context, Cap& cap, CapChunk& out);
+
     std::vector<Stop> stops_;
+    std::vector<std::array<uint32_t, 2>>
+        sides_; // of each corner of the cap: the Voronoi edges that it lies on
+    std::vector<std::array<uint32_t, 2>>
+        along_; // directed edges of triangles with both ends on one Voronoi edge
     struct Strand {
         uint32_t begin, end; // into strand_corners_
         bool used;
@@ -228,12 +236,73 @@ void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiag
     const glm::dvec3 normal = context.scene.sites[facet.j] - site;
     flat_.clear();
     for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
-        flat_.push_back(
-            project(cap_position(context.diagram, context.winding, context.cut, out.corners[k]), normal));
+        flat_.push_back(project(cap_position(context.cut, out.corners[k]), normal));
     }
     const Triangulation done = triangulate(flat_, std::span(loops_).first(loop_count_));
     forced_ears += done.forced_ears;
     out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());
+}
+
+void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+                                const CapChunk& out) {
+    const auto ring = context.diagram.ring_of(facet);
+    sides_.assign(cap.corners_end - cap.corners_begin, {kNone, kNone});
+    for (uint32_t k = 0; k < sides_.size(); ++k) {
+        const VertexId id = out.corners[cap.corners_begin + k];
+        if (id.kind() == VertexId::pierce) {
+            sides_[k][0] = context.cut.pierce_points[id.index()].voronoi_edge;
+        } else if (id.kind() == VertexId::node) {
+            for (size_t m = 0; m < ring.size(); ++m) {
+                const uint32_t first = context.winding.first_node[ring[m].vertex];
+                const uint32_t last = context.winding.first_node[ring[m].vertex + 1];
+                if (id.index() < first || id.index() >= last) continue;
+                sides_[k] = {ring[m].edge, ring[m + 1 == ring.size() ? 0 : m + 1].edge};
+            }
+        }
+    }
+}
+
+void Capper::Worker::split_diagonals_along_sides(const Context& context, Cap& cap, CapChunk& out) {
+    along_.clear();
+    const auto share_side = [&](uint32_t a, uint32_t b) {
+        for (const uint32_t side : sides_[a]) {
+            if (side != kNone && (side == sides_[b][0] || side == sides_[b][1])) return true;
+        }
+        return false;
+    };
+    for (size_t t = cap.triangles_begin; t < out.triangles.size(); ++t) {
+        for (int k = 0; k < 3; ++k) {
+            const uint32_t a = out.triangles[t][k], b = out.triangles[t][(k + 1) % 3];
+            if (share_side(a, b)) along_.push_back({a, b});
+        }
+    }
+    // Sides of the cap are run in one direction only, diagonals in both.
+    std::sort(along_.begin(), along_.end());
+    for (const auto& [a, b] : along_) {
+        if (a > b || !std::binary_search(along_.begin(), along_.end(), std::array<uint32_t, 2>{b, a}))
+            continue;
+        const auto middle = static_cast<uint32_t>(cap.corners_end - cap.corners_begin);
+        const auto id = static_cast<uint32_t>(context.cut.nodes.size() + out.added_nodes.size());
+        const glm::dvec3 p = cap_position(context.cut, out.corners[cap.corners_begin + a]);
+        const glm::dvec3 q = cap_position(context.cut, out.corners[cap.corners_begin + b]);
+        out.added_nodes.push_back({cap.facet, 0.5 * (p + q)});
+        out.corners.push_back({VertexId::node, id});
+        ++cap.corners_end;
+        const size_t count = out.triangles.size();
+        for (size_t t = cap.triangles_begin; t < count; ++t) {
+            for (int k = 0; k < 3; ++k) {
+                const int next = (k + 1) % 3;
+                Triangle& whole = out.triangles[t];
+                const bool holds = (whole[k] == a && whole[next] == b) || (whole[k] == b && whole[next] == a);
+                if (!holds) continue;
+                Triangle half = whole;
+                half[k] = middle;
+                whole[next] = middle;
+                out.triangles.push_back(half);
+                break;
+            }
+        }
+    }
 }
 
 void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uint32_t> edge_points,
@@ -259,6 +328,10 @@ void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uin
     Cap cap{f, static_cast<uint32_t>(cap_begin_), static_cast<uint32_t>(out.corners.size()),
             static_cast<uint32_t>(out.triangles.size()), 0};
     triangulate_loops(context, facet, cap, out);
+    if (strands) {
+        find_sides(context, facet, cap, out);
+        split_diagonals_along_sides(context, cap, out);
+    }
     cap.triangles_end = static_cast<uint32_t>(out.triangles.size());
     out.caps.push_back(cap);
 }
@@ -274,7 +347,24 @@ void Capper::group_by_facet(const VoronoiDiagram& diagram, const Cut& cut) {
     visited_.assign(cut.edge_points.size(), 0);
 }
 
-bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, const Cut& cut,
+// Workers numbered the nodes that they added from the same first id; give each its own.
+void Capper::number_added_nodes(const VoronoiDiagram& diagram, Cut& cut) {
+    const auto first = static_cast<uint32_t>(cut.nodes.size());
+    for (uint32_t k = 0; k < chunk_count_; ++k) {
+        CapChunk& chunk = chunks_[k];
+        if (chunk.added_nodes.empty()) continue;
+        const auto shift = static_cast<uint32_t>(cut.nodes.size()) - first;
+        for (VertexId& id : chunk.corners) {
+            if (id.kind() == VertexId::node && id.index() >= first) id = {VertexId::node, id.index() + shift};
+        }
+        for (const CapChunk::AddedNode& node : chunk.added_nodes) {
+            const VoronoiDiagram::Facet& facet = diagram.facets[node.facet];
+            cut.nodes.push_back({{facet.i, facet.j, kNone, kNone}, node.position, {}});
+        }
+    }
+}
+
+bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, Cut& cut,
                  Threads& threads) {
     group_by_facet(diagram, cut);
     const auto facets = static_cast<uint32_t>(diagram.facets.size());
@@ -285,6 +375,7 @@ bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Windin
     threads.for_chunks(facets, kLeastFacets, [&](uint32_t k, uint32_t begin, uint32_t end) {
         CapChunk& out = chunks_[k];
         out.caps.clear();
+        out.added_nodes.clear();
         out.corners.clear();
         out.triangles.clear();
         workers_[k].start();
@@ -294,6 +385,7 @@ bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Windin
                 std::span(points_).subspan(points_begin_[f], points_begin_[f + 1] - points_begin_[f]), out);
         }
     });
+    number_added_nodes(diagram, cut);
     bool closed = winding.consistent;
     for (uint32_t k = 0; k < chunk_count_; ++k) closed = closed && workers_[k].closed;
     return closed;

@@ -22,6 +22,11 @@
 
 namespace brittle::fracture::exact {
 
+// No two pieces of surface may use the same edge: a diagonal of a cap must not run between two points of one
+// Voronoi edge, where the caps on the other two facets have points too. Triangulations of sound input hardly
+// ever hold such a diagonal (it lies on the facet's side); those of overlapping surfaces do. It is then
+// halved by a node of its own.
+
 // The cap on one facet: counter-clockwise seen from outside the cell with the lower index.
 struct Cap {
     uint32_t facet;
@@ -30,20 +35,25 @@ struct Cap {
 };
 
 struct CapChunk {
+    struct AddedNode {
+        uint32_t facet;
+        glm::dvec3 position;
+    };
+
     std::vector<Cap> caps;
+    std::vector<AddedNode> added_nodes; // their ids follow those of the Voronoi vertices' nodes
     std::vector<VertexId> corners;
     std::vector<Triangle> triangles; // of indices that count from the cap's first corner
 };
 
 // The position of a cap's corner, in the coordinates of the scene.
-[[nodiscard]] glm::dvec3 cap_position(const VoronoiDiagram& diagram, const Winding& winding, const Cut& cut,
-                                      VertexId id);
+[[nodiscard]] glm::dvec3 cap_position(const Cut& cut, VertexId id);
 
 class Capper {
   public:
-    // After TriangleCutter::run() and Winding::compute(). False where the loops do not close, which a closed
-    // surface rules out.
-    bool run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, const Cut& cut,
+    // After TriangleCutter::run() and Winding::compute(). May add to cut.nodes. False where the loops do not
+    // close, which a closed surface rules out.
+    bool run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, Cut& cut,
              Threads& threads);
 
     // Facets ascend over the chunks.
@@ -52,6 +62,7 @@ class Capper {
 
   private:
     class Worker;
+    void number_added_nodes(const VoronoiDiagram& diagram, Cut& cut);
     void group_by_facet(const VoronoiDiagram& diagram, const Cut& cut);
 
     std::vector<uint32_t> points_begin_; // facets + 1, into points_

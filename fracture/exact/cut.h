@@ -64,6 +64,12 @@ struct PiercePoint {
     return a + b - 1;
 }
 
+struct Node {
+    std::array<uint32_t, 4> cells; // ascending; kNone where fewer than four meet
+    glm::dvec3 position;
+    std::array<uint32_t, 4> local{};
+};
+
 // A triangle whose vertices are not all in one cell. The points on its edge e (from corner e to e+1) are
 // edge_points[first[e] .. first[e] + count[e]), ordered from the lower vertex to the higher.
 struct CrossingTriangle {
@@ -91,6 +97,7 @@ struct Cut {
     std::vector<glm::dvec3> edge_positions;
     std::vector<PiercePoint> pierce_points;
     std::vector<glm::dvec3> pierce_positions;
+    std::vector<Node> nodes;          // of Voronoi vertices first, in the order of Winding::node()
     std::vector<PolygonChunk> chunks; // the first `chunk_count` hold this cut's polygons
     uint32_t chunk_count = 0;
 };

@@ -97,7 +97,7 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     clock.done("cells", 0.3);
 
     classify(problem, s.diagram, s.frames, s.scene.positions, classifier, s.threads, s.cell_of, stats);
-    sort_triangles(mesh.triangles, s.cell_of, s.threads, s.cell_of_triangle, s.cut);
+    sort_triangles(s.surface, mesh.triangles, s.cell_of, s.threads, s.cell_of_triangle, s.cut);
     clock.done("classify", 0.4);
 
     if (auto ok = s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut,
@@ -114,8 +114,8 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     if (!closed) return not_closed();
     clock.done("caps", 0.75);
 
-    const Assembler::Input input{mesh,  s.scene,   s.surface,        s.diagram, s.cell_of, s.cell_of_triangle,
-                                 s.cut, s.winding, s.capper.chunks()};
+    const Assembler::Input input{mesh,  s.scene,          s.surface, s.diagram, s.cell_of, s.cell_of_triangle,
+                                 s.cut, s.capper.chunks()};
     s.assembler.run(input, s.threads, out);
     clock.done("assemble", 0.9);
 

@@ -89,10 +89,20 @@ void Surface::find_components(const TriangleMesh& mesh) {
         }
     }
     component_count_ = 0;
+    leaves_triangles_out_ = false;
+    std::vector<uint8_t> size(component_.size(), 0); // of the component that each root names, up to 4
     for (uint32_t v = 0; v < component_.size(); ++v) {
         if (component_[v] == kNone) continue;
         component_[v] = component_[component_[v]]; // parents have smaller indices, so theirs are final
         component_count_ += component_[v] == v ? 1 : 0;
+        uint8_t& n = size[component_[v]];
+        n = n < 4 ? static_cast<uint8_t>(n + 1) : n;
+    }
+    for (uint32_t v = static_cast<uint32_t>(component_.size()); v-- > 0;) { // roots come last
+        if (component_[v] == kNone || size[component_[v]] != 3) continue;
+        component_count_ -= component_[v] == v ? 1 : 0;
+        component_[v] = kNone;
+        leaves_triangles_out_ = true;
     }
 }
 

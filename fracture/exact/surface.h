@@ -24,6 +24,7 @@ class Surface {
     // uses.
     [[nodiscard]] const std::vector<uint32_t>& components() const { return component_; }
     [[nodiscard]] uint32_t component_count() const { return component_count_; }
+    [[nodiscard]] bool leaves_triangles_out() const { return leaves_triangles_out_; }
 
   private:
     void find_components(const TriangleMesh& mesh);
@@ -32,6 +33,7 @@ class Surface {
     bool known_ = false;
     std::vector<uint32_t> component_;
     uint32_t component_count_ = 0;
+    bool leaves_triangles_out_ = false;
 };
 
 } // namespace brittle::fracture::exact

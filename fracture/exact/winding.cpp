@@ -84,15 +84,19 @@ void Winding::spread(const VoronoiDiagram& diagram, const Cut& cut) {
         }
     }
     assert(queue_.size() == vertices);
+}
 
+void Winding::make_nodes(const VoronoiDiagram& diagram, Cut& cut) {
+    const auto vertices = static_cast<uint32_t>(diagram.vertices.size());
     first_node.resize(vertices + 1);
-    vertex_of_node.clear();
+    cut.nodes.clear();
     for (uint32_t v = 0; v < vertices; ++v) {
-        first_node[v] = static_cast<uint32_t>(vertex_of_node.size());
+        first_node[v] = static_cast<uint32_t>(cut.nodes.size());
         if (of_vertex[v] == kUnknown) of_vertex[v] = 0;
-        vertex_of_node.insert(vertex_of_node.end(), static_cast<size_t>(std::abs(of_vertex[v])), v);
+        const Node node{diagram.vertices[v].planes, diagram.vertices[v].position, {}};
+        cut.nodes.insert(cut.nodes.end(), static_cast<size_t>(std::abs(of_vertex[v])), node);
     }
-    first_node[vertices] = static_cast<uint32_t>(vertex_of_node.size());
+    first_node[vertices] = static_cast<uint32_t>(cut.nodes.size());
 }
 
 void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram,
@@ -126,9 +130,10 @@ void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram,
 }
 
 void Winding::compute(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles,
-                      const Cut& cut, Threads& threads, PredicateStats& stats) {
+                      Cut& cut, Threads& threads, PredicateStats& stats) {
     group_by_edge(diagram, cut);
     spread(diagram, cut);
+    make_nodes(diagram, cut);
     const auto edges = static_cast<uint32_t>(diagram.edges.size());
     std::vector<PredicateStats> part(threads.chunks(edges, kLeastEdges));
     threads.for_chunks(edges, kLeastEdges, [&](uint32_t chunk, uint32_t begin, uint32_t end) {

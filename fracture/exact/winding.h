@@ -19,13 +19,13 @@
 
 namespace brittle::fracture::exact {
 
+// compute() also fills cut.nodes.
 struct Winding {
     std::vector<uint32_t> pierce_begin; // Voronoi edges + 1, into pierces
     std::vector<uint32_t> pierces;      // pierce points of each Voronoi edge, along its direction
     std::vector<int32_t> of_vertex;
     std::vector<uint32_t> first_node; // vertices + 1: the nodes of a vertex's sheets
-    std::vector<uint32_t> vertex_of_node;
-    bool consistent = true; // false: the surface is not closed
+    bool consistent = true;           // false: the surface is not closed
 
     // The sheets present at winding w are those numbered 1 to w, or w + 1 to 0 where w is negative.
     [[nodiscard]] static bool has_sheet(int32_t w, int32_t sheet) {
@@ -40,11 +40,12 @@ struct Winding {
     }
 
     void compute(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles,
-                 const Cut& cut, Threads& threads, PredicateStats& stats);
+                 Cut& cut, Threads& threads, PredicateStats& stats);
 
   private:
     void group_by_edge(const VoronoiDiagram& diagram, const Cut& cut);
     void spread(const VoronoiDiagram& diagram, const Cut& cut);
+    void make_nodes(const VoronoiDiagram& diagram, Cut& cut);
     void sort_edge(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles,
                    const Cut& cut, uint32_t voronoi_edge, PredicateStats& stats);
 
