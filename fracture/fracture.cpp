@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "fracture/exact/exact.h"
 #include "fracture/half_edge.h"
 #include "fracture/mass_properties.h"
 #include "fracture/sequential.h"
@@ -121,6 +122,7 @@ Result<HalfEdgeMesh> build_closed(const TriangleMesh& input) {
 
 Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                            const Settings& settings) {
+    if (settings.algorithm == Algorithm::exact) return exact::fracture_exact(mesh, sites, settings);
     const auto start = std::chrono::steady_clock::now();
     if (settings.threads > most_threads)
         return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; at most "
@@ -132,12 +134,7 @@ Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3>
     if (Result<void> checked = check_volume(mesh); !checked) return checked.error();
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
 
-    Fragments fragments;
-    switch (settings.algorithm) {
-    case Algorithm::sequential:
-        fragments = fracture_sequential(*closed, sites, settings);
-        break;
-    }
+    Fragments fragments = fracture_sequential(*closed, sites, settings);
     fragments.timings.insert(fragments.timings.begin(), {"validate", elapsed.count()});
     return fragments;
 }

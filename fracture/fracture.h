@@ -21,23 +21,24 @@
 namespace brittle::fracture {
 
 enum class Algorithm {
+    exact,     // a restricted Voronoi diagram decided by exact predicates (exact/exact.h): the fast one
     sequential // the paper's Algorithm 1, plane by plane: the readable reference
 };
 
 // The name as on the command line and in recipes.
 [[nodiscard]] constexpr const char* to_string(Algorithm algorithm) {
     switch (algorithm) {
+    case Algorithm::exact: return "exact";
     case Algorithm::sequential: return "sequential";
     }
     return "unknown";
 }
 
 struct Settings {
-    Algorithm algorithm = Algorithm::sequential;
+    Algorithm algorithm = Algorithm::exact;
     uint32_t threads = 0; // cells are worked on side by side; 0 = one thread a core
-    // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be
-    // empty.
-    std::function<void(double)> progress;
+    // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be empty.
+    std::function<void(double)> progress{};
 };
 
 // Cuts the mesh along the bisectors of the sites: one or more pieces (islands) per non-empty cell.

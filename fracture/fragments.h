@@ -35,6 +35,15 @@ struct Piece {
     MassProperties mass;             // at density 1, in the coordinates of the input
 };
 
+// Where two pieces touch: the caps that they share.
+struct Bond {
+    uint32_t a = 0; // indices into Fragments::pieces, a < b
+    uint32_t b = 0;
+    double area = 0.0;        // m^2
+    glm::dvec3 centroid{0.0}; // of the contact, m
+    glm::dvec3 normal{0.0};   // unit, from a to b
+};
+
 struct Milliseconds {
     std::string phase; // e.g. "cells", "clip", "caps", "islands"
     double milliseconds = 0.0;
@@ -64,6 +73,7 @@ struct Fragments {
     // other side of the cap.
     std::vector<uint32_t> triangle_source;
     std::vector<Piece> pieces; // ordered by site, then by first vertex
+    std::vector<Bond> bonds;   // ordered by (a, b); empty where the algorithm does not find them
     std::vector<Milliseconds> timings;
 
     [[nodiscard]] std::span<const glm::dvec3> positions_of(const Piece& piece) const {

@@ -16,7 +16,7 @@ struct FractureOptions {
     uint64_t seed = 1;      // --seed of the random sites
     std::string sites_file; // --sites: takes the place of pieces and seed
     bool repair = false;    // --repair: remove patches that double the surface, and say so
-    fracture::Algorithm algorithm = fracture::Algorithm::sequential;
+    fracture::Algorithm algorithm = fracture::Algorithm::exact;
     uint32_t threads = 0; // 0: one a core
 };
 

@@ -52,10 +52,12 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
                      "First remove patches that double the surface, a common flaw of models; says what it removed");
     command
         .add_option("--algorithm", options.algorithm,
-                    "sequential: clip by one bisector after the other, after the paper")
+                    "exact: every decision by exact predicates, fast; sequential: clip by one bisector after the other, "
+                    "as the paper does")
         ->transform(CLI::CheckedTransformer(
-            std::map<std::string, fracture::Algorithm>{{"sequential", fracture::Algorithm::sequential}}))
-        ->default_str("sequential");
+            std::map<std::string, fracture::Algorithm>{{"exact", fracture::Algorithm::exact},
+                                                        {"sequential", fracture::Algorithm::sequential}}))
+        ->default_str("exact");
     command.add_option("--threads", options.threads, "Worker threads; 0 is one a core. Never changes the result")
         ->check(CLI::Range(0u, 1024u))
         ->capture_default_str();

@@ -1,0 +1,400 @@
+#include "fracture/exact/caps.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+constexpr uint32_t kLeastFacets = 32;
+
+// What the walk around a facet meets: a pierce point, where the winding changes, or a Voronoi vertex.
+struct Stop {
+    VertexId pierce;     // none at a Voronoi vertex
+    uint32_t vertex = 0; // of the diagram
+    int32_t before = 0, after = 0;
+};
+
+bool even(uint32_t a, uint32_t b, uint32_t c) {
+    return (a < b && b < c) || (b < c && c < a) || (c < a && a < b);
+}
+
+} // namespace
+
+glm::dvec3 cap_position(const Cut& cut, VertexId id) {
+    switch (id.kind()) {
+    case VertexId::edge:
+        return cut.edge_positions[id.index()];
+    case VertexId::pierce:
+        return cut.pierce_positions[id.index()];
+    case VertexId::node:
+        return cut.nodes[id.index()].position;
+    case VertexId::mesh:
+        break;
+    }
+    assert(false && "a mesh vertex never lies on a bisector");
+    return glm::dvec3(0.0);
+}
+
+class Capper::Worker {
+  public:
+    struct Context {
+        const Scene& scene;
+        const VoronoiDiagram& diagram;
+        const Winding& winding;
+        const Cut& cut;
+        std::span<uint8_t> visited;
+    };
+
+    void start() {
+        forced_ears = 0;
+        closed = true;
+    }
+    void cap(const Context& context, uint32_t facet, std::span<const uint32_t> edge_points, CapChunk& out);
+
+    uint64_t forced_ears = 0;
+    bool closed = true;
+
+  private:
+    bool walk_around(const Context& context, const VoronoiDiagram::Facet& facet);
+    void find_strands(const Context& context, int32_t sheet);
+    void trace_strands(const Context& context, const VoronoiDiagram::Facet& facet, CapChunk& out);
+    void trace_chains(const Context& context, std::span<const uint32_t> edge_points, CapChunk& out);
+    bool follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at,
+                      CapChunk& out);
+    void begin_loop(const CapChunk& out) { loop_begin_ = out.corners.size(); }
+    void end_loop(CapChunk& out);
+    void triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+                           CapChunk& out);
+
+    void find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+                    const CapChunk& out);
+    void split_diagonals_along_sides(const Context& context, Cap& cap, CapChunk& out);
+
+    std::vector<Stop> stops_;
+    std::vector<std::array<uint32_t, 2>>
+        sides_; // of each corner of the cap: the Voronoi edges that it lies on
+    std::vector<std::array<uint32_t, 2>>
+        along_; // directed edges of triangles with both ends on one Voronoi edge
+    struct Strand {
+        uint32_t begin, end; // into strand_corners_
+        bool used;
+    };
+    std::vector<Strand> strands_;
+    std::vector<VertexId> strand_corners_;
+    size_t loop_begin_ = 0;
+    size_t cap_begin_ = 0;
+    size_t loop_count_ = 0;
+    std::vector<Loop> loops_; // the first loop_count_ are the cap's
+    std::vector<glm::dvec2> flat_;
+};
+
+Capper::Capper() = default;
+Capper::~Capper() = default;
+
+bool Capper::Worker::walk_around(const Context& context, const VoronoiDiagram::Facet& facet) {
+    const auto ring = context.diagram.ring_of(facet);
+    stops_.clear();
+    int32_t w = context.winding.of_vertex[ring.back().vertex];
+    bool any = w != 0;
+    for (const VoronoiDiagram::Corner& corner : ring) {
+        const auto pierces = context.winding.pierces_of(corner.edge);
+        const bool along = even(facet.i, facet.j, corner.third);
+        for (size_t k = 0; k < pierces.size(); ++k) {
+            const uint32_t p = along ? pierces[k] : pierces[pierces.size() - 1 - k];
+            const int32_t change = (context.cut.pierce_points[p].leaves != 0) == along ? -1 : 1;
+            stops_.push_back({{VertexId::pierce, p}, 0, w, w + change});
+            w += change;
+            any = true;
+        }
+        stops_.push_back({VertexId{}, corner.vertex, w, w});
+        if (w != context.winding.of_vertex[corner.vertex]) closed = false;
+        any = any || w != 0;
+    }
+    return any;
+}
+
+void Capper::Worker::find_strands(const Context& context, int32_t sheet) {
+    const size_t n = stops_.size();
+    const auto has = [sheet](int32_t w) { return Winding::has_sheet(w, sheet); };
+    size_t first = 0;
+    while (first < n && !(!has(stops_[first].before) && has(stops_[first].after))) ++first;
+    const auto begin = static_cast<uint32_t>(strand_corners_.size());
+    if (first == n) { // nowhere, or all around: then the sides of the facet are a loop of their own
+        if (!has(stops_[0].before)) return;
+        for (const Stop& stop : stops_) {
+            if (stop.pierce.is_none()) {
+                strand_corners_.push_back({VertexId::node, context.winding.node(stop.vertex, sheet)});
+            }
+        }
+        if (sheet <= 0) std::reverse(strand_corners_.begin() + begin, strand_corners_.end());
+        strands_.push_back({begin, static_cast<uint32_t>(strand_corners_.size()), false});
+        return;
+    }
+    uint32_t strand_begin = begin;
+    for (size_t k = 0; k < n; ++k) {
+        const Stop& stop = stops_[(first + k) % n];
+        const bool before = has(stop.before), after = has(stop.after);
+        if (stop.pierce.is_none()) {
+            if (after) strand_corners_.push_back({VertexId::node, context.winding.node(stop.vertex, sheet)});
+        } else if (before != after) {
+            if (after) strand_begin = static_cast<uint32_t>(strand_corners_.size());
+            strand_corners_.push_back(stop.pierce);
+            if (after) continue;
+            if (sheet <= 0) std::reverse(strand_corners_.begin() + strand_begin, strand_corners_.end());
+            strands_.push_back({strand_begin, static_cast<uint32_t>(strand_corners_.size()), false});
+        }
+    }
+}
+
+// From a pierce point along the surface to the next one; all but the last are written. False where it breaks
+// off.
+bool Capper::Worker::follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at,
+                                  CapChunk& out) {
+    const PiercePoint& from = context.cut.pierce_points[at.index()];
+    const auto place = [&](uint32_t site) {
+        return static_cast<uint32_t>(std::find(from.cells.begin(), from.cells.end(), site)
+                                     - from.cells.begin());
+    };
+    out.corners.push_back(at);
+    at = from.next[pair_index(place(facet.i), place(facet.j))];
+    while (!at.is_none() && at.kind() == VertexId::edge) {
+        if (context.visited[at.index()]) return false;
+        context.visited[at.index()] = 1;
+        out.corners.push_back(at);
+        at = context.cut.edge_points[at.index()].next;
+    }
+    return !at.is_none() && at.kind() == VertexId::pierce;
+}
+
+void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram::Facet& facet,
+                                   CapChunk& out) {
+    for (Strand& first : strands_) {
+        if (first.used) continue;
+        begin_loop(out);
+        for (Strand* strand = &first;;) {
+            strand->used = true;
+            const std::span corners(strand_corners_.data() + strand->begin, strand->end - strand->begin);
+            if (corners.front().kind() == VertexId::node) { // all around the facet
+                out.corners.insert(out.corners.end(), corners.begin(), corners.end());
+                break;
+            }
+            out.corners.insert(out.corners.end(), corners.begin(), corners.end() - 1);
+            VertexId at = corners.back();
+            if (!follow_chain(context, facet, at, out)) {
+                closed = false;
+                break;
+            }
+            const auto next = std::find_if(strands_.begin(), strands_.end(),
+                                           [&](const Strand& s) { return strand_corners_[s.begin] == at; });
+            if (next == strands_.end() || (next->used && &*next != &first)) {
+                closed = false;
+                break;
+            }
+            if (&*next == &first) break;
+            strand = &*next;
+        }
+        end_loop(out);
+    }
+}
+
+void Capper::Worker::trace_chains(const Context& context, std::span<const uint32_t> edge_points,
+                                  CapChunk& out) {
+    for (const uint32_t first : edge_points) {
+        if (context.visited[first]) continue;
+        begin_loop(out);
+        VertexId at(VertexId::edge, first);
+        while (!at.is_none() && at.kind() == VertexId::edge && !context.visited[at.index()]) {
+            context.visited[at.index()] = 1;
+            out.corners.push_back(at);
+            at = context.cut.edge_points[at.index()].next;
+        }
+        if (at != VertexId(VertexId::edge, first)) closed = false;
+        end_loop(out);
+    }
+}
+
+void Capper::Worker::end_loop(CapChunk& out) {
+    const size_t n = out.corners.size() - loop_begin_;
+    // Two triangles back to back leave a loop of two corners: it has no area, and the edges pair up without a
+    // cap.
+    if (n < 3) {
+        out.corners.resize(loop_begin_);
+        return;
+    }
+    if (loops_.size() == loop_count_) loops_.emplace_back();
+    Loop& loop = loops_[loop_count_++];
+    loop.resize(n);
+    for (size_t k = 0; k < n; ++k) loop[k] = static_cast<uint32_t>(loop_begin_ - cap_begin_ + k);
+}
+
+void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet,
+                                       const Cap& cap, CapChunk& out) {
+    const glm::dvec3& site = context.scene.sites[facet.i];
+    const glm::dvec3 normal = context.scene.sites[facet.j] - site;
+    flat_.clear();
+    for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
+        flat_.push_back(project(cap_position(context.cut, out.corners[k]), normal));
+    }
+    const Triangulation done = triangulate(flat_, std::span(loops_).first(loop_count_));
+    forced_ears += done.forced_ears;
+    out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());
+}
+
+void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+                                const CapChunk& out) {
+    const auto ring = context.diagram.ring_of(facet);
+    sides_.assign(cap.corners_end - cap.corners_begin, {kNone, kNone});
+    for (uint32_t k = 0; k < sides_.size(); ++k) {
+        const VertexId id = out.corners[cap.corners_begin + k];
+        if (id.kind() == VertexId::pierce) {
+            sides_[k][0] = context.cut.pierce_points[id.index()].voronoi_edge;
+        } else if (id.kind() == VertexId::node) {
+            for (size_t m = 0; m < ring.size(); ++m) {
+                const uint32_t first = context.winding.first_node[ring[m].vertex];
+                const uint32_t last = context.winding.first_node[ring[m].vertex + 1];
+                if (id.index() < first || id.index() >= last) continue;
+                sides_[k] = {ring[m].edge, ring[m + 1 == ring.size() ? 0 : m + 1].edge};
+            }
+        }
+    }
+}
+
+void Capper::Worker::split_diagonals_along_sides(const Context& context, Cap& cap, CapChunk& out) {
+    along_.clear();
+    const auto share_side = [&](uint32_t a, uint32_t b) {
+        for (const uint32_t side : sides_[a]) {
+            if (side != kNone && (side == sides_[b][0] || side == sides_[b][1])) return true;
+        }
+        return false;
+    };
+    for (size_t t = cap.triangles_begin; t < out.triangles.size(); ++t) {
+        for (int k = 0; k < 3; ++k) {
+            const uint32_t a = out.triangles[t][k], b = out.triangles[t][(k + 1) % 3];
+            if (share_side(a, b)) along_.push_back({a, b});
+        }
+    }
+    // Sides of the cap are run in one direction only, diagonals in both.
+    std::sort(along_.begin(), along_.end());
+    for (const auto& [a, b] : along_) {
+        if (a > b || !std::binary_search(along_.begin(), along_.end(), std::array<uint32_t, 2>{b, a}))
+            continue;
+        const auto middle = static_cast<uint32_t>(cap.corners_end - cap.corners_begin);
+        const auto id = static_cast<uint32_t>(context.cut.nodes.size() + out.added_nodes.size());
+        const glm::dvec3 p = cap_position(context.cut, out.corners[cap.corners_begin + a]);
+        const glm::dvec3 q = cap_position(context.cut, out.corners[cap.corners_begin + b]);
+        out.added_nodes.push_back({cap.facet, 0.5 * (p + q)});
+        out.corners.push_back({VertexId::node, id});
+        ++cap.corners_end;
+        const size_t count = out.triangles.size();
+        for (size_t t = cap.triangles_begin; t < count; ++t) {
+            for (int k = 0; k < 3; ++k) {
+                const int next = (k + 1) % 3;
+                Triangle& whole = out.triangles[t];
+                const bool holds = (whole[k] == a && whole[next] == b) || (whole[k] == b && whole[next] == a);
+                if (!holds) continue;
+                Triangle half = whole;
+                half[k] = middle;
+                whole[next] = middle;
+                out.triangles.push_back(half);
+                break;
+            }
+        }
+    }
+}
+
+void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uint32_t> edge_points,
+                         CapChunk& out) {
+    const VoronoiDiagram::Facet& facet = context.diagram.facets[f];
+    const bool strands = walk_around(context, facet);
+    if (!strands && edge_points.empty()) return;
+    cap_begin_ = out.corners.size();
+    loop_count_ = 0;
+    if (strands) {
+        int32_t most = 0, least = 0;
+        for (const Stop& stop : stops_) {
+            most = std::max(most, stop.after);
+            least = std::min(least, stop.after);
+        }
+        strands_.clear();
+        strand_corners_.clear();
+        for (int32_t sheet = least + 1; sheet <= most; ++sheet) find_strands(context, sheet);
+        trace_strands(context, facet, out);
+    }
+    trace_chains(context, edge_points, out);
+    if (loop_count_ == 0) return;
+    Cap cap{f, static_cast<uint32_t>(cap_begin_), static_cast<uint32_t>(out.corners.size()),
+            static_cast<uint32_t>(out.triangles.size()), 0};
+    triangulate_loops(context, facet, cap, out);
+    if (strands) {
+        find_sides(context, facet, cap, out);
+        split_diagonals_along_sides(context, cap, out);
+    }
+    cap.triangles_end = static_cast<uint32_t>(out.triangles.size());
+    out.caps.push_back(cap);
+}
+
+void Capper::group_by_facet(const VoronoiDiagram& diagram, const Cut& cut) {
+    points_begin_.assign(diagram.facets.size() + 2, 0);
+    for (const EdgePoint& point : cut.edge_points) ++points_begin_[point.facet + 2];
+    for (size_t f = 2; f < points_begin_.size(); ++f) points_begin_[f] += points_begin_[f - 1];
+    points_.resize(cut.edge_points.size());
+    for (uint32_t p = 0; p < cut.edge_points.size(); ++p) {
+        points_[points_begin_[cut.edge_points[p].facet + 1]++] = p;
+    }
+    visited_.assign(cut.edge_points.size(), 0);
+}
+
+// Workers numbered the nodes that they added from the same first id; give each its own.
+void Capper::number_added_nodes(const VoronoiDiagram& diagram, Cut& cut) {
+    const auto first = static_cast<uint32_t>(cut.nodes.size());
+    for (uint32_t k = 0; k < chunk_count_; ++k) {
+        CapChunk& chunk = chunks_[k];
+        if (chunk.added_nodes.empty()) continue;
+        const auto shift = static_cast<uint32_t>(cut.nodes.size()) - first;
+        for (VertexId& id : chunk.corners) {
+            if (id.kind() == VertexId::node && id.index() >= first) id = {VertexId::node, id.index() + shift};
+        }
+        for (const CapChunk::AddedNode& node : chunk.added_nodes) {
+            const VoronoiDiagram::Facet& facet = diagram.facets[node.facet];
+            cut.nodes.push_back({{facet.i, facet.j, kNone, kNone}, node.position, {}});
+        }
+    }
+}
+
+bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, Cut& cut,
+                 Threads& threads) {
+    group_by_facet(diagram, cut);
+    const auto facets = static_cast<uint32_t>(diagram.facets.size());
+    chunk_count_ = threads.chunks(facets, kLeastFacets);
+    if (chunks_.size() < chunk_count_) chunks_.resize(chunk_count_);
+    if (workers_.size() < chunk_count_) workers_.resize(chunk_count_);
+    const Worker::Context context{scene, diagram, winding, cut, visited_};
+    threads.for_chunks(facets, kLeastFacets, [&](uint32_t k, uint32_t begin, uint32_t end) {
+        CapChunk& out = chunks_[k];
+        out.caps.clear();
+        out.added_nodes.clear();
+        out.corners.clear();
+        out.triangles.clear();
+        workers_[k].start();
+        for (uint32_t f = begin; f < end; ++f) {
+            workers_[k].cap(
+                context, f,
+                std::span(points_).subspan(points_begin_[f], points_begin_[f + 1] - points_begin_[f]), out);
+        }
+    });
+    number_added_nodes(diagram, cut);
+    bool closed = winding.consistent;
+    for (uint32_t k = 0; k < chunk_count_; ++k) closed = closed && workers_[k].closed;
+    return closed;
+}
+
+uint64_t Capper::forced_ears() const {
+    uint64_t sum = 0;
+    for (uint32_t k = 0; k < chunk_count_; ++k) sum += workers_[k].forced_ears;
+    return sum;
+}
+
+} // namespace brittle::fracture::exact

@@ -1,0 +1,49 @@
+// A counting sort by cell, in parallel: rows of counters, a row for each chunk of each kind of item.
+//
+//     table.reset(rows, cells);
+//     ... each chunk counts its items: ++table.row(r)[cell] ...
+//     table.scan(threads);   // a row's counter becomes the rank of its first item within the cell
+//     ... each chunk places its items: rank = table.row(r)[cell]++ ...
+//
+// Ranks follow the order of rows, and of items within a row, so they do not depend on how items were chunked.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fracture/exact/parallel.h"
+
+namespace brittle::fracture::exact {
+
+class CellTable {
+  public:
+    void reset(uint32_t rows, uint32_t cells) {
+        rows_ = rows;
+        cells_ = cells;
+        counts_.assign(size_t{rows} * cells, 0);
+    }
+    [[nodiscard]] uint32_t* row(uint32_t r) { return counts_.data() + size_t{r} * cells_; }
+
+    // Fills total with the number of items of each cell.
+    void scan(Threads& threads, std::vector<uint32_t>& total) {
+        total.assign(cells_, 0);
+        constexpr uint32_t kLeastCells = 4096;
+        threads.for_chunks(cells_, kLeastCells, [&](uint32_t, uint32_t begin, uint32_t end) {
+            for (uint32_t r = 0; r < rows_; ++r) {
+                uint32_t* const counts = row(r);
+                for (uint32_t c = begin; c < end; ++c) {
+                    const uint32_t n = counts[c];
+                    counts[c] = total[c];
+                    total[c] += n;
+                }
+            }
+        });
+    }
+
+  private:
+    uint32_t rows_ = 0;
+    uint32_t cells_ = 0;
+    std::vector<uint32_t> counts_;
+};
+
+} // namespace brittle::fracture::exact

@@ -1,0 +1,81 @@
+#include "fracture/exact/classify.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+constexpr uint32_t kLeastVertices = 2048;
+
+// The neighbour that is nearer to q than c by most, or none, beyond doubt.
+SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c,
+                        PredicateStats& stats) {
+    const Frames::Cell& cell = frames.cells[c];
+    const glm::dvec3 y = q - cell.site;
+    SiteId nearer = VoronoiDiagram::none;
+    double least = 0.0;
+    for (Frames::Slot l = cell.begin; l < cell.end; ++l) {
+        const double g = frames.value_at(l, y);
+        int side = side1_filter(g, cell.error);
+        if (side > 0) continue;
+        if (side == 0) side = side1_exact(problem, c, frames.site[l], q, stats);
+        if (side < 0 && (nearer == VoronoiDiagram::none || g < least)) {
+            nearer = frames.site[l];
+            least = g;
+        }
+    }
+    return nearer;
+}
+
+} // namespace
+
+SiteId locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId start,
+              PredicateStats& stats) {
+    SiteId c = start;
+    for (;;) {
+        const Frames::Cell& cell = frames.cells[c];
+        if (cell.begin == cell.end) return c;
+        const glm::dvec3 y = q - cell.site;
+        const uint32_t n = (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
+        const LeastValue least = least_value_at(frames, cell.begin, n, static_cast<float>(y.x),
+                                                static_cast<float>(y.y), static_cast<float>(y.z));
+        if (least.value > cell.float_error) return c;
+        if (least.value < -cell.float_error) {
+            c = frames.site[least.slot];
+            continue;
+        }
+        const SiteId nearer = nearer_neighbour(problem, frames, q, c, stats);
+        if (nearer == VoronoiDiagram::none) return c;
+        c = nearer;
+    }
+}
+
+void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
+              std::span<const glm::dvec3> positions, Classifier* classifier, Threads& threads,
+              std::vector<SiteId>& cell_of, PredicateStats& stats) {
+    const auto count = static_cast<uint32_t>(positions.size());
+    cell_of.resize(count);
+    const bool guessed = classifier && classifier->nearest(positions, problem.sites, cell_of);
+    const auto any = std::find(diagram.cell_is_empty.begin(), diagram.cell_is_empty.end(), uint8_t{0});
+    assert(any != diagram.cell_is_empty.end());
+    const auto anywhere = static_cast<SiteId>(any - diagram.cell_is_empty.begin());
+    std::vector<PredicateStats> part(threads.chunks(count, kLeastVertices));
+    threads.for_chunks(count, kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        SiteId last = anywhere;
+        for (uint32_t v = begin; v < end; ++v) {
+            SiteId start = last;
+            if (guessed) {
+                if ((cell_of[v] & Classifier::kUncertain) == 0) continue;
+                start = cell_of[v] & ~Classifier::kUncertain;
+                if (start >= problem.sites.size() || diagram.cell_is_empty[start]) start = last;
+            }
+            last = locate(problem, frames, positions[v], start, part[chunk]);
+            cell_of[v] = last;
+        }
+    });
+    for (const PredicateStats& p : part) stats += p;
+}
+
+} // namespace brittle::fracture::exact

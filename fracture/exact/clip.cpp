@@ -1,0 +1,353 @@
+#include "fracture/exact/clip.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+constexpr uint32_t kLeastTriangles = 256;
+constexpr double kWellConditioned = 1e7; // as in edges.cpp
+
+bool even(uint32_t a, uint32_t b, uint32_t c) {
+    return (a < b && b < c) || (b < c && c < a) || (c < a && a < b);
+}
+
+} // namespace
+
+// One thread's share of the crossing triangles.
+class TriangleCutter::Worker {
+  public:
+    struct Context {
+        const VoronoiDiagram& diagram;
+        const Frames& frames;
+        std::span<const glm::dvec3> positions;
+        Diagram problem;
+        Cut& cut;
+    };
+
+    void start(PolygonChunk& out) {
+        out_ = &out;
+        out.polygons.clear();
+        out.corners.clear();
+        pierce_points.clear();
+        pierce_positions.clear();
+        links.clear();
+        stats = {};
+    }
+
+    void cut_simple(const CrossingTriangle& crossing, const Triangle& t, std::span<const SiteId> cell_of,
+                    Cut& cut);
+    void cut_general(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
+                     std::span<const SiteId> cell_of);
+
+    // Made here, with ids that count from this worker's first; run() moves them to their places.
+    std::vector<PiercePoint> pierce_points;
+    std::vector<glm::dvec3> pierce_positions;
+    struct Link {
+        uint32_t edge_point, pierce_point;
+    };
+    std::vector<Link> links; // edge points whose next is one of the pierce points
+    PredicateStats stats;
+    uint32_t base = 0;
+
+  private:
+    // A line that bounds a polygon: an edge of the triangle, 0 to 2, or 3 + an index into knives_.
+    using Line = uint32_t;
+
+    // A neighbour of the current cell that may cut the triangle: its values at the triangle's corners.
+    struct Knife {
+        Frames::Slot slot;
+        SiteId site;
+        uint32_t facet;
+        glm::dvec3 at;
+    };
+
+    bool clip_by_cell(const Context& context, SiteId c);
+    void find_knives(const Context& context, SiteId c);
+    [[nodiscard]] int side(const Context& context, SiteId c, Line in, Line out, const Knife& knife);
+    [[nodiscard]] VertexId vertex_at(const Context& context, SiteId c, Line in, Line out);
+    [[nodiscard]] VertexId pierce_point(const Context& context, SiteId c, const Knife& a, const Knife& b);
+    [[nodiscard]] glm::dvec3 pierce_position(const Context& context, const std::array<SiteId, 3>& cells);
+    void emit(const Context& context, SiteId c);
+    void link(Cut& cut, uint32_t facet, VertexId from, VertexId to, const VoronoiDiagram::Facet& sites);
+
+    PolygonChunk* out_ = nullptr;
+    const CrossingTriangle* crossing_ = nullptr;
+    std::array<uint32_t, 3> corners_{};
+    Corners corner_positions_{};
+    uint32_t first_pierce_ = 0; // of this triangle
+    std::vector<SiteId> queue_;
+    std::vector<Knife> knives_;
+    std::vector<Line> lines_, clipped_;
+    std::vector<int8_t> signs_;
+    std::vector<VertexId> ids_;
+};
+
+TriangleCutter::TriangleCutter() = default;
+TriangleCutter::~TriangleCutter() = default;
+
+void TriangleCutter::Worker::cut_simple(const CrossingTriangle& crossing, const Triangle& t,
+                                        std::span<const SiteId> cell_of, Cut& cut) {
+    // Turn the triangle so that corner `a` is alone in its cell; edges a and c = a - 1 carry the points.
+    const uint32_t uncut = crossing.count[0] == 0 ? 0 : (crossing.count[1] == 0 ? 1 : 2);
+    const uint32_t a = (uncut + 2) % 3;
+    const auto corner = [&](uint32_t k) {
+        return VertexId(VertexId::mesh, t[static_cast<int>((a + k) % 3)]);
+    };
+    const uint32_t p = crossing.first[a];           // on the edge that leaves a
+    const uint32_t q = crossing.first[(a + 2) % 3]; // on the edge that returns to a
+    const SiteId alone = cell_of[t[static_cast<int>(a)]], others = cell_of[t[static_cast<int>((a + 1) % 3)]];
+    const VertexId id_p(VertexId::edge, p), id_q(VertexId::edge, q);
+
+    auto& corners = out_->corners;
+    const auto begin = static_cast<uint32_t>(corners.size());
+    for (const VertexId id : {corner(0), id_p, id_q, id_p, corner(1), corner(2), id_q}) corners.push_back(id);
+    out_->polygons.push_back({alone, crossing.triangle, begin, begin + 3});
+    out_->polygons.push_back({others, crossing.triangle, begin + 3, begin + 7});
+    // The polygon of the lower cell runs p -> q (alone) or q -> p (others); the cap runs against it.
+    if (alone < others)
+        cut.edge_points[q].next = id_p;
+    else
+        cut.edge_points[p].next = id_q;
+}
+
+void TriangleCutter::Worker::cut_general(const Context& context, const CrossingTriangle& crossing,
+                                         const Triangle& t, std::span<const SiteId> cell_of) {
+    crossing_ = &crossing;
+    corners_ = {t.x, t.y, t.z};
+    for (size_t k = 0; k < 3; ++k) corner_positions_[k] = context.positions[corners_[k]];
+    first_pierce_ = static_cast<uint32_t>(pierce_points.size());
+    queue_.assign(1, cell_of[t.x]);
+    for (size_t at = 0; at < queue_.size(); ++at) {
+        const SiteId c = queue_[at];
+        if (clip_by_cell(context, c)) emit(context, c);
+    }
+}
+
+void TriangleCutter::Worker::find_knives(const Context& context, SiteId c) {
+    const Frames& frames = context.frames;
+    const Frames::Cell& cell = frames.cells[c];
+    const glm::dvec3 y0 = corner_positions_[0] - cell.site, y1 = corner_positions_[1] - cell.site,
+                     y2 = corner_positions_[2] - cell.site;
+    knives_.clear();
+    for (Frames::Slot l = cell.begin; l < cell.end; ++l) {
+        const glm::dvec3 at(frames.value_at(l, y0), frames.value_at(l, y1), frames.value_at(l, y2));
+        if (std::min({at.x, at.y, at.z}) > cell.error) continue; // the triangle is on c's side
+        const uint32_t neighbour = cell.first_neighbour + (l - cell.begin);
+        knives_.push_back({l, frames.site[l], context.diagram.neighbours[neighbour].facet, at});
+    }
+}
+
+int TriangleCutter::Worker::side(const Context& context, SiteId c, Line in, Line out, const Knife& knife) {
+    const double error = context.frames.cells[c].error;
+    if (in < 3 && out < 3) {
+        const int certain = side1_filter(knife.at[static_cast<int>(out)], error);
+        return certain != 0 ? certain
+                            : side1_exact(context.problem, c, knife.site, corner_positions_[out], stats);
+    }
+    if (in < 3 || out < 3) {
+        const Line edge = std::min(in, out);
+        const Knife& a = knives_[std::max(in, out) - 3];
+        const int k0 = static_cast<int>(edge), k1 = (k0 + 1) % 3;
+        const int certain = side2_filter(a.at[k0], a.at[k1], knife.at[k0], knife.at[k1], error);
+        return certain != 0 ? certain
+                            : side2_exact(context.problem, c, a.site, knife.site, corner_positions_[edge],
+                                          corner_positions_[static_cast<size_t>(k1)], stats);
+    }
+    const Knife &a = knives_[in - 3], &b = knives_[out - 3];
+    const int certain = side3_filter(a.at, b.at, knife.at, error);
+    return certain != 0
+               ? certain
+               : side3_exact(context.problem, c, a.site, b.site, knife.site, corner_positions_, stats);
+}
+
+// Sutherland and Hodgman's algorithm on lines instead of points. False where nothing is left.
+bool TriangleCutter::Worker::clip_by_cell(const Context& context, SiteId c) {
+    find_knives(context, c);
+    lines_ = {0, 1, 2};
+    for (uint32_t k = 0; k < knives_.size(); ++k) {
+        const size_t n = lines_.size();
+        signs_.resize(n); // of the corner before each line
+        bool any_inside = false, any_outside = false;
+        for (size_t m = 0; m < n; ++m) {
+            const Line in = lines_[m == 0 ? n - 1 : m - 1];
+            signs_[m] = static_cast<int8_t>(side(context, c, in, lines_[m], knives_[k]));
+            (signs_[m] > 0 ? any_inside : any_outside) = true;
+        }
+        if (!any_outside) continue;
+        if (!any_inside) return false;
+        clipped_.clear();
+        for (size_t m = 0; m < n; ++m) {
+            const bool from = signs_[m] > 0, to = signs_[m + 1 == n ? 0 : m + 1] > 0;
+            if (from || to) clipped_.push_back(lines_[m]);
+            if (from && !to) clipped_.push_back(3 + k);
+        }
+        lines_.swap(clipped_);
+    }
+    return true;
+}
+
+VertexId TriangleCutter::Worker::vertex_at(const Context& context, SiteId c, Line in, Line out) {
+    if (in < 3 && out < 3) return {VertexId::mesh, corners_[out]};
+    if (in >= 3 && out >= 3) return pierce_point(context, c, knives_[in - 3], knives_[out - 3]);
+    const Line edge = std::min(in, out);
+    const SiteId other = knives_[std::max(in, out) - 3].site;
+    const uint32_t first = crossing_->first[edge];
+    for (uint32_t p = first; p < first + crossing_->count[edge]; ++p) {
+        const auto& cells = context.cut.edge_points[p].cells;
+        if ((cells[0] == c && cells[1] == other) || (cells[0] == other && cells[1] == c)) {
+            return {VertexId::edge, p};
+        }
+    }
+    assert(false && "an edge point that the walk along the edge did not meet");
+    return {};
+}
+
+VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, const Knife& a,
+                                              const Knife& b) {
+    std::array<SiteId, 3> cells{c, a.site, b.site};
+    std::sort(cells.begin(), cells.end());
+    for (auto p = first_pierce_; p < pierce_points.size(); ++p) {
+        if (pierce_points[p].cells == cells) return {VertexId::pierce, p};
+    }
+    PiercePoint point{};
+    point.cells = cells;
+    point.triangle = crossing_->triangle;
+    // Seen from outside the mesh the cells around the point are, counter-clockwise, c, then the one beyond
+    // the line that comes in, then the one beyond the line that goes out.
+    point.leaves = even(c, a.site, b.site) ? 1 : 0;
+    point.voronoi_edge = VoronoiDiagram::none;
+    for (const VoronoiDiagram::Corner& corner : context.diagram.ring_of(context.diagram.facets[a.facet])) {
+        if (corner.third == b.site) point.voronoi_edge = corner.edge;
+    }
+    assert(point.voronoi_edge != VoronoiDiagram::none);
+    pierce_points.push_back(point);
+    pierce_positions.push_back(pierce_position(context, cells));
+    return {VertexId::pierce, static_cast<uint32_t>(pierce_points.size()) - 1};
+}
+
+glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context,
+                                                   const std::array<SiteId, 3>& cells) {
+    const glm::dvec3& site = context.problem.sites[cells[0]];
+    const Bisector a = make_bisector(site, context.problem.sites[cells[1]]);
+    const Bisector b = make_bisector(site, context.problem.sites[cells[2]]);
+    glm::dvec3 at_a, at_b;
+    double reach2 = 0.0, most = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 y = corner_positions_[static_cast<size_t>(k)] - site;
+        at_a[k] = value(a, y);
+        at_b[k] = value(b, y);
+        reach2 = std::max(reach2, y.x * y.x + y.y * y.y + y.z * y.z);
+        most = std::max({most, std::abs(at_a[k]), std::abs(at_b[k])});
+    }
+    const double error = value_error(std::max(a.length, b.length), std::sqrt(reach2));
+    // Barycentric weights are the cofactors of the third row of det[A;B;1].
+    glm::dvec3 weights(at_a.y * at_b.z - at_a.z * at_b.y, at_a.z * at_b.x - at_a.x * at_b.z,
+                       at_a.x * at_b.y - at_a.y * at_b.x);
+    const double sum = weights.x + weights.y + weights.z;
+    if (std::abs(sum) > kWellConditioned * 14.0 * most * error) {
+        weights = glm::clamp(weights / sum, 0.0, 1.0);
+    } else {
+        weights = pierce_weights_exact(context.problem, cells[0], cells[1], cells[2], corner_positions_);
+    }
+    const auto& [q0, q1, q2] = corner_positions_;
+    const glm::dvec3 p = q0 + (weights.y * (q1 - q0) + weights.z * (q2 - q0));
+    return glm::clamp(p, glm::min(q0, glm::min(q1, q2)), glm::max(q0, glm::max(q1, q2)));
+}
+
+void TriangleCutter::Worker::link(Cut& cut, uint32_t facet, VertexId from, VertexId to,
+                                  const VoronoiDiagram::Facet& sites) {
+    if (from.kind() == VertexId::edge) {
+        assert(cut.edge_points[from.index()].facet == facet);
+        if (cut.edge_points[from.index()].facet != facet) return;
+        if (to.kind() == VertexId::pierce)
+            links.push_back({from.index(), to.index()});
+        else
+            cut.edge_points[from.index()].next = to;
+    } else if (from.kind() == VertexId::pierce) {
+        PiercePoint& point = pierce_points[from.index()];
+        const auto place = [&](SiteId s) {
+            return static_cast<uint32_t>(std::find(point.cells.begin(), point.cells.end(), s)
+                                         - point.cells.begin());
+        };
+        point.next[pair_index(place(sites.i), place(sites.j))] = to;
+    }
+}
+
+void TriangleCutter::Worker::emit(const Context& context, SiteId c) {
+    const size_t n = lines_.size();
+    ids_.resize(n); // the corner before each line
+    for (size_t m = 0; m < n; ++m) ids_[m] = vertex_at(context, c, lines_[m == 0 ? n - 1 : m - 1], lines_[m]);
+    auto& corners = out_->corners;
+    const auto begin = static_cast<uint32_t>(corners.size());
+    corners.insert(corners.end(), ids_.begin(), ids_.end());
+    out_->polygons.push_back({c, crossing_->triangle, begin, static_cast<uint32_t>(corners.size())});
+    for (size_t m = 0; m < n; ++m) {
+        if (lines_[m] < 3) continue;
+        const Knife& knife = knives_[lines_[m] - 3];
+        if (knife.site > c) { // the cap runs against the lower cell's polygon
+            link(context.cut, knife.facet, ids_[m + 1 == n ? 0 : m + 1], ids_[m],
+                 context.diagram.facets[knife.facet]);
+        }
+        if (std::find(queue_.begin(), queue_.end(), knife.site) == queue_.end()) queue_.push_back(knife.site);
+    }
+}
+
+void TriangleCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
+                         std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
+                         Threads& threads, Cut& cut, PredicateStats& stats) {
+    const auto count = static_cast<uint32_t>(cut.crossing.size());
+    const uint32_t parts = threads.chunks(count, kLeastTriangles);
+    if (workers_.size() < parts) workers_.resize(parts);
+    if (cut.chunks.size() < parts) cut.chunks.resize(parts);
+    cut.chunk_count = parts;
+    const Worker::Context context{diagram, frames, scene.positions, scene.diagram(), cut};
+    threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t begin, uint32_t end) {
+        Worker& worker = workers_[k];
+        worker.start(cut.chunks[k]);
+        for (uint32_t x = begin; x < end; ++x) {
+            const CrossingTriangle& crossing = cut.crossing[x];
+            const Triangle& t = triangles[crossing.triangle];
+            if (crossing.count[0] + crossing.count[1] + crossing.count[2] == 2) {
+                worker.cut_simple(crossing, t, cell_of, cut);
+            } else {
+                worker.cut_general(context, crossing, t, cell_of);
+            }
+        }
+    });
+
+    uint32_t points = 0;
+    for (uint32_t k = 0; k < parts; ++k) {
+        workers_[k].base = points;
+        points += static_cast<uint32_t>(workers_[k].pierce_points.size());
+        stats += workers_[k].stats;
+    }
+    cut.pierce_points.resize(points);
+    cut.pierce_positions.resize(points);
+    threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t, uint32_t) {
+        Worker& worker = workers_[k];
+        const uint32_t base = worker.base;
+        const auto moved = [base](VertexId id) {
+            return id.kind() == VertexId::pierce ? VertexId(VertexId::pierce, id.index() + base) : id;
+        };
+        for (PiercePoint& point : worker.pierce_points) {
+            for (VertexId& next : point.next) {
+                if (!next.is_none()) next = moved(next);
+            }
+        }
+        std::copy(worker.pierce_points.begin(), worker.pierce_points.end(), cut.pierce_points.begin() + base);
+        std::copy(worker.pierce_positions.begin(), worker.pierce_positions.end(),
+                  cut.pierce_positions.begin() + base);
+        for (const auto& [edge_point, pierce] : worker.links) {
+            cut.edge_points[edge_point].next = {VertexId::pierce, pierce + base};
+        }
+        if (base != 0) {
+            for (VertexId& id : cut.chunks[k].corners) id = moved(id);
+        }
+    });
+}
+
+} // namespace brittle::fracture::exact

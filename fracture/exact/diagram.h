@@ -1,0 +1,60 @@
+// Builds the Voronoi diagram from the cells of its sites.
+//
+// Each facet (i,j), i < j, is described by cell i; each edge and vertex belongs to the facet of its two
+// lowest sites. So every item has one owner, and ids follow from prefix sums over owners: no hash table, no
+// order of threads.
+#pragma once
+
+#include <vector>
+
+#include "fracture/exact/cells.h"
+#include "fracture/exact/parallel.h"
+#include "fracture/exact/predicates.h"
+#include "fracture/voronoi.h"
+
+namespace brittle::fracture::exact {
+
+class DiagramBuilder {
+  public:
+    // In the coordinates of the predicates (scene.h). Reuses the memory of `out` and of earlier calls.
+    void build(const Diagram& problem, Threads& threads, VoronoiDiagram& out);
+
+    [[nodiscard]] PredicateStats stats() const;
+
+  private:
+    struct CellRef {
+        uint32_t chunk = 0;
+        uint32_t planes_begin = 0, planes_end = 0;     // into Chunk::planes
+        uint32_t vertices_begin = 0, vertices_end = 0; // into Chunk::vertices
+    };
+    struct Chunk {
+        CellBuilder builder;
+        std::vector<PlaneId> planes;
+        std::vector<std::array<uint32_t, 3>> vertices;
+        std::vector<uint32_t> fan_begin; // per plane of one cell, into fan
+        std::vector<std::array<uint32_t, 2>> fan;
+        std::vector<PlaneId> rings; // the owned facets' thirds, one facet after the other
+    };
+
+    void build_cells(const Diagram& problem, Threads& threads, VoronoiDiagram& out);
+    void number_facets(VoronoiDiagram& out);
+    void collect_rings(Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out);
+    void number_items(VoronoiDiagram& out);
+    void fill_owned(const Diagram& problem, SiteId begin, SiteId end, VoronoiDiagram& out) const;
+    void link_rings(uint32_t begin, uint32_t end, VoronoiDiagram& out) const;
+    [[nodiscard]] uint32_t edge_id(const VoronoiDiagram& d, std::array<PlaneId, 3> planes) const;
+    [[nodiscard]] uint32_t vertex_id(const VoronoiDiagram& d, std::array<PlaneId, 4> planes) const;
+
+    SiteGrid grid_;
+    std::vector<CellRef> cells_;
+    std::vector<Chunk> chunks_;
+    std::vector<uint32_t> facet_begin_;  // sites + 1: the facets that each cell owns
+    std::vector<uint32_t> edge_begin_;   // facets + 1
+    std::vector<uint32_t> vertex_begin_; // facets + 1
+};
+
+// The position of the Voronoi vertex of these ascending planes, always computed in the frame of the first
+// site.
+[[nodiscard]] glm::dvec3 vertex_position(const Diagram& problem, const std::array<PlaneId, 4>& planes);
+
+} // namespace brittle::fracture::exact

@@ -1,0 +1,197 @@
+#include "fracture/exact/edges.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <string>
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+constexpr uint32_t kLeastTriangles = 256;
+
+// A quotient of differences whose error bound is this much smaller has nine good digits or more; else it is
+// rounded from the exact one.
+constexpr double kWellConditioned = 1e7;
+
+uint64_t key_of(uint32_t low, uint32_t high) {
+    return uint64_t{low} << 32 | high; // never 0: low < high
+}
+
+uint64_t hash_of(uint64_t key) {
+    key *= 0x9e3779b97f4a7c15ull;
+    return key ^ (key >> 32);
+}
+
+// So that the message does not depend on which thread was first.
+void keep_largest(std::atomic<uint64_t>& target, uint64_t key) {
+    uint64_t seen = target.load(std::memory_order_relaxed);
+    while (seen < key && !target.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {
+    }
+}
+
+// The bisector that an edge leaves its cell through, so far.
+struct Exit {
+    Frames::Slot slot = kNone;
+    double at_low = 0.0, at_high = 0.0;
+};
+
+// The point where the edge meets the bisector of two cells; always computed in the frame of the lower one.
+glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::dvec3& low,
+                         const glm::dvec3& high) {
+    const SiteId c = std::min(a, b), other = std::max(a, b);
+    const glm::dvec3& site = problem.sites[c];
+    const Bisector plane = make_bisector(site, problem.sites[other]);
+    const glm::dvec3 y0 = low - site, y1 = high - site;
+    const double g0 = value(plane, y0), g1 = value(plane, y1);
+    const double reach =
+        std::sqrt(std::max(y0.x * y0.x + y0.y * y0.y + y0.z * y0.z, y1.x * y1.x + y1.y * y1.y + y1.z * y1.z));
+    const double difference = g0 - g1;
+    const bool good = std::abs(difference) > kWellConditioned * value_error(plane.length, reach);
+    const double t =
+        good ? std::clamp(g0 / difference, 0.0, 1.0) : edge_parameter_exact(problem, c, other, low, high);
+    const glm::dvec3 p = low + t * (high - low);
+    return glm::clamp(p, glm::min(low, high), glm::max(low, high));
+}
+
+} // namespace
+
+void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
+                           uint32_t low, uint32_t high, SiteId from, SiteId to, Chunk& chunk) const {
+    const Diagram problem = scene.diagram();
+    const glm::dvec3 &q0 = scene.positions[low], &q1 = scene.positions[high];
+    const auto first = static_cast<uint32_t>(chunk.points.size());
+    for (SiteId c = from; c != to;) {
+        const Frames::Cell& cell = frames.cells[c];
+        const glm::dvec3 y0 = q0 - cell.site, y1 = q1 - cell.site;
+        const uint32_t filled =
+            (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
+        if (chunk.beyond.size() < filled) chunk.beyond.resize(filled);
+        plane_values_at(frames, cell.begin, filled, y1, chunk.beyond.data());
+        Exit exit;
+        for (Frames::Slot l = cell.begin; l < cell.end; ++l) {
+            const double at_high = chunk.beyond[l - cell.begin];
+            int side = side1_filter(at_high, cell.error);
+            if (side > 0) continue;
+            if (side == 0) side = side1_exact(problem, c, frames.site[l], q1, chunk.stats);
+            if (side > 0) continue;
+            const double at_low = frames.value_at(l, y0);
+            if (exit.slot != kNone) { // keep the one that is met first
+                side = side2_filter(exit.at_low, exit.at_high, at_low, at_high, cell.error);
+                if (side == 0) {
+                    side =
+                        side2_exact(problem, c, frames.site[exit.slot], frames.site[l], q0, q1, chunk.stats);
+                }
+                if (side > 0) continue;
+            }
+            exit = {l, at_low, at_high};
+        }
+        assert(exit.slot != kNone);
+        if (exit.slot == kNone) break;
+        const SiteId next = frames.site[exit.slot];
+        const uint32_t facet = diagram.neighbours[cell.first_neighbour + (exit.slot - cell.begin)].facet;
+        chunk.points.push_back({{c, next}, facet, VertexId{}, {}});
+        chunk.positions.push_back(point_on_edge(problem, c, next, q0, q1));
+        c = next;
+    }
+    chunk.walks.push_back({key_of(low, high), first, static_cast<uint32_t>(chunk.points.size()) - first});
+}
+
+void EdgeCutter::insert(const Walk& walk) {
+    const size_t mask = table_.size() - 1;
+    for (size_t slot = hash_of(walk.key) & mask;; slot = (slot + 1) & mask) {
+        std::atomic_ref<uint64_t> key(table_[slot].key);
+        uint64_t found = 0;
+        if (key.compare_exchange_strong(found, walk.key, std::memory_order_relaxed)) {
+            table_[slot].first = walk.first;
+            table_[slot].count = walk.count;
+            return;
+        }
+        if (found == walk.key) {
+            keep_largest(shared_edge_, walk.key);
+            return;
+        }
+    }
+}
+
+const EdgeCutter::Walk* EdgeCutter::find(uint64_t key) const {
+    const size_t mask = table_.size() - 1;
+    for (size_t slot = hash_of(key) & mask; table_[slot].key != 0; slot = (slot + 1) & mask) {
+        if (table_[slot].key == key) return &table_[slot];
+    }
+    return nullptr;
+}
+
+Result<void> EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
+                             std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
+                             Threads& threads, Cut& cut, PredicateStats& stats) {
+    const auto count = static_cast<uint32_t>(cut.crossing.size());
+    const uint32_t parts = threads.chunks(count, kLeastTriangles);
+    chunks_.resize(std::max<size_t>(chunks_.size(), parts));
+    threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t begin, uint32_t end) {
+        Chunk& chunk = chunks_[k];
+        chunk.walks.clear();
+        chunk.points.clear();
+        chunk.positions.clear();
+        chunk.stats = {};
+        for (uint32_t x = begin; x < end; ++x) {
+            const Triangle& t = triangles[cut.crossing[x].triangle];
+            for (int e = 0; e < 3; ++e) {
+                const uint32_t from = t[e], to = t[e == 2 ? 0 : e + 1];
+                if (from > to || cell_of[from] == cell_of[to]) continue;
+                walk_edge(scene, diagram, frames, from, to, cell_of[from], cell_of[to], chunk);
+            }
+        }
+    });
+
+    uint32_t points = 0;
+    size_t walks = 0;
+    for (uint32_t k = 0; k < parts; ++k) {
+        chunks_[k].base = points;
+        points += static_cast<uint32_t>(chunks_[k].points.size());
+        walks += chunks_[k].walks.size();
+        stats += chunks_[k].stats;
+    }
+    cut.edge_points.resize(points);
+    cut.edge_positions.resize(points);
+    table_.assign(std::bit_ceil(2 * walks + 2), Walk{0, 0, 0});
+    shared_edge_ = 0;
+    threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t, uint32_t) {
+        const Chunk& chunk = chunks_[k];
+        std::copy(chunk.points.begin(), chunk.points.end(), cut.edge_points.begin() + chunk.base);
+        std::copy(chunk.positions.begin(), chunk.positions.end(), cut.edge_positions.begin() + chunk.base);
+        for (const Walk& walk : chunk.walks) insert({walk.key, walk.first + chunk.base, walk.count});
+    });
+
+    std::atomic<uint64_t> lonely_edge{0};
+    threads.for_chunks(count, kLeastTriangles, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t x = begin; x < end; ++x) {
+            CrossingTriangle& crossing = cut.crossing[x];
+            const Triangle& t = triangles[crossing.triangle];
+            for (int e = 0; e < 3; ++e) {
+                const uint32_t a = t[e], b = t[e == 2 ? 0 : e + 1];
+                crossing.first[static_cast<size_t>(e)] = crossing.count[static_cast<size_t>(e)] = 0;
+                if (cell_of[a] == cell_of[b]) continue;
+                const uint64_t key = key_of(std::min(a, b), std::max(a, b));
+                const Walk* walk = find(key);
+                if (!walk) {
+                    keep_largest(lonely_edge, key);
+                    continue;
+                }
+                crossing.first[static_cast<size_t>(e)] = walk->first;
+                crossing.count[static_cast<size_t>(e)] = walk->count;
+            }
+        }
+    });
+    const uint64_t bad = std::max(shared_edge_.load(), lonely_edge.load());
+    if (bad != 0) {
+        return Error{Status::invalid_mesh,
+                     "more than two triangles share the edge between vertices " + std::to_string(bad >> 32)
+                         + " and " + std::to_string(bad & 0xffffffffu) + "; split the mesh there first"};
+    }
+    return {};
+}
+
+} // namespace brittle::fracture::exact

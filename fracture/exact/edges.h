@@ -1,0 +1,55 @@
+// Cuts the mesh's edges: every edge whose ends lie in different cells is walked from cell to cell, once.
+//
+// From cell c the walk leaves through the bisector that the edge meets first, of those with the far end
+// beyond them; two bisectors are compared by side2. No parameter along the edge is ever compared with
+// another.
+//
+// An edge is walked by the triangle that runs it from the lower vertex to the higher; the triangle on the
+// other side finds the points in a hash table. A closed, oriented, manifold mesh has exactly one of each.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "fracture/error.h"
+#include "fracture/exact/cut.h"
+#include "fracture/exact/frames.h"
+#include "fracture/exact/parallel.h"
+
+namespace brittle::fracture::exact {
+
+class EdgeCutter {
+  public:
+    // cut.crossing names the triangles; fills their first and count, and the edge points. Errors:
+    // invalid_mesh where more than two triangles share an edge that is cut.
+    [[nodiscard]] Result<void> run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
+                                   std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
+                                   Threads& threads, Cut& cut, PredicateStats& stats);
+
+  private:
+    struct Walk { // of one edge, by its owner
+        uint64_t key;
+        uint32_t first, count; // in the chunk until numbered
+    };
+    struct Chunk {
+        std::vector<Walk> walks;
+        std::vector<EdgePoint> points;
+        std::vector<glm::dvec3> positions;
+        std::vector<double> beyond; // values of one cell's planes at the far end
+        PredicateStats stats;
+        uint32_t base = 0;
+    };
+
+    void walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames, uint32_t low,
+                   uint32_t high, SiteId from, SiteId to, Chunk& chunk) const;
+    void insert(const Walk& walk);
+    [[nodiscard]] const Walk* find(uint64_t key) const;
+
+    std::vector<Chunk> chunks_;
+    std::vector<Walk> table_;              // open addressing, key 0 is free
+    std::atomic<uint64_t> shared_edge_{0}; // the key of an edge that two owners claim
+};
+
+} // namespace brittle::fracture::exact

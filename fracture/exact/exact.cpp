@@ -1,0 +1,136 @@
+#include "fracture/exact/exact.h"
+
+#include <chrono>
+
+#include "fracture/exact/assemble.h"
+#include "fracture/exact/bonds.h"
+#include "fracture/exact/caps.h"
+#include "fracture/exact/clip.h"
+#include "fracture/exact/diagram.h"
+#include "fracture/exact/edges.h"
+#include "fracture/exact/islands.h"
+#include "fracture/exact/scene.h"
+#include "fracture/exact/surface.h"
+#include "fracture/exact/winding.h"
+
+namespace brittle::fracture::exact {
+
+struct Workspace::State {
+    Threads threads{1};
+    uint32_t requested_threads = 1;
+    Scene scene;
+    Surface surface;
+    DiagramBuilder diagram_builder;
+    VoronoiDiagram diagram;
+    Frames frames;
+    std::vector<SiteId> cell_of;
+    std::vector<SiteId> cell_of_triangle;
+    EdgeCutter edge_cutter;
+    TriangleCutter triangle_cutter;
+    Cut cut;
+    Winding winding;
+    Capper capper;
+    Assembler assembler;
+    IslandSplitter islands;
+    Statistics statistics;
+};
+
+Workspace::Workspace() : state_(std::make_unique<State>()) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+namespace {
+
+// Names the phases and reports progress between them.
+class PhaseClock {
+  public:
+    PhaseClock(const Settings& settings, Fragments& out) : settings_(settings), out_(out) {
+        out.timings.clear();
+    }
+
+    void done(const char* phase, double share) {
+        const auto now = std::chrono::steady_clock::now();
+        out_.timings.push_back({phase, std::chrono::duration<double, std::milli>(now - last_).count()});
+        if (settings_.progress) settings_.progress(share);
+        last_ = std::chrono::steady_clock::now();
+    }
+
+  private:
+    const Settings& settings_;
+    Fragments& out_;
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+Error not_closed() {
+    return {Status::invalid_mesh,
+            "the mesh does not bound a solid: its surface does not close around the cuts; "
+            "check it for edges that more than two triangles share"};
+}
+
+} // namespace
+
+Statistics statistics(const Workspace& workspace) {
+    return workspace.state().statistics;
+}
+
+Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
+                            const Settings& settings, Workspace& workspace, Fragments& out,
+                            Classifier* classifier) {
+    Workspace::State& s = workspace.state();
+    if (s.requested_threads != settings.threads) {
+        s.threads = Threads(settings.threads);
+        s.requested_threads = settings.threads;
+    }
+    s.statistics = {};
+    PredicateStats& stats = s.statistics.predicates;
+    PhaseClock clock(settings, out);
+
+    if (auto ok = make_scene(mesh, sites, s.threads, s.scene); !ok) return ok;
+    const Diagram problem = s.scene.diagram();
+    if (auto ok = s.surface.inspect(mesh); !ok) return ok;
+    clock.done("prepare", 0.05);
+
+    s.diagram_builder.build(problem, s.threads, s.diagram);
+    s.frames.build(problem, s.diagram, s.threads);
+    stats += s.diagram_builder.stats();
+    clock.done("cells", 0.3);
+
+    classify(problem, s.diagram, s.frames, s.scene.positions, classifier, s.threads, s.cell_of, stats);
+    sort_triangles(s.surface, mesh.triangles, s.cell_of, s.threads, s.cell_of_triangle, s.cut);
+    clock.done("classify", 0.4);
+
+    if (auto ok = s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut,
+                                    stats);
+        !ok) {
+        return ok;
+    }
+    s.triangle_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
+    clock.done("clip", 0.6);
+
+    s.winding.compute(s.scene, s.diagram, mesh.triangles, s.cut, s.threads, stats);
+    const bool closed = s.capper.run(s.scene, s.diagram, s.winding, s.cut, s.threads);
+    s.statistics.forced_ears = s.capper.forced_ears();
+    if (!closed) return not_closed();
+    clock.done("caps", 0.75);
+
+    const Assembler::Input input{mesh,  s.scene,          s.surface, s.diagram, s.cell_of, s.cell_of_triangle,
+                                 s.cut, s.capper.chunks()};
+    s.assembler.run(input, s.threads, out);
+    clock.done("assemble", 0.9);
+
+    s.islands.run(input, s.assembler.cells(), s.threads, out);
+    find_bonds(input, s.assembler, s.islands, out);
+    clock.done("islands", 1.0);
+    return {};
+}
+
+Result<Fragments> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
+                                 const Settings& settings) {
+    Workspace workspace;
+    Fragments fragments;
+    if (auto ok = fracture_exact(mesh, sites, settings, workspace, fragments); !ok) return ok.error();
+    return fragments;
+}
+
+} // namespace brittle::fracture::exact

@@ -1,0 +1,52 @@
+// The neighbours of each cell as arrays for vectorised tests: in the frame of site c, neighbour l is the
+// plane h - n.y = 0 with n = s_l - s_c and h = |n|^2 / 2, positive on the side of c (predicates.h).
+#pragma once
+
+#include <vector>
+
+#include "fracture/exact/parallel.h"
+#include "fracture/exact/predicates.h"
+#include "fracture/voronoi.h"
+
+namespace brittle::fracture::exact {
+
+struct Frames {
+    // A neighbour's place in the arrays. Each cell's run starts at a multiple of kLanes and is filled up with
+    // planes that nothing is beyond.
+    using Slot = uint32_t;
+    static constexpr uint32_t kLanes = 8;
+
+    struct Cell {
+        glm::dvec3 site;
+        double error;             // of a value anywhere in the box, in double
+        float float_error;        // in float
+        Slot begin, end;          // end without the filling
+        uint32_t first_neighbour; // into VoronoiDiagram::neighbours
+    };
+
+    std::vector<Cell> cells;
+    std::vector<double> nx, ny, nz, h;
+    std::vector<float> fx, fy, fz, fh;
+    std::vector<SiteId> site;
+
+    [[nodiscard]] Bisector plane(Slot l) const { return {{nx[l], ny[l], nz[l]}, h[l], 0.0}; }
+    [[nodiscard]] double value_at(Slot l, const glm::dvec3& y) const {
+        return h[l] - (nx[l] * y.x + ny[l] * y.y + nz[l] * y.z);
+    }
+
+    void build(const Diagram& problem, const VoronoiDiagram& diagram, Threads& threads);
+};
+
+// Values of the planes [begin, begin + n) at y; n is a multiple of Frames::kLanes.
+void plane_values_at(const Frames& frames, Frames::Slot begin, uint32_t n, const glm::dvec3& y,
+                     double* values);
+
+// The least value in float of the planes [begin, begin + n) at y, and its slot.
+struct LeastValue {
+    float value;
+    Frames::Slot slot;
+};
+[[nodiscard]] LeastValue least_value_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x,
+                                        float y, float z);
+
+} // namespace brittle::fracture::exact

@@ -1,0 +1,216 @@
+#include "fracture/exact/islands.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/mass_properties.h"
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+constexpr uint32_t kLeastCells = 4;
+
+uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
+    while (parent[v] != v) {
+        parent[v] = parent[parent[v]];
+        v = parent[v];
+    }
+    return v;
+}
+
+void unite(std::vector<uint32_t>& parent, const Triangle& t) {
+    const uint32_t a = root_of(parent, t.x), b = root_of(parent, t.y), c = root_of(parent, t.z);
+    const uint32_t least = std::min({a, b, c});
+    parent[a] = parent[b] = parent[c] = least;
+}
+
+// How often the surface winds around p, from the solid angles of its triangles (Van Oosterom and Strackee,
+// "The solid angle of a plane triangle", 1983). 1 inside a closed surface, 0 outside.
+double winding_number(const glm::dvec3& p, std::span<const glm::dvec3> positions,
+                      std::span<const Triangle> triangles, std::span<const uint32_t> label, uint32_t island) {
+    double sum = 0.0;
+    for (const Triangle& t : triangles) {
+        if (label[t.x] != island) continue;
+        const glm::dvec3 a = positions[t.x] - p, b = positions[t.y] - p, c = positions[t.z] - p;
+        const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+        const double triple = glm::dot(a, glm::cross(b, c));
+        sum += std::atan2(triple,
+                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+    }
+    return sum / (2.0 * 3.14159265358979323846);
+}
+
+} // namespace
+
+void IslandSplitter::count_uncut_components(const Assembler::Input& input) {
+    uncut_.assign(input.scene.sites.size(), 0);
+    const auto& component = input.surface.components();
+    if (input.surface.component_count() == 1 && !input.cut.crossing.empty()) return;
+    component_is_cut_.assign(component.size(), 0);
+    for (const CrossingTriangle& crossing : input.cut.crossing) {
+        component_is_cut_[component[input.mesh.triangles[crossing.triangle].x]] = 1;
+    }
+    for (uint32_t v = 0; v < component.size(); ++v) {
+        if (component[v] == v && !component_is_cut_[v]) ++uncut_[input.cell_of[v]];
+    }
+}
+
+// Labels the cell's vertices with islands numbered by their least vertex, unless there is only one.
+uint32_t IslandSplitter::find_islands(SiteId c, const CellRun& cell, std::span<const Triangle> triangles,
+                                      Chunk& chunk) const {
+    const uint32_t vertices = cell.vertices.size();
+    chunk.parent.resize(vertices);
+    std::iota(chunk.parent.begin(), chunk.parent.end(), 0u);
+    for (const Triangle& t : triangles.subspan(cell.whole_triangles)) unite(chunk.parent, t);
+    // Count the groups that hold a cut vertex, each by its root.
+    uint32_t groups = uncut_[c];
+    chunk.label.assign(vertices, 0);
+    for (uint32_t v = cell.mesh_vertices; v < vertices && groups < 2; ++v) {
+        uint32_t& seen = chunk.label[root_of(chunk.parent, v)];
+        groups += seen == 0 ? 1 : 0;
+        seen = 1;
+    }
+    if (groups < 2) return groups;
+    for (const Triangle& t : triangles.first(cell.whole_triangles)) unite(chunk.parent, t);
+    uint32_t islands = 0;
+    for (uint32_t v = 0; v < vertices; ++v) { // roots are the least vertices of their sets
+        const uint32_t r = root_of(chunk.parent, v);
+        chunk.label[v] = r == v ? islands++ : chunk.label[r];
+    }
+    return islands;
+}
+
+uint32_t IslandSplitter::attach_cavities(const CellRun& cell, const Fragments& out, uint32_t islands,
+                                         Chunk& chunk) {
+    const std::span positions(out.positions.data() + cell.vertices.begin, cell.vertices.size());
+    const std::span triangles(out.triangles.data() + cell.triangles.begin, cell.triangles.size());
+    chunk.volume.assign(islands, 0.0);
+    const glm::dvec3 origin = positions[0];
+    for (const Triangle& t : triangles) {
+        const glm::dvec3 a = positions[t.x] - origin, b = positions[t.y] - origin,
+                         c = positions[t.z] - origin;
+        chunk.volume[chunk.label[t.x]] += glm::dot(a, glm::cross(b, c));
+    }
+    const auto is_cavity = [&](uint32_t k) { return chunk.volume[k] < 0.0; };
+    if (std::none_of(chunk.volume.begin(), chunk.volume.end(), [](double v) { return v < 0.0; }))
+        return islands;
+
+    std::vector<uint32_t> home(islands);
+    std::iota(home.begin(), home.end(), 0u);
+    for (uint32_t k = 0; k < islands; ++k) {
+        if (!is_cavity(k)) continue;
+        const auto vertex =
+            static_cast<uint32_t>(std::find(chunk.label.begin(), chunk.label.end(), k) - chunk.label.begin());
+        for (uint32_t m = 0; m < islands; ++m) {
+            const bool smaller = home[k] == k || chunk.volume[m] < chunk.volume[home[k]];
+            if (is_cavity(m) || chunk.volume[m] < -chunk.volume[k] || !smaller) continue;
+            if (winding_number(positions[vertex], positions, triangles, chunk.label, m) > 0.5) home[k] = m;
+        }
+    }
+    // Number what remains by the least vertex again.
+    std::vector<uint32_t> number(islands, kNone);
+    uint32_t remaining = 0;
+    for (uint32_t& label : chunk.label) {
+        uint32_t& n = number[home[label]];
+        if (n == kNone) n = remaining++;
+        label = n;
+    }
+    return remaining;
+}
+
+// Stable in the order of vertices, and of triangles.
+void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk, Fragments& out) {
+    const std::span positions(out.positions.data() + cell.vertices.begin, cell.vertices.size());
+    const std::span triangles(out.triangles.data() + cell.triangles.begin, cell.triangles.size());
+    const std::span sources(out.triangle_source.data() + cell.triangles.begin, cell.triangles.size());
+    const auto first = static_cast<uint32_t>(chunk.pieces.size()) - islands;
+
+    std::vector<uint32_t>& cursor = chunk.island_begin;
+    cursor.assign(islands + 1, 0);
+    for (const uint32_t label : chunk.label) ++cursor[label + 1];
+    for (uint32_t k = 0; k < islands; ++k) {
+        cursor[k + 1] += cursor[k];
+        chunk.pieces[first + k].vertices = {cell.vertices.begin + cursor[k],
+                                            cell.vertices.begin + cursor[k + 1]};
+    }
+    chunk.positions.assign(positions.begin(), positions.end());
+    chunk.vertex_order.resize(positions.size());
+    std::vector<uint32_t> begin(cursor.begin(), cursor.end() - 1);
+    for (size_t v = 0; v < positions.size(); ++v) {
+        const uint32_t at = cursor[chunk.label[v]]++;
+        positions[at] = chunk.positions[v];
+        chunk.vertex_order[v] = at - begin[chunk.label[v]];
+    }
+
+    cursor.assign(islands + 1, 0);
+    for (const Triangle& t : triangles) ++cursor[chunk.label[t.x] + 1];
+    for (uint32_t k = 0; k < islands; ++k) {
+        cursor[k + 1] += cursor[k];
+        chunk.pieces[first + k].triangles = {cell.triangles.begin + cursor[k],
+                                             cell.triangles.begin + cursor[k + 1]};
+    }
+    chunk.triangles.assign(triangles.begin(), triangles.end());
+    chunk.sources.assign(sources.begin(), sources.end());
+    for (uint32_t t = 0; t < triangles.size(); ++t) {
+        const Triangle& corners = chunk.triangles[t];
+        const uint32_t island = chunk.label[corners.x];
+        const uint32_t at = cursor[island]++;
+        triangles[at] = {chunk.vertex_order[corners.x], chunk.vertex_order[corners.y],
+                         chunk.vertex_order[corners.z]};
+        sources[at] = chunk.sources[t];
+        if (t < cell.exterior) ++chunk.pieces[first + island].exterior_triangles;
+    }
+}
+
+void IslandSplitter::split_cell(SiteId c, const CellRun& cell, Chunk& chunk, Fragments& out) {
+    labels_[c].begin = kNone;
+    labels_[c].first_piece = static_cast<uint32_t>(chunk.pieces.size()); // in the chunk, until all are known
+    if (cell.triangles.size() == 0) return;
+    const std::span<const Triangle> triangles(out.triangles.data() + cell.triangles.begin,
+                                              cell.triangles.size());
+    uint32_t islands = find_islands(c, cell, triangles, chunk);
+    if (islands > 1) islands = attach_cavities(cell, out, islands, chunk);
+    if (islands <= 1) {
+        chunk.pieces.push_back({c, cell.vertices, cell.triangles, cell.exterior, {}});
+        return;
+    }
+    labels_[c].begin = static_cast<uint32_t>(chunk.island.size());
+    chunk.island.insert(chunk.island.end(), chunk.label.begin(), chunk.label.end());
+    chunk.pieces.resize(chunk.pieces.size() + islands);
+    for (size_t k = chunk.pieces.size() - islands; k < chunk.pieces.size(); ++k) chunk.pieces[k].site = c;
+    reorder(cell, islands, chunk, out);
+}
+
+void IslandSplitter::run(const Assembler::Input& input, std::span<const CellRun> cells, Threads& threads,
+                         Fragments& out) {
+    count_uncut_components(input);
+    const auto count = static_cast<uint32_t>(cells.size());
+    const uint32_t parts = threads.chunks(count, kLeastCells);
+    labels_.resize(count);
+    if (chunks_.size() < parts) chunks_.resize(parts);
+    threads.for_chunks(count, kLeastCells, [&](uint32_t k, uint32_t begin, uint32_t end) {
+        Chunk& chunk = chunks_[k];
+        chunk.pieces.clear();
+        chunk.island.clear();
+        for (SiteId c = begin; c < end; ++c) {
+            labels_[c].chunk = k;
+            split_cell(c, cells[c], chunk, out);
+        }
+        for (Piece& piece : chunk.pieces) {
+            piece.mass = mass_properties(out.positions_of(piece), out.triangles_of(piece));
+        }
+    });
+    out.pieces.clear();
+    std::vector<uint32_t> base(parts);
+    for (uint32_t k = 0; k < parts; ++k) {
+        base[k] = static_cast<uint32_t>(out.pieces.size());
+        out.pieces.insert(out.pieces.end(), chunks_[k].pieces.begin(), chunks_[k].pieces.end());
+    }
+    for (Labels& labels : labels_) labels.first_piece += base[labels.chunk];
+}
+
+} // namespace brittle::fracture::exact

@@ -1,0 +1,47 @@
+// Loops over index ranges, split into chunks that the threads of one TBB arena take.
+//
+// Nothing here may influence a result: chunks differ with the number of threads, so every phase that uses
+// them writes to places that depend on the index alone (prefix sums over chunks, in order). TBB appears in
+// parallel.cpp only.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+
+namespace brittle::fracture::exact {
+
+class Threads {
+  public:
+    explicit Threads(uint32_t count = 1); // 0 = one thread a core
+    ~Threads();
+    Threads(Threads&&) noexcept;
+    Threads& operator=(Threads&&) noexcept;
+
+    [[nodiscard]] uint32_t count() const { return count_; }
+
+    // How many chunks for_chunks() makes of n items: one with a single thread, else a few for each thread,
+    // none of them smaller than `least` (but for the only one). At least one, also for n = 0.
+    [[nodiscard]] uint32_t chunks(uint32_t n, uint32_t least) const;
+
+    // Calls body(chunk, begin, end) for each chunk of [0, n), in any order, and waits for all.
+    template<class Body>
+    void for_chunks(uint32_t n, uint32_t least, Body&& body) {
+        run(n, chunks(n, least), &call<std::remove_reference_t<Body>>, &body);
+    }
+
+  private:
+    using Call = void (*)(void*, uint32_t, uint32_t, uint32_t);
+
+    template<class Body>
+    static void call(void* body, uint32_t chunk, uint32_t begin, uint32_t end) {
+        (*static_cast<Body*>(body))(chunk, begin, end);
+    }
+    void run(uint32_t n, uint32_t count, Call invoke, const void* body);
+
+    struct Arena;
+    uint32_t count_;
+    std::unique_ptr<Arena> arena_;
+};
+
+} // namespace brittle::fracture::exact

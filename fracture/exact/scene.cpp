@@ -1,0 +1,123 @@
+#include "fracture/exact/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+// The box must hold the mesh strictly; how much larger it is decides nothing, but a close box keeps cells
+// small.
+constexpr double kBoxMargin = 0x1.0p-3; // of the unit that the mesh is scaled to
+constexpr uint32_t kLeastVertices = 8192;
+
+bool finite(const glm::dvec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+Error at(Status status, const char* what, size_t index, const glm::dvec3& p, const char* advice) {
+    char text[320];
+    std::snprintf(text, sizeof text, "%s %zu (%.17g, %.17g, %.17g) %s", what, index, p.x, p.y, p.z, advice);
+    return {status, text};
+}
+
+struct Bounds {
+    glm::dvec3 min{std::numeric_limits<double>::infinity()};
+    glm::dvec3 max{-std::numeric_limits<double>::infinity()};
+    bool finite = true;
+};
+
+Bounds bounds_of(std::span<const glm::dvec3> points) {
+    Bounds result;
+    double poison =
+        0.0; // becomes NaN with the first infinity or NaN: one multiply instead of three tests a point
+    for (const glm::dvec3& p : points) {
+        for (int k = 0; k < 3; ++k) {
+            result.min[k] = p[k] < result.min[k] ? p[k] : result.min[k];
+            result.max[k] = p[k] > result.max[k] ? p[k] : result.max[k];
+        }
+        poison += (p.x + p.y + p.z) * 0.0;
+    }
+    result.finite = poison == 0.0;
+    return result;
+}
+
+} // namespace
+
+double unit_scale(double size) {
+    if (!(size > 0.0) || !std::isfinite(size)) return 1.0;
+    // 2^1000 keeps the factor and its inverse normal numbers, even for meshes of subnormal size.
+    return std::ldexp(1.0, -std::clamp(std::ilogb(size), -1000, 1000));
+}
+
+Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene, std::vector<glm::dvec3>& out) {
+    if (sites.empty()) return Error{Status::invalid_sites, "there is no site; give at least one"};
+    out.resize(sites.size());
+    for (size_t i = 0; i < sites.size(); ++i) {
+        if (!finite(sites[i])) return at(Status::invalid_sites, "site", i, sites[i], "is not finite");
+        for (int k = 0; k < 3; ++k) {
+            const double x = sites[i][k] * to_scene;
+            if (!(std::abs(x) <= kLargestCoordinate)) {
+                return at(Status::invalid_sites, "site", i, sites[i],
+                          "is more than 1e30 mesh sizes away; move it closer or leave it out");
+            }
+            out[i][k] = snap(x);
+        }
+    }
+    return {};
+}
+
+Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, Threads& threads,
+                        Scene& scene) {
+    if (mesh.triangles.empty()) return Error{Status::empty_mesh, "the mesh has no triangle"};
+    const auto count = static_cast<uint32_t>(mesh.positions.size());
+    std::vector<Bounds> parts(threads.chunks(count, kLeastVertices));
+    threads.for_chunks(count, kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        parts[chunk] = bounds_of(std::span(mesh.positions).subspan(begin, end - begin));
+    });
+    Bounds all;
+    for (const Bounds& part : parts) {
+        all.min = glm::min(all.min, part.min);
+        all.max = glm::max(all.max, part.max);
+        all.finite = all.finite && part.finite;
+    }
+    if (!all.finite) {
+        for (size_t v = 0; v < count; ++v) {
+            if (!finite(mesh.positions[v])) {
+                return at(Status::invalid_mesh, "vertex", v, mesh.positions[v], "is not finite");
+            }
+        }
+        // Finite, but sums overflow: no mesh of any use is 1e308 across.
+        return Error{Status::invalid_mesh, "the mesh's coordinates exceed 1e307; scale it down"};
+    }
+    if (count == 0) return Error{Status::invalid_mesh, "the mesh has triangles but no vertices"};
+
+    const glm::dvec3 size = all.max - all.min;
+    double largest = std::max({size.x, size.y, size.z});
+    if (!(largest > 0.0)) {
+        largest = std::max({std::abs(all.max.x), std::abs(all.max.y), std::abs(all.max.z)});
+    }
+    scene.to_scene = unit_scale(largest);
+    scene.to_input = 1.0 / scene.to_scene;
+    scene.positions.resize(count);
+    threads.for_chunks(count, kLeastVertices, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t v = begin; v < end; ++v) {
+            const glm::dvec3 p = mesh.positions[v] * scene.to_scene;
+            scene.positions[v] = {snap(p.x), snap(p.y), snap(p.z)};
+        }
+    });
+    // One unit in the last place of coordinates up to 2^52 is at most 1: far-away meshes need a wider margin.
+    const glm::dvec3 low = all.min * scene.to_scene;
+    const glm::dvec3 high = all.max * scene.to_scene;
+    for (int k = 0; k < 3; ++k) {
+        const double margin = kBoxMargin + 0x1.0p-50 * std::max(std::abs(low[k]), std::abs(high[k]));
+        scene.box.min[k] = low[k] - margin;
+        scene.box.max[k] = high[k] + margin;
+    }
+    return scale_sites(sites, scene.to_scene, scene.sites);
+}
+
+} // namespace brittle::fracture::exact

@@ -1,0 +1,504 @@
+#include "fracture/exact/exact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numeric>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/certificate.h"
+#include "fracture/random.h"
+#include "fracture/shapes.h"
+#include "fracture/sites.h"
+#include "fracture/topology.h"
+
+using namespace brittle::fracture;
+using exact::fracture_exact;
+
+namespace {
+
+using Sites = std::vector<glm::dvec3>;
+
+TriangleMesh moved(TriangleMesh mesh, const glm::dvec3& offset, double scale = 1.0) {
+    for (glm::dvec3& p : mesh.positions) p = p * scale + offset;
+    return mesh;
+}
+
+TriangleMesh together(TriangleMesh a, const TriangleMesh& b) {
+    const auto base = static_cast<uint32_t>(a.positions.size());
+    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+    for (const Triangle& t : b.triangles) a.triangles.push_back(t + base);
+    return a;
+}
+
+TriangleMesh inside_out(TriangleMesh mesh) {
+    for (Triangle& t : mesh.triangles) std::swap(t.y, t.z);
+    return mesh;
+}
+
+Sites lattice_sites(uint32_t n, double edge = 2.0) {
+    Sites sites;
+    for (uint32_t z = 0; z < n; ++z)
+        for (uint32_t y = 0; y < n; ++y)
+            for (uint32_t x = 0; x < n; ++x) {
+                sites.push_back(((glm::dvec3(x, y, z) + 0.5) / static_cast<double>(n) - 0.5) * edge);
+            }
+    return sites;
+}
+
+uint64_t topology_faults(const Fragments& fragments) {
+    uint64_t faults = 0;
+    for (const Piece& piece : fragments.pieces) {
+        const TopologyReport report = check_topology(piece.vertices.size(), fragments.triangles_of(piece));
+        if (report.manifold() && report.vertices == piece.vertices.size()) continue;
+        ++faults;
+        if (faults == 1) MESSAGE("site ", piece.site, ": ", describe(report));
+    }
+    return faults;
+}
+
+// Whatever the input, as long as its triangles pair up: pieces closed, oriented, manifold and without stray
+// vertices, arrays that fit together, volumes that sum to the mesh's, the same bits with any number of
+// threads.
+Fragments check_fracture(const TriangleMesh& mesh, const Sites& sites, double tolerance = 1e-12) {
+    const Result<Fragments> result = fracture_exact(mesh, sites, {.threads = 1});
+    REQUIRE_MESSAGE(result, (result ? std::string() : result.error().message));
+    const Fragments& f = *result;
+    CHECK(topology_faults(f) == 0);
+    REQUIRE(f.triangle_source.size() == f.triangles.size());
+    uint32_t vertex = 0, triangle = 0;
+    double volume = 0.0, scale = 0.0;
+    for (const Piece& piece : f.pieces) {
+        REQUIRE(piece.vertices.begin == vertex);
+        REQUIRE(piece.triangles.begin == triangle);
+        vertex = piece.vertices.end;
+        triangle = piece.triangles.end;
+        REQUIRE(piece.exterior_triangles <= piece.triangles.size());
+        for (uint32_t t = 0; t < piece.triangles.size(); ++t) {
+            const uint32_t source = f.triangle_source[piece.triangles.begin + t];
+            REQUIRE(source < (t < piece.exterior_triangles ? mesh.triangles.size() : sites.size()));
+        }
+        volume += piece.mass.volume;
+        scale += std::abs(piece.mass.volume);
+    }
+    REQUIRE(vertex == f.positions.size());
+    REQUIRE(triangle == f.triangles.size());
+    const double expected = mass_properties(mesh.positions, mesh.triangles).volume;
+    CHECK(std::abs(volume - expected) <= tolerance * std::max(std::abs(expected), scale));
+    for (const uint32_t threads : {2u, 4u}) {
+        const Result<Fragments> again = fracture_exact(mesh, sites, {.threads = threads});
+        REQUIRE(again);
+        CHECK(hash(*again) == hash(f));
+    }
+    for (size_t k = 0; k < f.bonds.size(); ++k) {
+        const Bond& bond = f.bonds[k];
+        REQUIRE(bond.a < f.pieces.size());
+        REQUIRE(bond.b < f.pieces.size());
+        REQUIRE(f.pieces[bond.a].site < f.pieces[bond.b].site);
+        REQUIRE(bond.area > 0.0);
+        REQUIRE(std::abs(glm::length(bond.normal) - 1.0) < 1e-12);
+        if (k > 0) {
+            REQUIRE((f.bonds[k - 1].a < bond.a || (f.bonds[k - 1].a == bond.a && f.bonds[k - 1].b < bond.b)));
+        }
+    }
+    return *result;
+}
+
+// Caps of both sides of a facet hold the same triangles, turned over, and the same bits.
+void check_caps_match(const Fragments& f) {
+    using Corner = std::array<double, 3>;
+    using Key = std::array<Corner, 3>;
+    struct Side {
+        Key key;
+        uint32_t here, there;
+    };
+    const auto keys = [&](bool lower) {
+        std::vector<Side> sides;
+        for (const Piece& piece : f.pieces) {
+            for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end;
+                 ++t) {
+                const uint32_t other = f.triangle_source[t];
+                if ((piece.site < other) != lower) continue;
+                Key key{};
+                for (int k = 0; k < 3; ++k) {
+                    const glm::dvec3& p = f.positions[piece.vertices.begin + f.triangles[t][k]];
+                    key[static_cast<size_t>(k)] = {p.x, p.y, p.z};
+                }
+                if (!lower) std::swap(key[1], key[2]);
+                std::rotate(key.begin(), std::min_element(key.begin(), key.end()), key.end());
+                sides.push_back({key, std::min(piece.site, other), std::max(piece.site, other)});
+            }
+        }
+        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+            return std::tie(a.here, a.there, a.key) < std::tie(b.here, b.there, b.key);
+        });
+        return sides;
+    };
+    const auto one = keys(true), two = keys(false);
+    REQUIRE(one.size() == two.size());
+    for (size_t k = 0; k < one.size(); ++k) {
+        REQUIRE(one[k].key == two[k].key);
+        REQUIRE(one[k].here == two[k].here);
+        REQUIRE(one[k].there == two[k].there);
+    }
+}
+
+} // namespace
+
+TEST_CASE("exact: what is not a closed mesh or not a site is refused by name") {
+    const Sites one{glm::dvec3(0.0)};
+    CHECK(fracture_exact({}, one).error().status == Status::empty_mesh);
+    CHECK(fracture_exact(cube(), {}).error().status == Status::invalid_sites);
+    CHECK(fracture_exact(cube(), Sites{glm::dvec3(std::nan(""))}).error().status == Status::invalid_sites);
+    CHECK(fracture_exact(cube(), Sites{glm::dvec3(1e300)}).error().status == Status::invalid_sites);
+
+    TriangleMesh broken = cube();
+    broken.triangles.pop_back();
+    CHECK(fracture_exact(broken, lattice_sites(2)).error().status == Status::invalid_mesh);
+    CHECK(fracture_exact(broken, lattice_sites(2)).error().message.find("open") != std::string::npos);
+
+    broken = cube();
+    std::swap(broken.triangles[3].x, broken.triangles[3].y);
+    CHECK(fracture_exact(broken, lattice_sites(2)).error().status == Status::invalid_mesh);
+
+    broken = cube();
+    broken.positions[2].y = std::numeric_limits<double>::infinity();
+    CHECK(fracture_exact(broken, one).error().message.find("vertex 2") != std::string::npos);
+
+    broken = cube();
+    broken.triangles[5].z = 8;
+    CHECK(fracture_exact(broken, one).error().message.find("triangle 5") != std::string::npos);
+
+    broken = cube();
+    broken.triangles[5].z = broken.triangles[5].x;
+    CHECK(fracture_exact(broken, one).error().status == Status::invalid_mesh);
+}
+
+TEST_CASE("exact: an edge that four triangles share is refused where a bisector cuts it") {
+    // Two cubes that touch along an edge, with the vertices of that edge in common.
+    TriangleMesh mesh = together(cube(), moved(cube(), {2.0, 2.0, 0.0}));
+    std::vector<uint32_t> same(mesh.positions.size());
+    for (uint32_t v = 0; v < same.size(); ++v) {
+        same[v] =
+            static_cast<uint32_t>(std::find(mesh.positions.begin(), mesh.positions.end(), mesh.positions[v])
+                                  - mesh.positions.begin());
+    }
+    for (Triangle& t : mesh.triangles) t = {same[t.x], same[t.y], same[t.z]};
+    const auto result = fracture_exact(mesh, Sites{{0.0, 0.0, -0.5}, {0.0, 0.0, 0.5}});
+    REQUIRE(!result);
+    CHECK(result.error().status == Status::invalid_mesh);
+    CHECK(result.error().message.find("more than two triangles") != std::string::npos);
+}
+
+TEST_CASE("exact: one site leaves the mesh as it is") {
+    const TriangleMesh mesh = icosphere(2);
+    const Fragments f = check_fracture(mesh, {glm::dvec3(0.3)});
+    REQUIRE(f.pieces.size() == 1);
+    CHECK(f.positions == mesh.positions);
+    CHECK(f.triangles == mesh.triangles);
+    CHECK(f.bonds.empty());
+}
+
+TEST_CASE("exact: of duplicate sites the lowest index gets the piece") {
+    const Fragments f =
+        check_fracture(cube(), {{-0.5, 0.0, 0.0}, {-0.5, -0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}});
+    REQUIRE(f.pieces.size() == 2);
+    CHECK(f.pieces[0].site == 0);
+    CHECK(f.pieces[1].site == 2);
+}
+
+TEST_CASE("exact: a cube cut in half has the volumes, caps and bond of two boxes") {
+    const Fragments f = check_fracture(cube(), {{-0.5, 0.1, 0.2}, {0.5, 0.1, 0.2}});
+    REQUIRE(f.pieces.size() == 2);
+    CHECK(f.pieces[0].mass.volume == doctest::Approx(4.0));
+    CHECK(f.pieces[1].mass.volume == doctest::Approx(4.0));
+    CHECK(f.pieces[0].mass.centre_of_mass.x == doctest::Approx(-0.5));
+    REQUIRE(f.bonds.size() == 1);
+    CHECK(f.bonds[0].area == doctest::Approx(4.0));
+    CHECK(glm::length(f.bonds[0].centroid) < 1e-12);
+    CHECK(f.bonds[0].normal == glm::dvec3(1.0, 0.0, 0.0));
+    check_caps_match(f);
+}
+
+TEST_CASE("exact: a bisector through vertices, edges and faces of the mesh") {
+    check_fracture(cube(), {{-1.0, 0.0, 0.0}, {3.0, 0.0, 0.0}});            // through a face
+    check_fracture(cube(), {{0.5, -0.5, 0.0}, {-0.5, 0.5, 0.0}});           // through two edges
+    check_fracture(cube(), {{0.0, 0.0, 0.0}, {2.0, 2.0, 2.0}});             // through a corner
+    check_fracture(cube(), {{0.0, 0.0, 0.0}, {2.0, 2.0, 0.0}});             // touching an edge
+    check_fracture(lattice_cube(4), {{-0.25, 0.1, 0.1}, {0.25, 0.1, 0.1}}); // through rows of vertices
+    check_fracture(icosphere(2), {{0.0, 0.0, -0.5}, {0.0, 0.0, 0.5}});      // a great circle of symmetry
+    const TriangleMesh ball = icosphere(3);
+    check_fracture(ball, {glm::dvec3(0.0), 2.0 * ball.positions[17]}); // tangent at a vertex
+}
+
+TEST_CASE("exact: sites on the mesh's own vertices") {
+    const TriangleMesh ball = icosphere(2);
+    check_fracture(ball, Sites(ball.positions.begin(), ball.positions.begin() + 60));
+    Sites corners = cube().positions;
+    check_fracture(cube(), corners);
+    corners.push_back(glm::dvec3(0.0));
+    check_fracture(cube(), corners);
+}
+
+TEST_CASE("exact: lattices of sites in a lattice cube, cut through vertices, edges and faces") {
+    for (const uint32_t n : {2u, 3u, 4u, 5u, 8u}) {
+        CAPTURE(n);
+        const Fragments f = check_fracture(lattice_cube(8), lattice_sites(n));
+        double volume = 0.0;
+        for (const Piece& piece : f.pieces) {
+            if (piece.mass.volume > 1e-9) {
+                CHECK(piece.mass.volume == doctest::Approx(8.0 / (n * n * n)));
+                volume += 1.0;
+            }
+        }
+        CHECK(volume == n * n * n);
+    }
+    Sites shuffled = lattice_sites(4);
+    Random random(8);
+    for (size_t k = shuffled.size(); k > 1; --k) std::swap(shuffled[k - 1], shuffled[random.next() % k]);
+    check_fracture(lattice_cube(8), shuffled);
+}
+
+TEST_CASE("exact: lattices moved by one unit in the last place, and turned") {
+    Random random(21);
+    for (int round = 0; round < 3; ++round) {
+        Sites sites = lattice_sites(4);
+        for (glm::dvec3& s : sites)
+            for (int k = 0; k < 3; ++k) s[k] = std::nextafter(s[k], random.uniform() < 0.5 ? -9.0 : 9.0);
+        check_fracture(lattice_cube(8), sites);
+    }
+    Sites turned = lattice_sites(4);
+    for (glm::dvec3& s : turned) s = {0.6 * s.x - 0.8 * s.y, 0.8 * s.x + 0.6 * s.y, s.z};
+    check_fracture(lattice_cube(8), turned);
+}
+
+TEST_CASE("exact: body-centred, collinear, coplanar and cospherical sites") {
+    Sites body = lattice_sites(4);
+    for (const glm::dvec3& s : lattice_sites(3)) body.push_back(s * 1.0);
+    check_fracture(lattice_cube(6), body);
+    Sites collinear, coplanar, sphere;
+    for (int i = 0; i < 15; ++i) collinear.push_back({-1.0 + i / 7.0, 0.0, 0.0});
+    for (int i = 0; i < 49; ++i) coplanar.push_back({-0.9 + (i % 7) * 0.3, 0.0, -0.9 + (i / 7) * 0.3});
+    for (int x = -3; x <= 3; ++x)
+        for (int y = -3; y <= 3; ++y)
+            for (int z = -3; z <= 3; ++z)
+                if (x * x + y * y + z * z == 9) sphere.push_back(glm::dvec3(x, y, z) / 6.0);
+    for (const Sites& sites : {collinear, coplanar, sphere}) {
+        check_fracture(icosphere(3), sites);
+        check_fracture(lattice_cube(6), sites);
+    }
+    sphere.push_back(glm::dvec3(0.0));
+    check_fracture(icosphere(3), sphere);
+}
+
+TEST_CASE("exact: far sites and sites of mixed scales") {
+    Sites sites = uniform_sites({glm::dvec3(-1.0), glm::dvec3(1.0)}, 20, 1);
+    for (const auto& s : uniform_sites({glm::dvec3(-1e3), glm::dvec3(1e3)}, 20, 2)) sites.push_back(s);
+    for (const auto& s : uniform_sites({glm::dvec3(-1e12), glm::dvec3(1e12)}, 20, 3)) sites.push_back(s);
+    check_fracture(icosphere(3), sites);
+    check_fracture(icosphere(3), uniform_sites({glm::dvec3(50.0), glm::dvec3(51.0)}, 40, 4));
+    Sites clustered;
+    for (const auto& s : uniform_sites({glm::dvec3(-1.0), glm::dvec3(1.0)}, 60, 5))
+        clustered.push_back(s * s * s * s * s);
+    check_fracture(icosphere(3), clustered);
+}
+
+TEST_CASE("exact: tori and knots, cut across and through the hole") {
+    for (const uint32_t n : {2u, 7u, 40u, 200u}) {
+        CAPTURE(n);
+        check_fracture(torus(), uniform_sites(bounds(torus()), n, n));
+        check_fracture(torus_knot(), uniform_sites(bounds(torus_knot()), n, n + 1));
+    }
+    check_fracture(torus(), {{0.0, -0.1, 0.0}, {0.0, 0.1, 0.0}}); // a cap with a hole
+    check_fracture(torus(), {{-0.1, 0.0, 0.0}, {0.1, 0.0, 0.0}}); // two caps on one facet
+    check_fracture(torus(), {{0.0, 0.0, 0.0}, {0.0, 0.8, 0.0}});  // tangent to the top
+}
+
+TEST_CASE("exact: two halves of a torus share one bond of two caps") {
+    const Fragments f = check_fracture(torus(96, 48, 1.0, 0.4), {{-0.1, 0.01, 0.02}, {0.1, 0.01, 0.02}});
+    REQUIRE(f.pieces.size() == 2);
+    REQUIRE(f.bonds.size() == 1);
+    CHECK(f.bonds[0].area == doctest::Approx(2.0 * 3.14159265 * 0.16).epsilon(0.01));
+}
+
+TEST_CASE("exact: the legs of an animal become islands") {
+    const TriangleMesh animal = four_legged_animal();
+    const Box box = bounds(animal);
+    const double y = 0.25 * box.size().y;
+    const Fragments f =
+        check_fracture(animal, {{0.0, 0.05 * box.size().y, 0.0}, {0.0, 2.0 * y - 0.05 * box.size().y, 0.0}});
+    CHECK(std::count_if(f.pieces.begin(), f.pieces.end(), [](const Piece& p) { return p.site == 0; }) == 4);
+    CHECK(f.bonds.size() == 4);
+}
+
+TEST_CASE("exact: a cavity belongs to the island around it") {
+    const TriangleMesh shell = hollow_sphere();
+    CHECK(check_fracture(shell, {glm::dvec3(0.0)}).pieces.size() == 1);
+    // A site in the middle whose cell's border runs within the wall: cavity and border in one piece.
+    Sites sites{glm::dvec3(0.0)};
+    for (const auto& s : icosphere(1).positions) sites.push_back(s * 1.6);
+    const Fragments f = check_fracture(shell, sites);
+    CHECK(std::count_if(f.pieces.begin(), f.pieces.end(), [](const Piece& p) { return p.site == 0; }) == 1);
+    for (const uint32_t n : {2u, 10u, 100u}) check_fracture(shell, uniform_sites(bounds(shell), n, n));
+    // Two balls with a cavity each, in one cell: each keeps its own.
+    const TriangleMesh pair = together(shell, moved(shell, {5.0, 0.0, 0.0}));
+    const Fragments two = check_fracture(pair, {glm::dvec3(0.0)});
+    REQUIRE(two.pieces.size() == 2);
+    CHECK(two.pieces[0].mass.volume == doctest::Approx(two.pieces[1].mass.volume));
+    CHECK(two.pieces[1].mass.centre_of_mass.x == doctest::Approx(5.0));
+    // A ball in the cavity, a solid of its own.
+    CHECK(check_fracture(together(shell, moved(icosphere(3), {}, 0.3)), {glm::dvec3(0.0)}).pieces.size()
+          == 2);
+}
+
+TEST_CASE("exact: separate components are separate pieces") {
+    TriangleMesh mesh;
+    for (int k = 0; k < 20; ++k) mesh = together(mesh, moved(icosphere(1), {3.0 * k, 0.0, 0.0}));
+    CHECK(check_fracture(mesh, {glm::dvec3(0.0)}).pieces.size() == 20);
+    CHECK(check_fracture(mesh, {glm::dvec3(0.0), glm::dvec3(1.0, 0.0, 0.0)}).pieces.size() == 21);
+    check_fracture(mesh, uniform_sites(bounds(mesh), 50, 6));
+}
+
+TEST_CASE("exact: vertices that no triangle uses are left out") {
+    TriangleMesh mesh = icosphere(2);
+    mesh.positions.insert(mesh.positions.begin(), glm::dvec3(0.1));
+    for (Triangle& t : mesh.triangles) t += 1u;
+    mesh.positions.push_back(glm::dvec3(0.9));
+    check_fracture(mesh, uniform_sites(bounds(mesh), 10, 3));
+}
+
+TEST_CASE("exact: touching, overlapping, nested and inside-out solids give closed pieces") {
+    const TriangleMesh ball = icosphere(3);
+    const Sites sites = uniform_sites({glm::dvec3(-1.0), glm::dvec3(2.0, 1.0, 1.0)}, 60, 17);
+    check_fracture(together(cube(), moved(cube(), {2.0, 0.0, 0.0})), sites);
+    check_fracture(together(ball, moved(ball, {0.7, 0.1, 0.2})), sites);
+    check_fracture(together(ball, moved(ball, {}, 0.5)), sites);
+    check_fracture(inside_out(ball), sites);
+    check_fracture(together(ball, inside_out(moved(ball, {0.5, 0.0, 0.0}))), sites);
+    TriangleMesh heap;
+    Random random(5);
+    for (int k = 0; k < 60; ++k) {
+        heap =
+            together(heap, moved(icosphere(2), random.uniform_in({glm::dvec3(-1.0), glm::dvec3(1.0)}), 0.5));
+    }
+    check_fracture(heap, sites);
+}
+
+TEST_CASE("exact: thin, flat, spiky and zero-area input") {
+    const Sites sites = uniform_sites({glm::dvec3(-1.0), glm::dvec3(1.0)}, 50, 23);
+    TriangleMesh flat = icosphere(3);
+    for (glm::dvec3& p : flat.positions) p.z *= 1e-4;
+    check_fracture(flat, sites, 1e-11);
+    for (glm::dvec3& p : flat.positions) p.z = 0.0; // no volume at all
+    check_fracture(flat, sites, 1.0);
+    check_fracture(hollow_sphere(3, 1.0, 0.9999), sites, 1e-11);
+    TriangleMesh spiky = icosphere(3);
+    Random random(2);
+    for (glm::dvec3& p : spiky.positions) p *= 0.2 + random.uniform();
+    check_fracture(spiky, sites);
+    TriangleMesh collapsed = icosphere(3);
+    for (size_t v = 0; v < collapsed.positions.size(); v += 5) {
+        collapsed.positions[v] = collapsed.positions[(v + 1) % collapsed.positions.size()];
+    }
+    check_fracture(collapsed, sites);
+    // Two triangles back to back.
+    TriangleMesh pillow{{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, {{0, 1, 2}, {0, 2, 1}}};
+    check_fracture(pillow, sites, 1.0);
+    // All vertices in one point.
+    TriangleMesh point = cube();
+    for (glm::dvec3& p : point.positions) p = {0.25, 0.5, 0.75};
+    check_fracture(point, sites, 1.0);
+}
+
+TEST_CASE("exact: offsets of 1e6 and scales of 1e-9, 1e9 and beyond") {
+    const Box unit{glm::dvec3(-1.0), glm::dvec3(1.0)};
+    const Sites sites = uniform_sites(unit, 40, 31);
+    const auto pieces = check_fracture(icosphere(3), sites).pieces.size();
+    for (const double scale : {1e-9, 1e9, 1e-100, 1e90}) {
+        CAPTURE(scale);
+        Sites scaled = sites;
+        for (glm::dvec3& s : scaled) s *= scale;
+        CHECK(check_fracture(moved(icosphere(3), {}, scale), scaled).pieces.size() == pieces);
+    }
+    // Far from the origin positions are rounded to 1e-10 of the size: the sum cannot be better.
+    const glm::dvec3 offset(1e6, -1e6, 1e6);
+    Sites far = sites;
+    for (glm::dvec3& s : far) s += offset;
+    CHECK(check_fracture(moved(icosphere(3), offset), far, 1e-9).pieces.size() == pieces);
+}
+
+TEST_CASE("exact: random sites in random shapes, caps equal on both sides") {
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        for (const char* name : {"icosphere", "torus_knot", "four_legged_animal"}) {
+            const auto mesh = shape(name);
+            if (!mesh) continue;
+            const auto count = static_cast<uint32_t>(3 + 37 * seed);
+            CAPTURE(seed);
+            CAPTURE(name);
+            check_caps_match(check_fracture(*mesh, uniform_sites(bounds(*mesh), count, seed)));
+        }
+    }
+    check_fracture(icosphere(4), uniform_sites(bounds(icosphere(4)), 2000, 1));
+}
+
+TEST_CASE("exact: a workspace used before gives the same bits") {
+    exact::Workspace workspace;
+    Fragments out;
+    for (const uint32_t n : {50u, 300u, 2u, 50u}) {
+        const TriangleMesh mesh = n == 2 ? torus() : icosphere(4);
+        const Sites sites = uniform_sites(bounds(mesh), n, 9);
+        REQUIRE(fracture_exact(mesh, sites, {.threads = 2}, workspace, out));
+        const auto fresh = fracture_exact(mesh, sites, {.threads = 1});
+        CHECK(hash(out) == hash(*fresh));
+    }
+}
+
+namespace {
+
+// Guesses at random and admits it, or is exact and says so.
+class TestClassifier : public exact::Classifier {
+  public:
+    explicit TestClassifier(bool wild) : wild_(wild) {}
+    bool nearest(std::span<const glm::dvec3> positions, std::span<const glm::dvec3> sites,
+                 std::span<uint32_t> out) override {
+        Random random(1);
+        for (size_t v = 0; v < positions.size(); ++v) {
+            uint32_t best = 0;
+            double second = std::numeric_limits<double>::infinity(), first = second;
+            for (uint32_t s = 0; s < sites.size(); ++s) {
+                const double d = glm::dot(positions[v] - sites[s], positions[v] - sites[s]);
+                if (d < first) {
+                    second = first;
+                    first = d;
+                    best = s;
+                } else {
+                    second = std::min(second, d);
+                }
+            }
+            if (wild_) best = static_cast<uint32_t>(random.next() % sites.size());
+            out[v] = best | (wild_ || second - first < 1e-6 ? kUncertain : 0u);
+        }
+        return true;
+    }
+
+  private:
+    bool wild_;
+};
+
+} // namespace
+
+TEST_CASE("exact: any classifier, or none, gives the same bits") {
+    const TriangleMesh mesh = icosphere(4);
+    const Sites sites = uniform_sites(bounds(mesh), 100, 3);
+    const auto none = fracture_exact(mesh, sites, {.threads = 1});
+    for (const bool wild : {false, true}) {
+        exact::Workspace workspace;
+        Fragments out;
+        TestClassifier classifier(wild);
+        REQUIRE(fracture_exact(mesh, sites, {.threads = 1}, workspace, out, &classifier));
+        CHECK(hash(out) == hash(*none));
+    }
+}
