@@ -8,8 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include <glm/common.hpp>
+
 #include "fracture/exact/exact.h"
 #include "fracture/half_edge.h"
+#include "fracture/islands.h"
 #include "fracture/mass_properties.h"
 #include "fracture/sequential.h"
 #include "fracture/topology.h"
@@ -96,14 +99,8 @@ bool is_two_sided(const HalfEdgeMesh& mesh, uint32_t face) {
     return mesh[mesh[b].twin].face == across && mesh[mesh[c].twin].face == across;
 }
 
-Result<HalfEdgeMesh> build_closed(const TriangleMesh& input) {
-    const TopologyReport report = check_topology(input.positions.size(), input.triangles);
-    if (!report.closed()) return invalid_mesh("the mesh does not bound a solid: " + describe(report));
-    Result<HalfEdgeMesh> built = [&] {
-        if (report.manifold()) return build_half_edges(input.positions, input.triangles);
-        const TriangleMesh split = split_fans(input);
-        return build_half_edges(split.positions, split.triangles);
-    }();
+Result<HalfEdgeMesh> build_solid(const TriangleMesh& mesh) {
+    Result<HalfEdgeMesh> built = build_half_edges(mesh.positions, mesh.triangles);
     if (!built) return built;
 
     std::vector<uint32_t> solid;
@@ -118,24 +115,80 @@ Result<HalfEdgeMesh> build_closed(const TriangleMesh& input) {
     return without;
 }
 
+// Removes pieces without volume: where a bisector runs along a face of the solid, symbolic perturbation may leave a
+// sheet of no thickness in the cell across. Its neighbours are closed without it.
+void drop_flat_pieces(Fragments& fragments, double extent) {
+    std::vector<uint32_t> renumbered(fragments.pieces.size(), no_index);
+    std::vector<Piece> kept;
+    for (size_t i = 0; i < fragments.pieces.size(); ++i) {
+        const Piece& piece = fragments.pieces[i];
+        if (is_flat(piece.mass, fragments.positions_of(piece), extent)) continue;
+        renumbered[i] = static_cast<uint32_t>(kept.size());
+        kept.push_back(piece);
+    }
+    if (kept.size() == fragments.pieces.size()) return;
+
+    Fragments packed;
+    for (Piece& piece : kept) {
+        const auto move = [](const auto& from, Range& range, auto& to) {
+            const auto begin = static_cast<uint32_t>(to.size());
+            to.insert(to.end(), from.begin() + range.begin, from.begin() + range.end);
+            range = {begin, static_cast<uint32_t>(to.size())};
+        };
+        Range sources = piece.triangles;
+        move(fragments.positions, piece.vertices, packed.positions);
+        move(fragments.triangle_source, sources, packed.triangle_source);
+        move(fragments.triangles, piece.triangles, packed.triangles);
+    }
+    for (Bond bond : fragments.bonds) {
+        bond.a = renumbered[bond.a];
+        bond.b = renumbered[bond.b];
+        if (bond.a != no_index && bond.b != no_index) packed.bonds.push_back(bond);
+    }
+    packed.pieces = std::move(kept);
+    packed.timings = std::move(fragments.timings);
+    fragments = std::move(packed);
+}
+
+double largest_extent(const TriangleMesh& mesh) {
+    const Box box = bounds(mesh);
+    const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+    return std::max({furthest.x, furthest.y, furthest.z});
+}
+
+Result<Fragments> run_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings) {
+    Result<Fragments> fragments = exact::fracture_exact(mesh, sites, settings);
+    if (fragments) drop_flat_pieces(*fragments, largest_extent(mesh));
+    return fragments;
+}
+
+Result<Fragments> run_sequential(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
+                                 const Settings& settings) {
+    const Result<HalfEdgeMesh> solid = build_solid(mesh);
+    if (!solid) return solid.error();
+    return fracture_sequential(*solid, sites, settings);
+}
+
 } // namespace
 
-Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                           const Settings& settings) {
-    if (settings.algorithm == Algorithm::exact) return exact::fracture_exact(mesh, sites, settings);
+Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings) {
     const auto start = std::chrono::steady_clock::now();
     if (settings.threads > most_threads)
         return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; at most "
                                                   + std::to_string(most_threads) + ", or 0 for one a core"};
     if (Result<void> checked = check_values(mesh); !checked) return checked.error();
     if (Result<void> checked = check_sites(sites); !checked) return checked.error();
-    Result<HalfEdgeMesh> closed = build_closed(mesh);
-    if (!closed) return closed.error();
+    const TopologyReport report = check_topology(mesh.positions.size(), mesh.triangles);
+    if (!report.closed()) return invalid_mesh("the mesh does not bound a solid: " + describe(report));
     if (Result<void> checked = check_volume(mesh); !checked) return checked.error();
+    // Solids that touch in a vertex are cut as if they did not.
+    const TriangleMesh split = report.manifold() ? TriangleMesh{} : split_fans(mesh);
+    const TriangleMesh& manifold = report.manifold() ? mesh : split;
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
 
-    Fragments fragments = fracture_sequential(*closed, sites, settings);
-    fragments.timings.insert(fragments.timings.begin(), {"validate", elapsed.count()});
+    const auto run = settings.algorithm == Algorithm::exact ? run_exact : run_sequential;
+    Result<Fragments> fragments = run(manifold, sites, settings);
+    if (fragments) fragments->timings.insert(fragments->timings.begin(), {"validate", elapsed.count()});
     return fragments;
 }
 

@@ -47,19 +47,6 @@ Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> t
     return island;
 }
 
-bool is_flat(const Island& island, double extent) {
-    glm::dvec3 low = island.positions.front();
-    glm::dvec3 high = low;
-    for (const glm::dvec3& p : island.positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-        extent = std::max({extent, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    }
-    const double length = glm::distance(low, high);
-    return std::abs(island.mass.volume)
-           <= flat_island * (island.mass.area * extent + length * length * length);
-}
-
 // A point on the surface away from vertices and edges, where shells may touch: the middle of the largest
 // triangle.
 glm::dvec3 surface_point(const Island& island) {
@@ -128,6 +115,18 @@ double winding_number(const glm::dvec3& point, std::span<const glm::dvec3> posit
     return solid_angle / (4.0 * std::numbers::pi);
 }
 
+bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions, double extent) {
+    glm::dvec3 low = positions.front();
+    glm::dvec3 high = low;
+    for (const glm::dvec3& p : positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+        extent = std::max({extent, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+    const double length = glm::distance(low, high);
+    return std::abs(mass.volume) <= flat_island * (mass.area * extent + length * length * length);
+}
+
 std::vector<Island> split_islands(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                                   std::span<const FaceSource> sources, double extent) {
     const std::vector<uint32_t> component = triangle_components(positions.size(), triangles);
@@ -142,7 +141,7 @@ std::vector<Island> split_islands(std::span<const glm::dvec3> positions, std::sp
     std::vector<uint32_t> local(positions.size(), no_index);
     for (const std::vector<uint32_t>& shell : members) {
         Island island = gather(positions, triangles, sources, shell, local);
-        if (is_flat(island, extent)) continue;
+        if (is_flat(island.mass, island.positions, extent)) continue;
         (island.mass.volume < 0.0 ? cavities : islands).push_back(std::move(island));
     }
     // All owners are found before any cavity moves in, so the islands that are tested are solid.

@@ -30,6 +30,10 @@ struct Island {
                                                 std::span<const Triangle> triangles,
                                                 std::span<const FaceSource> sources, double extent = 0.0);
 
+// Whether a closed mesh has no volume but rounding (see flat_island in islands.cpp). `extent` is the largest coordinate
+// of the solid that it was cut from: positions carry its rounding.
+[[nodiscard]] bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions, double extent);
+
 // How often a closed mesh winds around a point: 1 inside, 0 outside, by the sum of the signed solid angles of
 // its triangles (van Oosterom and Strackee 1983). In double; between for a point on the surface.
 [[nodiscard]] double winding_number(const glm::dvec3& point, std::span<const glm::dvec3> positions,
