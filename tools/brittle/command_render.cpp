@@ -44,6 +44,7 @@ int run_render(const RenderCommand& command) {
     }
     if (command.sites) stage.show_sites(input.sites);
     stage.show_hulls(command.hulls);
+    stage.explode(command.explode);
 
     const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
     const engine::Camera camera =

@@ -111,6 +111,10 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->type_name("FILE_%04d.png")
         ->capture_default_str();
     render->add_flag("--whole", render_command.whole, "Draw the unbroken mesh at rest");
+    render->add_option("--explode", render_command.explode,
+                       "Draw the pieces moved apart, by this share of their distance to the middle")
+        ->check(CLI::Range(0.0f, 10.0f))
+        ->capture_default_str();
     render->add_flag("--show-sites", render_command.sites, "Draw the sites as red spheres");
     render->add_flag("--show-hulls", render_command.hulls, "Draw the collision hulls as red lines");
     add_view_options(*render, render_command.view);

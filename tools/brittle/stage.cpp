@@ -15,6 +15,7 @@ namespace {
 
 constexpr double stage_size = 2.0;     // m, longest side of the mesh
 constexpr double stage_height = 0.5;   // m, of its lowest point above the ground
+constexpr float piece_tint_strength = 0.9f;
 constexpr float site_radius = 0.02f;   // m
 constexpr float bounds_limit = 12.0f;  // m, debris that rolls further away casts no shadow and moves no camera
 
@@ -89,9 +90,11 @@ void Stage::show_sites(std::span<const glm::dvec3> sites) {
 engine::Scene Stage::scene() {
     engine::Scene scene;
     scene.bounds = home_;
+    scene.look.tint = piece_tint_strength;
     if (broken()) {
         poses_.resize(world_.body_count());
         world_.write_transforms(poses_, alpha_);
+        for (physics::Pose& pose : poses_) pose.position += explode_ * (pose.position - home_.centre());
         const glm::vec3 limit(bounds_limit);
         scene.bounds = {limit, -limit};
         for (size_t i = 0; i < poses_.size(); ++i) {

@@ -36,6 +36,8 @@ class Stage {
     void advance(double seconds);
 
     void show_sites(std::span<const glm::dvec3> sites); // as red spheres; none for an empty span
+    // Draws the pieces moved apart: away from the middle by this share of their distance to it.
+    void explode(float share) { explode_ = share; }
     void show_hulls(bool show) { hulls_ = show; }       // the physics debug drawer, in red lines
 
     // The scene of this moment; valid until the stage changes. The caller sets the camera.
@@ -54,6 +56,7 @@ class Stage {
     std::vector<engine::LineVertex> lines_;
     std::vector<engine::Sphere> spheres_;
     float alpha_ = 1.0f;
+    float explode_ = 0.0f;
     bool hulls_ = false;
     bool moved_ = true;
 };

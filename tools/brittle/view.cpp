@@ -9,10 +9,7 @@ std::unique_ptr<engine::Device> open_device(const ViewOptions& view) {
 }
 
 engine::Bounds stage_view(const engine::Bounds& mesh) {
-    const glm::vec3 size = mesh.size();
     engine::Bounds view = mesh;
-    view.min -= glm::vec3(0.25f * size.x, 0.0f, 0.25f * size.z);
-    view.max += glm::vec3(0.25f * size.x, 0.0f, 0.25f * size.z);
     view.min.y = 0.0f;
     return view;
 }
