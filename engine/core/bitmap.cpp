@@ -87,16 +87,17 @@ BitmapDifference compare_bitmaps(const Bitmap& actual, const Bitmap& expected,
         for (size_t c = 0; c < 4; ++c)
             worst = std::max(worst, std::abs(actual.pixels[4 * i + c] - expected.pixels[4 * i + c]));
         result.largest = std::max(result.largest, worst);
-        if (worst > tolerance.channel) ++result.unequal_pixels;
-        // Steep on purpose: a difference of one shows, one beyond the tolerance glows.
+        if (worst > tolerance.ignore) ++result.unequal_pixels;
+        // Steep on purpose: a difference of one shows, one of ten glows.
         uint8_t* out = &result.picture.pixels[4 * i];
         out[0] = static_cast<uint8_t>(std::min(255, worst * 48));
-        out[1] = static_cast<uint8_t>(std::clamp((worst - tolerance.channel) * 24, 0, 255));
-        out[2] = static_cast<uint8_t>(std::clamp((worst - tolerance.channel) * 6, 0, 255));
+        out[1] = static_cast<uint8_t>(std::clamp((worst - 4) * 24, 0, 255));
+        out[2] = static_cast<uint8_t>(std::clamp((worst - 10) * 6, 0, 255));
         out[3] = 255;
     }
     result.within_tolerance =
-        static_cast<double>(result.unequal_pixels) <= tolerance.fraction * static_cast<double>(count);
+        result.largest <= tolerance.channel
+        && static_cast<double>(result.unequal_pixels) <= tolerance.fraction * static_cast<double>(count);
     return result;
 }
 
