@@ -8,7 +8,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 
 #include <stb_image.h>
@@ -56,11 +55,14 @@ Result<void> write_png(const Bitmap& image, const std::string& path) {
 }
 
 Result<Bitmap> read_png(const std::string& path) {
+    std::error_code error;
+    const uintmax_t size = std::filesystem::file_size(path, error);
+    if (error) return file_error("cannot open", path, error.message());
+    if (size > INT_MAX) return file_error("cannot read", path, "it is too large for a picture");
+    std::vector<char> bytes(size);
     std::ifstream file(path, std::ios::binary);
-    if (!file) return file_error("cannot open", path, std::strerror(errno));
-    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (!file.eof() || bytes.size() > INT_MAX)
-        return file_error("cannot read", path, "not a regular file, or huge");
+    if (!file.read(bytes.data(), static_cast<std::streamsize>(size)))
+        return file_error("cannot read", path, std::strerror(errno));
 
     int width = 0, height = 0, channels = 0;
     const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(

@@ -94,8 +94,9 @@ class Renderer {
     [[nodiscard]] bool ui_wants_mouse() const;
     [[nodiscard]] bool ui_wants_keyboard() const;
 
-    // Draws every pass but the UI's once into a tiny target, so that the driver compiles every shader now (0.1
-    // to 0.5 s on a CPU device) and not in the first frame that needs it. After attach(), for the window's format.
+    // Draws every pass but the UI's once into a tiny target, so that the driver compiles every shader now
+    // (0.1 to 0.5 s on a CPU device) and not in the first frame that needs it. After attach(), for the
+    // window's format.
     [[nodiscard]] Result<void> warm_up();
 
     // Of the newest frame that the device has finished: in a window, one or two behind the newest.

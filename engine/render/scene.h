@@ -75,8 +75,8 @@ struct Scene {
     // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
     // depth range; what sticks out is drawn, without a shadow.
     Bounds bounds{};
-    // Called once in each draw, with one pose a body (Renderer::body_count()). Unset: every body at the
-    // origin.
+    // Called once in each draw, with one pose a body (Renderer::body_count()), each BodyPose{} so far. Unset:
+    // every body at the origin.
     std::function<void(std::span<BodyPose>)> write_poses{};
     // False promises that no pose differs from the previous draw's: the shadow map is then kept.
     bool moved = true;

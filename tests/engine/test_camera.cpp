@@ -105,7 +105,7 @@ TEST_CASE("tints are colours, bright, and differ between consecutive pieces") {
     for (uint32_t i = 0; i < 1000; ++i) {
         const glm::vec3 a = piece_tint(i), b = piece_tint(i + 1);
         for (int c = 0; c < 3; ++c) {
-            CHECK(a[c] >= 0.3f);
+            CHECK(a[c] >= 0.15f);
             CHECK(a[c] <= 1.0f);
         }
         CHECK(glm::length(a - b) > 0.08f);
