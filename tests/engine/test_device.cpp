@@ -61,8 +61,8 @@ TEST_CASE("the automatic choice is the best kind of device") {
         if (info.problem.empty()) CHECK(device->info().kind <= info.kind);
 }
 
-TEST_CASE("validation hears a mistake") {
-    const std::unique_ptr<Device> device = make_device();
+TEST_CASE("validation hears a mistake, and a leak when the device goes") {
+    std::unique_ptr<Device> device = make_device();
     if (!device) return;
     if (Result<std::unique_ptr<Device>> layer = Device::create({.validation = true}); !layer) return;
     CHECK(device->validation_messages().empty());
@@ -72,4 +72,12 @@ TEST_CASE("validation hears a mistake") {
     vkCreateBuffer(device->handle(), &no_usage, nullptr, &buffer);
     CHECK_FALSE(device->validation_messages().empty());
     vkDestroyBuffer(device->handle(), buffer, nullptr);
+
+    const auto messages = device->share_validation_messages();
+    const size_t before = messages->size();
+    const VkFenceCreateInfo fence_info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
+    VkFence leaked = VK_NULL_HANDLE;
+    REQUIRE(vkCreateFence(device->handle(), &fence_info, nullptr, &leaked) == VK_SUCCESS);
+    device.reset();
+    CHECK(messages->size() > before);
 }

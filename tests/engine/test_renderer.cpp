@@ -27,8 +27,10 @@ struct Fixture {
     }
     ~Fixture() {
         if (!device) return;
+        const auto messages = device->share_validation_messages();
         renderer.reset();
-        CHECK(device->validation_messages().empty());
+        device.reset();
+        CHECK(messages->empty());
     }
     explicit operator bool() const { return renderer != nullptr; }
 
