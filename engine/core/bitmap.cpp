@@ -8,7 +8,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 
 #include <stb_image.h>
@@ -56,11 +55,14 @@ Result<void> write_png(const Bitmap& image, const std::string& path) {
 }
 
 Result<Bitmap> read_png(const std::string& path) {
+    std::error_code error;
+    const uintmax_t size = std::filesystem::file_size(path, error);
+    if (error) return file_error("cannot open", path, error.message());
+    if (size > INT_MAX) return file_error("cannot read", path, "it is too large for a picture");
+    std::vector<char> bytes(size);
     std::ifstream file(path, std::ios::binary);
-    if (!file) return file_error("cannot open", path, std::strerror(errno));
-    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (!file.eof() || bytes.size() > INT_MAX)
-        return file_error("cannot read", path, "not a regular file, or huge");
+    if (!file.read(bytes.data(), static_cast<std::streamsize>(size)))
+        return file_error("cannot read", path, std::strerror(errno));
 
     int width = 0, height = 0, channels = 0;
     const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
@@ -87,16 +89,17 @@ BitmapDifference compare_bitmaps(const Bitmap& actual, const Bitmap& expected,
         for (size_t c = 0; c < 4; ++c)
             worst = std::max(worst, std::abs(actual.pixels[4 * i + c] - expected.pixels[4 * i + c]));
         result.largest = std::max(result.largest, worst);
-        if (worst > tolerance.channel) ++result.unequal_pixels;
-        // Steep on purpose: a difference of one shows, one beyond the tolerance glows.
+        if (worst > tolerance.ignore) ++result.unequal_pixels;
+        // Steep on purpose: a difference of one shows, one of ten glows.
         uint8_t* out = &result.picture.pixels[4 * i];
         out[0] = static_cast<uint8_t>(std::min(255, worst * 48));
-        out[1] = static_cast<uint8_t>(std::clamp((worst - tolerance.channel) * 24, 0, 255));
-        out[2] = static_cast<uint8_t>(std::clamp((worst - tolerance.channel) * 6, 0, 255));
+        out[1] = static_cast<uint8_t>(std::clamp((worst - 4) * 24, 0, 255));
+        out[2] = static_cast<uint8_t>(std::clamp((worst - 10) * 6, 0, 255));
         out[3] = 255;
     }
     result.within_tolerance =
-        static_cast<double>(result.unequal_pixels) <= tolerance.fraction * static_cast<double>(count);
+        result.largest <= tolerance.channel
+        && static_cast<double>(result.unequal_pixels) <= tolerance.fraction * static_cast<double>(count);
     return result;
 }
 

@@ -28,19 +28,21 @@ struct Bitmap {
 // Any PNG of 8 bits a channel; a file without alpha gets an opaque one.
 [[nodiscard]] Result<Bitmap> read_png(const std::string& path);
 
-// What two images of one scene may differ by: drivers round differently, and a pixel on an edge may fall to
-// either side.
+// What two images of one scene may differ by. The defaults are for one driver on different machines, where
+// little but the rounding of library functions can differ. Between drivers, rounding differs everywhere and
+// edges fall to either side of a pixel: use {.ignore = 3, .channel = 255, .fraction = 0.02}.
 struct BitmapTolerance {
-    int channel = 3;         // a pixel is equal when no channel differs by more, of 255
+    int ignore = 0;          // pixels whose channels differ by no more, of 255, count as equal
+    int channel = 3;         // no channel of any pixel may differ by more
     double fraction = 0.005; // of all pixels that may be unequal
 };
 
 struct BitmapDifference {
     bool same_size = false;
-    uint64_t unequal_pixels = 0; // with any channel beyond the tolerance
+    uint64_t unequal_pixels = 0; // with a channel that differs by more than BitmapTolerance::ignore
     int largest = 0;             // the largest difference of any channel of any pixel
     bool within_tolerance = false;
-    Bitmap picture; // black where equal, white-hot where not; empty when the sizes differ
+    Bitmap picture; // black where equal, red to white where not; empty when the sizes differ
 };
 
 // Images of different size are never within tolerance.

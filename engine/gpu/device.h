@@ -57,6 +57,10 @@ class Device {
     // Warnings and errors of the validation layer so far, in order. Always empty without
     // DeviceOptions::validation.
     [[nodiscard]] const std::vector<std::string>& validation_messages() const { return *messages_; }
+    // The same list, to keep beyond the device's end: destroying a device reports what was leaked.
+    [[nodiscard]] std::shared_ptr<const std::vector<std::string>> share_validation_messages() const {
+        return messages_;
+    }
 
     [[nodiscard]] VkInstance instance() const { return instance_; }
     [[nodiscard]] VkPhysicalDevice physical() const { return physical_; }
@@ -97,7 +101,7 @@ class Device {
     VkPhysicalDeviceLimits limits_{};
     VkPhysicalDeviceMemoryProperties memory_{};
     // On the heap: the messenger holds its address.
-    std::unique_ptr<std::vector<std::string>> messages_ = std::make_unique<std::vector<std::string>>();
+    std::shared_ptr<std::vector<std::string>> messages_ = std::make_shared<std::vector<std::string>>();
 };
 
 } // namespace brittle::engine

@@ -23,9 +23,11 @@ VulkanAccess to_vulkan(Access access) {
     // The submission waits for the acquire semaphore at this stage (Renderer::present).
     case Access::acquired:
         return {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, 0, 0, 0};
-    // The semaphore that presentation waits for covers everything before it.
+    // All commands, as in the signal of the semaphore that presentation waits for: only a common stage puts
+    // the barrier's layout transition before that signal. No stage at all is a hazard to queue-submit
+    // validation.
     case Access::present:
-        return {VK_PIPELINE_STAGE_2_NONE, 0, 0, 0};
+        return {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0, 0, 0};
     case Access::host_write:
         return {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_WRITE_BIT, 0, 0};
     case Access::host_read:

@@ -154,10 +154,8 @@ void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D
     reserve(device, slot.poses, "poses", std::max(bodies, 1u) * sizeof(BodyPose),
             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const std::span<BodyPose> poses = slot.poses.mapped_as<BodyPose>(0, bodies);
-    if (scene.write_poses)
-        scene.write_poses(poses);
-    else
-        std::ranges::fill(poses, BodyPose{});
+    std::ranges::fill(poses, BodyPose{}); // so that a caller who sets positions alone gets whole poses
+    if (scene.write_poses) scene.write_poses(poses);
 
     if (!scene.lines.empty()) {
         reserve(device, slot.lines, "lines", scene.lines.size_bytes(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);

@@ -14,8 +14,10 @@
 // notices by itself that the window was resized or minimised. A Window must outlive the renderer attached to
 // it, a Device every renderer made from it.
 //
-// Each frame is a frame graph declared anew (frame.cpp): instance upload, shadow, shade, spheres, lines, then
-// UI and present, or read back. Two frames are in flight in a window; render() waits for its image.
+// Each frame is a frame graph declared anew: shadow (left out where it can be kept), shade, marks, then read
+// back, or UI and present. Body poses need no pass: the caller writes them into memory that is mapped for
+// good and that the device reads in place, a slice for each of the two frames in flight. render() waits for
+// its image.
 //
 // Pixels are reproducible: the same scene gives the same bytes on the same device and driver. There is no
 // dithering, no noise and no history. Shaders write sRGB themselves into UNORM targets, because a window's
@@ -92,8 +94,9 @@ class Renderer {
     [[nodiscard]] bool ui_wants_mouse() const;
     [[nodiscard]] bool ui_wants_keyboard() const;
 
-    // Draws every pass once into a tiny target, so that the driver compiles every shader now (0.1 to 0.5 s on
-    // a CPU device) and not in the first frame that needs it.
+    // Draws every pass but the UI's once into a tiny target, so that the driver compiles every shader now
+    // (0.1 to 0.5 s on a CPU device) and not in the first frame that needs it. After attach(), for the
+    // window's format.
     [[nodiscard]] Result<void> warm_up();
 
     // Of the newest frame that the device has finished: in a window, one or two behind the newest.

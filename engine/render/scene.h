@@ -59,13 +59,13 @@ static_assert(sizeof(Sphere) == 16, "the layout of the instance attributes");
 struct Look {
     glm::vec3 exterior{0.66f, 0.615f, 0.54f};
     glm::vec3 interior{0.40f, 0.125f, 0.06f};
-    float tint = 0.4f; // how much of a piece's tint shows, 0 to 1
+    float tint = 0.5f; // how much of a piece's tint shows, 0 to 1
     glm::vec3 sphere{0.72f, 0.03f, 0.02f};
     glm::vec3 ground{0.50f, 0.495f, 0.49f};
     glm::vec3 background_top{0.40f, 0.43f, 0.47f};
     glm::vec3 background_bottom{0.62f, 0.61f, 0.60f};
     glm::vec3 to_light{-0.55f, 0.90f, 0.55f}; // towards the sun; any length but zero
-    glm::vec3 sun{1.12f, 1.04f, 0.93f};       // its light
+    glm::vec3 sun{1.00f, 0.93f, 0.83f};       // its light
     glm::vec3 sky{0.36f, 0.40f, 0.47f};       // light from above
     glm::vec3 bounce{0.17f, 0.145f, 0.125f};  // light from below
 };
@@ -75,8 +75,8 @@ struct Scene {
     // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
     // depth range; what sticks out is drawn, without a shadow.
     Bounds bounds{};
-    // Called once in each draw, with one pose a body (Renderer::body_count()). Unset: every body at the
-    // origin.
+    // Called once in each draw, with one pose a body (Renderer::body_count()), each BodyPose{} so far. Unset:
+    // every body at the origin.
     std::function<void(std::span<BodyPose>)> write_poses{};
     // False promises that no pose differs from the previous draw's: the shadow map is then kept.
     bool moved = true;

@@ -1,7 +1,5 @@
 #include "engine/render/ui_pass.h"
 
-#include <algorithm>
-
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
@@ -15,14 +13,25 @@
 namespace brittle::engine {
 
 UiPass::UiPass(const Device& device, const Window& window, const Swapchain& swapchain) : device_(device) {
-    create_render_pass(to_vulkan(swapchain.format()));
-    start_imgui(window, 3);
+    try {
+        create_render_pass(to_vulkan(swapchain.format()));
+        start_imgui(window);
+    } catch (...) {
+        destroy();
+        throw;
+    }
 }
 
 UiPass::~UiPass() {
-    ImGui_ImplVulkan_Shutdown();
-    ImGui_ImplGlfw_Shutdown();
-    ImGui::DestroyContext();
+    destroy();
+}
+
+void UiPass::destroy() {
+    if (ImGui::GetCurrentContext()) {
+        if (ImGui::GetIO().BackendRendererUserData) ImGui_ImplVulkan_Shutdown();
+        if (ImGui::GetIO().BackendPlatformUserData) ImGui_ImplGlfw_Shutdown();
+        ImGui::DestroyContext();
+    }
     destroy_framebuffers();
     vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
     vkDestroyRenderPass(device_.handle(), render_pass_, nullptr);
@@ -49,7 +58,7 @@ void UiPass::create_render_pass(VkFormat format) {
     check(vkCreateRenderPass(device_.handle(), &info, nullptr, &render_pass_), "create a render pass");
 }
 
-void UiPass::start_imgui(const Window& window, uint32_t images) {
+void UiPass::start_imgui(const Window& window) {
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 8};
     const VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                           .flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT,
@@ -72,7 +81,7 @@ void UiPass::start_imgui(const Window& window, uint32_t images) {
     info.Queue = device_.queue();
     info.DescriptorPool = pool_;
     info.MinImageCount = 2;
-    info.ImageCount = images;
+    info.ImageCount = 3; // of its vertex buffers in turn; more than the frames in flight
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
     // Called from C-like code that cannot pass an exception on; a lost device fails again in our next own
     // call.

@@ -35,8 +35,9 @@ class UiPass {
 
   private:
     void create_render_pass(VkFormat format);
-    void start_imgui(const Window& window, uint32_t images);
+    void start_imgui(const Window& window);
     void destroy_framebuffers();
+    void destroy();
 
     const Device& device_;
     VkRenderPass render_pass_ = VK_NULL_HANDLE;

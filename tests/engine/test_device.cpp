@@ -1,0 +1,85 @@
+#include <cstdlib>
+
+#include <doctest/doctest.h>
+
+#include "engine/gpu/device.h"
+#include "support.h"
+
+using namespace brittle::engine;
+using namespace brittle::engine::test;
+
+TEST_CASE("with no driver there is an error that says what to install") {
+    // The loader reads it in each process; doctest's discovery runs each case in its own.
+    setenv("VK_DRIVER_FILES", "/nonexistent.json", 1);
+    setenv("VK_ICD_FILENAMES", "/nonexistent.json", 1);
+    const Result<std::unique_ptr<Device>> device = Device::create();
+    unsetenv("VK_DRIVER_FILES");
+    unsetenv("VK_ICD_FILENAMES");
+    REQUIRE_FALSE(device);
+    CHECK((device.error().status == Status::no_driver || device.error().status == Status::no_device));
+    if (device.error().status == Status::no_driver)
+        CHECK(device.error().message.find("mesa-vulkan-drivers") != std::string::npos);
+}
+
+TEST_CASE("a device that does not exist is refused with the list of those that do") {
+    if (!make_device()) return;
+    const Result<std::vector<DeviceInfo>> infos = list_devices();
+    REQUIRE(infos);
+    REQUIRE_FALSE(infos->empty());
+    for (const char* select : {"9999", "no such device", "99999999999999999999"}) {
+        CAPTURE(select);
+        const Result<std::unique_ptr<Device>> device = Device::create({.select = select});
+        REQUIRE_FALSE(device);
+        CHECK(device.error().status == Status::no_device);
+        CHECK(device.error().message.find(select) != std::string::npos);
+        CHECK(device.error().message.find(infos->front().name) != std::string::npos);
+    }
+}
+
+TEST_CASE("each usable device can be had by its index and by part of its name") {
+    if (!make_device()) return;
+    const Result<std::vector<DeviceInfo>> infos = list_devices();
+    REQUIRE(infos);
+    for (const DeviceInfo& info : *infos) {
+        if (!info.problem.empty()) continue;
+        CAPTURE(info.name);
+        Result<std::unique_ptr<Device>> by_index = Device::create({.select = std::to_string(info.index)});
+        REQUIRE(by_index);
+        CHECK((*by_index)->info().index == info.index);
+        Result<std::unique_ptr<Device>> by_name = Device::create({.select = info.name.substr(0, 6)});
+        REQUIRE(by_name);
+        CHECK((*by_name)->info().name.substr(0, 6) == info.name.substr(0, 6));
+    }
+}
+
+TEST_CASE("the automatic choice is the best kind of device") {
+    const std::unique_ptr<Device> device = make_device();
+    if (!device || std::getenv("BRITTLE_TEST_DEVICE")) return;
+    const Result<std::vector<DeviceInfo>> infos = list_devices();
+    REQUIRE(infos);
+    for (const DeviceInfo& info : *infos)
+        if (info.problem.empty()) CHECK(device->info().kind <= info.kind);
+}
+
+TEST_CASE("validation hears a mistake, and a leak when the device goes") {
+    std::unique_ptr<Device> device = make_device();
+    if (!device) return;
+    if (Result<std::unique_ptr<Device>> layer = Device::create({.validation = true}); !layer) return;
+    CHECK(device->validation_messages().empty());
+    VkBuffer buffer = VK_NULL_HANDLE;
+    const VkBufferCreateInfo no_usage{
+        VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, nullptr, 0, 16, 0, VK_SHARING_MODE_EXCLUSIVE, 0, nullptr};
+    vkCreateBuffer(device->handle(), &no_usage, nullptr, &buffer);
+    CHECK_FALSE(device->validation_messages().empty());
+    vkDestroyBuffer(device->handle(), buffer, nullptr);
+
+#if !defined(__SANITIZE_ADDRESS__) // it would report the driver's side of the leak
+    const auto messages = device->share_validation_messages();
+    const size_t before = messages->size();
+    const VkFenceCreateInfo fence_info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
+    VkFence leaked = VK_NULL_HANDLE;
+    REQUIRE(vkCreateFence(device->handle(), &fence_info, nullptr, &leaked) == VK_SUCCESS);
+    device.reset();
+    CHECK(messages->size() > before);
+#endif
+}

@@ -1,0 +1,59 @@
+// Pictures of a known scene against those in tests/images. tools/update-goldens rewrites them; look at them
+// then.
+
+#include <doctest/doctest.h>
+
+#include "support.h"
+
+using namespace brittle::engine;
+using namespace brittle::engine::test;
+
+namespace {
+
+constexpr glm::uvec2 size{480, 300};
+
+// On the CPU driver that made the goldens, images repeat byte for byte; GPUs round in their own ways.
+BitmapTolerance tolerance_of(const Device& device) {
+    return device.is_cpu() ? BitmapTolerance{}
+                           : BitmapTolerance{.ignore = 3, .channel = 255, .fraction = 0.02};
+}
+
+// Quality is fixed, so that every device draws the same picture.
+void check_picture(const char* name, const Quality& quality, const std::function<void(Scene&)>& change) {
+    const std::unique_ptr<Device> device = make_device();
+    if (!device) return;
+    Result<std::unique_ptr<Renderer>> renderer = Renderer::create(*device, {.quality = quality});
+    REQUIRE(renderer);
+    KnownScene known;
+    change(known.scene);
+    REQUIRE((*renderer)->set_pieces(known.pieces()));
+    const Result<Bitmap> image = (*renderer)->render(known.scene, size);
+    REQUIRE(image);
+    const GoldenCheck check = check_golden(*image, name, tolerance_of(*device), golden_folder());
+    CHECK_MESSAGE(check.passed, check.message);
+    renderer->reset();
+    CHECK(device->validation_messages().empty());
+}
+
+constexpr Quality plain{.shadow_size = 1024, .soft_shadows = false};
+constexpr Quality soft{.shadow_size = 1024, .soft_shadows = true};
+
+} // namespace
+
+TEST_CASE("the known scene looks as it did") {
+    check_picture("known_scene", plain, [](Scene&) {});
+}
+
+TEST_CASE("marks on top of the known scene look as they did") {
+    check_picture("marks_on_top", plain, [](Scene& scene) {
+        scene.lines_on_top = true;
+        scene.spheres_on_top = true;
+    });
+}
+
+TEST_CASE("soft shadows look as they did") {
+    check_picture("soft_shadows", soft, [](Scene& scene) {
+        scene.lines = {};
+        scene.spheres = {};
+    });
+}
