@@ -171,7 +171,7 @@ class Demo {
 int run_demo(const DemoCommand& command) {
     const auto window = must(engine::Window::create(
         {.title = "Brittle", .width = command.view.width, .height = command.view.height}));
-    const Input input = load_input(command.fracture, place_on_stage);
+    const Input input = placed_on_stage(load_input(command.fracture));
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     {
         const auto renderer = must(engine::Renderer::create(*device));

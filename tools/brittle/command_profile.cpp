@@ -139,7 +139,7 @@ void print_table(const nlohmann::ordered_json& profile) {
 } // namespace
 
 int run_profile(const ProfileCommand& command) {
-    const Input input = load_input(command.fracture, place_on_stage);
+    const Input input = placed_on_stage(load_input(command.fracture));
     fracture::Certificate certificate;
     nlohmann::ordered_json profile{{"mesh", input.name},
                                    {"triangles", input.mesh.triangles.size()},

@@ -33,7 +33,7 @@ void check_output(const RenderCommand& command) {
 
 int run_render(const RenderCommand& command) {
     check_output(command);
-    const Input input = load_input(command.fracture, place_on_stage);
+    const Input input = placed_on_stage(load_input(command.fracture));
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device));
     Stage stage(*renderer, input.mesh);

@@ -58,7 +58,7 @@ void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name)
 
 } // namespace
 
-Input load_input(const FractureOptions& options, const std::function<void(fracture::TriangleMesh&)>& prepare) {
+Input load_input(const FractureOptions& options) {
     Input input;
     input.name = mesh_name(options.mesh);
     const Stopwatch import;
@@ -69,7 +69,6 @@ Input load_input(const FractureOptions& options, const std::function<void(fractu
     } else {
         suggest_repair(input.mesh, input.name);
     }
-    if (prepare) prepare(input.mesh);
     input.sites = options.sites_file.empty()
                       ? fracture::uniform_sites(fracture::bounds(input.mesh), options.pieces, options.seed)
                       : must(fracture::read_sites(options.sites_file));

@@ -34,10 +34,8 @@ struct Broken {
     double milliseconds = 0.0; // of the fracture, without the certificate
 };
 
-// `shape:NAME` gives a procedural shape, anything else is read as a file. `prepare`, where given, changes the mesh
-// before sites are spread in its box.
-[[nodiscard]] Input load_input(const FractureOptions& options,
-                               const std::function<void(fracture::TriangleMesh&)>& prepare = {});
+// `shape:NAME` gives a procedural shape, anything else is read as a file. Random sites are spread in the mesh's box.
+[[nodiscard]] Input load_input(const FractureOptions& options);
 
 // Fractures with `progress` called as in fracture::Settings.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,

@@ -26,13 +26,16 @@ uint32_t packed(const glm::vec3& linear) {
 
 } // namespace
 
-void place_on_stage(fracture::TriangleMesh& mesh) {
-    const fracture::Box box = fracture::bounds(mesh);
+Input placed_on_stage(Input input) {
+    const fracture::Box box = fracture::bounds(input.mesh);
     const double longest = std::max({box.size().x, box.size().y, box.size().z});
-    if (!(longest > 0.0) || !std::isfinite(longest)) return;
+    if (!(longest > 0.0) || !std::isfinite(longest)) return input;
     const double scale = stage_size / longest;
     const glm::dvec3 foot(box.centre().x, box.min.y, box.centre().z);
-    for (glm::dvec3& p : mesh.positions) p = (p - foot) * scale + glm::dvec3(0.0, stage_height, 0.0);
+    const auto place = [&](glm::dvec3& p) { p = (p - foot) * scale + glm::dvec3(0.0, stage_height, 0.0); };
+    std::for_each(input.mesh.positions.begin(), input.mesh.positions.end(), place);
+    std::for_each(input.sites.begin(), input.sites.end(), place);
+    return input;
 }
 
 Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh) : renderer_(renderer) { reset(mesh); }
@@ -109,6 +112,7 @@ engine::Scene Stage::scene() {
         };
     }
     scene.spheres = spheres_;
+    scene.spheres_on_top = true;
     lines_.clear();
     if (hulls_) {
         debug_lines_.clear();

@@ -3,7 +3,7 @@
 //
 // Metres: the mesh is scaled so that its longest side is 2 m and floats half a metre above the ground (y = 0).
 //
-//     Input input = load_input(options, place_on_stage);
+//     Input input = placed_on_stage(load_input(options));
 //     Stage stage(renderer, input.mesh);
 //     stage.shatter(break_input(input, options).fragments);
 //     each frame: stage.advance(1.0 / 60.0); renderer.render(stage.scene(), size);
@@ -16,11 +16,12 @@
 #include "fracture/fragments.h"
 #include "fracture/mesh.h"
 #include "physics/world.h"
+#include "tools/brittle/input.h"
 
 namespace brittle::tools {
 
-// Scales and moves a mesh to the place described above. A mesh without extent is left as it is.
-void place_on_stage(fracture::TriangleMesh& mesh);
+// Scales and moves mesh and sites to the place described above. A mesh without extent is left as it is.
+[[nodiscard]] Input placed_on_stage(Input input);
 
 class Stage {
   public:
@@ -35,7 +36,7 @@ class Stage {
     // Advances physics by a frame's time; nothing while the mesh is whole.
     void advance(double seconds);
 
-    void show_sites(std::span<const glm::dvec3> sites); // as red spheres; none for an empty span
+    void show_sites(std::span<const glm::dvec3> sites); // as red spheres seen through the pieces; none for an empty span
     // Draws the pieces moved apart: away from the middle by this share of their distance to it.
     void explode(float share) { explode_ = share; }
     void show_hulls(bool show) { hulls_ = show; }       // the physics debug drawer, in red lines
