@@ -129,7 +129,7 @@ class Demo {
         } else {
             ImGui::TextUnformatted(breaking_.valid() ? "breaking ..." : "Space breaks it");
         }
-        ImGui::TextDisabled("H lists the keys");
+        ImGui::TextUnformatted("H lists the keys");
         ImGui::End();
         if (!help_) return;
         const ImVec2 size = ImGui::GetIO().DisplaySize;

@@ -9,7 +9,8 @@ std::unique_ptr<engine::Device> open_device(const ViewOptions& view) {
 }
 
 engine::Bounds stage_view(const engine::Bounds& mesh) {
-    engine::Bounds view = mesh;
+    const glm::vec3 spread = 0.15f * mesh.size() * glm::vec3(1.0f, 0.0f, 1.0f);
+    engine::Bounds view{mesh.min - spread, mesh.max + spread};
     view.min.y = 0.0f;
     return view;
 }

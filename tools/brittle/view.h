@@ -11,7 +11,7 @@ namespace brittle::tools {
 
 [[nodiscard]] std::unique_ptr<engine::Device> open_device(const ViewOptions& view);
 
-// Around the unbroken mesh and the ground below it: what the camera looks at.
+// Around the unbroken mesh, the ground below it and some room for pieces to spread: what the camera looks at.
 [[nodiscard]] engine::Bounds stage_view(const engine::Bounds& mesh);
 
 // Throws a Failure when validation was asked for and had something to say; the messages are on standard error by then.
