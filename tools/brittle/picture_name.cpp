@@ -1,32 +1,70 @@
 #include "tools/brittle/picture_name.h"
 
 #include <cassert>
-#include <regex>
+#include <optional>
 
 namespace brittle::tools {
 
 namespace {
-const std::regex numbered("((?:[^%]|%%)*)%(0?[1-9]?)d((?:[^%]|%%)*)");
-const std::regex plain("(?:[^%]|%%)*");
 
-std::string unescape(const std::string& text) { return std::regex_replace(text, std::regex("%%"), "%"); }
+// A pattern taken apart, `%%` already read as `%`.
+struct Parts {
+    std::string before;
+    std::string after;
+    bool numbered = false; // there is a placeholder between the two
+    bool zeros = false;    // it pads with zeros, not with spaces
+    size_t width = 0;
+};
+
+// Nothing for a pattern with a second placeholder or one that is not a decimal number's.
+std::optional<Parts> parse(const std::string& pattern) {
+    Parts parts;
+    for (size_t i = 0; i < pattern.size(); ++i) {
+        std::string& text = parts.numbered ? parts.after : parts.before;
+        if (pattern[i] != '%') {
+            text += pattern[i];
+            continue;
+        }
+        const auto next = [&] { return ++i < pattern.size() ? pattern[i] : '\0'; };
+        char c = next();
+        if (c == '%') {
+            text += '%';
+            continue;
+        }
+        if (parts.numbered) return {};
+        parts.numbered = true;
+        if (c == '0') {
+            parts.zeros = true;
+            c = next();
+        }
+        if (c >= '1' && c <= '9') {
+            parts.width = static_cast<size_t>(c - '0');
+            c = next();
+        }
+        if (c != 'd') return {};
+    }
+    return parts;
+}
+
 } // namespace
 
-bool is_numbered(const std::string& pattern) { return std::regex_match(pattern, numbered); }
-bool is_plain(const std::string& pattern) { return std::regex_match(pattern, plain); }
+bool is_numbered(const std::string& pattern) {
+    const std::optional<Parts> parts = parse(pattern);
+    return parts && parts->numbered;
+}
+
+bool is_plain(const std::string& pattern) {
+    const std::optional<Parts> parts = parse(pattern);
+    return parts && !parts->numbered;
+}
 
 std::string picture_name(const std::string& pattern, uint32_t frame) {
-    std::smatch parts;
-    if (!std::regex_match(pattern, parts, numbered)) {
-        assert(is_plain(pattern));
-        return unescape(pattern);
-    }
-    const std::string flags = parts[2];
-    const bool zeros = flags.starts_with('0');
-    const size_t width = flags.size() > (zeros ? 1 : 0) ? static_cast<size_t>(flags.back() - '0') : 0;
+    const std::optional<Parts> parts = parse(pattern);
+    assert(parts);
+    if (!parts->numbered) return parts->before;
     std::string number = std::to_string(frame);
-    if (number.size() < width) number.insert(0, width - number.size(), zeros ? '0' : ' ');
-    return unescape(parts[1]) + number + unescape(parts[3]);
+    if (number.size() < parts->width) number.insert(0, parts->width - number.size(), parts->zeros ? '0' : ' ');
+    return parts->before + number + parts->after;
 }
 
 } // namespace brittle::tools
