@@ -8,7 +8,7 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastFacets = 32;
+constexpr uint32_t kLeastFacets = 4;
 
 // What the walk around a facet meets: a pierce point, where the winding changes, or a Voronoi vertex.
 struct Stop {

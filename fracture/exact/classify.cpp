@@ -9,6 +9,9 @@ namespace {
 
 constexpr uint32_t kLeastVertices = 2048;
 
+// Leaves room for the rounding of a ball's radius, of the step to the next vertex and of their squares.
+constexpr double kBallSlack = 1.0 - 1e-12;
+
 // The neighbour that is nearer to q than c by most, or none, beyond doubt.
 SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c,
                         PredicateStats& stats) {
@@ -31,23 +34,27 @@ SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm:
 
 } // namespace
 
-SiteId locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId start,
-              PredicateStats& stats) {
-    SiteId c = start;
+KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, const KnownBall& from,
+                 PredicateStats& stats) {
+    SiteId c = from.cell;
     for (;;) {
         const Frames::Cell& cell = frames.cells[c];
-        if (cell.begin == cell.end) return c;
+        if (cell.begin == cell.end) return {c, q, 0.0};
         const glm::dvec3 y = q - cell.site;
         const uint32_t n = (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
-        const LeastValue least = least_value_at(frames, cell.begin, n, static_cast<float>(y.x),
-                                                static_cast<float>(y.y), static_cast<float>(y.z));
-        if (least.value > cell.float_error) return c;
-        if (least.value < -cell.float_error) {
+        const LeastDistance least = least_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
+                                                      static_cast<float>(y.y), static_cast<float>(y.z));
+        if (least.distance > cell.float_error) {
+            return {c, q,
+                    kBallSlack
+                        * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
+        }
+        if (least.distance < -cell.float_error) {
             c = frames.site[least.slot];
             continue;
         }
         const SiteId nearer = nearer_neighbour(problem, frames, q, c, stats);
-        if (nearer == VoronoiDiagram::none) return c;
+        if (nearer == VoronoiDiagram::none) return {c, q, 0.0};
         c = nearer;
     }
 }
@@ -63,16 +70,19 @@ void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frame
     const auto anywhere = static_cast<SiteId>(any - diagram.cell_is_empty.begin());
     std::vector<PredicateStats> part(threads.chunks(count, kLeastVertices));
     threads.for_chunks(count, kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        SiteId last = anywhere;
+        KnownBall last{anywhere};
         for (uint32_t v = begin; v < end; ++v) {
-            SiteId start = last;
             if (guessed) {
                 if ((cell_of[v] & Classifier::kUncertain) == 0) continue;
-                start = cell_of[v] & ~Classifier::kUncertain;
-                if (start >= problem.sites.size() || diagram.cell_is_empty[start]) start = last;
+                const SiteId start = cell_of[v] & ~Classifier::kUncertain;
+                if (start < problem.sites.size() && !diagram.cell_is_empty[start]) last = {start};
             }
-            last = locate(problem, frames, positions[v], start, part[chunk]);
-            cell_of[v] = last;
+            const glm::dvec3 step = positions[v] - last.centre;
+            const double step2 = step.x * step.x + step.y * step.y + step.z * step.z;
+            if (!(step2 < last.radius * last.radius)) {
+                last = locate(problem, frames, positions[v], last, part[chunk]);
+            }
+            cell_of[v] = last.cell;
         }
     });
     for (const PredicateStats& p : part) stats += p;
