@@ -4,11 +4,13 @@
 #include <cassert>
 #include <cmath>
 
+#include "fracture/exact/ears.h"
+
 namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastFacets = 32;
+constexpr uint32_t kLeastFacets = 4;
 
 // What the walk around a facet meets: a pierce point, where the winding changes, or a Voronoi vertex.
 struct Stop {
@@ -89,6 +91,7 @@ class Capper::Worker {
     size_t loop_count_ = 0;
     std::vector<Loop> loops_; // the first loop_count_ are the cap's
     std::vector<glm::dvec2> flat_;
+    EarClipper ears_;
 };
 
 Capper::Capper() = default;
@@ -238,6 +241,15 @@ void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiag
     for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
         flat_.push_back(project(cap_position(context.cut, out.corners[k]), normal));
     }
+    // Loops that are plainly counter-clockwise do not enclose others of the same sheet without a hole between
+    // them.
+    bool simple = true;
+    for (size_t k = 0; k < loop_count_ && simple; ++k) {
+        const uint32_t first = loops_[k].front();
+        simple = ears_.clip(std::span(flat_).subspan(first, loops_[k].size()), first, out.triangles);
+    }
+    if (simple) return;
+    out.triangles.resize(cap.triangles_begin);
     const Triangulation done = triangulate(flat_, std::span(loops_).first(loop_count_));
     forced_ears += done.forced_ears;
     out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());

@@ -56,6 +56,23 @@ BRITTLE_SIMD double largest_norm2(const double* x, const double* y, const double
     return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
 }
 
+// The box around all balls that are centred at a vertex and go through the origin.
+BRITTLE_SIMD void ball_box(const double* x, const double* y, const double* z, uint32_t n, glm::dvec3& low,
+                           glm::dvec3& high) {
+    glm::dvec3 least(0.0), most(0.0);
+    for (uint32_t v = 0; v < n; ++v) {
+        const double r = std::sqrt(x[v] * x[v] + y[v] * y[v] + z[v] * z[v]);
+        least.x = x[v] - r < least.x ? x[v] - r : least.x;
+        least.y = y[v] - r < least.y ? y[v] - r : least.y;
+        least.z = z[v] - r < least.z ? z[v] - r : least.z;
+        most.x = x[v] + r > most.x ? x[v] + r : most.x;
+        most.y = y[v] + r > most.y ? y[v] + r : most.y;
+        most.z = z[v] + r > most.z ? z[v] + r : most.z;
+    }
+    low = least;
+    high = most;
+}
+
 } // namespace simd
 
 bool CellBuilder::build(const Diagram& diagram, const SiteGrid& grid, SiteId c) {
@@ -66,14 +83,16 @@ bool CellBuilder::build(const Diagram& diagram, const SiteGrid& grid, SiteId c) 
     if (!grid.owns_cell(c)) return false;
     start_with_box();
     SiteGrid::Walk walk(grid, diagram.sites, c, candidates_);
-    double security2 = 4.0 * kReachSlack * reach2();
-    while (walk.next(security2)) {
+    SiteGrid::Reach within = reach();
+    while (walk.next(within)) {
+        double nearest_idle2 = security2();
         for (const SiteGrid::Candidate& candidate : walk.batch()) {
-            if (candidate.distance2 > security2) break; // sorted: so are the rest
+            if (candidate.distance2 > nearest_idle2) break; // sorted: so are the rest
             const Cut result = cut(candidate.site);
             if (result == Cut::all) return false;
-            if (result == Cut::some) security2 = 4.0 * kReachSlack * reach2();
+            if (result == Cut::some) nearest_idle2 = security2();
         }
+        within = reach();
     }
     collect();
     return true;
@@ -128,9 +147,19 @@ void CellBuilder::place_vertex(uint32_t v, uint32_t a, uint32_t b, uint32_t d) {
     }
 }
 
-double CellBuilder::reach2() const {
+double CellBuilder::security2() const {
     if (unreliable_ > 0) return kInfinity;
-    return simd::largest_norm2(x_.data(), y_.data(), z_.data(), count_);
+    return 4.0 * kReachSlack * simd::largest_norm2(x_.data(), y_.data(), z_.data(), count_);
+}
+
+SiteGrid::Reach CellBuilder::reach() const {
+    SiteGrid::Reach result{security2(), glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
+    if (unreliable_ > 0) return result;
+    simd::ball_box(x_.data(), y_.data(), z_.data(), count_, result.low, result.high);
+    const double slack = (kReachSlack - 1.0) * std::sqrt(result.radius2);
+    result.low -= slack;
+    result.high += slack;
+    return result;
 }
 
 CellBuilder::Cut CellBuilder::find_removed(const Bisector& l, SiteId site) {

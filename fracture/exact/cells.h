@@ -7,7 +7,9 @@
 // vertices. Coordinates only serve the filter.
 //
 // Security radius: a site farther than twice the farthest vertex cannot cut. (Levy and Bonneel, "Variational
-// anisotropic surface meshing with Voronoi parallel linear enumeration", 2013.)
+// anisotropic surface meshing with Voronoi parallel linear enumeration", 2013.) More exactly, a site cuts
+// vertex v only from inside the ball around v through c; the box around all these balls spares cells at the
+// border of the diagram, which reach far outwards, most of the sites inwards.
 #pragma once
 
 #include <array>
@@ -41,7 +43,8 @@ class CellBuilder {
     void replace_removed(uint32_t new_slot);
     void erase(uint32_t hole);
     void place_vertex(uint32_t v, uint32_t a, uint32_t b, uint32_t d);
-    [[nodiscard]] double reach2() const;
+    [[nodiscard]] double security2() const;
+    [[nodiscard]] SiteGrid::Reach reach() const;
     void collect();
 
     const Diagram* diagram_ = nullptr;

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace brittle::fracture::exact {
 
 namespace {
 
 constexpr uint32_t kLeastVertices = 2048;
+
+// Leaves room for the rounding of a ball's radius, of the step to the next vertex and of their squares.
+constexpr double kBallSlack = 1.0 - 1e-12;
 
 // The neighbour that is nearer to q than c by most, or none, beyond doubt.
 SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c,
@@ -29,25 +33,65 @@ SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm:
     return nearer;
 }
 
+// What is known around the points classified before, by bin.
+class Hints {
+  public:
+    Hints(const Box& box, uint32_t points, SiteId anywhere) : low_(box.min) {
+        const double bins = std::clamp(std::round(std::cbrt(points / kPointsPerBin)), 1.0, kMostBins);
+        bins_ = static_cast<uint32_t>(bins);
+        per_bin_ = bins / box.size();
+        balls_.assign(size_t{bins_} * bins_ * bins_, KnownBall{VoronoiDiagram::none});
+        last_.cell = anywhere;
+    }
+
+    // The ball to start from for q, to be replaced by what is found.
+    [[nodiscard]] KnownBall& at(const glm::dvec3& q) {
+        uint32_t bin = 0;
+        for (int k = 0; k < 3; ++k) {
+            const auto b = static_cast<uint32_t>(std::max(0.0, (q[k] - low_[k]) * per_bin_[k]));
+            bin = bin * bins_ + std::min(b, bins_ - 1);
+        }
+        KnownBall& ball = balls_[bin];
+        if (ball.cell == VoronoiDiagram::none) ball.cell = last_.cell;
+        return ball;
+    }
+    void keep_last(const KnownBall& ball) { last_.cell = ball.cell; }
+
+  private:
+    // Most bins are far from the surface and stay empty.
+    static constexpr double kPointsPerBin = 2.0;
+    static constexpr double kMostBins = 16.0;
+
+    glm::dvec3 low_;
+    glm::dvec3 per_bin_{0.0};
+    uint32_t bins_ = 1;
+    KnownBall last_{0};
+    std::vector<KnownBall> balls_;
+};
+
 } // namespace
 
-SiteId locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId start,
-              PredicateStats& stats) {
-    SiteId c = start;
+KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, const KnownBall& from,
+                 PredicateStats& stats) {
+    SiteId c = from.cell;
     for (;;) {
         const Frames::Cell& cell = frames.cells[c];
-        if (cell.begin == cell.end) return c;
+        if (cell.begin == cell.end) return {c, q, 0.0};
         const glm::dvec3 y = q - cell.site;
         const uint32_t n = (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
-        const LeastValue least = least_value_at(frames, cell.begin, n, static_cast<float>(y.x),
-                                                static_cast<float>(y.y), static_cast<float>(y.z));
-        if (least.value > cell.float_error) return c;
-        if (least.value < -cell.float_error) {
+        const LeastDistance least = least_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
+                                                      static_cast<float>(y.y), static_cast<float>(y.z));
+        if (least.distance > cell.float_error) {
+            return {c, q,
+                    kBallSlack
+                        * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
+        }
+        if (least.distance < -cell.float_error) {
             c = frames.site[least.slot];
             continue;
         }
         const SiteId nearer = nearer_neighbour(problem, frames, q, c, stats);
-        if (nearer == VoronoiDiagram::none) return c;
+        if (nearer == VoronoiDiagram::none) return {c, q, 0.0};
         c = nearer;
     }
 }
@@ -63,16 +107,21 @@ void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frame
     const auto anywhere = static_cast<SiteId>(any - diagram.cell_is_empty.begin());
     std::vector<PredicateStats> part(threads.chunks(count, kLeastVertices));
     threads.for_chunks(count, kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        SiteId last = anywhere;
+        Hints hints(problem.box, end - begin, anywhere);
         for (uint32_t v = begin; v < end; ++v) {
-            SiteId start = last;
+            KnownBall& ball = hints.at(positions[v]);
             if (guessed) {
                 if ((cell_of[v] & Classifier::kUncertain) == 0) continue;
-                start = cell_of[v] & ~Classifier::kUncertain;
-                if (start >= problem.sites.size() || diagram.cell_is_empty[start]) start = last;
+                const SiteId start = cell_of[v] & ~Classifier::kUncertain;
+                if (start < problem.sites.size() && !diagram.cell_is_empty[start]) ball = {start};
             }
-            last = locate(problem, frames, positions[v], start, part[chunk]);
-            cell_of[v] = last;
+            const glm::dvec3 step = positions[v] - ball.centre;
+            const double step2 = step.x * step.x + step.y * step.y + step.z * step.z;
+            if (!(step2 < ball.radius * ball.radius)) {
+                ball = locate(problem, frames, positions[v], ball, part[chunk]);
+                hints.keep_last(ball);
+            }
+            cell_of[v] = ball.cell;
         }
     });
     for (const PredicateStats& p : part) stats += p;

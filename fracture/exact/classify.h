@@ -30,9 +30,16 @@ class Classifier {
                          std::span<uint32_t> out) = 0;
 };
 
-// The cell of point q, by walking from `start`, the index of a cell that is not empty.
-[[nodiscard]] SiteId locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId start,
-                            PredicateStats& stats);
+// A ball that is known to lie in one cell.
+struct KnownBall {
+    SiteId cell;
+    glm::dvec3 centre{0.0};
+    double radius = 0.0; // 0: nothing is known but that the cell is not empty
+};
+
+// The ball of q's cell around q, by walking from the cell of `from`.
+[[nodiscard]] KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q,
+                               const KnownBall& from, PredicateStats& stats);
 
 // Cells of all positions; they must lie in the problem's box. classifier may be null.
 void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,

@@ -10,7 +10,6 @@ namespace brittle::fracture::exact {
 namespace {
 
 constexpr uint32_t kLeastCells = 4;
-constexpr uint32_t kLeastFacets = 64;
 
 // Below this ratio of the determinant to its permanent a position has lost eight digits: it is then rounded
 // from the exact one.
@@ -62,8 +61,9 @@ void DiagramBuilder::build(const Diagram& problem, Threads& threads, VoronoiDiag
     number_items(out);
     threads.for_chunks(sites, kLeastCells,
                        [&](uint32_t, uint32_t begin, uint32_t end) { fill_owned(problem, begin, end, out); });
-    threads.for_chunks(static_cast<uint32_t>(out.facets.size()), kLeastFacets,
-                       [&](uint32_t, uint32_t begin, uint32_t end) { link_rings(begin, end, out); });
+    threads.for_chunks(sites, kLeastCells, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        link_rings(chunks_[chunk], begin, end, out);
+    });
 }
 
 void DiagramBuilder::build_cells(const Diagram& problem, Threads& threads, VoronoiDiagram& out) {
@@ -154,7 +154,7 @@ void DiagramBuilder::collect_rings(Chunk& chunk, SiteId begin, SiteId end, Voron
                                 chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
             uint32_t at = fan[0][0];
             for (size_t step = 0; step < fan.size(); ++step) {
-                chunk.rings.push_back(planes[at]);
+                chunk.rings.push_back(at);
                 const auto next =
                     std::find_if(fan.begin(), fan.end(), [&](const auto& f) { return f[0] == at; });
                 assert(next != fan.end());
@@ -181,7 +181,7 @@ void DiagramBuilder::number_items(VoronoiDiagram& out) {
     // Chunks hold consecutive cells, hence consecutive facets: read their rings one after the other.
     uint32_t f = 0;
     uint32_t chunk_index = kBoxMinX;
-    const PlaneId* third = nullptr;
+    const uint32_t* third = nullptr;
     for (; f < facets; ++f) {
         const VoronoiDiagram::Facet& facet = out.facets[f];
         if (cells_[facet.i].chunk != chunk_index) {
@@ -189,12 +189,13 @@ void DiagramBuilder::number_items(VoronoiDiagram& out) {
             third = chunks_[chunk_index].rings.data();
         }
         const uint32_t n = facet.ring_end - facet.ring_begin;
+        const PlaneId* const planes = chunks_[chunk_index].planes.data() + cells_[facet.i].planes_begin;
         for (uint32_t m = 0; m < n; ++m) {
-            const bool here = third[m] > facet.j;
-            const bool next = third[m + 1 == n ? 0 : m + 1] > facet.j;
+            const bool here = planes[third[m]] > facet.j;
+            const bool next = planes[third[m + 1 == n ? 0 : m + 1]] > facet.j;
             edge_begin_[f] += here ? 1 : 0;
             vertex_begin_[f] += here && next ? 1 : 0;
-            out.rings[facet.ring_begin + m].third = third[m];
+            out.rings[facet.ring_begin + m].third = planes[third[m]];
         }
         third += n;
     }
@@ -222,37 +223,45 @@ void DiagramBuilder::fill_owned(const Diagram& problem, SiteId begin, SiteId end
     }
 }
 
-uint32_t DiagramBuilder::edge_id(const VoronoiDiagram& d, std::array<PlaneId, 3> planes) const {
-    const uint32_t f = d.facet_between(planes[0], planes[1]);
-    assert(f != VoronoiDiagram::none);
-    if (f == VoronoiDiagram::none) return f;
-    for (uint32_t e = edge_begin_[f]; e < edge_begin_[f + 1]; ++e) {
-        if (d.edges[e].planes[2] == planes[2]) return e;
+uint32_t DiagramBuilder::edge_of(const VoronoiDiagram& d, uint32_t facet, PlaneId third) const {
+    for (uint32_t e = edge_begin_[facet]; e < edge_begin_[facet + 1]; ++e) {
+        if (d.edges[e].planes[2] == third) return e;
     }
-    assert(false);
+    assert(false && "two cells disagree about an edge");
     return VoronoiDiagram::none;
 }
 
-uint32_t DiagramBuilder::vertex_id(const VoronoiDiagram& d, std::array<PlaneId, 4> planes) const {
-    const uint32_t f = d.facet_between(planes[0], planes[1]);
-    assert(f != VoronoiDiagram::none);
-    if (f == VoronoiDiagram::none) return f;
-    for (uint32_t v = vertex_begin_[f]; v < vertex_begin_[f + 1]; ++v) {
-        if (d.vertices[v].planes[2] == planes[2] && d.vertices[v].planes[3] == planes[3]) return v;
+uint32_t DiagramBuilder::vertex_of(const VoronoiDiagram& d, uint32_t facet, PlaneId a, PlaneId b) const {
+    for (uint32_t v = vertex_begin_[facet]; v < vertex_begin_[facet + 1]; ++v) {
+        if (d.vertices[v].planes[2] == a && d.vertices[v].planes[3] == b) return v;
     }
-    assert(false);
+    assert(false && "two cells disagree about a vertex");
     return VoronoiDiagram::none;
 }
 
-void DiagramBuilder::link_rings(uint32_t begin, uint32_t end, VoronoiDiagram& out) const {
-    for (uint32_t f = begin; f < end; ++f) {
+// Edges and vertices are found through the facet of their two lowest sites. One of these is nearly always the
+// cell itself, and then that facet stands in the cell's own list of neighbours.
+void DiagramBuilder::link_rings(const Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out) const {
+    const uint32_t* third = chunk.rings.data();
+    for (uint32_t f = facet_begin_[begin]; f < facet_begin_[end]; ++f) {
         const VoronoiDiagram::Facet& facet = out.facets[f];
-        for (uint32_t m = facet.ring_begin; m < facet.ring_end; ++m) {
-            VoronoiDiagram::Corner& corner = out.rings[m];
-            const PlaneId next = out.rings[m + 1 == facet.ring_end ? facet.ring_begin : m + 1].third;
-            corner.edge = edge_id(out, sorted<3>({facet.i, facet.j, corner.third}));
-            corner.vertex = vertex_id(out, sorted<4>({facet.i, facet.j, corner.third, next}));
+        const VoronoiDiagram::Neighbour* const around = out.neighbours.data() + out.cell_begin[facet.i];
+        const uint32_t n = facet.ring_end - facet.ring_begin;
+        for (uint32_t m = 0; m < n; ++m) {
+            VoronoiDiagram::Corner& corner = out.rings[facet.ring_begin + m];
+            const uint32_t next = m + 1 == n ? 0 : m + 1;
+            const PlaneId k = corner.third, l = out.rings[facet.ring_begin + next].third;
+            corner.edge = k > facet.j ? edge_of(out, f, k) : edge_of(out, around[third[m]].facet, facet.j);
+            const auto [low, high] = std::minmax(k, l);
+            const auto planes = sorted<4>({facet.i, facet.j, k, l});
+            uint32_t owner = f;
+            if (high < facet.i)
+                owner = out.facet_between(low, high);
+            else if (low < facet.j)
+                owner = around[third[low == k ? m : next]].facet;
+            corner.vertex = vertex_of(out, owner, planes[2], planes[3]);
         }
+        third += n;
         // The facet's own edges have thirds above j, so the ring runs along them.
         for (uint32_t m = facet.ring_begin; m < facet.ring_end; ++m) {
             const VoronoiDiagram::Corner& corner = out.rings[m];

@@ -33,7 +33,8 @@ class DiagramBuilder {
         std::vector<std::array<uint32_t, 3>> vertices;
         std::vector<uint32_t> fan_begin; // per plane of one cell, into fan
         std::vector<std::array<uint32_t, 2>> fan;
-        std::vector<PlaneId> rings; // the owned facets' thirds, one facet after the other
+        // The owned facets' thirds, one facet after the other: indices into the cell's planes.
+        std::vector<uint32_t> rings;
     };
 
     void build_cells(const Diagram& problem, Threads& threads, VoronoiDiagram& out);
@@ -41,9 +42,9 @@ class DiagramBuilder {
     void collect_rings(Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out);
     void number_items(VoronoiDiagram& out);
     void fill_owned(const Diagram& problem, SiteId begin, SiteId end, VoronoiDiagram& out) const;
-    void link_rings(uint32_t begin, uint32_t end, VoronoiDiagram& out) const;
-    [[nodiscard]] uint32_t edge_id(const VoronoiDiagram& d, std::array<PlaneId, 3> planes) const;
-    [[nodiscard]] uint32_t vertex_id(const VoronoiDiagram& d, std::array<PlaneId, 4> planes) const;
+    void link_rings(const Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out) const;
+    [[nodiscard]] uint32_t edge_of(const VoronoiDiagram& d, uint32_t facet, PlaneId third) const;
+    [[nodiscard]] uint32_t vertex_of(const VoronoiDiagram& d, uint32_t facet, PlaneId a, PlaneId b) const;
 
     SiteGrid grid_;
     std::vector<CellRef> cells_;

@@ -50,21 +50,21 @@ void Frames::build(const Diagram& problem, const VoronoiDiagram& diagram, Thread
                     plane = make_bisector(cell.site, problem.sites[site[l]]);
                     longest = std::max(longest, plane.length);
                 }
+                const double unit = plane.length > 0.0 ? 1.0 / plane.length : 1.0;
                 nx[l] = plane.n.x;
                 ny[l] = plane.n.y;
                 nz[l] = plane.n.z;
                 h[l] = plane.h;
-                fx[l] = static_cast<float>(plane.n.x);
-                fy[l] = static_cast<float>(plane.n.y);
-                fz[l] = static_cast<float>(plane.n.z);
-                fh[l] = static_cast<float>(plane.h);
+                fx[l] = static_cast<float>(plane.n.x * unit);
+                fy[l] = static_cast<float>(plane.n.y * unit);
+                fz[l] = static_cast<float>(plane.n.z * unit);
+                fh[l] = static_cast<float>(plane.h * unit);
             }
             const glm::dvec3 far =
                 glm::max(glm::abs(problem.box.min - cell.site), glm::abs(problem.box.max - cell.site));
             const double reach = glm::length(far);
             cell.error = value_error(longest, reach);
-            cell.float_error =
-                static_cast<float>(1.01 * (kFloatRoundings * longest * (0.5 * longest + reach) + cell.error));
+            cell.float_error = static_cast<float>(kFloatRoundings * (0.5 * longest + reach));
         }
     });
 }
@@ -79,8 +79,8 @@ BRITTLE_SIMD void plane_values_at(const Frames& frames, Frames::Slot begin, uint
     for (uint32_t l = 0; l < n; ++l) values[l] = h[l] - (nx[l] * x + ny[l] * yy + nz[l] * z);
 }
 
-BRITTLE_SIMD LeastValue least_value_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
-                                       float z) {
+BRITTLE_SIMD LeastDistance least_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x,
+                                             float y, float z) {
     constexpr uint32_t lanes = Frames::kLanes;
     const float* nx = frames.fx.data() + begin;
     const float* ny = frames.fy.data() + begin;
@@ -99,9 +99,9 @@ BRITTLE_SIMD LeastValue least_value_at(const Frames& frames, Frames::Slot begin,
             least[k] = g < least[k] ? g : least[k];
         }
     }
-    LeastValue result{least[0], begin + block[0]};
+    LeastDistance result{least[0], begin + block[0]};
     for (uint32_t k = 1; k < lanes; ++k) {
-        if (least[k] < result.value) result = {least[k], begin + block[k] + k};
+        if (least[k] < result.distance) result = {least[k], begin + block[k] + k};
     }
     return result;
 }

@@ -26,7 +26,7 @@ struct Frames {
 
     std::vector<Cell> cells;
     std::vector<double> nx, ny, nz, h;
-    std::vector<float> fx, fy, fz, fh;
+    std::vector<float> fx, fy, fz, fh; // divided by |n|: values are distances
     std::vector<SiteId> site;
 
     [[nodiscard]] Bisector plane(Slot l) const { return {{nx[l], ny[l], nz[l]}, h[l], 0.0}; }
@@ -41,12 +41,13 @@ struct Frames {
 void plane_values_at(const Frames& frames, Frames::Slot begin, uint32_t n, const glm::dvec3& y,
                      double* values);
 
-// The least value in float of the planes [begin, begin + n) at y, and its slot.
-struct LeastValue {
-    float value;
+// The least distance to the planes [begin, begin + n) from y, in float, and its slot; negative beyond the
+// plane.
+struct LeastDistance {
+    float distance;
     Frames::Slot slot;
 };
-[[nodiscard]] LeastValue least_value_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x,
-                                        float y, float z);
+[[nodiscard]] LeastDistance least_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x,
+                                              float y, float z);
 
 } // namespace brittle::fracture::exact

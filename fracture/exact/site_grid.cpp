@@ -14,6 +14,9 @@ namespace {
 constexpr double kSitesPerBin = 2.0;
 constexpr int kMostBins = 128; // along an axis
 
+// Bins are found by a rounded division: a site may lie this share of a bin outside its own.
+constexpr double kBinSlack = 1e-9;
+
 // Sites spread this many times wider than the box would leave the box with few bins: the grid then covers the
 // box alone, and sites outside it are kept in the bins nearest to them.
 constexpr double kWidestRegion = 4.0;
@@ -109,53 +112,61 @@ glm::ivec3 SiteGrid::bin_of(const glm::dvec3& p) const {
 SiteGrid::Walk::Walk(const SiteGrid& grid, std::span<const glm::dvec3> sites, SiteId c,
                      std::vector<Candidate>& memory)
     : grid_(grid), sites_(sites), c_(c), batch_(memory), home_(grid.bin_of(sites[c])),
-      origin_(glm::clamp(sites[c], grid.region_.min, grid.region_.max)) {}
+      origin_(glm::clamp(sites[c], grid.region_.min, grid.region_.max)),
+      slack_(kBinSlack * std::max({grid.bin_size_.x, grid.bin_size_.y, grid.bin_size_.z})) {}
 
-void SiteGrid::Walk::visit_bin(int x, int y, int z, double reach2) {
+void SiteGrid::Walk::visit_bin(int x, int y, int z, const Reach& reach) {
     const uint32_t bin = grid_.bin_index(x, y, z);
+    const glm::dvec3 c = sites_[c_];
     for (uint32_t k = grid_.bin_begin_[bin]; k < grid_.bin_begin_[bin + 1]; ++k) {
         const SiteId s = grid_.bin_sites_[k];
-        if (s == c_) continue;
-        const double d2 = squared(sites_[s] - sites_[c_]);
-        if (d2 <= reach2) batch_.push_back({d2, s});
+        const glm::dvec3 n = sites_[s] - c;
+        const double d2 = squared(n);
+        const bool near = d2 <= reach.radius2 && n.x >= reach.low.x && n.x <= reach.high.x
+                          && n.y >= reach.low.y && n.y <= reach.high.y && n.z >= reach.low.z
+                          && n.z <= reach.high.z;
+        if (near && s != c_) batch_.push_back({d2, s});
     }
 }
 
-bool SiteGrid::Walk::next(double reach2) {
-    const glm::ivec3 bins = grid_.bins_;
+bool SiteGrid::Walk::next(const Reach& reach) {
+    // Bins are found by a rounded division: a site may lie a hair outside its own.
+    const glm::ivec3 first = grid_.bin_of(sites_[c_] + reach.low - slack_);
+    const glm::ivec3 last = grid_.bin_of(sites_[c_] + reach.high + slack_);
     for (;; ++ring_) {
         const int r = ring_;
         const glm::ivec3 low = home_ - r;
         const glm::ivec3 high = home_ + r;
-        const bool all_visited =
-            low.x < 0 && low.y < 0 && low.z < 0 && high.x >= bins.x && high.y >= bins.y && high.z >= bins.z;
+        const bool all_visited = low.x < first.x && low.y < first.y && low.z < first.z && high.x > last.x
+                                 && high.y > last.y && high.z > last.z;
         if (all_visited) return false;
-        if (r > 0) {
-            // The nearest that a site of this ring can be: the border of the block of rings before it, seen
-            // from the point of the region nearest to c (moving both points into a convex region brings them
-            // no farther apart). Bins are found by rounded division, hence the slack.
-            double border = std::numeric_limits<double>::infinity();
-            for (int k = 0; k < 3; ++k) {
-                const double inside = origin_[k] - grid_.region_.min[k];
-                const double from_low = inside - (low[k] + 1) * grid_.bin_size_[k];
-                const double to_high = high[k] * grid_.bin_size_[k] - inside;
-                if (low[k] >= 0) border = std::min(border, from_low);
-                if (high[k] < bins[k]) border = std::min(border, to_high);
-            }
-            border -= 1e-9 * std::max({grid_.bin_size_.x, grid_.bin_size_.y, grid_.bin_size_.z});
-            if (border > 0.0 && border * border > reach2) return false;
+        // A site in a bin is no nearer than the bin is, seen from the point of the region nearest to c
+        // (moving both points into a convex region brings them no farther apart).
+        const auto slab2 = [&](int k, int index) {
+            const double inside = origin_[k] - grid_.region_.min[k];
+            const double gap =
+                std::max(index * grid_.bin_size_[k] - inside, inside - (index + 1) * grid_.bin_size_[k])
+                - slack_;
+            return gap > 0.0 ? gap * gap : 0.0;
+        };
+        double nearest2 = std::numeric_limits<double>::infinity(); // of all bins of this ring and beyond
+        for (int k = 0; k < 3 && r > 0; ++k) {
+            if (low[k] >= first[k]) nearest2 = std::min(nearest2, slab2(k, low[k]));
+            if (high[k] <= last[k]) nearest2 = std::min(nearest2, slab2(k, high[k]));
         }
+        if (r > 0 && nearest2 > reach.radius2) return false;
         batch_.clear();
-        for (int z = std::max(low.z, 0); z <= std::min(high.z, bins.z - 1); ++z) {
-            for (int y = std::max(low.y, 0); y <= std::min(high.y, bins.y - 1); ++y) {
+        for (int z = std::max(low.z, first.z); z <= std::min(high.z, last.z); ++z) {
+            const double z2 = slab2(2, z);
+            if (z2 > reach.radius2) continue;
+            for (int y = std::max(low.y, first.y); y <= std::min(high.y, last.y); ++y) {
+                const double zy2 = z2 + slab2(1, y);
+                if (zy2 > reach.radius2) continue;
                 const bool shell = z == low.z || z == high.z || y == low.y || y == high.y;
-                if (shell || r == 0) {
-                    for (int x = std::max(low.x, 0); x <= std::min(high.x, bins.x - 1); ++x) {
-                        visit_bin(x, y, z, reach2);
-                    }
-                } else {
-                    if (low.x >= 0) visit_bin(low.x, y, z, reach2);
-                    if (high.x < bins.x) visit_bin(high.x, y, z, reach2);
+                const int step = shell || r == 0 ? 1 : 2 * r; // inside the shell only its two ends are new
+                for (int x = low.x; x <= high.x; x += step) {
+                    if (x >= first.x && x <= last.x && zy2 + slab2(0, x) <= reach.radius2)
+                        visit_bin(x, y, z, reach);
                 }
             }
         }

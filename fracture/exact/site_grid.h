@@ -29,22 +29,28 @@ class SiteGrid {
         }
     };
 
-    // Walks over the other sites in batches, nearest batch first; inside a batch they are sorted. Sites
-    // farther than the reach at the time of the batch are left out.
+    // What a site must be near to matter: within a distance of c, and within a box around it.
+    struct Reach {
+        double radius2;
+        glm::dvec3 low, high; // relative to c
+    };
+
+    // Walks over the other sites in batches, nearest batch first; inside a batch they are sorted. Sites out
+    // of reach at the time of the batch are left out.
     //
-    //     SiteGrid::Walk walk(grid, sites, c);
-    //     while (walk.next(reach2)) for (const auto& candidate : walk.batch()) ...
+    //     SiteGrid::Walk walk(grid, sites, c, memory);
+    //     while (walk.next(reach)) for (const auto& candidate : walk.batch()) ...
     class Walk {
       public:
         // `memory` is scratch that outlives the walk.
         Walk(const SiteGrid& grid, std::span<const glm::dvec3> sites, SiteId c,
              std::vector<Candidate>& memory);
-        // False when no unvisited site is within the squared distance reach2 (may be infinite).
-        bool next(double reach2);
+        // False when no unvisited site is within reach (which may be infinite).
+        bool next(const Reach& reach);
         [[nodiscard]] std::span<const Candidate> batch() const { return batch_; }
 
       private:
-        void visit_bin(int x, int y, int z, double reach2);
+        void visit_bin(int x, int y, int z, const Reach& reach);
 
         const SiteGrid& grid_;
         std::span<const glm::dvec3> sites_;
@@ -52,6 +58,7 @@ class SiteGrid {
         std::vector<Candidate>& batch_;
         glm::ivec3 home_{0};
         glm::dvec3 origin_{0.0}; // the point of the grid's region nearest to c
+        double slack_ = 0.0;
         int ring_ = 0;
     };
 

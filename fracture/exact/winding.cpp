@@ -105,14 +105,14 @@ void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram,
     const std::span<uint32_t> points = std::span(pierces).subspan(
         pierce_begin[voronoi_edge], pierce_begin[voronoi_edge + 1] - pierce_begin[voronoi_edge]);
     if (points.size() < 2) return;
-    const auto& [i, j, k] = diagram.edges[voronoi_edge].planes;
+    const std::array<PlaneId, 3>& cells = diagram.edges[voronoi_edge].planes;
     const Diagram problem = scene.diagram();
     const auto corners = [&](uint32_t p) {
         const Triangle& t = triangles[cut.pierce_points[p].triangle];
         return Corners{scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
     };
     const auto order = [&](uint32_t a, uint32_t b) {
-        return pierce_order(problem, i, j, k, corners(a), corners(b), stats);
+        return pierce_order(problem, cells[0], cells[1], cells[2], corners(a), corners(b), stats);
     };
     if (points.size() == 2) { // by far the most frequent case
         if (order(points[0], points[1]) > 0) std::swap(points[0], points[1]);

@@ -1,10 +1,13 @@
 #include "fracture/exact/exact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <filesystem>
+#include <fstream>
 #include <limits>
-#include <numeric>
+#include <map>
+#include <sstream>
+#include <tuple>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
@@ -442,6 +445,51 @@ TEST_CASE("exact: random sites in random shapes, caps equal on both sides") {
         }
     }
     check_fracture(icosphere(4), uniform_sites(bounds(icosphere(4)), 2000, 1));
+}
+
+namespace {
+
+// Positions and faces of a plain OBJ file, vertices welded by position; empty where there is no such file.
+TriangleMesh read_obj(const char* path) {
+    TriangleMesh mesh;
+    std::map<std::array<double, 3>, uint32_t> known;
+    std::vector<uint32_t> vertex;
+    std::ifstream in(path);
+    for (std::string line, word; std::getline(in, line);) {
+        std::istringstream words(line);
+        words >> word;
+        if (word == "v") {
+            std::array<double, 3> p{};
+            words >> p[0] >> p[1] >> p[2];
+            const auto [at, added] = known.try_emplace(p, static_cast<uint32_t>(mesh.positions.size()));
+            if (added) mesh.positions.push_back({p[0], p[1], p[2]});
+            vertex.push_back(at->second);
+        } else if (word == "f") {
+            Triangle t{};
+            for (int k = 0; k < 3; ++k) {
+                words >> word;
+                t[k] = vertex[std::stoul(word) - 1];
+            }
+            mesh.triangles.push_back(t);
+        }
+    }
+    return mesh;
+}
+
+} // namespace
+
+TEST_CASE("exact: the Stanford bunny at 10, 100 and 1000 sites") {
+    const TriangleMesh bunny = read_obj("/usr/share/glmark2/models/bunny.obj");
+    if (bunny.triangles.empty()) {
+        MESSAGE("skipped: glmark2's bunny.obj is not installed");
+        return;
+    }
+    for (const uint32_t n : {10u, 100u, 1000u}) {
+        CAPTURE(n);
+        const Fragments f = check_fracture(bunny, uniform_sites(bounds(bunny), n, 1));
+        check_caps_match(f);
+        CHECK(f.pieces.size() >= n / 3);
+    }
 }
 
 TEST_CASE("exact: a workspace used before gives the same bits") {

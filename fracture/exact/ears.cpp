@@ -1,0 +1,174 @@
+#include "fracture/exact/ears.h"
+
+#include <cmath>
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+constexpr uint32_t kNoTwin = 0xffffffffu;
+
+// Every ear is tested against every concave vertex; beyond this many, triangulate() with its grid is faster.
+constexpr size_t kMostConcave = 48;
+
+// Flips of a diagonal end by themselves in exact arithmetic; this many a triangle are never needed in
+// practice.
+constexpr uint32_t kMostFlips = 16;
+
+// Diagonals are flipped for the shape of triangles only: ties and near-ties stay as they are.
+constexpr double kFlipGain = 1e-9;
+
+// Which side of the line ab the point c lies on, 0 where rounding could decide. Shewchuk's bound for the
+// double stage is (3 + 16u)u times the sum of the products' magnitudes, u = 2^-53.
+int turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+    const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
+    const double bound = 0x4.0p-53 * (std::abs(left) + std::abs(right));
+    const double area = left - right;
+    return area > bound ? 1 : (area < -bound ? -1 : 0);
+}
+
+// Positive where d lies inside the circle through a, b, c, relative to the terms' size.
+double in_circle(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
+    const glm::dvec2 p = a - d, q = b - d, r = c - d;
+    const double p2 = p.x * p.x + p.y * p.y, q2 = q.x * q.x + q.y * q.y, r2 = r.x * r.x + r.y * r.y;
+    const double one = p2 * (q.x * r.y - q.y * r.x), two = q2 * (r.x * p.y - r.y * p.x),
+                 three = r2 * (p.x * q.y - p.y * q.x);
+    const double size = std::abs(one) + std::abs(two) + std::abs(three);
+    return size > 0.0 ? (one + two + three) / size : 0.0;
+}
+
+uint32_t after(uint32_t half_edge) {
+    return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1;
+}
+
+} // namespace
+
+bool EarClipper::find_concave(std::span<const glm::dvec2> loop) {
+    const auto n = static_cast<uint32_t>(loop.size());
+    next_.resize(n);
+    prev_.resize(n);
+    turn_.resize(n);
+    beyond_.assign(n, kNoTwin);
+    concave_.clear();
+    double area = 0.0; // twice; triangles that all turn left could not add up to less than nothing
+    for (uint32_t v = 0; v < n; ++v) {
+        next_[v] = v + 1 == n ? 0 : v + 1;
+        prev_[v] = v == 0 ? n - 1 : v - 1;
+        turn_[v] = static_cast<int8_t>(turn(loop[prev_[v]], loop[v], loop[next_[v]]));
+        if (turn_[v] == 0) return false;
+        if (turn_[v] < 0) concave_.push_back(v);
+        const glm::dvec2 a = loop[v] - loop[0], b = loop[next_[v]] - loop[0];
+        area += a.x * b.y - a.y * b.x;
+    }
+    return area > 0.0 && concave_.size() <= kMostConcave;
+}
+
+bool EarClipper::is_ear(std::span<const glm::dvec2> loop, uint32_t v) const {
+    const uint32_t a = prev_[v], b = next_[v];
+    for (const uint32_t r : concave_) {
+        if (turn_[r] > 0 || r == a || r == b) continue;
+        if (turn(loop[a], loop[v], loop[r]) >= 0 && turn(loop[v], loop[b], loop[r]) >= 0
+            && turn(loop[b], loop[a], loop[r]) >= 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void EarClipper::cut(uint32_t v) {
+    const uint32_t a = prev_[v], b = next_[v];
+    const auto t = static_cast<uint32_t>(corners_.size());
+    corners_.push_back({a, v, b});
+    twin_.insert(twin_.end(), {beyond_[a], beyond_[v], kNoTwin});
+    for (const uint32_t h : {3 * t, 3 * t + 1}) {
+        if (twin_[h] != kNoTwin) twin_[twin_[h]] = h;
+    }
+    beyond_[a] = 3 * t + 2;
+    next_[a] = b;
+    prev_[b] = a;
+}
+
+bool EarClipper::cut_ears(std::span<const glm::dvec2> loop) {
+    corners_.clear();
+    twin_.clear();
+    uint32_t left = static_cast<uint32_t>(loop.size());
+    uint32_t v = 0;
+    for (uint32_t in_vain = 0; left > 3;) {
+        if (turn_[v] <= 0 || !is_ear(loop, v)) {
+            v = next_[v];
+            if (++in_vain > left) return false;
+            continue;
+        }
+        const uint32_t a = prev_[v], b = next_[v];
+        cut(v);
+        --left;
+        in_vain = 0;
+        for (const uint32_t w : {a, b}) {
+            // Convex vertices may not turn concave; concave ones may become convex.
+            const int now = turn(loop[prev_[w]], loop[w], loop[next_[w]]);
+            if (now == 0) return false;
+            if (now < 0 && turn_[w] > 0) return false;
+            turn_[w] = static_cast<int8_t>(now);
+        }
+        v = next_[b]; // ears side by side would make a fan of slivers
+    }
+    if (turn(loop[prev_[v]], loop[v], loop[next_[v]]) <= 0) return false;
+    const uint32_t closing = beyond_[next_[v]];
+    cut(v);
+    const uint32_t last = static_cast<uint32_t>(twin_.size()) - 1;
+    twin_[last] = closing;
+    if (closing != kNoTwin) twin_[closing] = last;
+    return true;
+}
+
+bool EarClipper::flip_edge(std::span<const glm::dvec2> loop, uint32_t h) {
+    // Triangles (a,b,c) and (b,a,d) become (d,b,c) and (c,a,d).
+    const uint32_t t = twin_[h];
+    if (t == kNoTwin) return false;
+    const uint32_t h1 = after(h), h2 = after(h1), t1 = after(t), t2 = after(t1);
+    const auto corner = [&](uint32_t half_edge) -> uint32_t& {
+        return corners_[half_edge / 3][half_edge % 3];
+    };
+    const uint32_t a = corner(h), b = corner(t), c = corner(h2), d = corner(t2);
+    if (!(in_circle(loop[a], loop[b], loop[c], loop[d]) > kFlipGain)) return false;
+    if (turn(loop[d], loop[b], loop[c]) <= 0 || turn(loop[c], loop[a], loop[d]) <= 0) return false;
+    const uint32_t across_ad = twin_[t1], across_bc = twin_[h1];
+    corner(h) = d;
+    corner(t) = c;
+    // h: d->b, h1: b->c, h2: c->d;  t: c->a, t1: a->d, t2: d->c.
+    corner(h1) = b;
+    corner(t1) = a;
+    const uint32_t across_db = twin_[t2], across_ca = twin_[h2];
+    const auto join = [&](uint32_t x, uint32_t y) {
+        twin_[x] = y;
+        if (y != kNoTwin) twin_[y] = x;
+    };
+    join(h, across_db);
+    join(h1, across_bc);
+    join(t, across_ca);
+    join(t1, across_ad);
+    join(h2, t2);
+    for (const uint32_t e : {h, h1, t, t1}) pending_.push_back(e);
+    return true;
+}
+
+void EarClipper::flip(std::span<const glm::dvec2> loop) {
+    pending_.clear();
+    for (uint32_t h = 0; h < twin_.size(); ++h) {
+        if (twin_[h] != kNoTwin && twin_[h] < h) pending_.push_back(h);
+    }
+    for (size_t flips = kMostFlips * corners_.size(); !pending_.empty() && flips > 0;) {
+        const uint32_t h = pending_.back();
+        pending_.pop_back();
+        if (flip_edge(loop, h)) --flips;
+    }
+}
+
+bool EarClipper::clip(std::span<const glm::dvec2> loop, uint32_t first, std::vector<Triangle>& out) {
+    if (!find_concave(loop) || !cut_ears(loop)) return false;
+    flip(loop);
+    for (const auto& [a, b, c] : corners_) out.push_back({first + a, first + b, first + c});
+    return true;
+}
+
+} // namespace brittle::fracture::exact
