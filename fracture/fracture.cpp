@@ -80,8 +80,11 @@ Result<void> check_sites(std::span<const glm::dvec3> sites) {
 }
 
 Result<void> check_volume(const TriangleMesh& mesh) {
+    const double diagonal = glm::length(bounds(mesh).size());
+    // Most solids fill more than this of their box; the area, which costs more than the volume, need not be known.
+    if (signed_volume(mesh.positions, mesh.triangles) > 1e-6 * diagonal * diagonal * diagonal) return {};
     const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
-    if (std::abs(mass.volume) <= least_volume * mass.area * glm::length(bounds(mesh).size()))
+    if (std::abs(mass.volume) <= least_volume * mass.area * diagonal)
         return invalid_mesh("the mesh encloses no volume");
     if (mass.volume < 0.0)
         return invalid_mesh("the mesh is inside out: its volume is " + std::to_string(mass.volume)

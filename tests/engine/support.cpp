@@ -9,22 +9,6 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#if defined(__SANITIZE_ADDRESS__)
-// What the validation layer leaves behind at exit; device.cpp keeps it loaded, so that its name is known by
-// then.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() {
-    return "leak:libVkLayer_khronos_validation\n";
-}
-#endif
-#if defined(__SANITIZE_THREAD__)
-// Two races inside lavapipe's own fences.
-extern "C" const char* __tsan_default_suppressions();
-extern "C" const char* __tsan_default_suppressions() {
-    return "race:libvulkan_lvp.so\n";
-}
-#endif
-
 namespace brittle::engine::test {
 
 std::unique_ptr<Device> make_device() {
