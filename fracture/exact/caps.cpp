@@ -74,12 +74,21 @@ class Capper::Worker {
     void find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
                     const CapChunk& out);
     void split_diagonals_along_sides(const Context& context, Cap& cap, CapChunk& out);
+    void separate_fans(const Context& context, Cap& cap, CapChunk& out);
+    uint32_t add_node(const Context& context, const glm::dvec3& position, Cap& cap, CapChunk& out);
 
     std::vector<Stop> stops_;
     std::vector<std::array<uint32_t, 2>>
         sides_; // of each corner of the cap: the Voronoi edges that it lies on
     std::vector<std::array<uint32_t, 2>>
-        along_; // directed edges of triangles with both ends on one Voronoi edge
+        along_;          // directed edges of triangles with both ends on one Voronoi edge
+    struct FanTriangle { // of the fan around a corner, with the triangle's other two corners
+        uint32_t next, previous;
+        uint32_t triangle;
+        bool visited;
+    };
+    std::vector<FanTriangle> fans_;
+    std::vector<uint32_t> fan_begin_; // per corner of the cap
     struct Strand {
         uint32_t begin, end; // into strand_corners_
         bool used;
@@ -274,6 +283,56 @@ void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Fa
     }
 }
 
+// A corner of the cap that belongs to this facet alone; returns its index in the cap.
+uint32_t Capper::Worker::add_node(const Context& context, const glm::dvec3& position, Cap& cap,
+                                  CapChunk& out) {
+    const auto id = static_cast<uint32_t>(context.cut.nodes.size() + out.added_nodes.size());
+    out.added_nodes.push_back({cap.facet, position});
+    out.corners.push_back({VertexId::node, id});
+    return cap.corners_end++ - cap.corners_begin;
+}
+
+// Loops that cross each other leave triangulate() no choice but to fold the cap: it may then put triangles
+// all around a corner besides the fan between the corner's two sides. That fan gets a corner of its own, in
+// the same place.
+void Capper::Worker::separate_fans(const Context& context, Cap& cap, CapChunk& out) {
+    fan_begin_.assign(cap.corners_end - cap.corners_begin + 2, 0);
+    for (size_t t = cap.triangles_begin; t < out.triangles.size(); ++t) {
+        for (int m = 0; m < 3; ++m) ++fan_begin_[out.triangles[t][m] + 2];
+    }
+    for (size_t v = 2; v < fan_begin_.size(); ++v) fan_begin_[v] += fan_begin_[v - 1];
+    fans_.resize(fan_begin_.back());
+    for (uint32_t t = cap.triangles_begin; t < out.triangles.size(); ++t) {
+        const Triangle& c = out.triangles[t];
+        for (int m = 0; m < 3; ++m)
+            fans_[fan_begin_[c[m] + 1]++] = {c[(m + 1) % 3], c[(m + 2) % 3], t, false};
+    }
+    for (size_t k = 0; k < loop_count_; ++k) {
+        const uint32_t first = loops_[k].front(), n = static_cast<uint32_t>(loops_[k].size());
+        for (uint32_t v = first; v < first + n; ++v) {
+            const std::span fan(fans_.data() + fan_begin_[v], fan_begin_[v + 1] - fan_begin_[v]);
+            const auto walk = [&](uint32_t from, uint32_t corner) {
+                for (;;) {
+                    const auto at = std::find_if(fan.begin(), fan.end(), [&](const FanTriangle& f) {
+                        return f.next == from && !f.visited;
+                    });
+                    if (at == fan.end()) return;
+                    at->visited = true;
+                    from = at->previous;
+                    Triangle& c = out.triangles[at->triangle];
+                    for (int m = 0; m < 3; ++m) c[m] = c[m] == v ? corner : c[m];
+                }
+            };
+            walk(v + 1 == first + n ? first : v + 1, v);
+            for (const FanTriangle& f : fan) {
+                if (f.visited) continue;
+                const glm::dvec3 here = cap_position(context.cut, out.corners[cap.corners_begin + v]);
+                walk(f.next, add_node(context, here, cap, out));
+            }
+        }
+    }
+}
+
 void Capper::Worker::split_diagonals_along_sides(const Context& context, Cap& cap, CapChunk& out) {
     along_.clear();
     const auto share_side = [&](uint32_t a, uint32_t b) {
@@ -293,13 +352,9 @@ void Capper::Worker::split_diagonals_along_sides(const Context& context, Cap& ca
     for (const auto& [a, b] : along_) {
         if (a > b || !std::binary_search(along_.begin(), along_.end(), std::array<uint32_t, 2>{b, a}))
             continue;
-        const auto middle = static_cast<uint32_t>(cap.corners_end - cap.corners_begin);
-        const auto id = static_cast<uint32_t>(context.cut.nodes.size() + out.added_nodes.size());
         const glm::dvec3 p = cap_position(context.cut, out.corners[cap.corners_begin + a]);
         const glm::dvec3 q = cap_position(context.cut, out.corners[cap.corners_begin + b]);
-        out.added_nodes.push_back({cap.facet, 0.5 * (p + q)});
-        out.corners.push_back({VertexId::node, id});
-        ++cap.corners_end;
+        const uint32_t middle = add_node(context, 0.5 * (p + q), cap, out);
         const size_t count = out.triangles.size();
         for (size_t t = cap.triangles_begin; t < count; ++t) {
             for (int k = 0; k < 3; ++k) {
@@ -339,7 +394,9 @@ void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uin
     if (loop_count_ == 0) return;
     Cap cap{f, static_cast<uint32_t>(cap_begin_), static_cast<uint32_t>(out.corners.size()),
             static_cast<uint32_t>(out.triangles.size()), 0};
+    const uint64_t forced_before = forced_ears;
     triangulate_loops(context, facet, cap, out);
+    if (forced_ears > forced_before) separate_fans(context, cap, out);
     if (strands) {
         find_sides(context, facet, cap, out);
         split_diagonals_along_sides(context, cap, out);
