@@ -9,13 +9,10 @@
 #include <vector>
 
 #include <glm/common.hpp>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "fracture/clip.h"
 #include "fracture/islands.h"
+#include "fracture/parallel.h"
 
 namespace brittle::fracture {
 
@@ -91,8 +88,7 @@ Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dve
     const double extent = std::max({furthest.x, furthest.y, furthest.z});
     std::vector<Cell> cells(sites.size());
     Progress progress(settings.progress, 3 * sites.size());
-    tbb::task_arena arena(settings.threads == 0 ? tbb::task_arena::automatic
-                                                : static_cast<int>(settings.threads));
+    Threads threads(settings.threads);
 
     const auto timed = [&](const char* phase, const auto& work) {
         const auto start = std::chrono::steady_clock::now();
@@ -101,11 +97,11 @@ Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dve
         fragments.timings.push_back({phase, elapsed.count()});
     };
     const auto for_each_cell = [&](const auto& work) {
-        arena.execute([&] {
-            tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(sites.size()), [&](uint32_t site) {
+        threads.for_chunks(static_cast<uint32_t>(sites.size()), 1, [&](uint32_t, uint32_t begin, uint32_t end) {
+            for (uint32_t site = begin; site < end; ++site) {
                 work(site, cells[site]);
                 progress.step();
-            });
+            }
         });
     };
 

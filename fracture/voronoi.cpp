@@ -21,7 +21,7 @@ Result<VoronoiDiagram> voronoi_diagram(std::span<const glm::dvec3> sites, const 
     std::vector<glm::dvec3> scaled;
     if (auto done = exact::scale_sites(sites, to_scene, scaled); !done) return done.error();
     const exact::Diagram problem{scaled, {box.min * to_scene, box.max * to_scene}};
-    exact::Threads pool(threads);
+    Threads pool(threads);
     exact::DiagramBuilder builder;
     VoronoiDiagram diagram;
     builder.build(problem, pool, diagram);

@@ -13,7 +13,7 @@
 #include "fracture/exact/caps.h"
 #include "fracture/exact/cell_table.h"
 #include "fracture/exact/cut.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 #include "fracture/exact/surface.h"
 #include "fracture/fragments.h"
 

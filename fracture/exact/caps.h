@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "fracture/exact/cut.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 #include "fracture/exact/winding.h"
 #include "fracture/triangulate.h"
 #include "fracture/voronoi.h"

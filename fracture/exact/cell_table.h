@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 
 namespace brittle::fracture::exact {
 

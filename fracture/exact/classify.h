@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "fracture/exact/frames.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 #include "fracture/exact/predicates.h"
 
 namespace brittle::fracture::exact {

@@ -16,7 +16,7 @@
 
 #include "fracture/exact/cut.h"
 #include "fracture/exact/frames.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 
 namespace brittle::fracture::exact {
 

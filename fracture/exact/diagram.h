@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fracture/exact/cells.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/voronoi.h"
 

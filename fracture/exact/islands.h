@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "fracture/exact/assemble.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 #include "fracture/fragments.h"
 
 namespace brittle::fracture::exact {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "fracture/error.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/mesh.h"
 

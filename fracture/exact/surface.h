@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fracture/error.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 #include "fracture/exact/scene.h"
 #include "fracture/mesh.h"
 

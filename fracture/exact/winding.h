@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "fracture/exact/cut.h"
-#include "fracture/exact/parallel.h"
+#include "fracture/parallel.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/voronoi.h"
 

@@ -9,7 +9,7 @@
 #include <memory>
 #include <type_traits>
 
-namespace brittle::fracture::exact {
+namespace brittle::fracture {
 
 class Threads {
   public:
@@ -44,4 +44,4 @@ class Threads {
     std::unique_ptr<Arena> arena_;
 };
 
-} // namespace brittle::fracture::exact
+} // namespace brittle::fracture
