@@ -182,9 +182,9 @@ class FaceCutter {
 
 using DirectedEdge = std::pair<uint32_t, uint32_t>;
 
-// Whether the triangles close the hole: their directed edges are each loop edge once, and others once each
-// way.
-bool closes(std::span<const Loop> loops, std::span<const Triangle> triangles) {
+// Whether the triangles are the surface that closes the hole: their directed edges are each loop edge once
+// and others once each way, and around each point they form one fan.
+bool closes(std::span<const Loop> loops, std::span<const Triangle> triangles, size_t point_count) {
     std::vector<DirectedEdge> have;
     for (const Triangle& t : triangles)
         for (int i = 0; i < 3; ++i) have.emplace_back(t[i], t[(i + 1) % 3]);
@@ -200,7 +200,9 @@ bool closes(std::span<const Loop> loops, std::span<const Triangle> triangles) {
     }
     std::sort(have.begin(), have.end());
     std::sort(want.begin(), want.end());
-    return have == want && std::adjacent_find(have.begin(), have.end()) == have.end();
+    if (have != want || std::adjacent_find(have.begin(), have.end()) != have.end()) return false;
+    const TriangleMesh cap{std::vector<glm::dvec3>(point_count), {triangles.begin(), triangles.end()}};
+    return split_fans(cap).positions.size() == point_count;
 }
 
 // A cap that closes any loops whatever their geometry: a fan around the middle of each. Holes get fans of
@@ -240,9 +242,10 @@ void add_caps(HalfEdgeMesh& mesh, const glm::dvec3& outward, FaceSource source) 
     if (loops.empty()) return;
 
     std::vector<Triangle> triangles = triangulate(flat, flat_loops).triangles;
-    if (closes(flat_loops, triangles)) {
+    if (closes(flat_loops, triangles, flat.size())) {
         for (Triangle& t : triangles) t = {vertex_of[t.x], vertex_of[t.y], vertex_of[t.z]};
     } else {
+
         triangles = fans(mesh, loops);
     }
     for (const Triangle& t : triangles) {
