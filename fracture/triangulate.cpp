@@ -252,8 +252,9 @@ class ReflexGrid {
         }
         live_ = built_ = members_.size();
         // Few nodes are scanned faster than looked up.
-        side_ =
-            live_ < 48 ? 1 : std::min(1024u, static_cast<uint32_t>(std::sqrt(static_cast<double>(live_))));
+        side_ = live_ < 48
+                    ? 1
+                    : std::min(1024u, static_cast<uint32_t>(2.0 * std::sqrt(static_cast<double>(live_))));
         origin_ = low;
         const glm::dvec2 size = high - low;
         per_unit_ = {size.x > 0.0 ? side_ / size.x : 0.0, size.y > 0.0 ? side_ / size.y : 0.0};

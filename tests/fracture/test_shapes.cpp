@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
 #include "fracture/mass_properties.h"
+#include "fracture/normals.h"
 #include "fracture/topology.h"
 
 using namespace brittle::fracture;
@@ -103,4 +107,53 @@ TEST_CASE("the hollow sphere is two shells whose volumes subtract") {
     check_solid(mesh, 2, 4);
     const double shell = volume(icosphere(3, 1.0));
     CHECK(volume(mesh) == doctest::Approx(shell * (1.0 - 0.216)).epsilon(1e-13));
+}
+
+TEST_CASE("the animal is one smooth solid of genus 0 on four legs") {
+    double previous = 0.0;
+    for (const uint32_t resolution : {56u, 64u, 97u}) {
+        CAPTURE(resolution);
+        const TriangleMesh mesh = four_legged_animal(resolution);
+        check_solid(mesh, 1, 2);
+        const Box box = bounds(mesh);
+        CHECK(box.min.y == 0.0);
+        CHECK(box.size().z > box.size().x);
+        CHECK(volume(mesh) > 0.4);
+        if (previous > 0.0) CHECK(volume(mesh) == doctest::Approx(previous).epsilon(0.01));
+        previous = volume(mesh);
+
+        // Left and right halves weigh the same, and no triangle is folded over.
+        const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
+        CHECK(std::abs(mass.centre_of_mass.x) < 1e-3);
+        const std::vector<glm::dvec3> normals = vertex_normals(mesh);
+        int folded = 0;
+        for (const Triangle& t : mesh.triangles) {
+            const glm::dvec3 normal =
+                face_normal(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+            for (int k = 0; k < 3; ++k) folded += dot(normal, normals[t[k]]) <= 0.0;
+        }
+        CHECK(folded == 0);
+
+        std::vector<Triangle> below_the_knees;
+        for (const Triangle& t : mesh.triangles) {
+            const double top =
+                std::max({mesh.positions[t.x].y, mesh.positions[t.y].y, mesh.positions[t.z].y});
+            if (top < 0.35) below_the_knees.push_back(t);
+        }
+        CHECK(check_topology(mesh.positions.size(), below_the_knees).components == 4);
+    }
+    const size_t triangles = four_legged_animal().triangles.size();
+    CHECK((triangles > 10'000 && triangles < 35'000));
+}
+
+TEST_CASE("every name that is listed gives a solid, any other nothing") {
+    for (const std::string_view name : shape_names()) {
+        CAPTURE(name);
+        const auto mesh = shape(name);
+        REQUIRE(mesh.has_value());
+        CHECK(check_topology(mesh->positions.size(), mesh->triangles).manifold());
+        CHECK(volume(*mesh) > 0.0);
+    }
+    CHECK_FALSE(shape("").has_value());
+    CHECK_FALSE(shape("Cube").has_value());
 }
