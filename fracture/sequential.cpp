@@ -91,8 +91,11 @@ Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dve
     const double extent = std::max({furthest.x, furthest.y, furthest.z});
     std::vector<Cell> cells(sites.size());
     Progress progress(settings.progress, 3 * sites.size());
-    tbb::task_arena arena(settings.threads == 0 ? tbb::task_arena::automatic
-                                                : static_cast<int>(settings.threads));
+    const auto cores = static_cast<uint32_t>(tbb::info::default_concurrency());
+    const uint32_t threads = settings.threads == 0 ? cores : settings.threads;
+    std::optional<tbb::global_control> more_than_cores; // which TBB refuses otherwise
+    if (threads > cores) more_than_cores.emplace(tbb::global_control::max_allowed_parallelism, threads);
+    tbb::task_arena arena(static_cast<int>(threads));
 
     const auto timed = [&](const char* phase, const auto& work) {
         const auto start = std::chrono::steady_clock::now();
