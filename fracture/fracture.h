@@ -42,9 +42,10 @@ struct Settings {
 };
 
 // Cuts the mesh along the bisectors of the sites: one or more pieces (islands) per non-empty cell.
-// Errors: empty_mesh, invalid_mesh (not closed, not manifold, not oriented, non-finite), invalid_sites,
-// each with what and where. Of duplicate sites the one with the lowest index owns the cell, the others are
-// empty.
+// Errors: empty_mesh, invalid_mesh (not closed, not manifold, not oriented, inside out, without volume,
+// non-finite or beyond 1e50), invalid_sites, invalid_setting (more than 1024 threads), each with what and
+// where. Solids that touch in a vertex are cut as if each had its own. Pieces whose volume is only rounding
+// are left out. Of duplicate sites the one with the lowest index owns the cell, the others are empty.
 [[nodiscard]] Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                          const Settings& settings = {});
 

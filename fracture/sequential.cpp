@@ -4,7 +4,6 @@
 #include <chrono>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <utility>
 #include <vector>
 
