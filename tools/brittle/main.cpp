@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
-#include <map>
 #include <new>
 #include <string>
 
@@ -50,13 +49,15 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
         ->excludes(seed);
     command.add_flag("--repair", options.repair,
                      "First remove patches that double the surface, a common flaw of models; says what it removed");
+    const auto set_algorithm = [&options](const std::string& name) {
+        options.algorithm = name == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
+    };
     command
-        .add_option("--algorithm", options.algorithm,
-                    "exact: every decision by exact predicates, fast; sequential: clip by one bisector after the other, "
-                    "as the paper does")
-        ->transform(CLI::CheckedTransformer(
-            std::map<std::string, fracture::Algorithm>{{"exact", fracture::Algorithm::exact},
-                                                        {"sequential", fracture::Algorithm::sequential}}))
+        .add_option_function<std::string>("--algorithm", set_algorithm,
+                                          "exact: every decision by exact predicates, fast; sequential: clip by one "
+                                          "bisector after the other, as the paper does")
+        ->check(CLI::IsMember({"exact", "sequential"}))
+        ->type_name("NAME")
         ->default_str("exact");
     command.add_option("--threads", options.threads, "Worker threads; 0 is one a core. Never changes the result")
         ->check(CLI::Range(0u, 1024u))
