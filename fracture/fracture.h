@@ -43,7 +43,8 @@ struct Settings {
 
 // Cuts the mesh along the bisectors of the sites: one or more pieces (islands) per non-empty cell.
 // Errors: empty_mesh, invalid_mesh (not closed, not manifold, not oriented, inside out, without volume,
-// non-finite or beyond 1e50), invalid_sites, invalid_setting (more than 1024 threads), each with what and
+// non-finite or beyond 1e50), invalid_sites (none, non-finite, beyond 1e50; for the exact
+// algorithm also beyond 1e30 mesh sizes), invalid_setting (more than 1024 threads), each with what and
 // where. Solids that touch in a vertex are cut as if each had its own. Pieces whose volume is only rounding
 // are left out. Of duplicate sites the one with the lowest index owns the cell, the others are empty.
 [[nodiscard]] Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,

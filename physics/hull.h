@@ -2,9 +2,9 @@
 //
 // Bullet adds a collision margin outside a convex hull: two pieces that share a face would overlap by two
 // margins at birth and push each other apart. So the hull's planes are moved inwards by the margin first, and
-// hull + margin is inside the convex hull of the piece. Convex pieces, all those cut from a convex solid, are
-// therefore never in each other's way at birth. A piece that is not convex can still reach into a neighbour
-// with the hull of its notch; the world moves such pairs apart gently (WorldSettings::separation_speed).
+// hull + margin is inside the convex hull of the piece. Pieces of different Voronoi cells are therefore never in each
+// other's way at birth: each lies in its cell, which is convex, and so does its hull. Two islands of one cell may be, and
+// so may pieces from elsewhere; the world moves such pairs apart gently (WorldSettings::separation_speed).
 //
 // Points are relative to an origin that the caller names, usually the centre of mass. Metres. Thread-safe: no
 // state.
@@ -26,8 +26,7 @@ struct HullSettings {
     // below about 16, pieces visibly rock on corners that they do not have.
     uint32_t max_vertices = 32;
     // Collision margin as a fraction of the thinnest extent of the piece. The margin rounds sharp corners off
-    // by a few times its size, and so far do they sink into the ground. A smaller one costs next to no time,
-    // but overlap beyond it takes Bullet's slow path. Clamped to 0.001 .. 0.45.
+    // by a few times its size. Overlap beyond it takes Bullet's slow path. Clamped to 0.001 .. 0.45.
     float margin_fraction = 0.02f;
     // Upper bound of the margin in metres; at least a micrometre.
     float max_margin = 0.01f;

@@ -7,6 +7,9 @@
 #include <doctest/doctest.h>
 
 #include "convex_pieces.h"
+#include "fracture/fracture.h"
+#include "fracture/shapes.h"
+#include "fracture/sites.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -284,6 +287,24 @@ TEST_CASE("a cube of a hundred pieces falls, rests on the ground and falls aslee
     CHECK(lowest > -0.06f); // one step at the speed of the fall
     CHECK(lowest_vertex(world, fragments, bodies) > -5e-3f);
     CHECK(lowest_vertex(world, fragments, bodies) < 5e-3f);
+}
+
+TEST_CASE("pieces of solids that are not convex stay where they are born") {
+    for (const char* name : {"animal", "torus_knot", "hollow_sphere"}) {
+        CAPTURE(name);
+        const fracture::TriangleMesh mesh = *fracture::shape(name);
+        const auto fragments =
+            fracture::fracture(mesh, fracture::uniform_sites(fracture::bounds(mesh), 60, 1));
+        REQUIRE(fragments);
+        WorldSettings settings;
+        settings.gravity = glm::vec3(0.0f);
+        settings.ground_height.reset();
+        World world(settings);
+        const std::vector<BodyId> bodies = must_add(world, *fragments);
+        REQUIRE(bodies.size() > 20);
+        run(world, 1.0f);
+        for (const BodyId id : bodies) CHECK(glm::length(world.linear_velocity(id)) < 1e-3f);
+    }
 }
 
 TEST_CASE("splinters dropped from two metres do not go through the ground") {
