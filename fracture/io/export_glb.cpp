@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fracture/io/atomic_file.h"
+#include "fracture/io/certificate_json.h"
 
 namespace brittle::fracture {
 namespace {
@@ -128,7 +129,7 @@ class GlbWriter {
             nodes.push_back(std::move(*node));
         }
         if (!children.empty()) root["children"] = std::move(children);
-        root["extras"]["brittle"] = {{"certificate", certificate_json()}, {"recipe", recipe}};
+        root["extras"]["brittle"] = {{"certificate", Json::parse(certificate_json(certificate_))}, {"recipe", recipe}};
         nodes[0] = std::move(root);
 
         Json document;
@@ -267,24 +268,6 @@ class GlbWriter {
                 {"pbrMetallicRoughness",
                  {{"baseColorFactor", colour}, {"metallicFactor", 0.0}, {"roughnessFactor", roughness}}},
                 {"doubleSided", false}};
-    }
-
-    [[nodiscard]] Json certificate_json() const {
-        const Certificate& c = certificate_;
-        char hash[24];
-        std::snprintf(hash, sizeof(hash), "%016llx", static_cast<unsigned long long>(c.hash));
-        return {{"pieces", c.pieces},
-                {"cells", c.cells},
-                {"closed", c.closed},
-                {"open_pieces", c.open_pieces},
-                {"volume_input", c.volume_input},
-                {"volume_sum", c.volume_sum},
-                {"volume_error", c.volume_error},
-                {"smallest_piece", c.smallest_piece},
-                {"triangles_in", c.triangles_in},
-                {"triangles_out", c.triangles_out},
-                {"cap_triangles", c.cap_triangles},
-                {"hash", hash}};
     }
 
     // The container: a head of twelve bytes, the JSON padded with spaces, the buffers padded with zeros.

@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "fracture/io/certificate_json.h"
+
 namespace brittle::tools {
 
 namespace {
@@ -46,23 +48,11 @@ std::string report_json(const Input& input, const Broken& broken, const std::str
     milliseconds["import"] = input.import_milliseconds;
     for (const fracture::Milliseconds& t : broken.fragments.timings) milliseconds[t.phase] = t.milliseconds;
     milliseconds["total"] = broken.milliseconds;
-    const nlohmann::ordered_json report{{"mesh", input.name},
-                                        {"sites", input.sites.size()},
-                                        {"cells", c.cells},
-                                        {"pieces", c.pieces},
-                                        {"islands", c.pieces - c.cells},
-                                        {"closed", c.closed},
-                                        {"open_pieces", c.open_pieces},
-                                        {"volume_input", c.volume_input},
-                                        {"volume_sum", c.volume_sum},
-                                        {"volume_error", c.volume_error},
-                                        {"smallest_piece", c.smallest_piece},
-                                        {"triangles_in", c.triangles_in},
-                                        {"triangles_out", c.triangles_out},
-                                        {"cap_triangles", c.cap_triangles},
-                                        {"milliseconds", milliseconds},
-                                        {"hash", format("%016" PRIx64, c.hash)},
-                                        {"recipe", nlohmann::ordered_json::parse(recipe)}};
+    nlohmann::ordered_json report{{"mesh", input.name}, {"sites", input.sites.size()}};
+    report.update(nlohmann::ordered_json::parse(fracture::certificate_json(c)));
+    report["islands"] = c.pieces - c.cells;
+    report["milliseconds"] = milliseconds;
+    report["recipe"] = nlohmann::ordered_json::parse(recipe);
     return report.dump(2) + "\n";
 }
 
