@@ -138,7 +138,8 @@ void drop_flat_pieces(Fragments& fragments, double extent) {
             to.insert(to.end(), from.begin() + range.begin, from.begin() + range.end);
             range = {begin, static_cast<uint32_t>(to.size())};
         };
-        Range sources = piece.triangles;
+        Range points = piece.vertices, sources = piece.triangles;
+        move(fragments.vertex_point, points, packed.vertex_point);
         move(fragments.positions, piece.vertices, packed.positions);
         move(fragments.triangle_source, sources, packed.triangle_source);
         move(fragments.triangles, piece.triangles, packed.triangles);

@@ -68,6 +68,9 @@ struct Certificate {
 
 struct Fragments {
     std::vector<glm::dvec3> positions;
+    // Which point of the cut each vertex is: vertices of equal points in two pieces are the same point, and bit-equal.
+    // A number below 2^30 is that vertex of the input; others only compare.
+    std::vector<uint32_t> vertex_point;
     std::vector<Triangle> triangles;
     // For an exterior triangle the index of the input triangle it is part of; for an interior one the site on the
     // other side of the cap.

@@ -177,6 +177,7 @@ void Assembler::lay_out(const Input& input, Threads& threads, Fragments& out) {
         triangles = cell.triangles.end;
     }
     out.positions.resize(vertices);
+    out.vertex_point.resize(vertices);
     out.triangles.resize(triangles);
     out.triangle_source.resize(triangles);
 }
@@ -184,6 +185,11 @@ void Assembler::lay_out(const Input& input, Threads& threads, Fragments& out) {
 void Assembler::place_vertices(const Input& input, Threads& threads, Fragments& out) {
     Cut& cut = input.cut;
     const double to_input = input.scene.to_input;
+    const auto put = [&](SiteId cell, uint32_t local, VertexId id, const glm::dvec3& position) {
+        const uint32_t at = cells_[cell].vertices.begin + local;
+        out.positions[at] = position;
+        out.vertex_point[at] = id.bits();
+    };
     local_of_mesh_.resize(input.cell_of.size());
     threads.for_chunks(size_of(input.cell_of), kLeastVertices,
                        [&](uint32_t chunk, uint32_t begin, uint32_t end) {
@@ -192,38 +198,38 @@ void Assembler::place_vertices(const Input& input, Threads& threads, Fragments& 
                            for (uint32_t v = begin; v < end; ++v) {
                                if (component[v] == kNone) continue;
                                const SiteId c = input.cell_of[v];
-                               const uint32_t local = row[c]++;
-                               local_of_mesh_[v] = local;
-                               out.positions[cells_[c].vertices.begin + local] = input.mesh.positions[v];
+                               local_of_mesh_[v] = row[c]++;
+                               put(c, local_of_mesh_[v], {VertexId::mesh, v}, input.mesh.positions[v]);
                            }
                        });
-    const auto place = [&](uint32_t* row, auto& local, const auto& cells, const glm::dvec3& position) {
+    const auto place = [&](uint32_t* row, auto& local, const auto& cells, VertexId id,
+                           const glm::dvec3& position) {
         for (size_t k = 0; k < cells.size() && cells[k] != kNone; ++k) {
             local[k] = row[cells[k]]++;
-            out.positions[cells_[cells[k]].vertices.begin + local[k]] = position;
+            put(cells[k], local[k], id, position * to_input);
         }
     };
-    threads.for_chunks(size_of(cut.edge_points), kLeastPoints,
-                       [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-                           uint32_t* const row = vertex_table_.row(edge_row_ + chunk);
-                           for (uint32_t p = begin; p < end; ++p) {
-                               EdgePoint& point = cut.edge_points[p];
-                               place(row, point.local, point.cells, cut.edge_positions[p] * to_input);
-                           }
-                       });
-    threads.for_chunks(size_of(cut.pierce_points), kLeastPoints,
-                       [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-                           uint32_t* const row = vertex_table_.row(pierce_row_ + chunk);
-                           for (uint32_t p = begin; p < end; ++p) {
-                               PiercePoint& point = cut.pierce_points[p];
-                               place(row, point.local, point.cells, cut.pierce_positions[p] * to_input);
-                           }
-                       });
+    threads.for_chunks(
+        size_of(cut.edge_points), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+            uint32_t* const row = vertex_table_.row(edge_row_ + chunk);
+            for (uint32_t p = begin; p < end; ++p) {
+                EdgePoint& point = cut.edge_points[p];
+                place(row, point.local, point.cells, {VertexId::edge, p}, cut.edge_positions[p]);
+            }
+        });
+    threads.for_chunks(
+        size_of(cut.pierce_points), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+            uint32_t* const row = vertex_table_.row(pierce_row_ + chunk);
+            for (uint32_t p = begin; p < end; ++p) {
+                PiercePoint& point = cut.pierce_points[p];
+                place(row, point.local, point.cells, {VertexId::pierce, p}, cut.pierce_positions[p]);
+            }
+        });
     threads.for_chunks(size_of(cut.nodes), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = vertex_table_.row(node_row_ + chunk);
         for (uint32_t n = begin; n < end; ++n) {
             Node& node = cut.nodes[n];
-            place(row, node.local, node.cells, node.position * to_input);
+            place(row, node.local, node.cells, {VertexId::node, n}, node.position);
         }
     });
 }

@@ -47,7 +47,7 @@ class Assembler {
         std::span<const CapChunk> caps;
     };
 
-    // Fills positions, triangles and triangle_source.
+    // Fills positions, vertex_point, triangles and triangle_source.
     void run(const Input& input, Threads& threads, Fragments& out);
 
     [[nodiscard]] std::span<const CellRun> cells() const { return cells_; }

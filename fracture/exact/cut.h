@@ -32,6 +32,7 @@ class VertexId {
     [[nodiscard]] Kind kind() const { return static_cast<Kind>(bits_ >> 30); }
     [[nodiscard]] uint32_t index() const { return bits_ & 0x3fffffffu; }
     [[nodiscard]] bool is_none() const { return bits_ == kNone; }
+    [[nodiscard]] uint32_t bits() const { return bits_; } // Fragments::vertex_point
     friend bool operator==(VertexId, VertexId) = default;
 
   private:

@@ -125,6 +125,7 @@ uint32_t IslandSplitter::attach_cavities(const CellRun& cell, const Fragments& o
 // Stable in the order of vertices, and of triangles.
 void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk, Fragments& out) {
     const std::span positions(out.positions.data() + cell.vertices.begin, cell.vertices.size());
+    const std::span points(out.vertex_point.data() + cell.vertices.begin, cell.vertices.size());
     const std::span triangles(out.triangles.data() + cell.triangles.begin, cell.triangles.size());
     const std::span sources(out.triangle_source.data() + cell.triangles.begin, cell.triangles.size());
     const auto first = static_cast<uint32_t>(chunk.pieces.size()) - islands;
@@ -138,11 +139,13 @@ void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk
                                             cell.vertices.begin + cursor[k + 1]};
     }
     chunk.positions.assign(positions.begin(), positions.end());
+    chunk.points.assign(points.begin(), points.end());
     chunk.vertex_order.resize(positions.size());
     std::vector<uint32_t> begin(cursor.begin(), cursor.end() - 1);
     for (size_t v = 0; v < positions.size(); ++v) {
         const uint32_t at = cursor[chunk.label[v]]++;
         positions[at] = chunk.positions[v];
+        points[at] = chunk.points[v];
         chunk.vertex_order[v] = at - begin[chunk.label[v]];
     }
 

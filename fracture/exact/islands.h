@@ -47,7 +47,7 @@ class IslandSplitter {
         std::vector<double> volume;
         std::vector<glm::dvec3> positions;
         std::vector<Triangle> triangles;
-        std::vector<uint32_t> sources;
+        std::vector<uint32_t> points, sources;
     };
 
     void count_uncut_components(const Assembler::Input& input);

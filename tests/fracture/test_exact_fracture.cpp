@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <set>
 #include <sstream>
 #include <tuple>
 
@@ -63,6 +64,22 @@ uint64_t topology_faults(const Fragments& fragments) {
     return faults;
 }
 
+// A point is a vertex of the input or something that a cut made; wherever it appears it is the same, and no piece has
+// it twice.
+void check_points(const TriangleMesh& mesh, const Fragments& f) {
+    REQUIRE(f.vertex_point.size() == f.positions.size());
+    std::map<uint32_t, glm::dvec3> positions;
+    for (const Piece& piece : f.pieces) {
+        std::set<uint32_t> points;
+        for (uint32_t v = piece.vertices.begin; v < piece.vertices.end; ++v) {
+            const uint32_t point = f.vertex_point[v];
+            REQUIRE(points.insert(point).second);
+            REQUIRE(positions.emplace(point, f.positions[v]).first->second == f.positions[v]);
+            if (point < 1u << 30) REQUIRE(mesh.positions.at(point) == f.positions[v]);
+        }
+    }
+}
+
 // Whatever the input, as long as its triangles pair up: pieces closed, oriented, manifold and without stray
 // vertices, arrays that fit together, volumes that sum to the mesh's, the same bits with any number of
 // threads.
@@ -71,6 +88,7 @@ Fragments check_fracture(const TriangleMesh& mesh, const Sites& sites, double to
     REQUIRE_MESSAGE(result, (result ? std::string() : result.error().message));
     const Fragments& f = *result;
     CHECK(topology_faults(f) == 0);
+    check_points(mesh, f);
     REQUIRE(f.triangle_source.size() == f.triangles.size());
     uint32_t vertex = 0, triangle = 0;
     double volume = 0.0, scale = 0.0;
@@ -95,6 +113,7 @@ Fragments check_fracture(const TriangleMesh& mesh, const Sites& sites, double to
         const Result<Fragments> again = fracture_exact(mesh, sites, {.threads = threads});
         REQUIRE(again);
         CHECK(hash(*again) == hash(f));
+        CHECK(again->vertex_point == f.vertex_point);
     }
     for (size_t k = 0; k < f.bonds.size(); ++k) {
         const Bond& bond = f.bonds[k];
