@@ -50,11 +50,11 @@ class Assembler {
     // Fills positions, vertex_point, triangles and triangle_source.
     void run(const Input& input, Threads& threads, Fragments& out);
 
-    [[nodiscard]] std::span<const CellRun> cells() const { return cells_; }
-    // A vertex's index in its cell.
-    [[nodiscard]] uint32_t local_index(const Input& input, VertexId id, SiteId cell) const;
+    [[nodiscard]] std::span<CellRun> cells() { return cells_; }
 
   private:
+    // A vertex's index in its cell.
+    [[nodiscard]] uint32_t local_index(const Input& input, VertexId id, SiteId cell) const;
     void count(const Input& input, Threads& threads);
     void lay_out(const Input& input, Threads& threads, Fragments& out);
     void place_vertices(const Input& input, Threads& threads, Fragments& out);

@@ -1,9 +1,13 @@
 #include "fracture/exact/bonds.h"
 
 #include <algorithm>
+#include <array>
 #include <tuple>
+#include <vector>
 
 #include <glm/geometric.hpp>
+
+#include "fracture/exact/scene.h"
 
 namespace brittle::fracture::exact {
 
@@ -36,35 +40,60 @@ void merge_equal(std::vector<Bond>& bonds) {
     bonds.resize(kept);
 }
 
+// The piece of a site that has a point.
+class PieceLookup {
+  public:
+    PieceLookup(const Fragments& fragments, size_t sites) : first_(sites + 1, 0) {
+        for (const Piece& piece : fragments.pieces) ++first_[piece.site + 1];
+        for (size_t site = 0; site < sites; ++site) first_[site + 1] += first_[site];
+        for (uint32_t p = 0; p < fragments.pieces.size(); ++p) {
+            const Piece& piece = fragments.pieces[p];
+            if (count(piece.site) < 2) continue;
+            for (uint32_t v = piece.vertices.begin; v < piece.vertices.end; ++v)
+                islands_.push_back({piece.site, fragments.vertex_point[v], p});
+        }
+        std::sort(islands_.begin(), islands_.end());
+    }
+
+    // kNone where there is none.
+    [[nodiscard]] uint32_t find(uint32_t site, uint32_t point) const {
+        if (count(site) == 0) return kNone;
+        if (count(site) == 1) return first_[site];
+        const auto at = std::lower_bound(islands_.begin(), islands_.end(), Entry{site, point, 0});
+        if (at == islands_.end() || (*at)[0] != site || (*at)[1] != point) return kNone;
+        return (*at)[2];
+    }
+
+  private:
+    using Entry = std::array<uint32_t, 3>; // site, point, piece
+    [[nodiscard]] uint32_t count(uint32_t site) const { return first_[site + 1] - first_[site]; }
+
+    std::vector<uint32_t> first_; // piece of each site
+    std::vector<Entry> islands_;  // of sites with several pieces
+};
+
 } // namespace
 
-void find_bonds(const Assembler::Input& input, const Assembler& assembler, const IslandSplitter& islands,
-                Fragments& out) {
+void find_bonds(std::span<const glm::dvec3> sites, Fragments& out) {
     out.bonds.clear();
-    const Cut& cut = input.cut;
-    std::vector<glm::dvec3> corners;
-    for (const CapChunk& chunk : input.caps) {
-        for (const Cap& cap : chunk.caps) {
-            const VoronoiDiagram::Facet& facet = input.diagram.facets[cap.facet];
-            const bool split = islands.is_split(facet.i) || islands.is_split(facet.j);
-            const glm::dvec3 normal = glm::normalize(input.scene.sites[facet.j] - input.scene.sites[facet.i]);
-            corners.clear();
-            for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
-                const VertexId id = chunk.corners[k];
-                corners.push_back(cap_position(cut, id) * input.scene.to_input);
+    const PieceLookup lookup(out, sites.size());
+    for (uint32_t a = 0; a < out.pieces.size(); ++a) {
+        const Piece& piece = out.pieces[a];
+        const auto positions = out.positions_of(piece);
+        uint32_t other = kNone;
+        glm::dvec3 normal(0.0);
+        for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end; ++t) {
+            if (out.triangle_source[t] < piece.site) continue; // the piece over there counts it
+            if (out.triangle_source[t] != other) {
+                other = out.triangle_source[t];
+                normal = glm::normalize(sites[other] - sites[piece.site]);
             }
-            for (uint32_t t = cap.triangles_begin; t < cap.triangles_end; ++t) {
-                const Triangle& k = chunk.triangles[t];
-                const glm::dvec3 &p = corners[k.x], &q = corners[k.y], &r = corners[k.z];
-                const double area = 0.5 * glm::dot(glm::cross(q - p, r - p), normal);
-                uint32_t a = islands.first_piece(facet.i), b = islands.first_piece(facet.j);
-                if (split) {
-                    const VertexId id = chunk.corners[cap.corners_begin + k.x];
-                    a = islands.piece_of(facet.i, assembler.local_index(input, id, facet.i));
-                    b = islands.piece_of(facet.j, assembler.local_index(input, id, facet.j));
-                }
-                add(out.bonds, a, b, area, area / 3.0 * (p + q + r), normal);
-            }
+            const Triangle& corners = out.triangles[t];
+            const uint32_t b = lookup.find(other, out.vertex_point[piece.vertices.begin + corners.x]);
+            if (b == kNone) continue;
+            const glm::dvec3 &p = positions[corners.x], &q = positions[corners.y], &r = positions[corners.z];
+            const double area = 0.5 * glm::dot(glm::cross(q - p, r - p), normal);
+            add(out.bonds, a, b, area, area / 3.0 * (p + q + r), normal);
         }
     }
     merge_equal(out.bonds);

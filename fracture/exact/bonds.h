@@ -3,14 +3,15 @@
 
 #include <span>
 
-#include "fracture/exact/assemble.h"
-#include "fracture/exact/islands.h"
+#include <glm/vec3.hpp>
+
+#include "fracture/fragments.h"
 
 namespace brittle::fracture::exact {
 
-// Fills out.bonds, ordered by (a, b). Several caps between two pieces (a facet cut into separate regions)
-// make one bond; caps without area make none.
-void find_bonds(const Assembler::Input& input, const Assembler& assembler, const IslandSplitter& islands,
-                Fragments& out);
+// Fills out.bonds, ordered by (a, b), from pieces, triangle_source and vertex_point; only directions between
+// sites matter. Several caps between two pieces (a facet cut into separate regions) make one bond; caps
+// without area make none.
+void find_bonds(std::span<const glm::dvec3> sites, Fragments& out);
 
 } // namespace brittle::fracture::exact

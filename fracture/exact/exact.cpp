@@ -10,6 +10,7 @@
 #include "fracture/exact/edges.h"
 #include "fracture/exact/islands.h"
 #include "fracture/exact/scene.h"
+#include "fracture/exact/slivers.h"
 #include "fracture/exact/surface.h"
 #include "fracture/exact/winding.h"
 
@@ -31,6 +32,7 @@ struct Workspace::State {
     Winding winding;
     Capper capper;
     Assembler assembler;
+    SliverCollapser slivers;
     IslandSplitter islands;
     Statistics statistics;
 };
@@ -117,10 +119,15 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     const Assembler::Input input{mesh,  s.scene,          s.surface, s.diagram, s.cell_of, s.cell_of_triangle,
                                  s.cut, s.capper.chunks()};
     s.assembler.run(input, s.threads, out);
-    clock.done("assemble", 0.9);
+    clock.done("assemble", 0.85);
+
+    s.slivers.run(input, s.assembler.cells(), s.threads, out);
+    s.statistics.slivers = s.slivers.found();
+    s.statistics.slivers_left = s.slivers.left();
+    clock.done("slivers", 0.9);
 
     s.islands.run(input, s.assembler.cells(), s.threads, out);
-    find_bonds(input, s.assembler, s.islands, out);
+    find_bonds(s.scene.sites, out);
     clock.done("islands", 1.0);
     return {};
 }

@@ -4,7 +4,7 @@
 // are cut where they cross (edges.h, clip.h), Voronoi vertices learn whether they lie in the solid
 // (winding.h), each facet's inside is triangulated once for both sides (caps.h), and the parts are put
 // together (assemble.h), split into islands (islands.h) and bonded (bonds.h). Every decision is an exact
-// predicate (predicates.h) and every vertex of the result has one identity and one position, so pieces are
+// predicate (predicates.h), what degenerate input leaves is taken back (slivers.h), and every vertex of the result has one identity and one position, so pieces are
 // closed by construction, whatever the geometry.
 //
 // The triangles must pair up along their edges (surface.h); the surface may overlap itself, in which case
@@ -43,7 +43,9 @@ class Workspace {
 // How the last fracture of a workspace was decided.
 struct Statistics {
     PredicateStats predicates;
-    uint64_t forced_ears = 0; // cap triangles that no strict ear allowed (degenerate input)
+    uint64_t forced_ears = 0;  // cap triangles that no strict ear allowed (degenerate input)
+    uint64_t slivers = 0;      // triangles without area that the cut left (slivers.h), a cap's counted once,
+    uint64_t slivers_left = 0; // and those of them that could not be taken back
 };
 [[nodiscard]] Statistics statistics(const Workspace& workspace);
 

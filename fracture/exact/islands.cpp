@@ -170,8 +170,6 @@ void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk
 }
 
 void IslandSplitter::split_cell(SiteId c, const CellRun& cell, Chunk& chunk, Fragments& out) {
-    labels_[c].begin = kNone;
-    labels_[c].first_piece = static_cast<uint32_t>(chunk.pieces.size()); // in the chunk, until all are known
     if (cell.triangles.size() == 0) return;
     const std::span<const Triangle> triangles(out.triangles.data() + cell.triangles.begin,
                                               cell.triangles.size());
@@ -181,8 +179,6 @@ void IslandSplitter::split_cell(SiteId c, const CellRun& cell, Chunk& chunk, Fra
         chunk.pieces.push_back({c, cell.vertices, cell.triangles, cell.exterior, {}});
         return;
     }
-    labels_[c].begin = static_cast<uint32_t>(chunk.island.size());
-    chunk.island.insert(chunk.island.end(), chunk.label.begin(), chunk.label.end());
     chunk.pieces.resize(chunk.pieces.size() + islands);
     for (size_t k = chunk.pieces.size() - islands; k < chunk.pieces.size(); ++k) chunk.pieces[k].site = c;
     reorder(cell, islands, chunk, out);
@@ -193,27 +189,18 @@ void IslandSplitter::run(const Assembler::Input& input, std::span<const CellRun>
     count_uncut_components(input);
     const auto count = static_cast<uint32_t>(cells.size());
     const uint32_t parts = threads.chunks(count, kLeastCells);
-    labels_.resize(count);
     if (chunks_.size() < parts) chunks_.resize(parts);
     threads.for_chunks(count, kLeastCells, [&](uint32_t k, uint32_t begin, uint32_t end) {
         Chunk& chunk = chunks_[k];
         chunk.pieces.clear();
-        chunk.island.clear();
-        for (SiteId c = begin; c < end; ++c) {
-            labels_[c].chunk = k;
-            split_cell(c, cells[c], chunk, out);
-        }
+        for (SiteId c = begin; c < end; ++c) split_cell(c, cells[c], chunk, out);
         for (Piece& piece : chunk.pieces) {
             piece.mass = mass_properties(out.positions_of(piece), out.triangles_of(piece));
         }
     });
     out.pieces.clear();
-    std::vector<uint32_t> base(parts);
-    for (uint32_t k = 0; k < parts; ++k) {
-        base[k] = static_cast<uint32_t>(out.pieces.size());
+    for (uint32_t k = 0; k < parts; ++k)
         out.pieces.insert(out.pieces.end(), chunks_[k].pieces.begin(), chunks_[k].pieces.end());
-    }
-    for (Labels& labels : labels_) labels.first_piece += base[labels.chunk];
 }
 
 } // namespace brittle::fracture::exact

@@ -22,26 +22,9 @@ class IslandSplitter {
     // properties.
     void run(const Assembler::Input& input, std::span<const CellRun> cells, Threads& threads, Fragments& out);
 
-    // The piece that holds a cell's vertex, named by its index in the cell before the split; an index into
-    // Fragments::pieces.
-    [[nodiscard]] uint32_t piece_of(SiteId cell, uint32_t local_index) const {
-        const Labels& labels = labels_[cell];
-        return labels.begin == kNone
-                   ? labels.first_piece
-                   : labels.first_piece + chunks_[labels.chunk].island[labels.begin + local_index];
-    }
-    [[nodiscard]] bool is_split(SiteId cell) const { return labels_[cell].begin != kNone; }
-    [[nodiscard]] uint32_t first_piece(SiteId cell) const { return labels_[cell].first_piece; }
-
   private:
-    struct Labels {
-        uint32_t chunk = 0;
-        uint32_t begin = kNone; // into Chunk::island; kNone where the cell holds one island or none
-        uint32_t first_piece = 0;
-    };
     struct Chunk {
         std::vector<Piece> pieces;
-        std::vector<uint32_t> island; // of each vertex of split cells
         // Scratch.
         std::vector<uint32_t> parent, label, vertex_order, triangle_order, island_begin;
         std::vector<double> volume;
@@ -60,7 +43,6 @@ class IslandSplitter {
 
     std::vector<uint32_t> uncut_; // mesh components inside each cell that no bisector touches
     std::vector<uint8_t> component_is_cut_;
-    std::vector<Labels> labels_;
     std::vector<Chunk> chunks_;
 };
 

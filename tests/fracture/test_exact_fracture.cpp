@@ -129,6 +129,22 @@ Fragments check_fracture(const TriangleMesh& mesh, const Sites& sites, double to
     return *result;
 }
 
+// The least height of a triangle that a cut made.
+double thinnest_cut(const Fragments& f) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Piece& piece : f.pieces) {
+        const auto positions = f.positions_of(piece);
+        for (const Triangle& t : f.triangles_of(piece)) {
+            const auto cut = [&](uint32_t v) { return f.vertex_point[piece.vertices.begin + v] >= 1u << 30; };
+            if (!cut(t.x) && !cut(t.y) && !cut(t.z)) continue;
+            const glm::dvec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+            const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+            least = std::min(least, longest == 0.0 ? 0.0 : glm::length(glm::cross(b - a, c - a)) / longest);
+        }
+    }
+    return least;
+}
+
 // Caps of both sides of a facet hold the same triangles, turned over, and the same bits.
 void check_caps_match(const Fragments& f) {
     using Corner = std::array<double, 3>;
@@ -282,6 +298,47 @@ TEST_CASE("exact: lattices of sites in a lattice cube, cut through vertices, edg
     Random random(8);
     for (size_t k = shuffled.size(); k > 1; --k) std::swap(shuffled[k - 1], shuffled[random.next() % k]);
     check_fracture(lattice_cube(8), shuffled);
+}
+
+TEST_CASE("exact: cuts through vertices, edges and faces leave no triangle without area") {
+    const TriangleMesh ball = icosphere(2), ring = torus(32, 16);
+    Sites corners = cube().positions;
+    corners.push_back(glm::dvec3(0.0));
+    const std::pair<TriangleMesh, Sites> cases[] = {
+        {cube(), {{0.5, -0.5, 0.0}, {-0.5, 0.5, 0.0}}},
+        {cube(), {{0.0, 0.0, 0.0}, {2.0, 2.0, 2.0}}},
+        {cube(), corners},
+        {lattice_cube(8), lattice_sites(8)},
+        {lattice_cube(6), lattice_sites(4)},
+        {ball, Sites(ball.positions.begin(), ball.positions.begin() + 60)},
+        {icosphere(3), lattice_sites(4)},
+        {ring, torus(16, 8).positions},
+        {four_legged_animal(), lattice_sites(3)},
+    };
+    uint64_t taken_back = 0;
+    for (size_t k = 0; k < std::size(cases); ++k) {
+        const auto& [mesh, sites] = cases[k];
+        CAPTURE(k);
+        exact::Workspace workspace;
+        Fragments f;
+        REQUIRE(fracture_exact(mesh, sites, {}, workspace, f));
+        taken_back += exact::statistics(workspace).slivers;
+        CHECK(exact::statistics(workspace).slivers_left == 0);
+        CHECK(thinnest_cut(f) > 1e-12);
+        check_fracture(mesh, sites);
+        check_caps_match(f);
+    }
+    CHECK(taken_back > 5000);
+}
+
+TEST_CASE("exact: a lattice cube falls into cubes of twelve triangles") {
+    const Fragments f = check_fracture(lattice_cube(8), lattice_sites(8));
+    CHECK(f.pieces.size() == 512);
+    for (const Piece& piece : f.pieces) {
+        CHECK(piece.vertices.size() == 8);
+        CHECK(piece.triangles.size() == 12);
+    }
+    check_caps_match(f);
 }
 
 TEST_CASE("exact: lattices moved by one unit in the last place, and turned") {

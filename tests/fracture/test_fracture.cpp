@@ -399,7 +399,7 @@ TEST_CASE("progress rises to one, from one thread at a time, and phases are time
     Settings settings;
     std::vector<std::string> expected;
     SUBCASE("exact") {
-        expected = {"validate", "prepare", "cells", "classify", "clip", "caps", "assemble", "islands"};
+        expected = {"validate", "prepare", "cells", "classify", "clip", "caps", "assemble", "slivers", "islands"};
     }
     SUBCASE("sequential") {
         settings.algorithm = Algorithm::sequential;
