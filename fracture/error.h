@@ -19,7 +19,12 @@ enum class Status {
     unsupported_format, // a file ending that no reader claims
     malformed_file,     // the file's content is damaged, truncated or not what its ending says
     empty_mesh,         // no triangle
-    invalid_mesh,       // not closed, not manifold or not oriented; non-finite or out-of-range values
+    invalid_mesh,       // a position not finite or too far out, an index out of range, a vertex named twice
+    not_closed,         // the surface has a rim: edges of one triangle
+    non_manifold,       // edges of three triangles or more
+    not_oriented,       // neighbouring triangles face opposite ways
+    inside_out,         // the triangles face inwards: the volume is negative
+    no_volume,          // the surface is closed around nothing
     invalid_sites,      // no site, or a non-finite one
     invalid_setting,    // a setting outside its documented range
     write_failed        // the output could not be written; an existing file was left as it was
@@ -33,6 +38,11 @@ enum class Status {
     case Status::malformed_file: return "malformed_file";
     case Status::empty_mesh: return "empty_mesh";
     case Status::invalid_mesh: return "invalid_mesh";
+    case Status::not_closed: return "not_closed";
+    case Status::non_manifold: return "non_manifold";
+    case Status::not_oriented: return "not_oriented";
+    case Status::inside_out: return "inside_out";
+    case Status::no_volume: return "no_volume";
     case Status::invalid_sites: return "invalid_sites";
     case Status::invalid_setting: return "invalid_setting";
     case Status::write_failed: return "write_failed";

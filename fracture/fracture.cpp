@@ -9,8 +9,11 @@
 #include <vector>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "fracture/exact/exact.h"
+#include "fracture/exact/scene.h"
+#include "fracture/exact/surface.h"
 #include "fracture/half_edge.h"
 #include "fracture/islands.h"
 #include "fracture/mass_properties.h"
@@ -19,18 +22,24 @@
 
 namespace brittle::fracture {
 
+struct Workspace::State {
+    exact::Workspace exact;
+    // The sequential algorithm checks its input by the same means.
+    exact::Scene scene;
+    exact::Surface surface;
+};
+
 namespace {
 
 // Coordinates beyond this overflow in the inertia tensor, of degree five; in metres.
 constexpr double largest_coordinate = 1e50;
 
-// Half-edges are counted in 32 bits, and cutting adds to them.
-constexpr size_t most_triangles = size_t{1} << 28;
-
 constexpr uint32_t most_threads = 1024;
 
 // Below this share of area times size of the box a volume is rounding.
 constexpr double least_volume = 1e-15;
+// Most solids fill more than this of their box's diagonal cubed; no closer look is needed then.
+constexpr double ample_volume = 1e-6;
 
 bool in_range(const glm::dvec3& p) {
     // Comparisons with NaN are false.
@@ -38,58 +47,40 @@ bool in_range(const glm::dvec3& p) {
            && std::abs(p.z) <= largest_coordinate;
 }
 
-std::string format(const glm::dvec3& p) {
-    char text[128];
-    std::snprintf(text, sizeof text, "(%g, %g, %g)", p.x, p.y, p.z);
-    return text;
-}
-
-Error invalid_mesh(std::string message) {
-    return {Status::invalid_mesh, std::move(message)};
-}
-
-Result<void> check_values(const TriangleMesh& mesh) {
-    if (mesh.triangles.empty()) return Error{Status::empty_mesh, "the mesh has no triangles"};
-    if (mesh.triangles.size() > most_triangles)
-        return invalid_mesh("the mesh has " + std::to_string(mesh.triangles.size()) + " triangles; at most "
-                            + std::to_string(most_triangles) + " can be cut");
-    for (size_t i = 0; i < mesh.positions.size(); ++i)
-        if (!in_range(mesh.positions[i]))
-            return invalid_mesh("vertex " + std::to_string(i) + " is at " + format(mesh.positions[i])
-                                + "; coordinates must be finite and at most 1e50");
-    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-        const Triangle& t = mesh.triangles[i];
-        const uint32_t highest = std::max({t.x, t.y, t.z});
-        if (highest >= mesh.positions.size())
-            return invalid_mesh("triangle " + std::to_string(i) + " names vertex " + std::to_string(highest)
-                                + ", but the mesh has only " + std::to_string(mesh.positions.size()));
+Result<void> check_coordinates(std::span<const glm::dvec3> points, Status status, const char* what) {
+    for (size_t i = 0; i < points.size(); ++i) {
+        const glm::dvec3& p = points[i];
+        if (in_range(p)) continue;
+        char text[192];
+        std::snprintf(text, sizeof text,
+                      "%s %zu is at (%g, %g, %g); coordinates must be finite and at most 1e50", what, i, p.x,
+                      p.y, p.z);
+        return Error{status, text};
     }
     return {};
 }
 
-Result<void> check_sites(std::span<const glm::dvec3> sites) {
-    if (sites.empty()) return Error{Status::invalid_sites, "there are no sites; give at least one"};
-    if (sites.size() >= no_index)
-        return Error{Status::invalid_sites,
-                     "there are " + std::to_string(sites.size()) + " sites, which is too many"};
-    for (size_t i = 0; i < sites.size(); ++i)
-        if (!in_range(sites[i]))
-            return Error{Status::invalid_sites, "site " + std::to_string(i) + " is at " + format(sites[i])
-                                                    + "; coordinates must be finite and at most 1e50"};
-    return {};
+// What stops a fracture whatever the triangles are.
+Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
+                          const Settings& settings) {
+    if (settings.threads > most_threads)
+        return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; at most "
+                                                  + std::to_string(most_threads) + ", or 0 for one a core"};
+    // A NaN may hide from the box; the scene's own check, which costs less than this one, finds it.
+    if (!in_range(box.min) || !in_range(box.max))
+        return check_coordinates(mesh.positions, Status::invalid_mesh, "vertex");
+    return check_coordinates(sites, Status::invalid_sites, "site");
 }
 
-Result<void> check_volume(const TriangleMesh& mesh) {
-    const double diagonal = glm::length(bounds(mesh).size());
-    // Most solids fill more than this of their box; the area, which costs more than the volume, need not be known.
-    if (signed_volume(mesh.positions, mesh.triangles) > 1e-6 * diagonal * diagonal * diagonal) return {};
+Result<void> check_volume(const TriangleMesh& mesh, const Box& box) {
     const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
-    if (std::abs(mass.volume) <= least_volume * mass.area * diagonal)
-        return invalid_mesh("the mesh encloses no volume");
-    if (mass.volume < 0.0)
-        return invalid_mesh("the mesh is inside out: its volume is " + std::to_string(mass.volume)
-                            + "; reverse its triangles");
-    return {};
+    if (std::abs(mass.volume) <= least_volume * mass.area * glm::length(box.size()))
+        return Error{Status::no_volume, "the mesh encloses no volume"};
+    if (mass.volume > 0.0) return {};
+    char text[128];
+    std::snprintf(text, sizeof text, "the mesh is inside out: its volume is %g; reverse its triangles",
+                  mass.volume);
+    return Error{Status::inside_out, text};
 }
 
 // Whether a face and its only neighbour are the two sides of one triangle: a component of no volume whose
@@ -114,22 +105,35 @@ Result<HalfEdgeMesh> build_solid(const TriangleMesh& mesh) {
     for (const glm::dvec3& p : built->positions) add_vertex(without, p);
     for (const uint32_t face : solid)
         if (add_face(without, corners(*built, face), built->sources[face]) != AddFace::added)
-            return invalid_mesh("triangle " + std::to_string(face) + " is not manifold");
+            return Error{Status::non_manifold, "triangle " + std::to_string(face) + " is not manifold"};
     return without;
 }
 
-// Removes pieces without volume: where a bisector runs along a face of the solid, symbolic perturbation may leave a
-// sheet of no thickness in the cell across. Its neighbours are closed without it.
-void drop_flat_pieces(Fragments& fragments, double extent) {
+// More volume than is_flat() asks of any piece inside the box: most pieces, and no vertex need be looked at.
+bool is_ample(const MassProperties& mass, const Box& box, double extent) {
+    const double diagonal = glm::length(box.size());
+    return mass.volume > 1e-12 * (mass.area * extent + diagonal * diagonal * diagonal);
+}
+
+// Removes pieces without volume: where a bisector runs along a face of the solid, symbolic perturbation may
+// leave a sheet of no thickness in the cell across. Its neighbours are closed without it.
+void drop_flat_pieces(Fragments& fragments, const Box& box) {
+    const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+    const double extent = std::max({furthest.x, furthest.y, furthest.z});
+    const auto flat = [&](const Piece& piece) {
+        return !is_ample(piece.mass, box, extent)
+               && is_flat(piece.mass, fragments.positions_of(piece), extent);
+    };
+    if (std::ranges::none_of(fragments.pieces, flat)) return;
+
     std::vector<uint32_t> renumbered(fragments.pieces.size(), no_index);
     std::vector<Piece> kept;
     for (size_t i = 0; i < fragments.pieces.size(); ++i) {
         const Piece& piece = fragments.pieces[i];
-        if (is_flat(piece.mass, fragments.positions_of(piece), extent)) continue;
+        if (flat(piece)) continue;
         renumbered[i] = static_cast<uint32_t>(kept.size());
         kept.push_back(piece);
     }
-    if (kept.size() == fragments.pieces.size()) return;
 
     Fragments packed;
     for (Piece& piece : kept) {
@@ -154,45 +158,69 @@ void drop_flat_pieces(Fragments& fragments, double extent) {
     fragments = std::move(packed);
 }
 
-double largest_extent(const TriangleMesh& mesh) {
-    const Box box = bounds(mesh);
-    const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
-    return std::max({furthest.x, furthest.y, furthest.z});
+// The only fault is one that split_fans() mends.
+bool only_touches(const TriangleMesh& mesh, const Error& error) {
+    return error.status == Status::non_manifold
+           && check_topology(mesh.positions.size(), mesh.triangles).closed();
 }
 
-Result<Fragments> run_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings) {
-    Result<Fragments> fragments = exact::fracture_exact(mesh, sites, settings);
-    if (fragments) drop_flat_pieces(*fragments, largest_extent(mesh));
-    return fragments;
+Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
+                       const Settings& settings, Workspace::State& state, Fragments& out) {
+    Result<void> done = exact::fracture_exact(mesh, sites, settings, state.exact, out);
+    if (!done && only_touches(mesh, done.error()))
+        done = exact::fracture_exact(split_fans(mesh), sites, settings, state.exact, out);
+    if (!done) return done;
+    // The pieces say what the mesh encloses, so nobody needs to integrate over it beforehand.
+    double volume = 0.0;
+    for (const Piece& piece : out.pieces) volume += piece.mass.volume;
+    const double diagonal = glm::length(box.size());
+    if (!(volume > ample_volume * diagonal * diagonal * diagonal)) {
+        if (Result<void> checked = check_volume(mesh, box); !checked) return checked;
+    }
+    drop_flat_pieces(out, box);
+    return {};
 }
 
-Result<Fragments> run_sequential(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                                 const Settings& settings) {
-    const Result<HalfEdgeMesh> solid = build_solid(mesh);
+Result<void> run_sequential(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
+                            const Settings& settings, Workspace::State& state, Fragments& out) {
+    const auto start = std::chrono::steady_clock::now();
+    Threads threads(settings.threads);
+    if (Result<void> ok = exact::scale_mesh(mesh, threads, state.scene); !ok) return ok;
+    Result<void> sound = state.surface.inspect(mesh, threads);
+    const bool touches = !sound && only_touches(mesh, sound.error());
+    if (!sound && !touches) return sound;
+    if (Result<void> ok = check_volume(mesh, box); !ok) return ok;
+    const Result<HalfEdgeMesh> solid = build_solid(touches ? split_fans(mesh) : mesh);
     if (!solid) return solid.error();
-    return fracture_sequential(*solid, sites, settings);
+    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+
+    Result<Fragments> fragments = fracture_sequential(*solid, sites, settings);
+    if (!fragments) return fragments.error();
+    out = *std::move(fragments);
+    out.timings.insert(out.timings.begin(), {"prepare", elapsed.count()});
+    return {};
 }
 
 } // namespace
 
-Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings) {
-    const auto start = std::chrono::steady_clock::now();
-    if (settings.threads > most_threads)
-        return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; at most "
-                                                  + std::to_string(most_threads) + ", or 0 for one a core"};
-    if (Result<void> checked = check_values(mesh); !checked) return checked.error();
-    if (Result<void> checked = check_sites(sites); !checked) return checked.error();
-    const TopologyReport report = check_topology(mesh.positions.size(), mesh.triangles);
-    if (!report.closed()) return invalid_mesh("the mesh does not bound a solid: " + describe(report));
-    if (Result<void> checked = check_volume(mesh); !checked) return checked.error();
-    // Solids that touch in a vertex are cut as if they did not.
-    const TriangleMesh split = report.manifold() ? TriangleMesh{} : split_fans(mesh);
-    const TriangleMesh& manifold = report.manifold() ? mesh : split;
-    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+Workspace::Workspace() : state_(std::make_unique<State>()) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
+Result<void> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
+                      Workspace& workspace, Fragments& out) {
+    const Box box = bounds(mesh);
+    if (Result<void> checked = check_values(mesh, box, sites, settings); !checked) return checked;
     const auto run = settings.algorithm == Algorithm::exact ? run_exact : run_sequential;
-    Result<Fragments> fragments = run(manifold, sites, settings);
-    if (fragments) fragments->timings.insert(fragments->timings.begin(), {"validate", elapsed.count()});
+    return run(mesh, box, sites, settings, workspace.state(), out);
+}
+
+Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
+                           const Settings& settings) {
+    Workspace workspace;
+    Fragments fragments;
+    if (Result<void> done = fracture(mesh, sites, settings, workspace, fragments); !done) return done.error();
     return fragments;
 }
 

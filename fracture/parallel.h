@@ -30,6 +30,13 @@ class Threads {
         run(n, chunks(n, least), &call<std::remove_reference_t<Body>>, &body);
     }
 
+    // Calls body(k) for each k below n, each as a task of its own.
+    template<class Body>
+    void for_each(uint32_t n, Body&& body) {
+        const auto one = [&](uint32_t k, uint32_t, uint32_t) { body(k); };
+        run(n, n, &call<const decltype(one)>, &one);
+    }
+
   private:
     using Call = void (*)(void*, uint32_t, uint32_t, uint32_t);
 

@@ -244,6 +244,15 @@ std::string describe(const TopologyReport& report) {
     return sentence;
 }
 
+Status status_of(const TopologyReport& report) {
+    assert(!report.manifold());
+    if (report.open_edges > 0) return Status::not_closed;
+    if (report.non_manifold_edges > 0) return Status::non_manifold;
+    if (report.misoriented_edges > 0) return Status::not_oriented;
+    if (report.degenerate_triangles > 0) return Status::invalid_mesh;
+    return Status::non_manifold;
+}
+
 std::vector<uint32_t> triangle_components(size_t vertex_count, std::span<const Triangle> triangles) {
     std::vector<uint32_t> parent = connect_vertices(vertex_count, triangles);
     constexpr uint32_t unnumbered = std::numeric_limits<uint32_t>::max();

@@ -16,6 +16,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "fracture/error.h"
 #include "fracture/mesh.h"
 
 namespace brittle::fracture {
@@ -54,6 +55,10 @@ struct TopologyReport {
 // One sentence for people about what is wrong, with counts and the first offender of the gravest kind, e.g.
 // "12 open edges, the first between vertices 4 and 7"; empty where nothing is.
 [[nodiscard]] std::string describe(const TopologyReport& report);
+
+// The error that names the gravest fault, in the order of describe(): not_closed, non_manifold (edges),
+// not_oriented, invalid_mesh (degenerate triangles), non_manifold (vertices). The mesh must not be manifold.
+[[nodiscard]] Status status_of(const TopologyReport& report);
 
 // The connected component of each triangle (over shared vertices), numbered by first triangle.
 [[nodiscard]] std::vector<uint32_t> triangle_components(size_t vertex_count,

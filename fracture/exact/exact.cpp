@@ -90,7 +90,7 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
 
     if (auto ok = make_scene(mesh, sites, s.threads, s.scene); !ok) return ok;
     const Diagram problem = s.scene.diagram();
-    if (auto ok = s.surface.inspect(mesh); !ok) return ok;
+    if (auto ok = s.surface.inspect(mesh, s.threads); !ok) return ok;
     clock.done("prepare", 0.05);
 
     s.diagram_builder.build(problem, s.threads, s.diagram);

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <string>
+
+#include <glm/common.hpp>
 
 namespace brittle::fracture::exact {
 
@@ -14,20 +17,41 @@ namespace {
 constexpr double kBoxMargin = 0x1.0p-3; // of the unit that the mesh is scaled to
 constexpr uint32_t kLeastVertices = 8192;
 
-bool finite(const glm::dvec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+// Indices of half-edges, and of vertices of all kinds, take 32 bits or less, and cutting adds to them.
+constexpr size_t kMostTriangles = size_t{1} << 28;
+constexpr size_t kMostPositions = size_t{1} << 28;
+constexpr size_t kMostSites = size_t{1} << 28;
+
+bool in_range(const glm::dvec3& p) { // comparisons with NaN are false
+    return std::abs(p.x) <= kFarthestCoordinate && std::abs(p.y) <= kFarthestCoordinate
+           && std::abs(p.z) <= kFarthestCoordinate;
 }
 
 Error at(Status status, const char* what, size_t index, const glm::dvec3& p, const char* advice) {
     char text[320];
-    std::snprintf(text, sizeof text, "%s %zu (%.17g, %.17g, %.17g) %s", what, index, p.x, p.y, p.z, advice);
+    std::snprintf(text, sizeof text, "%s %zu is at (%.9g, %.9g, %.9g); %s", what, index, p.x, p.y, p.z,
+                  advice);
     return {status, text};
+}
+
+Result<void> check_counts(const TriangleMesh& mesh) {
+    if (mesh.triangles.empty()) return Error{Status::empty_mesh, "the mesh has no triangles"};
+    if (mesh.positions.empty()) return Error{Status::invalid_mesh, "the mesh has triangles but no vertices"};
+    const auto too_many = [](size_t count, const char* what, size_t most) {
+        return Error{Status::invalid_mesh, "the mesh has " + std::to_string(count) + ' ' + what + "; at most "
+                                               + std::to_string(most) + " can be cut"};
+    };
+    if (mesh.triangles.size() > kMostTriangles)
+        return too_many(mesh.triangles.size(), "triangles", kMostTriangles);
+    if (mesh.positions.size() > kMostPositions)
+        return too_many(mesh.positions.size(), "vertices", kMostPositions);
+    return {};
 }
 
 struct Bounds {
     glm::dvec3 min{std::numeric_limits<double>::infinity()};
     glm::dvec3 max{-std::numeric_limits<double>::infinity()};
-    bool finite = true;
+    bool sound = true; // all finite
 };
 
 Bounds bounds_of(std::span<const glm::dvec3> points) {
@@ -41,7 +65,7 @@ Bounds bounds_of(std::span<const glm::dvec3> points) {
         }
         poison += (p.x + p.y + p.z) * 0.0;
     }
-    result.finite = poison == 0.0;
+    result.sound = poison == 0.0;
     return result;
 }
 
@@ -54,15 +78,22 @@ double unit_scale(double size) {
 }
 
 Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene, std::vector<glm::dvec3>& out) {
-    if (sites.empty()) return Error{Status::invalid_sites, "there is no site; give at least one"};
+    if (sites.empty()) return Error{Status::invalid_sites, "there are no sites; give at least one"};
+    if (sites.size() > kMostSites) {
+        return Error{Status::invalid_sites, "there are " + std::to_string(sites.size()) + " sites; at most "
+                                                + std::to_string(kMostSites) + " can cut"};
+    }
     out.resize(sites.size());
     for (size_t i = 0; i < sites.size(); ++i) {
-        if (!finite(sites[i])) return at(Status::invalid_sites, "site", i, sites[i], "is not finite");
+        if (!in_range(sites[i])) {
+            return at(Status::invalid_sites, "site", i, sites[i],
+                      "coordinates must be finite and at most 1e100");
+        }
         for (int k = 0; k < 3; ++k) {
             const double x = sites[i][k] * to_scene;
             if (!(std::abs(x) <= kLargestCoordinate)) {
                 return at(Status::invalid_sites, "site", i, sites[i],
-                          "is more than 1e30 mesh sizes away; move it closer or leave it out");
+                          "that is more than 1e30 mesh sizes away: move it closer or leave it out");
             }
             out[i][k] = snap(x);
         }
@@ -70,9 +101,8 @@ Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene, std
     return {};
 }
 
-Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, Threads& threads,
-                        Scene& scene) {
-    if (mesh.triangles.empty()) return Error{Status::empty_mesh, "the mesh has no triangle"};
+Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene) {
+    if (auto ok = check_counts(mesh); !ok) return ok;
     const auto count = static_cast<uint32_t>(mesh.positions.size());
     std::vector<Bounds> parts(threads.chunks(count, kLeastVertices));
     threads.for_chunks(count, kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
@@ -82,18 +112,16 @@ Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> si
     for (const Bounds& part : parts) {
         all.min = glm::min(all.min, part.min);
         all.max = glm::max(all.max, part.max);
-        all.finite = all.finite && part.finite;
+        all.sound = all.sound && part.sound;
     }
-    if (!all.finite) {
+    if (!all.sound || !in_range(all.min) || !in_range(all.max)) {
         for (size_t v = 0; v < count; ++v) {
-            if (!finite(mesh.positions[v])) {
-                return at(Status::invalid_mesh, "vertex", v, mesh.positions[v], "is not finite");
+            if (!in_range(mesh.positions[v])) {
+                return at(Status::invalid_mesh, "vertex", v, mesh.positions[v],
+                          "coordinates must be finite and at most 1e100");
             }
         }
-        // Finite, but sums overflow: no mesh of any use is 1e308 across.
-        return Error{Status::invalid_mesh, "the mesh's coordinates exceed 1e307; scale it down"};
     }
-    if (count == 0) return Error{Status::invalid_mesh, "the mesh has triangles but no vertices"};
 
     const glm::dvec3 size = all.max - all.min;
     double largest = std::max({size.x, size.y, size.z});
@@ -117,6 +145,12 @@ Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> si
         scene.box.min[k] = low[k] - margin;
         scene.box.max[k] = high[k] + margin;
     }
+    return {};
+}
+
+Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, Threads& threads,
+                        Scene& scene) {
+    if (auto ok = scale_mesh(mesh, threads, scene); !ok) return ok;
     return scale_sites(sites, scene.to_scene, scene.sites);
 }
 

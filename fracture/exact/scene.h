@@ -9,13 +9,16 @@
 #include <vector>
 
 #include "fracture/error.h"
-#include "fracture/parallel.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/mesh.h"
+#include "fracture/parallel.h"
 
 namespace brittle::fracture::exact {
 
 inline constexpr uint32_t kNone = 0xffffffffu; // no index
+
+// Beyond this volumes overflow; in metres.
+inline constexpr double kFarthestCoordinate = 1e100;
 
 struct Scene {
     std::vector<glm::dvec3> positions; // of the mesh, scaled
@@ -30,13 +33,17 @@ struct Scene {
 // The power of two that brings a length of that size to [1, 2); 1 for zero.
 [[nodiscard]] double unit_scale(double size);
 
-// The sites scaled into `out`. Errors: invalid_sites for no site, a non-finite one, or one farther out than
-// the predicates' range (2^100 mesh sizes).
+// The sites scaled into `out`. Errors: invalid_sites for no site, too many, one that is not finite, or one farther out
+// than the predicates' range (2^100 mesh sizes).
 [[nodiscard]] Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene,
                                        std::vector<glm::dvec3>& out);
 
-// Fills the scene, reusing its memory. Errors: as scale_sites(), empty_mesh, and invalid_mesh for a
-// non-finite position. Does not look at the triangles: see surface.h.
+// The mesh scaled into the scene, reusing its memory; leaves the sites alone and does not look at the
+// triangles' indices (surface.h does). Errors: empty_mesh, and invalid_mesh for a position that is not finite
+// or beyond kFarthestCoordinate, or for too many vertices or triangles.
+[[nodiscard]] Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene);
+
+// Both. Errors: as scale_mesh() and scale_sites().
 [[nodiscard]] Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                       Threads& threads, Scene& scene);
 

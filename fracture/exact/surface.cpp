@@ -1,6 +1,8 @@
 #include "fracture/exact/surface.h"
 
-#include <bit>
+#include <algorithm>
+#include <atomic>
+#include <cstring>
 #include <string>
 
 #include "fracture/topology.h"
@@ -9,101 +11,110 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-uint64_t mix(uint64_t x) {
-    x *= 0x9e3779b97f4a7c15ull;
-    x ^= x >> 32;
-    x *= 0xd6e8feb86659fd93ull;
-    return x ^ (x >> 29);
-}
-
-// Two independent chains hide the latency of the multiplications.
-uint64_t hash_of(const TriangleMesh& mesh) {
-    uint64_t a = mesh.positions.size(), b = mesh.triangles.size();
-    for (const Triangle& t : mesh.triangles) {
-        a = std::rotl(a, 23) ^ (t.x * 0x9e3779b97f4a7c15ull + t.y);
-        a *= 0xff51afd7ed558ccdull;
-        b = std::rotl(b, 29) + (t.z ^ (uint64_t{t.x} << 32));
-        b *= 0xc4ceb9fe1a85ec53ull;
-    }
-    return mix(a) ^ mix(b + 1);
-}
-
-// Half of a directed edge's term: equal and opposite for the two directions, so that paired edges cancel.
-uint64_t edge_term(uint32_t from, uint32_t to) {
-    return from < to ? mix(uint64_t{from} << 32 | to) : uint64_t{0} - mix(uint64_t{to} << 32 | from);
-}
+constexpr uint32_t kLeastTriangles = 8192;
+constexpr uint32_t kLeastVertices = 8192;
 
 Error unsound(const TriangleMesh& mesh) {
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Triangle& t = mesh.triangles[i];
+        const uint32_t highest = std::max({t.x, t.y, t.z});
+        if (highest < mesh.positions.size()) continue;
+        return {Status::invalid_mesh, "triangle " + std::to_string(i) + " names vertex "
+                                          + std::to_string(highest) + ", but the mesh has only "
+                                          + std::to_string(mesh.positions.size())};
+    }
     const TopologyReport report = check_topology(mesh.positions.size(), mesh.triangles);
-    std::string what = describe(report);
-    if (what.empty()) what = "its edges do not pair up";
-    return {Status::invalid_mesh, "the mesh does not bound a solid: " + what + "; close or repair it first"};
+    return {status_of(report), "the mesh does not bound a solid: " + describe(report)};
+}
+
+uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
+    for (;;) {
+        const uint32_t p = std::atomic_ref(parent[v]).load(std::memory_order_relaxed);
+        if (p == v) return v;
+        const uint32_t above = std::atomic_ref(parent[p]).load(std::memory_order_relaxed);
+        if (above == p) return p;
+        std::atomic_ref(parent[v]).store(above,
+                                         std::memory_order_relaxed); // still an ancestor, whoever else writes
+        v = above;
+    }
+}
+
+// Links roots only, and to smaller indices only: whatever the order of threads, the root of a finished set is
+// its least vertex.
+void unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b) {
+    for (;;) {
+        a = root_of(parent, a);
+        b = root_of(parent, b);
+        if (a == b) return;
+        if (a < b) std::swap(a, b);
+        uint32_t expected = a;
+        if (std::atomic_ref(parent[a]).compare_exchange_weak(expected, b, std::memory_order_relaxed)) return;
+    }
 }
 
 } // namespace
 
-Result<void> Surface::inspect(const TriangleMesh& mesh) {
-    const uint64_t hash = hash_of(mesh);
-    if (known_ && hash == hash_ && component_.size() == mesh.positions.size()) return {};
-    known_ = false;
-    uint64_t sum = 0;
-    const auto vertices = static_cast<uint32_t>(mesh.positions.size());
-    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-        const Triangle& t = mesh.triangles[i];
-        if (t.x >= vertices || t.y >= vertices || t.z >= vertices) {
-            return Error{Status::invalid_mesh, "triangle " + std::to_string(i)
-                                                   + " names a vertex that the mesh of "
-                                                   + std::to_string(vertices) + " vertices does not have"};
-        }
-        if (t.x == t.y || t.y == t.z || t.z == t.x) return unsound(mesh);
-        sum += edge_term(t.x, t.y) + edge_term(t.y, t.z) + edge_term(t.z, t.x);
+Result<void> Surface::inspect(const TriangleMesh& mesh, Threads& threads) {
+    if (!is_known(mesh, threads)) {
+        known_.clear();
+        if (!check_.run(mesh.positions.size(), mesh.triangles, threads)) return unsound(mesh);
+        find_components(mesh, threads);
+        known_.resize(mesh.triangles.size());
+        threads.for_chunks(static_cast<uint32_t>(known_.size()), kLeastTriangles,
+                           [&](uint32_t, uint32_t begin, uint32_t end) {
+                               std::copy(mesh.triangles.begin() + begin, mesh.triangles.begin() + end,
+                                         known_.begin() + begin);
+                           });
     }
-    if (sum != 0) return unsound(mesh);
-    find_components(mesh);
-    hash_ = hash;
-    known_ = true;
     return {};
 }
 
-void Surface::find_components(const TriangleMesh& mesh) {
-    // Union-find that links to the smaller index, with path halving.
-    component_.assign(mesh.positions.size(), kNone);
-    const auto root = [&](uint32_t v) {
-        if (component_[v] == kNone) component_[v] = v;
-        while (component_[v] != v) {
-            component_[v] = component_[component_[v]];
-            v = component_[v];
+bool Surface::is_known(const TriangleMesh& mesh, Threads& threads) const {
+    if (known_.size() != mesh.triangles.size() || component_.size() != mesh.positions.size()) return false;
+    std::atomic<bool> equal = true;
+    threads.for_chunks(static_cast<uint32_t>(known_.size()), kLeastTriangles,
+                       [&](uint32_t, uint32_t begin, uint32_t end) {
+                           const size_t bytes = (end - begin) * sizeof(Triangle);
+                           if (std::memcmp(&known_[begin], &mesh.triangles[begin], bytes) != 0) equal = false;
+                       });
+    return equal;
+}
+
+void Surface::find_components(const TriangleMesh& mesh, Threads& threads) {
+    const auto vertices = static_cast<uint32_t>(mesh.positions.size());
+    component_.resize(vertices);
+    threads.for_chunks(vertices, kLeastVertices, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t v = begin; v < end; ++v) component_[v] = v;
+    });
+    threads.for_chunks(static_cast<uint32_t>(mesh.triangles.size()), kLeastTriangles,
+                       [&](uint32_t, uint32_t begin, uint32_t end) {
+                           for (uint32_t t = begin; t < end; ++t) {
+                               const Triangle& corners = mesh.triangles[t];
+                               unite(component_, corners.x, corners.y);
+                               unite(component_, corners.x, corners.z);
+                           }
+                       });
+    std::atomic<uint32_t> count = 0;
+    std::atomic<bool> leaves_out = false;
+    threads.for_chunks(vertices, kLeastVertices, [&](uint32_t, uint32_t begin, uint32_t end) {
+        uint32_t roots = 0;
+        for (uint32_t v = begin; v < end; ++v) {
+            const uint32_t degree = check_.degree(v);
+            const uint32_t root = root_of(component_, v);
+            // Two triangles at a vertex are back to back, and as all edges pair up they are a component.
+            if (degree == 2) leaves_out = true;
+            if (degree > 2) roots += root == v ? 1 : 0;
+            std::atomic_ref(component_[v]).store(root, std::memory_order_relaxed);
         }
-        return v;
-    };
-    for (const Triangle& t : mesh.triangles) {
-        uint32_t a = root(t.x);
-        for (const uint32_t v : {t.y, t.z}) {
-            const uint32_t b = root(v);
-            if (a < b)
-                component_[b] = a;
-            else {
-                component_[a] = b;
-                a = b;
-            }
+        count += roots;
+    });
+    component_count_ = count;
+    leaves_triangles_out_ = leaves_out;
+    threads.for_chunks(vertices, kLeastVertices, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t v = begin; v < end; ++v) {
+            if (check_.degree(v) <= 2) component_[v] = kNone;
         }
-    }
-    component_count_ = 0;
-    leaves_triangles_out_ = false;
-    std::vector<uint8_t> size(component_.size(), 0); // of the component that each root names, up to 4
-    for (uint32_t v = 0; v < component_.size(); ++v) {
-        if (component_[v] == kNone) continue;
-        component_[v] = component_[component_[v]]; // parents have smaller indices, so theirs are final
-        component_count_ += component_[v] == v ? 1 : 0;
-        uint8_t& n = size[component_[v]];
-        n = n < 4 ? static_cast<uint8_t>(n + 1) : n;
-    }
-    for (uint32_t v = static_cast<uint32_t>(component_.size()); v-- > 0;) { // roots come last
-        if (component_[v] == kNone || size[component_[v]] != 3) continue;
-        component_count_ -= component_[v] == v ? 1 : 0;
-        component_[v] = kNone;
-        leaves_triangles_out_ = true;
-    }
+    });
 }
 
 } // namespace brittle::fracture::exact

@@ -195,12 +195,12 @@ TEST_CASE("exact: what is not a closed mesh or not a site is refused by name") {
 
     TriangleMesh broken = cube();
     broken.triangles.pop_back();
-    CHECK(fracture_exact(broken, lattice_sites(2)).error().status == Status::invalid_mesh);
+    CHECK(fracture_exact(broken, lattice_sites(2)).error().status == Status::not_closed);
     CHECK(fracture_exact(broken, lattice_sites(2)).error().message.find("open") != std::string::npos);
 
     broken = cube();
     std::swap(broken.triangles[3].x, broken.triangles[3].y);
-    CHECK(fracture_exact(broken, lattice_sites(2)).error().status == Status::invalid_mesh);
+    CHECK(fracture_exact(broken, lattice_sites(2)).error().status == Status::not_oriented);
 
     broken = cube();
     broken.positions[2].y = std::numeric_limits<double>::infinity();
@@ -211,11 +211,11 @@ TEST_CASE("exact: what is not a closed mesh or not a site is refused by name") {
     CHECK(fracture_exact(broken, one).error().message.find("triangle 5") != std::string::npos);
 
     broken = cube();
-    broken.triangles[5].z = broken.triangles[5].x;
-    CHECK(fracture_exact(broken, one).error().status == Status::invalid_mesh);
+    broken.triangles[5].z = broken.triangles[5].x; // three more are open
+    CHECK(fracture_exact(broken, one).error().status == Status::not_closed);
 }
 
-TEST_CASE("exact: an edge that four triangles share is refused where a bisector cuts it") {
+TEST_CASE("exact: an edge that four triangles share is refused, whether a bisector cuts it or not") {
     // Two cubes that touch along an edge, with the vertices of that edge in common.
     TriangleMesh mesh = together(cube(), moved(cube(), {2.0, 2.0, 0.0}));
     std::vector<uint32_t> same(mesh.positions.size());
@@ -225,10 +225,12 @@ TEST_CASE("exact: an edge that four triangles share is refused where a bisector 
                                   - mesh.positions.begin());
     }
     for (Triangle& t : mesh.triangles) t = {same[t.x], same[t.y], same[t.z]};
-    const auto result = fracture_exact(mesh, Sites{{0.0, 0.0, -0.5}, {0.0, 0.0, 0.5}});
-    REQUIRE(!result);
-    CHECK(result.error().status == Status::invalid_mesh);
-    CHECK(result.error().message.find("more than two triangles") != std::string::npos);
+    for (const Sites& sites : {Sites{{0.0, 0.0, -0.5}, {0.0, 0.0, 0.5}}, Sites{glm::dvec3(0.0)}}) {
+        const auto result = fracture_exact(mesh, sites);
+        REQUIRE(!result);
+        CHECK(result.error().status == Status::non_manifold);
+        CHECK(result.error().message.find("1 edge used by three triangles or more") != std::string::npos);
+    }
 }
 
 TEST_CASE("exact: one site leaves the mesh as it is") {

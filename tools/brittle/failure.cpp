@@ -12,6 +12,11 @@ ExitCode exit_code(fracture::Status status) {
     case Status::malformed_file: return exit_input;
     case Status::empty_mesh:
     case Status::invalid_mesh:
+    case Status::not_closed:
+    case Status::non_manifold:
+    case Status::not_oriented:
+    case Status::inside_out:
+    case Status::no_volume:
     case Status::invalid_sites: return exit_mesh;
     case Status::invalid_setting: return exit_usage;
     case Status::write_failed: return exit_output;
