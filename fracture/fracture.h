@@ -21,6 +21,8 @@
 
 namespace brittle::fracture {
 
+class Classifier;
+
 enum class Algorithm {
     exact,     // a restricted Voronoi diagram decided by exact predicates (exact/exact.h): the fast one
     sequential // the paper's Algorithm 1, plane by plane: the readable reference
@@ -38,6 +40,9 @@ enum class Algorithm {
 struct Settings {
     Algorithm algorithm = Algorithm::exact;
     uint32_t threads = 0; // cells are worked on side by side; 0 = one thread a core
+    // What guesses where vertices and triangles lie, on a GPU for instance (classifier.h); null for none. The pieces are
+    // the same. For the exact algorithm.
+    Classifier* classifier = nullptr;
     // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be empty.
     std::function<void(double)> progress{};
 };

@@ -108,6 +108,18 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
     device.set_name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline_), desc.name);
 }
 
+Pipeline::Pipeline(const Device& device, const char* name, VkPipelineLayout layout,
+                   std::span<const uint32_t> compute)
+    : device_(device.handle()) {
+    const ShaderModule module(device_, compute);
+    const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                           .stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module, nullptr),
+                                           .layout = layout};
+    const std::string doing = std::string("create the pipeline \"") + name + "\"";
+    check(vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), doing.c_str());
+    device.set_name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline_), name);
+}
+
 Pipeline::~Pipeline() {
     if (pipeline_) vkDestroyPipeline(device_, pipeline_, nullptr);
 }

@@ -1,10 +1,10 @@
-// Graphics pipelines for dynamic rendering.
+// Graphics pipelines for dynamic rendering, and compute pipelines.
 //
 //     Pipeline pipeline(device, {.name = "lines", .layout = layout, .vertex = line_vert, .fragment =
 //     line_frag,
 //                                .colour = VK_FORMAT_R8G8B8A8_UNORM, ...});
 //
-// What all of Brittle's pipelines have in common is fixed: one sample, no blending, counter-clockwise front
+// What all of Brittle's graphics pipelines have in common is fixed: one sample, no blending, counter-clockwise front
 // faces, depth in D32, dynamic viewport and scissor.
 #pragma once
 
@@ -35,7 +35,9 @@ struct PipelineDesc {
 class Pipeline {
   public:
     Pipeline() = default;
-    Pipeline(const Device& device, const PipelineDesc& desc); // throws VulkanFailure
+    // Throw VulkanFailure.
+    Pipeline(const Device& device, const PipelineDesc& desc);
+    Pipeline(const Device& device, const char* name, VkPipelineLayout layout, std::span<const uint32_t> compute);
     ~Pipeline();
     Pipeline(Pipeline&& other) noexcept { swap(other); }
     Pipeline& operator=(Pipeline&& other) noexcept {

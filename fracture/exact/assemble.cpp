@@ -39,8 +39,9 @@ double distance2(const glm::dvec3& a, const glm::dvec3& b) {
 } // namespace
 
 void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
-                    std::span<const SiteId> cell_of, Threads& threads, std::vector<SiteId>& cell_of_triangle,
-                    Cut& cut) {
+                    std::span<const SiteId> cell_of, bool guessed, Threads& threads,
+                    std::vector<SiteId>& cell_of_triangle, Cut& cut) {
+    static_assert(Classifier::crossing == kNone);
     const uint32_t count = size_of(triangles);
     cell_of_triangle.resize(count);
     const uint32_t parts = threads.chunks(count, kLeastTriangles);
@@ -51,6 +52,7 @@ void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
     threads.for_chunks(count, kLeastTriangles, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t crossing = 0;
         for (uint32_t t = begin; t < end; ++t) {
+            if (guessed && cell_of_triangle[t] != Classifier::crossing && !left_out(t)) continue;
             const SiteId a = cell_of[triangles[t].x], b = cell_of[triangles[t].y],
                          c = cell_of[triangles[t].z];
             const bool whole = a == b && b == c;

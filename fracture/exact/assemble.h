@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "fracture/classifier.h"
 #include "fracture/exact/caps.h"
 #include "fracture/exact/cell_table.h"
 #include "fracture/exact/cut.h"
@@ -29,10 +30,11 @@ struct CellRun {
 };
 
 // Sorts the mesh's triangles into those inside a cell and those that cross: fills cut.crossing and
-// cell_of_triangle (kNone where it crosses or is left out).
+// cell_of_triangle (kNone where it crosses or is left out). Where `guessed`, cell_of_triangle holds a classifier's
+// answers, and only triangles that it calls crossing are looked at.
 void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
-                    std::span<const SiteId> cell_of, Threads& threads, std::vector<SiteId>& cell_of_triangle,
-                    Cut& cut);
+                    std::span<const SiteId> cell_of, bool guessed, Threads& threads,
+                    std::vector<SiteId>& cell_of_triangle, Cut& cut);
 
 class Assembler {
   public:

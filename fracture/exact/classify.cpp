@@ -97,11 +97,10 @@ KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3&
 }
 
 void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
-              std::span<const glm::dvec3> positions, Classifier* classifier, Threads& threads,
+              std::span<const glm::dvec3> positions, bool guessed, Threads& threads,
               std::vector<SiteId>& cell_of, PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(positions.size());
     cell_of.resize(count);
-    const bool guessed = classifier && classifier->nearest(positions, problem.sites, cell_of);
     const auto any = std::find(diagram.cell_is_empty.begin(), diagram.cell_is_empty.end(), uint8_t{0});
     assert(any != diagram.cell_is_empty.end());
     const auto anywhere = static_cast<SiteId>(any - diagram.cell_is_empty.begin());
@@ -111,8 +110,8 @@ void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frame
         for (uint32_t v = begin; v < end; ++v) {
             KnownBall& ball = hints.at(positions[v]);
             if (guessed) {
-                if ((cell_of[v] & Classifier::kUncertain) == 0) continue;
-                const SiteId start = cell_of[v] & ~Classifier::kUncertain;
+                if ((cell_of[v] & Classifier::uncertain) == 0) continue;
+                const SiteId start = cell_of[v] & ~Classifier::uncertain;
                 if (start < problem.sites.size() && !diagram.cell_is_empty[start]) ball = {start};
             }
             const glm::dvec3 step = positions[v] - ball.centre;

@@ -77,8 +77,7 @@ Statistics statistics(const Workspace& workspace) {
 }
 
 Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                            const Settings& settings, Workspace& workspace, Fragments& out,
-                            Classifier* classifier) {
+                            const Settings& settings, Workspace& workspace, Fragments& out) {
     Workspace::State& s = workspace.state();
     if (s.requested_threads != settings.threads) {
         s.threads = Threads(settings.threads);
@@ -91,6 +90,8 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     if (auto ok = make_scene(mesh, sites, s.threads, s.scene); !ok) return ok;
     const Diagram problem = s.scene.diagram();
     if (auto ok = s.surface.inspect(mesh, s.threads); !ok) return ok;
+    Classifier* const classifier = settings.classifier;
+    bool guessed = classifier && classifier->start({s.scene.positions, mesh.triangles, s.scene.sites, s.scene.box});
     clock.done("prepare", 0.05);
 
     s.diagram_builder.build(problem, s.threads, s.diagram);
@@ -98,8 +99,11 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     stats += s.diagram_builder.stats();
     clock.done("cells", 0.3);
 
-    classify(problem, s.diagram, s.frames, s.scene.positions, classifier, s.threads, s.cell_of, stats);
-    sort_triangles(s.surface, mesh.triangles, s.cell_of, s.threads, s.cell_of_triangle, s.cut);
+    s.cell_of.resize(mesh.positions.size());
+    s.cell_of_triangle.resize(mesh.triangles.size());
+    guessed = guessed && classifier->finish(s.cell_of, s.cell_of_triangle);
+    classify(problem, s.diagram, s.frames, s.scene.positions, guessed, s.threads, s.cell_of, stats);
+    sort_triangles(s.surface, mesh.triangles, s.cell_of, guessed, s.threads, s.cell_of_triangle, s.cut);
     clock.done("classify", 0.4);
 
     if (auto ok = s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut,

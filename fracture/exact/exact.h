@@ -49,11 +49,10 @@ struct Statistics {
 };
 [[nodiscard]] Statistics statistics(const Workspace& workspace);
 
-// Fractures into `out`, reusing its memory. classifier may be null. settings.algorithm is not looked at.
+// Fractures into `out`, reusing its memory. settings.algorithm is not looked at.
 // Errors: as fracture() (fracture.h); out is then unspecified.
 [[nodiscard]] Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                                          const Settings& settings, Workspace& workspace, Fragments& out,
-                                          Classifier* classifier = nullptr);
+                                          const Settings& settings, Workspace& workspace, Fragments& out);
 
 [[nodiscard]] Result<Fragments> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                                const Settings& settings = {});

@@ -602,46 +602,66 @@ TEST_CASE("exact: a workspace used before gives the same bits") {
 namespace {
 
 // Guesses at random and admits it, or is exact and says so.
-class TestClassifier : public exact::Classifier {
+// Compares all sites in double; or says anything, all uncertain; or gives up in the middle.
+class TestClassifier : public Classifier {
   public:
-    explicit TestClassifier(bool wild) : wild_(wild) {}
-    bool nearest(std::span<const glm::dvec3> positions, std::span<const glm::dvec3> sites,
-                 std::span<uint32_t> out) override {
+    enum class Mood { right, wild, refuses, fails };
+    explicit TestClassifier(Mood mood) : mood_(mood) {}
+
+    bool start(const Problem& problem) override {
+        problem_ = problem;
+        return mood_ != Mood::refuses;
+    }
+    bool finish(std::span<uint32_t> site_of_vertex, std::span<uint32_t> site_of_triangle) override {
+        REQUIRE(mood_ != Mood::refuses);
+        REQUIRE(site_of_vertex.size() == problem_.positions.size());
+        REQUIRE(site_of_triangle.size() == problem_.triangles.size());
         Random random(1);
-        for (size_t v = 0; v < positions.size(); ++v) {
-            uint32_t best = 0;
-            double second = std::numeric_limits<double>::infinity(), first = second;
-            for (uint32_t s = 0; s < sites.size(); ++s) {
-                const double d = glm::dot(positions[v] - sites[s], positions[v] - sites[s]);
-                if (d < first) {
-                    second = first;
-                    first = d;
-                    best = s;
-                } else {
-                    second = std::min(second, d);
-                }
-            }
-            if (wild_) best = static_cast<uint32_t>(random.next() % sites.size());
-            out[v] = best | (wild_ || second - first < 1e-6 ? kUncertain : 0u);
+        for (uint32_t& site : site_of_vertex) {
+            const glm::dvec3& x = problem_.positions[static_cast<size_t>(&site - site_of_vertex.data())];
+            site = mood_ == Mood::right ? nearest(x)
+                                        : static_cast<uint32_t>(random.next() % problem_.sites.size()) | uncertain;
         }
-        return true;
+        for (size_t t = 0; t < site_of_triangle.size(); ++t) {
+            const Triangle& c = problem_.triangles[t];
+            const uint32_t a = site_of_vertex[c.x];
+            const bool whole = a == site_of_vertex[c.y] && a == site_of_vertex[c.z] && (a & uncertain) == 0;
+            site_of_triangle[t] = whole ? a : crossing;
+        }
+        return mood_ != Mood::fails;
     }
 
   private:
-    bool wild_;
-};
+    [[nodiscard]] uint32_t nearest(const glm::dvec3& x) const {
+        uint32_t best = 0;
+        double second = std::numeric_limits<double>::infinity(), first = second;
+        for (uint32_t s = 0; s < problem_.sites.size(); ++s) {
+            const glm::dvec3 to = x - problem_.sites[s];
+            const double d = glm::dot(to, to);
+            if (d < first) best = s;
+            second = std::min(second, std::max(first, d));
+            first = std::min(first, d);
+        }
+        return best | (second - first < 1e-6 ? uncertain : 0u);
+    }
 
+    Mood mood_;
+    Problem problem_;
+};
 } // namespace
 
 TEST_CASE("exact: any classifier, or none, gives the same bits") {
     const TriangleMesh mesh = icosphere(4);
     const Sites sites = uniform_sites(bounds(mesh), 100, 3);
     const auto none = fracture_exact(mesh, sites, {.threads = 1});
-    for (const bool wild : {false, true}) {
-        exact::Workspace workspace;
-        Fragments out;
-        TestClassifier classifier(wild);
-        REQUIRE(fracture_exact(mesh, sites, {.threads = 1}, workspace, out, &classifier));
-        CHECK(hash(out) == hash(*none));
+    using Mood = TestClassifier::Mood;
+    for (const Mood mood : {Mood::right, Mood::wild, Mood::refuses, Mood::fails}) {
+        CAPTURE(static_cast<int>(mood));
+        TestClassifier classifier(mood);
+        Settings settings;
+        settings.classifier = &classifier;
+        const auto guessed = fracture_exact(mesh, sites, settings);
+        REQUIRE(guessed);
+        CHECK(hash(*guessed) == hash(*none));
     }
 }

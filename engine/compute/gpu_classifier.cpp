@@ -1,0 +1,323 @@
+#include "engine/compute/gpu_classifier.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "compiled/classify_triangles_comp.h"
+#include "compiled/classify_vertices_comp.h"
+#include "engine/compute/site_bins.h"
+#include "engine/gpu/check.h"
+#include "engine/gpu/commands.h"
+#include "engine/gpu/device.h"
+#include "engine/gpu/memory.h"
+#include "engine/gpu/pipeline.h"
+#include "engine/graph/execute.h"
+
+namespace brittle::engine {
+
+namespace {
+
+using namespace shared;
+
+constexpr VkBufferUsageFlags storage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+
+// One set of storage buffers and the push constants of the grid.
+class ClassifyLayout {
+  public:
+    explicit ClassifyLayout(const Device& device) : device_(device.handle()) {
+        try {
+            create();
+        } catch (...) {
+            destroy();
+            throw;
+        }
+    }
+    ~ClassifyLayout() { destroy(); }
+    ClassifyLayout(const ClassifyLayout&) = delete;
+    ClassifyLayout& operator=(const ClassifyLayout&) = delete;
+
+    [[nodiscard]] VkPipelineLayout handle() const { return layout_; }
+    [[nodiscard]] VkDescriptorSet set() const { return set_; }
+
+    void write(uint32_t binding, const DeviceBuffer& buffer) const {
+        const VkDescriptorBufferInfo info{buffer.handle(), 0, VK_WHOLE_SIZE};
+        const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                         .dstSet = set_,
+                                         .dstBinding = binding,
+                                         .descriptorCount = 1,
+                                         .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                         .pBufferInfo = &info};
+        vkUpdateDescriptorSets(device_, 1, &write, 0, nullptr);
+    }
+
+  private:
+    void create() {
+        std::array<VkDescriptorSetLayoutBinding, classify_binding_count> bindings{};
+        for (uint32_t k = 0; k < classify_binding_count; ++k)
+            bindings[k] = {k, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+        const VkDescriptorSetLayoutCreateInfo set_layout{
+            .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+            .bindingCount = classify_binding_count,
+            .pBindings = bindings.data()};
+        check(vkCreateDescriptorSetLayout(device_, &set_layout, nullptr, &set_layout_),
+              "create a descriptor set layout");
+        const VkPushConstantRange constants{VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(ClassifyGrid)};
+        const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                                .setLayoutCount = 1,
+                                                .pSetLayouts = &set_layout_,
+                                                .pushConstantRangeCount = 1,
+                                                .pPushConstantRanges = &constants};
+        check(vkCreatePipelineLayout(device_, &layout, nullptr, &layout_), "create a pipeline layout");
+        const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, classify_binding_count};
+        const VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                              .maxSets = 1,
+                                              .poolSizeCount = 1,
+                                              .pPoolSizes = &size};
+        check(vkCreateDescriptorPool(device_, &pool, nullptr, &pool_), "create a descriptor pool");
+        const VkDescriptorSetAllocateInfo set{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                              .descriptorPool = pool_,
+                                              .descriptorSetCount = 1,
+                                              .pSetLayouts = &set_layout_};
+        check(vkAllocateDescriptorSets(device_, &set, &set_), "allocate a descriptor set");
+    }
+    void destroy() {
+        vkDestroyDescriptorPool(device_, pool_, nullptr);
+        vkDestroyPipelineLayout(device_, layout_, nullptr);
+        vkDestroyDescriptorSetLayout(device_, set_layout_, nullptr);
+    }
+
+    VkDevice device_;
+    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    VkDescriptorPool pool_ = VK_NULL_HANDLE;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+uint32_t groups(uint32_t items) {
+    return (items + classify_group_size - 1) / classify_group_size;
+}
+
+} // namespace
+
+struct GpuClassifier::State {
+    explicit State(Device& device_)
+        : device(device_), layout(device_),
+          vertices(device_, "classify vertices", layout.handle(), classify_vertices_comp),
+          triangles(device_, "classify triangles", layout.handle(), classify_triangles_comp),
+          executor(device_), commands(device_) {}
+
+    [[nodiscard]] bool fits(const Problem& problem) const;
+    void reserve(uint32_t binding, DeviceBuffer& buffer, const char* name, uint64_t size,
+                 VkBufferUsageFlags usage, MemoryKind kind);
+    void write(const Problem& problem);
+    void submit();
+
+    Device& device;
+    ClassifyLayout layout;
+    Pipeline vertices, triangles;
+    SiteBins bins;
+    // The CPU writes these, and reads the answers.
+    DeviceBuffer positions, corners, vertex_answers, triangle_answers;
+    // Read at random by many, so these are the device's own.
+    DeviceBuffer staged_sites, sites, staged_bins, bin_begin, site_of_vertex;
+    uint32_t vertex_count = 0, triangle_count = 0;
+    uint64_t site_bytes = 0, bin_bytes = 0;
+    bool started = false;
+    std::string error;
+    std::vector<PassTime> times;
+    GraphExecutor executor;
+    CommandSlot commands; // last: its destructor waits before the others go
+};
+
+bool GpuClassifier::State::fits(const Problem& problem) const {
+    const uint64_t most = device.limits().maxStorageBufferRange;
+    const uint64_t most_items = uint64_t{device.limits().maxComputeWorkGroupCount[0]} * classify_group_size;
+    return problem.positions.size() <= most_items && problem.triangles.size() <= most_items
+           && problem.positions.size() * 3 * sizeof(float) <= most
+           && problem.triangles.size() * sizeof(fracture::Triangle) <= most
+           && problem.sites.size() * sizeof(glm::vec4) <= most;
+}
+
+// Half as much again as is needed, so that fractures of growing size do not allocate each time.
+void GpuClassifier::State::reserve(uint32_t binding, DeviceBuffer& buffer, const char* name, uint64_t size,
+                                   VkBufferUsageFlags usage, MemoryKind kind) {
+    if (!buffer.handle() || buffer.size() < size)
+        buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
+    if (binding < classify_binding_count) layout.write(binding, buffer);
+}
+
+void GpuClassifier::State::write(const Problem& problem) {
+    constexpr uint32_t unbound = classify_binding_count;
+    constexpr VkBufferUsageFlags source = VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    constexpr VkBufferUsageFlags target = VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    vertex_count = static_cast<uint32_t>(problem.positions.size());
+    triangle_count = static_cast<uint32_t>(problem.triangles.size());
+    bins.build(problem.sites, problem.box);
+    bins.grid.bins.w = vertex_count;
+    bins.grid.counts.x = triangle_count;
+    site_bytes = bins.sites.size() * sizeof(glm::vec4);
+    bin_bytes = bins.begin.size() * sizeof(uint32_t);
+    const uint64_t vertex_bytes = uint64_t{vertex_count} * sizeof(uint32_t);
+
+    reserve(classify_binding_positions, positions, "vertices to classify", 3 * vertex_bytes, storage,
+            MemoryKind::upload);
+    reserve(classify_binding_triangles, corners, "triangles to classify", problem.triangles.size_bytes(),
+            storage, MemoryKind::upload);
+    reserve(unbound, staged_sites, "staged sites", site_bytes, source, MemoryKind::upload);
+    reserve(unbound, staged_bins, "staged bins", bin_bytes, source, MemoryKind::upload);
+    reserve(classify_binding_sites, sites, "sites", site_bytes, storage | target, MemoryKind::device);
+    reserve(classify_binding_bins, bin_begin, "bins", bin_bytes, storage | target, MemoryKind::device);
+    reserve(classify_binding_vertex_answers, site_of_vertex, "site of vertex", vertex_bytes, storage | source,
+            MemoryKind::device);
+    reserve(unbound, vertex_answers, "vertex answers", vertex_bytes, target, MemoryKind::readback);
+    reserve(classify_binding_triangle_answers, triangle_answers, "triangle answers",
+            uint64_t{triangle_count} * sizeof(uint32_t), storage, MemoryKind::readback);
+
+    float* at = positions.mapped_as<float>(0, size_t{3} * vertex_count).data();
+    for (const glm::dvec3& p : problem.positions) {
+        at[0] = static_cast<float>(p.x);
+        at[1] = static_cast<float>(p.y);
+        at[2] = static_cast<float>(p.z);
+        at += 3;
+    }
+    std::memcpy(corners.mapped(), problem.triangles.data(), problem.triangles.size_bytes());
+    std::memcpy(staged_sites.mapped(), bins.sites.data(), site_bytes);
+    std::memcpy(staged_bins.mapped(), bins.begin.data(), bin_bytes);
+}
+
+void GpuClassifier::State::submit() {
+    FrameGraph graph;
+    External external;
+    const auto from_host = [&](const char* name, const DeviceBuffer& buffer) {
+        return graph.import_buffer(name, {buffer.size()},
+                                   {.initial = Access::host_write,
+                                    .final = {},
+                                    .read_only = true,
+                                    .external = external.add(buffer.handle())});
+    };
+    const auto own = [&](const char* name, const DeviceBuffer& buffer, AccessSet final) {
+        return graph.import_buffer(
+            name, {buffer.size()},
+            {.initial = {}, .final = final, .external = external.add(buffer.handle())});
+    };
+    const Buffer from = from_host("vertices", positions), faces = from_host("triangles", corners);
+    const Buffer new_sites = from_host("staged sites", staged_sites),
+                 new_bins = from_host("staged bins", staged_bins);
+    Buffer grid_sites = own("sites", sites, Access::storage_read_compute);
+    Buffer grid_bins = own("bins", bin_begin, Access::storage_read_compute);
+    Buffer site_of = own("site of vertex", site_of_vertex, Access::transfer_read);
+    Buffer vertex_out = own("vertex answers", vertex_answers, Access::host_read);
+    Buffer triangle_out = own("triangle answers", triangle_answers, Access::host_read);
+
+    const auto copy = [](PassContext& context, Buffer source, Buffer target, uint64_t bytes) {
+        const VkBufferCopy region{0, 0, bytes};
+        vkCmdCopyBuffer(context.commands, context.buffer(source), context.buffer(target), 1, &region);
+    };
+    const auto dispatch = [this](PassContext& context, const Pipeline& pipeline, uint32_t items) {
+        vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
+        const VkDescriptorSet set = layout.set();
+        vkCmdBindDescriptorSets(context.commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout.handle(), 0, 1, &set,
+                                0, nullptr);
+        vkCmdPushConstants(context.commands, layout.handle(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                           sizeof bins.grid, &bins.grid);
+        vkCmdDispatch(context.commands, groups(items), 1, 1);
+    };
+    graph.add_pass(
+        "upload sites", PassKind::transfer,
+        [&](PassBuilder& pass) {
+            pass.read(new_sites, Access::transfer_read);
+            pass.read(new_bins, Access::transfer_read);
+            grid_sites = pass.write(grid_sites, Access::transfer_write);
+            grid_bins = pass.write(grid_bins, Access::transfer_write);
+        },
+        [=, this](PassContext& context) {
+            copy(context, new_sites, grid_sites, site_bytes);
+            copy(context, new_bins, grid_bins, bin_bytes);
+        });
+    graph.add_pass(
+        "classify vertices", PassKind::compute,
+        [&](PassBuilder& pass) {
+            pass.read(from, Access::storage_read_compute);
+            pass.read(grid_sites, Access::storage_read_compute);
+            pass.read(grid_bins, Access::storage_read_compute);
+            site_of = pass.write(site_of, Access::storage_write_compute);
+        },
+        [=, this](PassContext& context) { dispatch(context, vertices, vertex_count); });
+    graph.add_pass(
+        "classify triangles", PassKind::compute,
+        [&](PassBuilder& pass) {
+            pass.read(site_of, Access::storage_read_compute);
+            pass.read(faces, Access::storage_read_compute);
+            triangle_out = pass.write(triangle_out, Access::storage_write_compute);
+        },
+        [=, this](PassContext& context) { dispatch(context, triangles, triangle_count); });
+    graph.add_pass(
+        "read answers back", PassKind::transfer,
+        [&](PassBuilder& pass) {
+            pass.read(site_of, Access::transfer_read);
+            vertex_out = pass.write(vertex_out, Access::transfer_write);
+        },
+        [=, this](PassContext& context) {
+            copy(context, site_of, vertex_out, uint64_t{vertex_count} * sizeof(uint32_t));
+        });
+
+    CompileResult plan = std::move(graph).compile(executor.memory_needs());
+    if (!plan) throw VulkanFailure{{Status::invalid_argument, plan.error().message}};
+    commands.begin();
+    executor.record(*plan, external, commands.buffer());
+    commands.submit({}, {});
+}
+
+GpuClassifier::GpuClassifier(std::unique_ptr<State> state) : state_(std::move(state)) {}
+GpuClassifier::~GpuClassifier() = default;
+
+Result<std::unique_ptr<GpuClassifier>> GpuClassifier::create(Device& device) {
+    return guarded([&]() -> Result<std::unique_ptr<GpuClassifier>> {
+        return std::unique_ptr<GpuClassifier>(new GpuClassifier(std::make_unique<State>(device)));
+    });
+}
+
+bool GpuClassifier::start(const Problem& problem) {
+    const Result<void> done = guarded([&]() -> Result<void> {
+        state_->started = false;
+        state_->commands.wait(); // for a fracture that failed in between
+        if (!state_->fits(problem))
+            return Error{Status::invalid_argument, "the mesh is larger than the device's buffers may be"};
+        state_->write(problem);
+        state_->submit();
+        state_->started = true;
+        return {};
+    });
+    state_->error = done ? "" : done.error().message;
+    return bool(done);
+}
+
+bool GpuClassifier::finish(std::span<uint32_t> site_of_vertex, std::span<uint32_t> site_of_triangle) {
+    if (!state_->started || site_of_vertex.size() != state_->vertex_count
+        || site_of_triangle.size() != state_->triangle_count) {
+        state_->error = "finish() without a start() of the same mesh";
+        return false;
+    }
+    state_->started = false;
+    const Result<void> done = guarded([&]() -> Result<void> {
+        state_->commands.wait();
+        state_->times = state_->executor.collect_times();
+        return {};
+    });
+    state_->error = done ? "" : done.error().message;
+    if (!done) return false;
+    std::memcpy(site_of_vertex.data(), state_->vertex_answers.mapped(), site_of_vertex.size_bytes());
+    std::memcpy(site_of_triangle.data(), state_->triangle_answers.mapped(), site_of_triangle.size_bytes());
+    return true;
+}
+
+const std::vector<PassTime>& GpuClassifier::timings() const {
+    return state_->times;
+}
+
+const std::string& GpuClassifier::error() const {
+    return state_->error;
+}
+
+} // namespace brittle::engine
