@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "fracture/half_edge.h"
 #include "fracture/islands.h"
 #include "fracture/mass_properties.h"
+#include "fracture/merge.h"
 #include "fracture/sequential.h"
 #include "fracture/topology.h"
 
@@ -66,6 +68,15 @@ Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<co
     if (settings.threads > most_threads)
         return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; at most "
                                                   + std::to_string(most_threads) + ", or 0 for one a core"};
+    if (!settings.groups.empty() && settings.groups.size() != sites.size())
+        return Error{Status::invalid_setting, "there are " + std::to_string(settings.groups.size()) + " groups for "
+                                                  + std::to_string(sites.size()) + " sites; give one each, or none"};
+    if (!(settings.min_volume >= 0.0) || !std::isfinite(settings.min_volume))
+        return Error{Status::invalid_setting, "the minimum volume is " + std::to_string(settings.min_volume)
+                                                  + "; it must be finite and not negative"};
+    if (settings.algorithm != Algorithm::exact && (!settings.groups.empty() || settings.min_volume > 0.0))
+        return Error{Status::invalid_setting, "groups and a minimum volume need the exact algorithm, whose neighbours "
+                                              "share caps triangle by triangle"};
     // A NaN may hide from the box; the scene's own check, which costs less than this one, finds it.
     if (!in_range(box.min) || !in_range(box.max))
         return check_coordinates(mesh.positions, Status::invalid_mesh, "vertex");
@@ -115,47 +126,20 @@ bool is_ample(const MassProperties& mass, const Box& box, double extent) {
     return mass.volume > 1e-12 * (mass.area * extent + diagonal * diagonal * diagonal);
 }
 
-// Removes pieces without volume: where a bisector runs along a face of the solid, symbolic perturbation may
-// leave a sheet of no thickness in the cell across. Its neighbours are closed without it.
-void drop_flat_pieces(Fragments& fragments, const Box& box) {
+// Groups and small pieces become one with their neighbours. So do pieces without volume: where a bisector runs along a
+// face of the solid, symbolic perturbation may leave a sheet of no thickness in the cell across.
+void merge(const Settings& settings, const Box& box, Fragments& fragments) {
     const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
     const double extent = std::max({furthest.x, furthest.y, furthest.z});
-    const auto flat = [&](const Piece& piece) {
-        return !is_ample(piece.mass, box, extent)
-               && is_flat(piece.mass, fragments.positions_of(piece), extent);
-    };
-    if (std::ranges::none_of(fragments.pieces, flat)) return;
-
-    std::vector<uint32_t> renumbered(fragments.pieces.size(), no_index);
-    std::vector<Piece> kept;
-    for (size_t i = 0; i < fragments.pieces.size(); ++i) {
-        const Piece& piece = fragments.pieces[i];
-        if (flat(piece)) continue;
-        renumbered[i] = static_cast<uint32_t>(kept.size());
-        kept.push_back(piece);
+    std::vector<uint8_t> flat;
+    for (size_t p = 0; p < fragments.pieces.size(); ++p) {
+        const Piece& piece = fragments.pieces[p];
+        if (is_ample(piece.mass, box, extent) || !is_flat(piece.mass, fragments.positions_of(piece), extent)) continue;
+        flat.resize(fragments.pieces.size(), 0);
+        flat[p] = 1;
     }
-
-    Fragments packed;
-    for (Piece& piece : kept) {
-        const auto move = [](const auto& from, Range& range, auto& to) {
-            const auto begin = static_cast<uint32_t>(to.size());
-            to.insert(to.end(), from.begin() + range.begin, from.begin() + range.end);
-            range = {begin, static_cast<uint32_t>(to.size())};
-        };
-        Range points = piece.vertices, sources = piece.triangles;
-        move(fragments.vertex_point, points, packed.vertex_point);
-        move(fragments.positions, piece.vertices, packed.positions);
-        move(fragments.triangle_source, sources, packed.triangle_source);
-        move(fragments.triangles, piece.triangles, packed.triangles);
-    }
-    for (Bond bond : fragments.bonds) {
-        bond.a = renumbered[bond.a];
-        bond.b = renumbered[bond.b];
-        if (bond.a != no_index && bond.b != no_index) packed.bonds.push_back(bond);
-    }
-    packed.pieces = std::move(kept);
-    packed.timings = std::move(fragments.timings);
-    fragments = std::move(packed);
+    if (flat.empty() && settings.groups.empty() && settings.min_volume <= 0.0) return;
+    merge_pieces(fragments, choose_mergers(fragments, {settings.groups, settings.min_volume, flat}));
 }
 
 // The only fault is one that split_fans() mends.
@@ -164,11 +148,43 @@ bool only_touches(const TriangleMesh& mesh, const Error& error) {
            && check_topology(mesh.positions.size(), mesh.triangles).closed();
 }
 
+// Points that are vertices of the split mesh become those of the mesh.
+void name_vertices_of(const TriangleMesh& mesh, const TriangleMesh& split, Fragments& fragments) {
+    std::vector<uint32_t> original(split.positions.size(), no_index);
+    for (size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (int k = 0; k < 3; ++k) original[split.triangles[t][k]] = mesh.triangles[t][k];
+    for (uint32_t& point : fragments.vertex_point)
+        if (point < original.size()) point = original[point];
+}
+
+// The sequential algorithm has no name for a point but where it is.
+void number_points(std::span<const glm::dvec3> vertices, Fragments& fragments) {
+    constexpr uint32_t first_cut_point = 1u << 30;
+    const auto before = [](const glm::dvec3& a, const glm::dvec3& b) {
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    };
+    std::vector<std::pair<glm::dvec3, uint32_t>> places; // vertices first, then the rest in the order of pieces
+    for (uint32_t v = 0; v < vertices.size(); ++v) places.push_back({vertices[v], v});
+    for (const glm::dvec3& p : fragments.positions)
+        places.push_back({p, first_cut_point + static_cast<uint32_t>(places.size() - vertices.size())});
+    std::stable_sort(places.begin(), places.end(),
+                     [&](const auto& a, const auto& b) { return before(a.first, b.first); });
+    fragments.vertex_point.clear();
+    for (const glm::dvec3& p : fragments.positions)
+        fragments.vertex_point.push_back(
+            std::lower_bound(places.begin(), places.end(), p,
+                             [&](const auto& place, const glm::dvec3& q) { return before(place.first, q); })
+                ->second);
+}
+
 Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
                        const Settings& settings, Workspace::State& state, Fragments& out) {
     Result<void> done = exact::fracture_exact(mesh, sites, settings, state.exact, out);
-    if (!done && only_touches(mesh, done.error()))
-        done = exact::fracture_exact(split_fans(mesh), sites, settings, state.exact, out);
+    if (!done && only_touches(mesh, done.error())) {
+        const TriangleMesh split = split_fans(mesh);
+        done = exact::fracture_exact(split, sites, settings, state.exact, out);
+        if (done) name_vertices_of(mesh, split, out);
+    }
     if (!done) return done;
     // The pieces say what the mesh encloses, so nobody needs to integrate over it beforehand.
     double volume = 0.0;
@@ -177,7 +193,7 @@ Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const
     if (!(volume > ample_volume * diagonal * diagonal * diagonal)) {
         if (Result<void> checked = check_volume(mesh, box); !checked) return checked;
     }
-    drop_flat_pieces(out, box);
+    merge(settings, box, out);
     return {};
 }
 
@@ -197,6 +213,7 @@ Result<void> run_sequential(const TriangleMesh& mesh, const Box& box, std::span<
     Result<Fragments> fragments = fracture_sequential(*solid, sites, settings);
     if (!fragments) return fragments.error();
     out = *std::move(fragments);
+    number_points(mesh.positions, out);
     out.timings.insert(out.timings.begin(), {"prepare", elapsed.count()});
     return {};
 }

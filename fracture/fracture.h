@@ -12,6 +12,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -40,6 +41,12 @@ enum class Algorithm {
 struct Settings {
     Algorithm algorithm = Algorithm::exact;
     uint32_t threads = 0; // cells are worked on side by side; 0 = one thread a core
+    // A group for each site, or none: no cut is made between cells of one group. What of a group hangs together is one
+    // piece, with the least of its sites. For the exact algorithm.
+    std::vector<uint32_t> groups{};
+    // m^3. Smaller pieces become part of the neighbour that they have the largest contact with, the smallest first, until
+    // none is left that has a neighbour. 0 keeps all. For the exact algorithm.
+    double min_volume = 0.0;
     // What guesses where vertices and triangles lie, on a GPU for instance (classifier.h); null for none. The pieces are
     // the same. For the exact algorithm.
     Classifier* classifier = nullptr;
@@ -75,14 +82,16 @@ class Workspace {
 //  - not_oriented: an edge whose two triangles face opposite ways.
 //  - no_volume, inside_out: the surface encloses nothing but rounding; its volume is negative.
 //  - invalid_sites: none, one that is not finite or beyond 1e50, for the exact algorithm also beyond 1e30 mesh sizes.
-//  - invalid_setting: more than 1024 threads.
+//  - invalid_setting: more than 1024 threads; groups of which there are not as many as sites; a minimum volume that is
+//    negative or not finite; groups or a minimum volume for the sequential algorithm.
 //
 // Not refused:
 //  - Solids that touch in a vertex are cut as if each had its own.
 //  - A surface that passes through itself or another is cut as it is: space counts as often as the surface winds around
 //    it. Pieces are closed and their signed volumes sum to the input's, but overlap where the input does; what is
 //    inside out there gives pieces of negative volume (Certificate::smallest_piece tells).
-//  - What encloses nothing is left out: two triangles back to back, pieces whose volume is only rounding.
+//  - What encloses nothing is left out: two triangles back to back. Pieces whose volume is only rounding become part of
+//    a neighbour, or are left out where they have none.
 //  - Of duplicate sites the one with the lowest index owns the cell, the others are empty.
 [[nodiscard]] Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                          const Settings& settings = {});

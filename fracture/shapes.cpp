@@ -17,6 +17,7 @@ namespace {
 
 constexpr uint32_t max_subdivisions = 10; // 21 million triangles
 constexpr uint32_t max_segments = 4096;
+constexpr uint32_t max_sponge_level = 4; // 6 million triangles
 
 uint64_t pair_key(uint32_t a, uint32_t b) {
     return static_cast<uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
@@ -410,9 +411,46 @@ TriangleMesh four_legged_animal(uint32_t resolution) {
     return mesh;
 }
 
+TriangleMesh menger_sponge(uint32_t level, double edge) {
+    uint32_t n = 1;
+    for (uint32_t k = 0; k < std::min(level, max_sponge_level); ++k) n *= 3;
+    const auto solid = [n](glm::uvec3 p) { // coordinates below 0 have wrapped around
+        if (p.x >= n || p.y >= n || p.z >= n) return false;
+        for (; p != glm::uvec3(0); p /= 3u) {
+            const uint32_t middle = (p.x % 3 == 1) + (p.y % 3 == 1) + (p.z % 3 == 1);
+            if (middle >= 2) return false;
+        }
+        return true;
+    };
+    TriangleMesh mesh;
+    std::unordered_map<uint64_t, uint32_t> index_of;
+    const auto vertex = [&](const glm::uvec3& p) {
+        const uint64_t key = (static_cast<uint64_t>(p.x) * (n + 1) + p.y) * (n + 1) + p.z;
+        const auto [at, is_new] = index_of.try_emplace(key, static_cast<uint32_t>(mesh.positions.size()));
+        if (is_new) mesh.positions.push_back((glm::dvec3(p) / static_cast<double>(n) - 0.5) * edge);
+        return at->second;
+    };
+    for (uint32_t x = 0; x < n; ++x)
+        for (uint32_t y = 0; y < n; ++y)
+            for (uint32_t z = 0; z < n; ++z)
+                for (int side = 0; side < 6 && solid({x, y, z}); ++side) {
+                    const int axis = side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+                    glm::uvec3 beyond(x, y, z), a(x, y, z), b, c, d;
+                    beyond[axis] += side % 2 == 1 ? 1u : ~0u;
+                    if (solid(beyond)) continue;
+                    a[axis] += side % 2;
+                    b = c = d = a;
+                    ++b[u], ++c[u], ++c[v], ++d[v];
+                    if (side % 2 == 0) std::swap(b, d);
+                    mesh.triangles.push_back({vertex(a), vertex(b), vertex(c)});
+                    mesh.triangles.push_back({vertex(a), vertex(c), vertex(d)});
+                }
+    return mesh;
+}
+
 std::span<const std::string_view> shape_names() {
-    static constexpr std::array<std::string_view, 7> names = {
-        "cube", "lattice_cube", "icosphere", "torus", "torus_knot", "hollow_sphere", "animal"};
+    static constexpr std::array<std::string_view, 8> names = {
+        "cube", "lattice_cube", "icosphere", "torus", "torus_knot", "hollow_sphere", "menger_sponge", "animal"};
     return names;
 }
 
@@ -423,6 +461,7 @@ std::optional<TriangleMesh> shape(std::string_view name) {
     if (name == "torus") return torus();
     if (name == "torus_knot") return torus_knot();
     if (name == "hollow_sphere") return hollow_sphere();
+    if (name == "menger_sponge") return menger_sponge();
     if (name == "animal") return four_legged_animal();
     return std::nullopt;
 }
