@@ -57,7 +57,7 @@ struct VoronoiDiagram {
 
     // One side of a facet and the vertex at its end. Rings run counter-clockwise seen from outside cell i,
     // that is from the side of j; an edge is run along its direction exactly where (i, j, third) is an even
-    // permutation.
+    // permutation. A ring starts at its least third.
     struct Corner {
         uint32_t third; // the plane on the other side of the edge
         uint32_t edge;

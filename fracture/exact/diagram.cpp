@@ -55,9 +55,6 @@ void DiagramBuilder::build(const Diagram& problem, Threads& threads, VoronoiDiag
     const auto sites = static_cast<uint32_t>(problem.sites.size());
     build_cells(problem, threads, out);
     number_facets(out);
-    threads.for_chunks(sites, kLeastCells, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        collect_rings(chunks_[chunk], begin, end, out);
-    });
     number_items(out);
     threads.for_chunks(sites, kLeastCells,
                        [&](uint32_t, uint32_t begin, uint32_t end) { fill_owned(problem, begin, end, out); });
@@ -76,19 +73,17 @@ void DiagramBuilder::build_cells(const Diagram& problem, Threads& threads, Voron
     threads.for_chunks(sites, kLeastCells, [&](uint32_t k, uint32_t begin, uint32_t end) {
         Chunk& chunk = chunks_[k];
         chunk.planes.clear();
-        chunk.vertices.clear();
+        chunk.rings.clear();
+        chunk.ring_sizes.clear();
         for (SiteId c = begin; c < end; ++c) {
             out.cell_is_empty[c] = chunk.builder.build(problem, tree_, c) ? 0 : 1;
             CellRef& cell = cells_[c];
             cell.chunk = k;
             cell.planes_begin = static_cast<uint32_t>(chunk.planes.size());
-            cell.vertices_begin = static_cast<uint32_t>(chunk.vertices.size());
             const auto planes = chunk.builder.planes();
-            const auto vertices = chunk.builder.vertices();
             chunk.planes.insert(chunk.planes.end(), planes.begin(), planes.end());
-            chunk.vertices.insert(chunk.vertices.end(), vertices.begin(), vertices.end());
+            collect_rings(c, chunk);
             cell.planes_end = static_cast<uint32_t>(chunk.planes.size());
-            cell.vertices_end = static_cast<uint32_t>(chunk.vertices.size());
         }
     });
 }
@@ -128,60 +123,59 @@ void DiagramBuilder::number_facets(VoronoiDiagram& out) {
     }
 }
 
-void DiagramBuilder::collect_rings(Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out) {
-    chunk.rings.clear();
-    for (SiteId c = begin; c < end; ++c) {
-        const CellRef& cell = cells_[c];
-        const std::span planes(chunk.planes.data() + cell.planes_begin, cell.planes_end - cell.planes_begin);
-        const std::span vertices(chunk.vertices.data() + cell.vertices_begin,
-                                 cell.vertices_end - cell.vertices_begin);
-        // The fan of a plane: at each of its vertices, the plane before and the plane after.
-        chunk.fan_begin.assign(planes.size() + 2, 0);
-        for (const auto& v : vertices) {
-            for (const uint32_t p : v) ++chunk.fan_begin[p + 2];
+// The rings of the facets that a cell owns, while its vertices are at hand: to keep them for all cells would
+// take more memory than the diagram's own.
+void DiagramBuilder::collect_rings(SiteId c, Chunk& chunk) {
+    const std::span planes = chunk.builder.planes();
+    const std::span vertices = chunk.builder.vertices();
+    // The fan of a plane: at each of its vertices, the plane before and the plane after.
+    chunk.fan_begin.assign(planes.size() + 2, 0);
+    for (const auto& v : vertices) {
+        for (const uint32_t p : v) ++chunk.fan_begin[p + 2];
+    }
+    for (size_t p = 2; p < chunk.fan_begin.size(); ++p) chunk.fan_begin[p] += chunk.fan_begin[p - 1];
+    chunk.fan.resize(3 * vertices.size());
+    for (const auto& [a, b, d] : vertices) {
+        chunk.fan[chunk.fan_begin[a + 1]++] = {b, d};
+        chunk.fan[chunk.fan_begin[b + 1]++] = {d, a};
+        chunk.fan[chunk.fan_begin[d + 1]++] = {a, b};
+    }
+    for (uint32_t p = 0; p < planes.size() && !is_box_plane(planes[p]); ++p) {
+        if (planes[p] < c) continue;
+        const std::span fan(chunk.fan.data() + chunk.fan_begin[p],
+                            chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
+        // From its least third on: what a ring looks like does not depend on the order of clipping.
+        uint32_t at = (*std::min_element(fan.begin(), fan.end()))[0];
+        for (size_t step = 0; step < fan.size(); ++step) {
+            chunk.rings.push_back(at);
+            const auto next = std::find_if(fan.begin(), fan.end(), [&](const auto& f) { return f[0] == at; });
+            assert(next != fan.end());
+            at = next == fan.end() ? at : (*next)[1];
         }
-        for (size_t p = 2; p < chunk.fan_begin.size(); ++p) chunk.fan_begin[p] += chunk.fan_begin[p - 1];
-        chunk.fan.resize(3 * vertices.size());
-        for (const auto& [a, b, d] : vertices) {
-            chunk.fan[chunk.fan_begin[a + 1]++] = {b, d};
-            chunk.fan[chunk.fan_begin[b + 1]++] = {d, a};
-            chunk.fan[chunk.fan_begin[d + 1]++] = {a, b};
-        }
-        uint32_t facet = facet_begin_[c];
-        for (uint32_t p = 0; p < planes.size() && !is_box_plane(planes[p]); ++p) {
-            if (planes[p] < c) continue;
-            const std::span fan(chunk.fan.data() + chunk.fan_begin[p],
-                                chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
-            // From its least third on: what a ring looks like does not depend on the order of clipping.
-            uint32_t at = (*std::min_element(fan.begin(), fan.end()))[0];
-            for (size_t step = 0; step < fan.size(); ++step) {
-                chunk.rings.push_back(at);
-                const auto next =
-                    std::find_if(fan.begin(), fan.end(), [&](const auto& f) { return f[0] == at; });
-                assert(next != fan.end());
-                at = next == fan.end() ? at : (*next)[1];
-            }
-            out.facets[facet].ring_end =
-                static_cast<uint32_t>(fan.size()); // the length, until number_items()
-            ++facet;
-        }
+        chunk.ring_sizes.push_back(static_cast<uint32_t>(fan.size()));
     }
 }
 
 void DiagramBuilder::number_items(VoronoiDiagram& out) {
     const auto facets = static_cast<uint32_t>(out.facets.size());
+    // Chunks hold consecutive cells, hence consecutive facets: read their rings one after the other.
     uint32_t ring = 0;
+    uint32_t chunk_index = kBoxMinX;
+    const uint32_t* size = nullptr;
     for (VoronoiDiagram::Facet& facet : out.facets) {
+        if (cells_[facet.i].chunk != chunk_index) {
+            chunk_index = cells_[facet.i].chunk;
+            size = chunks_[chunk_index].ring_sizes.data();
+        }
         facet.ring_begin = ring;
-        ring += facet.ring_end;
+        ring += *size++;
         facet.ring_end = ring;
     }
     out.rings.resize(ring);
     edge_begin_.assign(facets + 1, 0);
     vertex_begin_.assign(facets + 1, 0);
-    // Chunks hold consecutive cells, hence consecutive facets: read their rings one after the other.
     uint32_t f = 0;
-    uint32_t chunk_index = kBoxMinX;
+    chunk_index = kBoxMinX;
     const uint32_t* third = nullptr;
     for (; f < facets; ++f) {
         const VoronoiDiagram::Facet& facet = out.facets[f];

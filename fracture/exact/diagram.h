@@ -24,22 +24,21 @@ class DiagramBuilder {
   private:
     struct CellRef {
         uint32_t chunk = 0;
-        uint32_t planes_begin = 0, planes_end = 0;     // into Chunk::planes
-        uint32_t vertices_begin = 0, vertices_end = 0; // into Chunk::vertices
+        uint32_t planes_begin = 0, planes_end = 0; // into Chunk::planes
     };
     struct Chunk {
         CellBuilder builder;
         std::vector<PlaneId> planes;
-        std::vector<std::array<uint32_t, 3>> vertices;
         std::vector<uint32_t> fan_begin; // per plane of one cell, into fan
         std::vector<std::array<uint32_t, 2>> fan;
         // The owned facets' thirds, one facet after the other: indices into the cell's planes.
         std::vector<uint32_t> rings;
+        std::vector<uint32_t> ring_sizes;
     };
 
     void build_cells(const Diagram& problem, Threads& threads, VoronoiDiagram& out);
     void number_facets(VoronoiDiagram& out);
-    void collect_rings(Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out);
+    static void collect_rings(SiteId c, Chunk& chunk);
     void number_items(VoronoiDiagram& out);
     void fill_owned(const Diagram& problem, SiteId begin, SiteId end, VoronoiDiagram& out) const;
     void link_rings(const Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out) const;
