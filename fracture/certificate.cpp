@@ -4,13 +4,24 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "fracture/manifold_check.h"
 #include "fracture/mass_properties.h"
-#include "fracture/topology.h"
+#include "fracture/parallel.h"
 
 namespace brittle::fracture {
 namespace {
+
+constexpr uint32_t least_pieces = 4; // in a run
+
+// What certify() finds out about a piece.
+struct PieceFacts {
+    bool well_formed = false; // ranges and indices are within their arrays
+    bool solid = false;       // closed, oriented and manifold
+    double volume = 0.0;
+};
 
 bool is_within(const Range& range, size_t size) {
     return range.begin <= range.end && range.end <= size;
@@ -25,6 +36,20 @@ bool is_well_formed(const Fragments& fragments, const Piece& piece) {
     return std::ranges::all_of(fragments.triangles_of(piece), [vertices](const Triangle& t) {
         return t.x < vertices && t.y < vertices && t.z < vertices;
     });
+}
+
+void look_at_pieces(const Fragments& fragments, uint32_t first, uint32_t last,
+                    std::vector<PieceFacts>& facts) {
+    ManifoldCheck check;
+    Threads alone;
+    for (uint32_t p = first; p < last; ++p) {
+        const Piece& piece = fragments.pieces[p];
+        if (!is_well_formed(fragments, piece)) continue;
+        const auto positions = fragments.positions_of(piece);
+        const auto triangles = fragments.triangles_of(piece);
+        facts[p] = {true, !triangles.empty() && check.run(positions.size(), triangles, alone),
+                    signed_volume(positions, triangles)};
+    }
 }
 
 uint32_t count_distinct(std::vector<uint32_t> values) {
@@ -52,31 +77,40 @@ class Hasher {
 
 } // namespace
 
-Certificate certify(const TriangleMesh& input, const Fragments& fragments) {
+Certificate certify(const TriangleMesh& input, const Fragments& fragments, uint32_t thread_count) {
     Certificate certificate;
-    certificate.pieces = static_cast<uint32_t>(fragments.pieces.size());
+    const auto count = static_cast<uint32_t>(fragments.pieces.size());
+    certificate.pieces = count;
     certificate.triangles_in = input.triangles.size();
     certificate.triangles_out = fragments.triangles.size();
-    certificate.volume_input = signed_volume(input.positions, input.triangles);
-    certificate.hash = hash(fragments);
+
+    // The hash and the input's volume are tasks beside runs of pieces.
+    std::vector<PieceFacts> facts(count);
+    Threads threads(thread_count);
+    const uint32_t runs = threads.chunks(count, least_pieces);
+    threads.for_each(runs + 2, [&](uint32_t task) {
+        if (task == 0) {
+            certificate.hash = hash(fragments);
+        } else if (task == 1) {
+            certificate.volume_input = signed_volume(input.positions, input.triangles);
+        } else {
+            const auto first = static_cast<uint32_t>(uint64_t{count} * (task - 2) / runs);
+            const auto last = static_cast<uint32_t>(uint64_t{count} * (task - 1) / runs);
+            look_at_pieces(fragments, first, last, facts);
+        }
+    });
 
     std::vector<uint32_t> sites;
-    sites.reserve(fragments.pieces.size());
+    sites.reserve(count);
     double smallest = std::numeric_limits<double>::infinity();
-    for (const Piece& piece : fragments.pieces) {
+    for (uint32_t p = 0; p < count; ++p) { // in their order: sums do not depend on threads
+        const Piece& piece = fragments.pieces[p];
         sites.push_back(piece.site);
-        if (!is_well_formed(fragments, piece)) {
-            ++certificate.open_pieces;
-            continue;
-        }
-        const auto positions = fragments.positions_of(piece);
-        const auto triangles = fragments.triangles_of(piece);
-        const bool solid = !triangles.empty() && check_topology(positions.size(), triangles).manifold();
-        certificate.open_pieces += solid ? 0 : 1;
+        certificate.open_pieces += facts[p].solid ? 0 : 1;
+        if (!facts[p].well_formed) continue;
         certificate.cap_triangles += piece.triangles.size() - piece.exterior_triangles;
-        const double volume = signed_volume(positions, triangles);
-        certificate.volume_sum += volume;
-        smallest = std::min(smallest, volume);
+        certificate.volume_sum += facts[p].volume;
+        smallest = std::min(smallest, facts[p].volume);
     }
     certificate.cells = count_distinct(std::move(sites));
     certificate.closed = certificate.open_pieces == 0;

@@ -75,24 +75,27 @@ BRITTLE_SIMD void ball_box(const double* x, const double* y, const double* z, ui
 
 } // namespace simd
 
-bool CellBuilder::build(const Diagram& diagram, const SiteGrid& grid, SiteId c) {
+bool CellBuilder::build(const Diagram& diagram, const SiteTree& tree, SiteId c) {
     diagram_ = &diagram;
     c_ = c;
     used_planes_.clear();
     used_vertices_.clear();
-    if (!grid.owns_cell(c)) return false;
+    if (!tree.owns_cell(c)) return false;
     start_with_box();
-    SiteGrid::Walk walk(grid, diagram.sites, c, candidates_);
-    SiteGrid::Reach within = reach();
+    SiteTree::Walk walk(tree, diagram.sites[c], c, walk_memory_);
+    SiteTree::Reach within = reach();
     while (walk.next(within)) {
-        double nearest_idle2 = security2();
-        for (const SiteGrid::Candidate& candidate : walk.batch()) {
+        double nearest_idle2 = within.radius2;
+        bool has_changed = false;
+        for (const SiteTree::Candidate& candidate : walk.batch()) {
             if (candidate.distance2 > nearest_idle2) break; // sorted: so are the rest
             const Cut result = cut(candidate.site);
             if (result == Cut::all) return false;
-            if (result == Cut::some) nearest_idle2 = security2();
+            if (result == Cut::none) continue;
+            nearest_idle2 = security2();
+            has_changed = true;
         }
-        within = reach();
+        if (has_changed) within = reach();
     }
     collect();
     return true;
@@ -152,8 +155,8 @@ double CellBuilder::security2() const {
     return 4.0 * kReachSlack * simd::largest_norm2(x_.data(), y_.data(), z_.data(), count_);
 }
 
-SiteGrid::Reach CellBuilder::reach() const {
-    SiteGrid::Reach result{security2(), glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
+SiteTree::Reach CellBuilder::reach() const {
+    SiteTree::Reach result{security2(), glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
     if (unreliable_ > 0) return result;
     simd::ball_box(x_.data(), y_.data(), z_.data(), count_, result.low, result.high);
     const double slack = (kReachSlack - 1.0) * std::sqrt(result.radius2);

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "fracture/exact/predicates.h"
-#include "fracture/exact/site_grid.h"
+#include "fracture/exact/site_tree.h"
 
 namespace brittle::fracture::exact {
 
@@ -25,7 +25,7 @@ class CellBuilder {
   public:
     // Builds the cell of c, replacing the one before. False where it is empty: c is a duplicate, or the cell
     // lies outside the box altogether.
-    bool build(const Diagram& diagram, const SiteGrid& grid, SiteId c);
+    bool build(const Diagram& diagram, const SiteTree& tree, SiteId c);
 
     // The planes that bound the cell, ascending (sides of the box come last).
     [[nodiscard]] std::span<const PlaneId> planes() const { return used_planes_; }
@@ -44,7 +44,7 @@ class CellBuilder {
     void erase(uint32_t hole);
     void place_vertex(uint32_t v, uint32_t a, uint32_t b, uint32_t d);
     [[nodiscard]] double security2() const;
-    [[nodiscard]] SiteGrid::Reach reach() const;
+    [[nodiscard]] SiteTree::Reach reach() const;
     void collect();
 
     const Diagram* diagram_ = nullptr;
@@ -74,7 +74,7 @@ class CellBuilder {
     };
     std::vector<RimEdge> rim_;
     std::vector<uint32_t> at_plane_; // slot -> the new vertex whose first plane it is
-    std::vector<SiteGrid::Candidate> candidates_;
+    SiteTree::WalkMemory walk_memory_;
 
     std::vector<PlaneId> used_planes_;
     std::vector<std::array<uint32_t, 3>> used_vertices_;

@@ -68,7 +68,7 @@ void DiagramBuilder::build(const Diagram& problem, Threads& threads, VoronoiDiag
 
 void DiagramBuilder::build_cells(const Diagram& problem, Threads& threads, VoronoiDiagram& out) {
     const auto sites = static_cast<uint32_t>(problem.sites.size());
-    grid_.build(problem.sites, problem.box);
+    tree_.build(problem.sites);
     cells_.resize(sites);
     out.cell_is_empty.resize(sites);
     chunks_.resize(std::max<size_t>(chunks_.size(), threads.chunks(sites, kLeastCells)));
@@ -78,7 +78,7 @@ void DiagramBuilder::build_cells(const Diagram& problem, Threads& threads, Voron
         chunk.planes.clear();
         chunk.vertices.clear();
         for (SiteId c = begin; c < end; ++c) {
-            out.cell_is_empty[c] = chunk.builder.build(problem, grid_, c) ? 0 : 1;
+            out.cell_is_empty[c] = chunk.builder.build(problem, tree_, c) ? 0 : 1;
             CellRef& cell = cells_[c];
             cell.chunk = k;
             cell.planes_begin = static_cast<uint32_t>(chunk.planes.size());
@@ -152,7 +152,8 @@ void DiagramBuilder::collect_rings(Chunk& chunk, SiteId begin, SiteId end, Voron
             if (planes[p] < c) continue;
             const std::span fan(chunk.fan.data() + chunk.fan_begin[p],
                                 chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
-            uint32_t at = fan[0][0];
+            // From its least third on: what a ring looks like does not depend on the order of clipping.
+            uint32_t at = (*std::min_element(fan.begin(), fan.end()))[0];
             for (size_t step = 0; step < fan.size(); ++step) {
                 chunk.rings.push_back(at);
                 const auto next =

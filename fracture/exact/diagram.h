@@ -46,7 +46,7 @@ class DiagramBuilder {
     [[nodiscard]] uint32_t edge_of(const VoronoiDiagram& d, uint32_t facet, PlaneId third) const;
     [[nodiscard]] uint32_t vertex_of(const VoronoiDiagram& d, uint32_t facet, PlaneId a, PlaneId b) const;
 
-    SiteGrid grid_;
+    SiteTree tree_;
     std::vector<CellRef> cells_;
     std::vector<Chunk> chunks_;
     std::vector<uint32_t> facet_begin_;  // sites + 1: the facets that each cell owns

@@ -142,3 +142,21 @@ TEST_CASE("the hash is pinned, so that compilers and versions can be compared") 
     CHECK(hash({}) == 12479642235849220231ull);
     CHECK(hash(fragments_of({cube(), lattice_cube(3)})) == 6243463692793084084ull);
 }
+
+TEST_CASE("a certificate does not depend on the number of threads") {
+    std::vector<TriangleMesh> meshes;
+    for (uint32_t k = 0; k < 50; ++k) meshes.push_back(icosphere(k % 3, 0.1 + 0.37 * k));
+    Fragments fragments = fragments_of(meshes);
+    std::swap(fragments.triangles[500].x, fragments.triangles[500].y); // one piece is not oriented
+    const Certificate one = certify(icosphere(3), fragments, 1);
+    CHECK(one.open_pieces == 1);
+    for (const uint32_t threads : {2u, 3u, 8u, 0u}) {
+        const Certificate several = certify(icosphere(3), fragments, threads);
+        CHECK(several.open_pieces == one.open_pieces);
+        CHECK(several.volume_sum == one.volume_sum);
+        CHECK(several.volume_input == one.volume_input);
+        CHECK(several.smallest_piece == one.smallest_piece);
+        CHECK(several.cap_triangles == one.cap_triangles);
+        CHECK(several.hash == one.hash);
+    }
+}

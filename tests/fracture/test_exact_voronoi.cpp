@@ -225,6 +225,24 @@ TEST_CASE("random diagrams are sound at every size, offset and scale") {
         }
 }
 
+TEST_CASE("clusters inside clusters give sound diagrams") {
+    Random random(12);
+    std::vector<glm::dvec3> sites;
+    for (const double size : {1.0, 1e-2, 1e-5}) {
+        const glm::dvec3 centre(0.31, 0.72, 0.44);
+        const Box box{centre - 0.25 * size, centre + 0.25 * size};
+        for (int k = 0; k < 150; ++k) sites.push_back(random.uniform_in(box));
+    }
+    const auto d = voronoi_diagram(sites, kUnitBox);
+    REQUIRE(d);
+    check_structure(*d);
+    check_vertices(*d, sites, 1e-9);
+    for (const auto& facet : d->facets) { // whatever the order of clipping
+        const auto ring = d->ring_of(facet);
+        REQUIRE(std::all_of(ring.begin(), ring.end(), [&](const auto& c) { return c.third >= ring[0].third; }));
+    }
+}
+
 TEST_CASE("neighbours are those that brute force finds") {
     const auto sites = random_sites(60, 77);
     const auto d = voronoi_diagram(sites, kUnitBox);

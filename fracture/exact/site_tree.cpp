@@ -1,0 +1,134 @@
+#include "fracture/exact/site_tree.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include <glm/common.hpp>
+
+namespace brittle::fracture::exact {
+
+namespace {
+
+// Fewer sites a leaf cost more steps down the tree, more sites a leaf sort more that are too far.
+constexpr uint32_t kMostInLeaf = 16;
+
+uint64_t hash_of(const glm::dvec3& p) {
+    uint64_t h = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double x = p[k] + 0.0; // -0 equals +0
+        uint64_t bits;
+        std::memcpy(&bits, &x, sizeof bits);
+        h = (h ^ bits) * 0x9e3779b97f4a7c15ull;
+        h ^= h >> 29;
+    }
+    return h;
+}
+
+// The order of the heap; ties by index, so that a walk does not depend on the library's heap. An object,
+// because a function would be called through a pointer.
+constexpr auto farther = [](const SiteTree::WalkMemory::Entry& a, const SiteTree::WalkMemory::Entry& b) {
+    return a.distance2 != b.distance2 ? a.distance2 > b.distance2 : a.node > b.node;
+};
+
+} // namespace
+
+void SiteTree::find_duplicates(std::span<const glm::dvec3> sites) {
+    constexpr uint32_t kEmpty = 0xffffffffu;
+    const size_t size = std::bit_ceil(2 * sites.size());
+    slots_.assign(size, kEmpty);
+    owns_cell_.assign(sites.size(), 1);
+    for (uint32_t i = 0; i < sites.size(); ++i) { // in index order, so the lowest index comes first
+        size_t slot = hash_of(sites[i]) & (size - 1);
+        while (slots_[slot] != kEmpty && sites[slots_[slot]] != sites[i]) slot = (slot + 1) & (size - 1);
+        if (slots_[slot] == kEmpty)
+            slots_[slot] = i;
+        else
+            owns_cell_[i] = 0;
+    }
+}
+
+void SiteTree::build(std::span<const glm::dvec3> sites) {
+    find_duplicates(sites);
+    order_.clear();
+    for (uint32_t i = 0; i < sites.size(); ++i) {
+        if (owns_cell_[i]) order_.push_back(i);
+    }
+    nodes_.clear();
+    nodes_.push_back({{}, {}, 0, static_cast<uint32_t>(order_.size()), 0});
+    for (size_t n = 0; n < nodes_.size(); ++n) { // children come behind their parents
+        Node& node = nodes_[n];
+        node.low = node.high = sites[order_[node.begin]];
+        for (uint32_t k = node.begin + 1; k < node.end; ++k) {
+            node.low = glm::min(node.low, sites[order_[k]]);
+            node.high = glm::max(node.high, sites[order_[k]]);
+        }
+        const uint32_t count = node.end - node.begin;
+        if (count <= kMostInLeaf) continue;
+        const glm::dvec3 size = node.high - node.low;
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+        const auto begin = order_.begin() + node.begin;
+        std::nth_element(begin, begin + count / 2, begin + count, [&](SiteId a, SiteId b) {
+            return sites[a][axis] != sites[b][axis] ? sites[a][axis] < sites[b][axis] : a < b;
+        });
+        node.first_child = static_cast<uint32_t>(nodes_.size());
+        const uint32_t middle = node.begin + count / 2;
+        const Node left{{}, {}, node.begin, middle, 0}, right{{}, {}, middle, node.end, 0};
+        nodes_.push_back(left);
+        nodes_.push_back(right);
+    }
+    positions_.resize(order_.size());
+    for (size_t k = 0; k < order_.size(); ++k) positions_[k] = sites[order_[k]];
+}
+
+SiteTree::Walk::Walk(const SiteTree& tree, const glm::dvec3& position, SiteId c, WalkMemory& memory)
+    : tree_(tree), position_(position), c_(c), memory_(memory) {
+    memory_.heap.assign(1, {0.0, 0});
+}
+
+void SiteTree::Walk::visit_leaf(uint32_t begin, uint32_t end, const Reach& reach) {
+    for (uint32_t k = begin; k < end; ++k) {
+        const glm::dvec3 n = tree_.positions_[k] - position_;
+        const double d2 = n.x * n.x + n.y * n.y + n.z * n.z;
+        const bool near = d2 <= reach.radius2 && n.x >= reach.low.x && n.x <= reach.high.x
+                          && n.y >= reach.low.y && n.y <= reach.high.y && n.z >= reach.low.z
+                          && n.z <= reach.high.z;
+        if (near && tree_.order_[k] != c_) memory_.batch.push_back({d2, tree_.order_[k]});
+    }
+}
+
+// Differences and squares round monotonically: what is said of the box holds for each site in it, no slack
+// needed.
+void SiteTree::Walk::push(uint32_t node, const Reach& reach) {
+    const glm::dvec3 low = tree_.nodes_[node].low - position_, high = tree_.nodes_[node].high - position_;
+    if (low.x > reach.high.x || low.y > reach.high.y || low.z > reach.high.z || high.x < reach.low.x
+        || high.y < reach.low.y || high.z < reach.low.z)
+        return;
+    const glm::dvec3 gap = glm::max(glm::max(low, -high), glm::dvec3(0.0));
+    const double distance2 = gap.x * gap.x + gap.y * gap.y + gap.z * gap.z;
+    if (distance2 > reach.radius2) return;
+    memory_.heap.push_back({distance2, node});
+    std::push_heap(memory_.heap.begin(), memory_.heap.end(), farther);
+}
+
+bool SiteTree::Walk::next(const Reach& reach) {
+    memory_.batch.clear();
+    while (memory_.batch.empty()) {
+        if (memory_.heap.empty()) return false;
+        std::pop_heap(memory_.heap.begin(), memory_.heap.end(), farther);
+        const WalkMemory::Entry nearest = memory_.heap.back();
+        memory_.heap.pop_back();
+        if (nearest.distance2 > reach.radius2) return false;
+        const Node& node = tree_.nodes_[nearest.node];
+        if (node.first_child == 0) {
+            visit_leaf(node.begin, node.end, reach);
+        } else {
+            push(node.first_child, reach);
+            push(node.first_child + 1, reach);
+        }
+    }
+    std::sort(memory_.batch.begin(), memory_.batch.end());
+    return true;
+}
+
+} // namespace brittle::fracture::exact
