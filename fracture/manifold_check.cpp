@@ -136,12 +136,15 @@ bool ManifoldCheck::are_crowds_rings(std::vector<Corner>& crowd) const {
     std::ranges::sort(crowd, {}, [](const Corner& c) { return uint64_t{c.vertex} << 32 | c.next; });
     for (size_t begin = 0, end = 0; begin < crowd.size(); begin = end) {
         while (end < crowd.size() && crowd[end].vertex == crowd[begin].vertex) ++end;
-        const std::span fan(crowd.data() + begin, end - begin);
+        const std::span<const Corner> fan(crowd.data() + begin, end - begin);
         uint32_t at = fan[0].prev;
         for (size_t step = 1; step < fan.size(); ++step) {
-            const auto here = std::ranges::equal_range(fan, at, {}, &Corner::next);
-            if (at == fan[0].next || here.size() != 1) return false;
-            at = here[0].prev;
+            // Not std::ranges: what it returns here does not compile with clang 14 and GCC 12's library.
+            const auto here = std::lower_bound(fan.begin(), fan.end(), at,
+                                               [](const Corner& c, uint32_t next) { return c.next < next; });
+            const bool found = here != fan.end() && here->next == at;
+            if (at == fan[0].next || !found || (here + 1 != fan.end() && (here + 1)->next == at)) return false;
+            at = here->prev;
         }
         if (at != fan[0].next) return false;
     }

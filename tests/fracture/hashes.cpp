@@ -1,0 +1,65 @@
+// Prints the hash of each of a dozen fractures: what every compiler, optimisation level and number of threads must
+// agree on. tests/fracture/hashes.txt holds what it printed; tools/check-hashes compares, --update writes it anew.
+#include <cinttypes>
+#include <cstdio>
+#include <vector>
+
+#include "fracture/certificate.h"
+#include "fracture/fracture.h"
+#include "fracture/shapes.h"
+#include "fracture/sites.h"
+
+using namespace brittle::fracture;
+
+namespace {
+
+using Sites = std::vector<glm::dvec3>;
+
+Sites lattice(int n) {
+    Sites sites;
+    for (int k = 0; k < n * n * n; ++k)
+        sites.push_back((glm::dvec3(k % n, k / n % n, k / n / n) + 0.5) * (2.0 / n) - 1.0);
+    return sites;
+}
+
+bool print(const char* name, const TriangleMesh& mesh, const Sites& sites, Settings settings = {}) {
+    uint64_t first = 0;
+    for (const uint32_t threads : {1u, 2u, 4u, 8u}) {
+        settings.threads = threads;
+        const auto fragments = fracture(mesh, sites, settings);
+        if (!fragments) return std::printf("%s: %s\n", name, fragments.error().message.c_str()), false;
+        const uint64_t one = hash(*fragments);
+        if (threads == 1) first = one;
+        if (one != first) return std::printf("%s: differs with %u threads\n", name, threads), false;
+    }
+    std::printf("%-28s %016" PRIx64 "\n", name, first);
+    return true;
+}
+
+} // namespace
+
+int main() {
+    const auto uniform = [](const TriangleMesh& mesh, uint32_t n) { return uniform_sites(bounds(mesh), n, 1); };
+    const TriangleMesh ball = icosphere(4), ring = torus(), knot = torus_knot(), hollow = hollow_sphere(3);
+    const TriangleMesh cubes = lattice_cube(8), sponge = menger_sponge(2), animal = four_legged_animal(48);
+    Settings sequential, groups, merged;
+    sequential.algorithm = Algorithm::sequential;
+    for (uint32_t k = 0; k < 60; ++k) groups.groups.push_back(k % 4);
+    merged.min_volume = 0.02;
+    TriangleMesh far = ball;
+    for (glm::dvec3& p : far.positions) p = p * 1e-3 + glm::dvec3(1e6, -1e6, 1e6);
+    bool good = print("icosphere", ball, uniform(ball, 100));
+    good &= print("torus", ring, uniform(ring, 50));
+    good &= print("torus_knot", knot, uniform(knot, 200));
+    good &= print("hollow_sphere", hollow, uniform(hollow, 40));
+    good &= print("menger_sponge", sponge, uniform(sponge, 30));
+    good &= print("animal", animal, uniform(animal, 60));
+    good &= print("far_away", far, uniform(far, 20));
+    good &= print("lattice_cube_lattice", cubes, lattice(8));
+    good &= print("icosphere_lattice", ball, lattice(4));
+    good &= print("own_vertices", ball, Sites(ball.positions.begin(), ball.positions.begin() + 60));
+    good &= print("groups", ball, uniform(ball, 60), groups);
+    good &= print("min_volume", ball, uniform(ball, 100), merged);
+    good &= print("sequential", icosphere(2), uniform(ball, 20), sequential);
+    return good ? 0 : 1;
+}
