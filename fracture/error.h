@@ -27,6 +27,7 @@ enum class Status {
     no_volume,          // the surface is closed around nothing
     invalid_sites,      // no site, or a non-finite one
     invalid_setting,    // a setting outside its documented range
+    cancelled,          // Settings::cancelled said so
     write_failed        // the output could not be written; an existing file was left as it was
 };
 
@@ -45,6 +46,7 @@ enum class Status {
     case Status::no_volume: return "no_volume";
     case Status::invalid_sites: return "invalid_sites";
     case Status::invalid_setting: return "invalid_setting";
+    case Status::cancelled: return "cancelled";
     case Status::write_failed: return "write_failed";
     }
     return "unknown";

@@ -52,6 +52,9 @@ struct Settings {
     Classifier* classifier = nullptr;
     // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be empty.
     std::function<void(double)> progress{};
+    // Asked now and then, by one thread at a time; true ends the fracture with Status::cancelled. May be empty. The exact
+    // algorithm asks between its phases.
+    std::function<bool()> cancelled{};
 };
 
 // Memory of a fracture, kept for the next one: from the second fracture of similar size on hardly anything is allocated,
@@ -82,6 +85,7 @@ class Workspace {
 //  - not_oriented: an edge whose two triangles face opposite ways.
 //  - no_volume, inside_out: the surface encloses nothing but rounding; its volume is negative.
 //  - invalid_sites: none, one that is not finite or beyond 1e50, for the exact algorithm also beyond 1e30 mesh sizes.
+//  - cancelled: Settings::cancelled said so.
 //  - invalid_setting: more than 1024 threads; groups of which there are not as many as sites; a minimum volume that is
 //    negative or not finite; groups or a minimum volume for the sequential algorithm.
 //

@@ -1,6 +1,7 @@
 #include "fracture/sequential.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <mutex>
@@ -24,21 +25,24 @@ struct Cell {
     std::vector<Island> islands;
 };
 
-// Adds up the work done and tells the caller, from one thread at a time.
+// Adds up the work done, tells the caller and asks whether to go on, from one thread at a time.
 class Progress {
   public:
-    Progress(const std::function<void(double)>& report, size_t steps) : report_(report), steps_(steps) {}
+    Progress(const Settings& settings, size_t steps) : settings_(settings), steps_(steps) {}
 
     void step() {
-        if (!report_) return;
+        if (!settings_.progress && !settings_.cancelled) return;
         const std::scoped_lock lock(mutex_);
-        report_(static_cast<double>(++done_) / static_cast<double>(steps_));
+        if (settings_.progress) settings_.progress(static_cast<double>(++done_) / static_cast<double>(steps_));
+        if (settings_.cancelled && settings_.cancelled()) cancelled_ = true;
     }
+    [[nodiscard]] bool cancelled() const { return cancelled_; }
 
   private:
-    const std::function<void(double)>& report_;
+    const Settings& settings_;
     size_t steps_;
     size_t done_ = 0;
+    std::atomic<bool> cancelled_ = false;
     std::mutex mutex_;
 };
 
@@ -78,7 +82,7 @@ HalfEdgeMesh cut_cell(const HalfEdgeMesh& mesh, std::span<const Bisector> bisect
     return cell;
 }
 
-Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dvec3> sites,
+Result<Fragments> fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dvec3> sites,
                               const Settings& settings) {
     Fragments fragments;
     if (mesh.faces.empty()) return fragments;
@@ -86,7 +90,7 @@ Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dve
     const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
     const double extent = std::max({furthest.x, furthest.y, furthest.z});
     std::vector<Cell> cells(sites.size());
-    Progress progress(settings.progress, 3 * sites.size());
+    Progress progress(settings, 3 * sites.size());
     Threads threads(settings.threads);
 
     const auto timed = [&](const char* phase, const auto& work) {
@@ -97,7 +101,7 @@ Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dve
     };
     const auto for_each_cell = [&](const auto& work) {
         threads.for_chunks(static_cast<uint32_t>(sites.size()), 1, [&](uint32_t, uint32_t begin, uint32_t end) {
-            for (uint32_t site = begin; site < end; ++site) {
+            for (uint32_t site = begin; site < end && !progress.cancelled(); ++site) {
                 work(site, cells[site]);
                 progress.step();
             }
@@ -119,6 +123,7 @@ Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dve
             cell.mesh = {};
         });
     });
+    if (progress.cancelled()) return Error{Status::cancelled, "the fracture was cancelled"};
     timed("assemble", [&] {
         for (uint32_t site = 0; site < cells.size(); ++site)
             for (const Island& island : cells[site].islands) append(fragments, site, island);

@@ -28,8 +28,8 @@ namespace brittle::fracture {
                                     uint32_t site);
 
 // Algorithm 1. The mesh is closed, positions and sites are finite, there is a site (fracture() has checked).
-// Cells are worked on side by side; the result does not depend on how many at a time.
-[[nodiscard]] Fragments fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dvec3> sites,
+// Cells are worked on side by side; the result does not depend on how many at a time. Errors: cancelled.
+[[nodiscard]] Result<Fragments> fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dvec3> sites,
                                             const Settings& settings);
 
 } // namespace brittle::fracture

@@ -51,11 +51,14 @@ class PhaseClock {
         out.timings.clear();
     }
 
-    void done(const char* phase, double share) {
+    // False where the fracture is to end.
+    [[nodiscard]] bool done(const char* phase, double share) {
         const auto now = std::chrono::steady_clock::now();
         out_.timings.push_back({phase, std::chrono::duration<double, std::milli>(now - last_).count()});
         if (settings_.progress) settings_.progress(share);
+        const bool go_on = !settings_.cancelled || !settings_.cancelled();
         last_ = std::chrono::steady_clock::now();
+        return go_on;
     }
 
   private:
@@ -63,6 +66,10 @@ class PhaseClock {
     Fragments& out_;
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+Error cancelled() {
+    return {Status::cancelled, "the fracture was cancelled"};
+}
 
 Error not_closed() {
     return {Status::invalid_mesh,
@@ -92,19 +99,19 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     if (auto ok = s.surface.inspect(mesh, s.threads); !ok) return ok;
     Classifier* const classifier = settings.classifier;
     bool guessed = classifier && classifier->start({s.scene.positions, mesh.triangles, s.scene.sites, s.scene.box});
-    clock.done("prepare", 0.05);
+    if (!clock.done("prepare", 0.05)) return cancelled();
 
     s.diagram_builder.build(problem, s.threads, s.diagram);
     s.frames.build(problem, s.diagram, s.threads);
     stats += s.diagram_builder.stats();
-    clock.done("cells", 0.3);
+    if (!clock.done("cells", 0.3)) return cancelled();
 
     s.cell_of.resize(mesh.positions.size());
     s.cell_of_triangle.resize(mesh.triangles.size());
     guessed = guessed && classifier->finish(s.cell_of, s.cell_of_triangle);
     classify(problem, s.diagram, s.frames, s.scene.positions, guessed, s.threads, s.cell_of, stats);
     sort_triangles(s.surface, mesh.triangles, s.cell_of, guessed, s.threads, s.cell_of_triangle, s.cut);
-    clock.done("classify", 0.4);
+    if (!clock.done("classify", 0.4)) return cancelled();
 
     if (auto ok = s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut,
                                     stats);
@@ -112,27 +119,27 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
         return ok;
     }
     s.triangle_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
-    clock.done("clip", 0.6);
+    if (!clock.done("clip", 0.6)) return cancelled();
 
     s.winding.compute(s.scene, s.diagram, mesh.triangles, s.cut, s.threads, stats);
     const bool closed = s.capper.run(s.scene, s.diagram, s.winding, s.cut, s.threads);
     s.statistics.forced_ears = s.capper.forced_ears();
     if (!closed) return not_closed();
-    clock.done("caps", 0.75);
+    if (!clock.done("caps", 0.75)) return cancelled();
 
     const Assembler::Input input{mesh,  s.scene,          s.surface, s.diagram, s.cell_of, s.cell_of_triangle,
                                  s.cut, s.capper.chunks()};
     s.assembler.run(input, s.threads, out);
-    clock.done("assemble", 0.85);
+    if (!clock.done("assemble", 0.85)) return cancelled();
 
     s.slivers.run(input, s.assembler.cells(), s.threads, out);
     s.statistics.slivers = s.slivers.found();
     s.statistics.slivers_left = s.slivers.left();
-    clock.done("slivers", 0.9);
+    if (!clock.done("slivers", 0.9)) return cancelled();
 
     s.islands.run(input, s.assembler.cells(), s.threads, out);
     find_bonds(s.scene.sites, out);
-    clock.done("islands", 1.0);
+    if (!clock.done("islands", 1.0)) return cancelled();
     return {};
 }
 

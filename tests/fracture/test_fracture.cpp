@@ -483,6 +483,30 @@ TEST_CASE("the result does not depend on the number of threads or on the run") {
     CHECK_FALSE(hashes.contains(hash(*fracture(mesh, uniform_sites(bounds(mesh), 30, 10)))));
 }
 
+TEST_CASE("a fracture is cancelled between any two phases, and the workspace is good for the next") {
+    const TriangleMesh mesh = icosphere(3);
+    const Sites sites = uniform_sites(bounds(mesh), 30, 1);
+    for (const Algorithm algorithm : {Algorithm::exact, Algorithm::sequential}) {
+        Settings settings;
+        settings.algorithm = algorithm;
+        const uint64_t expected = hash(*fracture(mesh, sites, settings));
+        Workspace workspace;
+        Fragments out;
+        int phases = 0;
+        for (bool is_done = false; !is_done; ++phases) {
+            int asked = 0;
+            settings.cancelled = [&] { return asked++ == phases; };
+            const Result<void> done = fracture(mesh, sites, settings, workspace, out);
+            is_done = bool(done);
+            if (!is_done) CHECK(done.error().status == Status::cancelled);
+        }
+        CHECK(phases > 5);
+        settings.cancelled = {};
+        REQUIRE(fracture(mesh, sites, settings, workspace, out));
+        CHECK(hash(out) == expected);
+    }
+}
+
 TEST_CASE("progress rises to one, from one thread at a time, and phases are timed") {
     Settings settings;
     std::vector<std::string> expected;

@@ -271,3 +271,29 @@ TEST_CASE("profile measures frames before and after the fracture") {
     CHECK(profile["frames"]["whole"]["frame"]["samples"] == 2);
     CHECK(profile["frames"]["falling"]["physics"]["samples"] == 2);
 }
+
+TEST_CASE("Ctrl+C ends a long command and leaves no half-written file") {
+    const Folder folder;
+    // Minutes of work; the signal comes while it is at it.
+    const Outcome outcome = brittle(folder,
+                                    "fracture shape:animal -n 3000 --algorithm sequential -o " + (folder / "out.glb"),
+                                    "timeout --preserve-status -s INT 1");
+    CHECK(outcome.exit_code == 130);
+    CHECK(has(outcome, "cancelled"));
+    CHECK(folder.files() == 0);
+}
+
+TEST_CASE("a minimum volume leaves fewer pieces, and none below it") {
+    const Folder folder;
+    const auto pieces = [&](const std::string& options) {
+        const std::string report = folder / "report.json";
+        const Outcome outcome = brittle(folder, "fracture shape:icosphere -n 100 " + options + " -o "
+                                                    + (folder / "out.glb") + " --report " + report);
+        REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.output);
+        return nlohmann::json::parse(read(report));
+    };
+    const auto all = pieces(""), merged = pieces("--min-volume 0.05");
+    CHECK(merged["pieces"].get<int>() < all["pieces"].get<int>());
+    CHECK(merged["smallest_piece"].get<double>() >= 0.05);
+    CHECK(brittle(folder, "fracture shape:cube --min-volume -1 -o " + (folder / "x.glb")).exit_code == 2);
+}

@@ -5,12 +5,14 @@
 #include "fracture/io/export_glb.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/interrupt.h"
 #include "tools/brittle/progress.h"
 #include "tools/brittle/report.h"
 
 namespace brittle::tools {
 
 int run_fracture(const FractureCommand& command) {
+    catch_interrupts();
     const Input input = load_input(command.fracture);
     const Broken broken = [&] {
         Progress progress("fracturing " + input.name);

@@ -11,6 +11,7 @@
 #include "fracture/io/atomic_file.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/interrupt.h"
 #include "tools/brittle/progress.h"
 #include "tools/brittle/stage.h"
 #include "tools/brittle/statistics.h"
@@ -51,6 +52,7 @@ void measure_frame(Series& series, Stage& stage, engine::Renderer& renderer, con
                    const ViewOptions& view) {
     const Stopwatch frame;
     const Stopwatch physics;
+    throw_if_interrupted();
     stage.advance(frame_seconds);
     const double physics_milliseconds = physics.milliseconds();
     engine::Scene scene = stage.scene();
@@ -139,6 +141,7 @@ void print_table(const nlohmann::ordered_json& profile) {
 } // namespace
 
 int run_profile(const ProfileCommand& command) {
+    catch_interrupts();
     const Input input = placed_on_stage(load_input(command.fracture));
     fracture::Certificate certificate;
     nlohmann::ordered_json profile{{"mesh", input.name},

@@ -4,6 +4,7 @@
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/picture_name.h"
+#include "tools/brittle/interrupt.h"
 #include "tools/brittle/progress.h"
 #include "tools/brittle/stage.h"
 #include "tools/brittle/view.h"
@@ -33,6 +34,7 @@ void check_output(const RenderCommand& command) {
 
 int run_render(const RenderCommand& command) {
     check_output(command);
+    catch_interrupts();
     const Input input = placed_on_stage(load_input(command.fracture));
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device));
@@ -54,6 +56,7 @@ int run_render(const RenderCommand& command) {
     std::string last;
     Progress progress("rendering");
     for (uint32_t frame = 0; frame <= frames; ++frame) {
+        throw_if_interrupted();
         if (frame > 0) stage.advance(frame_seconds);
         if (frame % command.every != 0) continue;
         engine::Scene scene = stage.scene();

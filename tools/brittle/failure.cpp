@@ -19,6 +19,7 @@ ExitCode exit_code(fracture::Status status) {
     case Status::no_volume:
     case Status::invalid_sites: return exit_mesh;
     case Status::invalid_setting: return exit_usage;
+    case Status::cancelled: return exit_interrupted;
     case Status::write_failed: return exit_output;
     }
     return exit_failure;

@@ -14,6 +14,7 @@
 #include "fracture/sites.h"
 #include "fracture/topology.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/interrupt.h"
 #include "tools/brittle/stopwatch.h"
 
 namespace brittle::tools {
@@ -77,8 +78,11 @@ Input load_input(const FractureOptions& options) {
 
 Broken break_input(const Input& input, const FractureOptions& options,
                    const std::function<void(double)>& progress) {
-    const fracture::Settings settings{
-        .algorithm = options.algorithm, .threads = options.threads, .progress = progress};
+    const fracture::Settings settings{.algorithm = options.algorithm,
+                                      .threads = options.threads,
+                                      .min_volume = options.min_volume,
+                                      .progress = progress,
+                                      .cancelled = is_interrupted};
     const Stopwatch stopwatch;
     Broken broken;
     broken.fragments = must(fracture::fracture(input.mesh, input.sites, settings));
@@ -95,6 +99,7 @@ std::string recipe_json(const FractureOptions& options) {
         recipe["pattern"] = {{"type", "points"}, {"file", options.sites_file}};
     }
     if (options.repair) recipe["repair"] = true;
+    if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     return recipe.dump();
 }

@@ -17,7 +17,8 @@ struct FractureOptions {
     std::string sites_file; // --sites: takes the place of pieces and seed
     bool repair = false;    // --repair: remove patches that double the surface, and say so
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
-    uint32_t threads = 0; // 0: one a core
+    double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
+    uint32_t threads = 0;    // 0: one a core
 };
 
 // A mesh and the sites to break it by.

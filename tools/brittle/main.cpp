@@ -25,7 +25,8 @@ constexpr const char* description =
 
 constexpr const char* exit_codes_help =
     "Exit codes: 0 success, 1 failure, 2 wrong command line, 3 input file missing or damaged,\n"
-    "            4 mesh or sites cannot be fractured, 5 output not written, 6 no Vulkan device or no display";
+    "            4 mesh or sites cannot be fractured, 5 output not written, 6 no Vulkan device or no display,\n"
+    "            130 interrupted (Ctrl+C); nothing half-written is left";
 
 std::string mesh_help() {
     std::string endings;
@@ -59,6 +60,11 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
         ->check(CLI::IsMember({"exact", "sequential"}))
         ->type_name("NAME")
         ->default_str("exact");
+    command
+        .add_option("--min-volume", options.min_volume,
+                    "Cubic metres; smaller pieces join the neighbour with the largest contact")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
     command.add_option("--threads", options.threads, "Worker threads; 0 is one a core. Never changes the result")
         ->check(CLI::Range(0u, 1024u))
         ->capture_default_str();
