@@ -140,7 +140,8 @@ void merge(const Settings& settings, const Box& box, Fragments& fragments) {
     }
     if (flat.empty() && settings.groups.empty() && settings.min_volume <= 0.0) return;
     const auto start = std::chrono::steady_clock::now();
-    merge_pieces(fragments, choose_mergers(fragments, {settings.groups, settings.min_volume, flat}));
+    Threads threads(settings.threads);
+    merge_pieces(fragments, choose_mergers(fragments, {settings.groups, settings.min_volume, flat}), threads);
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
     fragments.timings.push_back({"merge", elapsed.count()});
 }

@@ -158,6 +158,18 @@ class PieceSets {
 
 } // namespace
 
+namespace {
+
+double exterior_area(const Fragments& fragments, const Piece& piece) {
+    const auto positions = fragments.positions_of(piece);
+    double sum = 0.0;
+    for (const Triangle& t : fragments.triangles_of(piece).first(piece.exterior_triangles))
+        sum += 0.5 * glm::length(glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]));
+    return sum;
+}
+
+} // namespace
+
 std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRules& rules) {
     const auto count = static_cast<uint32_t>(fragments.pieces.size());
     PieceSets sets(fragments);
@@ -175,6 +187,14 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
     for (uint32_t p = 0; p < rules.flat.size(); ++p)
         if (!rules.flat[p]) flat[sets.root(p)] = 0;
 
+    // A sheet on the outside of several neighbours would stick out from the one that takes it.
+    const auto sticks_out = [&](uint32_t root, uint32_t other) {
+        double outside = 0.0;
+        for (uint32_t p = 0; p < count; ++p)
+            if (sets.root(p) == root) outside += exterior_area(fragments, fragments.pieces[p]);
+        const double half = 0.5 * whole_side * sets.area(root);
+        return outside >= half && sets.contacts(root).at(other) < half;
+    };
     const auto find_mate = [&](uint32_t root) {
         if (rules.group_of_site.empty()) return none;
         const auto group = [&](uint32_t r) { return rules.group_of_site[fragments.pieces[sets.name(r)].site]; };
@@ -195,8 +215,7 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
         smallest.pop();
         if (sets.root(root) != root || volume != std::abs(sets.volume(root)) || name != sets.name(root)) continue;
         const uint32_t other = sets.neighbour(root);
-        // A sheet that does not lie on one neighbour with its whole side would stick out from it.
-        if (other == none || (flat[root] && 2.0 * sets.contacts(root).at(other) < whole_side * sets.area(root))) continue;
+        if (other == none || (flat[root] && sticks_out(root, other))) continue;
         const uint8_t both_flat = flat[root] & flat[other];
         uint32_t united = sets.unite(root, other, sets.name(other));
         flat[united] = both_flat;
@@ -259,12 +278,15 @@ uint32_t source_beyond(const Fragments& fragments, const Piece& of, uint32_t t, 
 // One set of pieces under the needle. Half-edge 3t + k runs from corner k of triangle t to the next.
 class Sewing {
   public:
-    // parts_of_source: of how many exterior triangles of all fragments each input triangle is the source.
+    // Pieces ascend. parts_of_source: of how many exterior triangles of all fragments each input triangle is the source.
     Sewing(const Fragments& fragments, std::span<const uint32_t> representative, const Caps& caps,
            std::span<const uint32_t> pieces, std::span<const uint32_t> parts_of_source)
         : fragments_(fragments), representative_(representative), caps_(caps), parts_of_source_(parts_of_source) {
-        for (const uint32_t piece : pieces) add(piece);
-        take_out_caps();
+        for (const uint32_t piece : pieces) {
+            first_triangle_.push_back(static_cast<uint32_t>(triangles_.size()));
+            add(piece);
+        }
+        take_out_caps(pieces);
         sew();
         find_vertices();
     }
@@ -309,11 +331,11 @@ class Sewing {
         uint32_t h;
         bool is_corner;
     };
-    // The parts of one input triangle.
+    // The parts of an input triangle that was cut.
     struct Patch {
         uint32_t source;
-        std::vector<uint32_t> triangles;
-        std::vector<uint32_t> rim; // half-edges around it, in order; those that stay once it is whole
+        uint32_t parts_begin, parts_end; // into parts_
+        uint32_t rim_begin, rim_end;     // into rims_: half-edges around it; in the end those that stay
         bool whole = false;
     };
 
@@ -331,21 +353,26 @@ class Sewing {
             if (const uint32_t across = caps_.across(t); across != none) look_beyond(piece, across, part);
             triangles_.push_back(part);
         }
-        struct Edge {
-            uint32_t low, high, h;
-        };
-        std::vector<Edge> edges;
-        for (uint32_t h = 3 * first; h < 3 * triangles_.size(); ++h) {
-            const auto [low, high] = std::minmax({from(h), from(after(h))});
-            edges.push_back({low, high, h});
-        }
-        std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-            return std::tie(x.low, x.high, x.h) < std::tie(y.low, y.high, y.h);
-        });
-        twin_.resize(3 * triangles_.size(), none);
-        for (size_t k = 0; k + 1 < edges.size(); k += 2) {
-            twin_[edges[k].h] = edges[k + 1].h;
-            twin_[edges[k + 1].h] = edges[k].h;
+        // A half-edge's twin is among those that leave the vertex where it ends.
+        const uint32_t vertices = piece.vertices.size(), begin = 3 * first;
+        leaving_begin_.assign(vertices + 2, 0);
+        const auto local = [&](uint32_t h) { return from(h) - piece.vertices.begin; };
+        const auto end = static_cast<uint32_t>(3 * triangles_.size());
+        for (uint32_t h = begin; h < end; ++h) ++leaving_begin_[local(h) + 2];
+        for (uint32_t v = 2; v < vertices + 2; ++v) leaving_begin_[v] += leaving_begin_[v - 1];
+        leaving_.resize(end - begin);
+        for (uint32_t h = begin; h < end; ++h) leaving_[leaving_begin_[local(h) + 1]++] = h;
+        twin_.resize(end, none);
+        for (uint32_t h = begin; h < end; ++h) {
+            if (twin_[h] != none) continue;
+            const uint32_t to = local(after(h));
+            for (uint32_t k = leaving_begin_[to]; k < leaving_begin_[to + 1]; ++k) {
+                const uint32_t g = leaving_[k];
+                if (from(after(g)) != from(h) || twin_[g] != none) continue;
+                twin_[h] = g;
+                twin_[g] = h;
+                break;
+            }
         }
     }
 
@@ -362,17 +389,15 @@ class Sewing {
         part.exterior = part.was_cap = true;
     }
 
-    void take_out_caps() {
-        std::vector<std::pair<uint32_t, uint32_t>> index_of; // by triangle of the fragments
-        for (uint32_t t = 0; t < triangles_.size(); ++t) index_of.push_back({triangles_[t].triangle, t});
-        std::sort(index_of.begin(), index_of.end());
+    void take_out_caps(std::span<const uint32_t> pieces) {
         partner_.assign(triangles_.size(), none);
         for (uint32_t t = 0; t < triangles_.size(); ++t) {
             const uint32_t across = caps_.across(triangles_[t].triangle);
             if (across == none) continue;
-            const auto at = std::lower_bound(index_of.begin(), index_of.end(), std::pair(across, 0u));
-            if (at == index_of.end() || at->first != across) continue;
-            partner_[t] = at->second;
+            const auto beyond = std::lower_bound(pieces.begin(), pieces.end(), caps_.piece_of(across));
+            if (beyond == pieces.end() || *beyond != caps_.piece_of(across)) continue;
+            const uint32_t first = first_triangle_[static_cast<size_t>(beyond - pieces.begin())];
+            partner_[t] = first + across - fragments_.pieces[*beyond].triangles.begin;
             triangles_[t].gone = true;
         }
     }
@@ -437,22 +462,35 @@ class Sewing {
         for (const Patch& patch : patches_) {
             if (!patch.whole) continue;
             polygon_.clear();
-            for (const uint32_t h : patch.rim) polygon_.push_back({h, point(h) < first_cut_point});
+            for (uint32_t k = patch.rim_begin; k < patch.rim_end; ++k)
+                polygon_.push_back({rims_[k], point(rims_[k]) < first_cut_point});
             triangulate(patch.source, emit);
         }
     }
 
     // Whether no two edges have the same ends. Solids that touch in their cuts may be sewn so.
     bool is_simple() {
-        std::vector<std::pair<uint32_t, uint32_t>> edges;
-        const auto collect = [&](const std::array<Corner, 3>& corners, uint32_t) {
-            for (size_t k = 0; k < 3; ++k)
-                edges.push_back({root_of(vertex_of_, corners[k].h), root_of(vertex_of_, corners[(k + 1) % 3].h)});
+        leaving_begin_.assign(twin_.size() + 1, 0);
+        const auto each_edge = [&](const auto& visit) {
+            const auto edges = [&](const std::array<Corner, 3>& corners, uint32_t) {
+                std::array<uint32_t, 3> v{};
+                for (size_t k = 0; k < 3; ++k) v[k] = root_of(vertex_of_, corners[k].h);
+                for (size_t k = 0; k < 3; ++k) visit(v[k], v[(k + 1) % 3]);
+            };
+            for_each_triangle(true, edges);
+            for_each_triangle(false, edges);
         };
-        for_each_triangle(true, collect);
-        for_each_triangle(false, collect);
-        std::sort(edges.begin(), edges.end());
-        return std::adjacent_find(edges.begin(), edges.end()) == edges.end();
+        each_edge([&](uint32_t a, uint32_t) { ++leaving_begin_[a + 1]; });
+        for (size_t v = 1; v < leaving_begin_.size(); ++v) leaving_begin_[v] += leaving_begin_[v - 1];
+        leaving_.resize(leaving_begin_.back());
+        std::vector<uint32_t> leaving_end(leaving_begin_.begin(), leaving_begin_.end());
+        bool simple = true;
+        each_edge([&](uint32_t a, uint32_t b) {
+            const auto begin = leaving_.begin() + leaving_begin_[a], end = leaving_.begin() + leaving_end[a]++;
+            simple = simple && std::find(begin, end, b) == end;
+            *end = b;
+        });
+        return simple;
     }
 
     // All but one of the edges with the same ends get a point in the middle; those of caps last, as the neighbours have
@@ -485,20 +523,21 @@ class Sewing {
     }
 
     void find_whole_sources() {
-        std::vector<uint32_t> parts;
-        for (uint32_t t = 0; t < triangles_.size(); ++t)
-            if (triangles_[t].exterior && !triangles_[t].was_cap) parts.push_back(t);
-        std::stable_sort(parts.begin(), parts.end(),
-                         [&](uint32_t x, uint32_t y) { return triangles_[x].source < triangles_[y].source; });
+        for (uint32_t t = 0; t < triangles_.size(); ++t) {
+            const Part& part = triangles_[t];
+            if (part.exterior && !part.was_cap && parts_of_source_[part.source] > 1) parts_.push_back(t);
+        }
+        std::sort(parts_.begin(), parts_.end(), [&](uint32_t x, uint32_t y) {
+            return std::tie(triangles_[x].source, x) < std::tie(triangles_[y].source, y);
+        });
         patch_of_.assign(triangles_.size(), none);
-        for (size_t begin = 0, end = 0; begin < parts.size(); begin = end) {
-            const uint32_t source = triangles_[parts[begin]].source;
-            while (end < parts.size() && triangles_[parts[end]].source == source) ++end;
+        const auto count = static_cast<uint32_t>(parts_.size());
+        for (uint32_t begin = 0, end = 0; begin < count; begin = end) {
+            const uint32_t source = triangles_[parts_[begin]].source;
+            while (end < count && triangles_[parts_[end]].source == source) ++end;
             if (end - begin != parts_of_source_[source]) continue;
-            Patch patch{source, {parts.begin() + static_cast<std::ptrdiff_t>(begin),
-                                 parts.begin() + static_cast<std::ptrdiff_t>(end)}, {}};
-            for (const uint32_t t : patch.triangles) patch_of_[t] = static_cast<uint32_t>(patches_.size());
-            patches_.push_back(std::move(patch));
+            for (uint32_t k = begin; k < end; ++k) patch_of_[parts_[k]] = static_cast<uint32_t>(patches_.size());
+            patches_.push_back({source, begin, end, 0, 0});
         }
         for (Patch& patch : patches_) patch.whole = walk_rim(patch);
         for (Patch& patch : patches_) {
@@ -510,38 +549,40 @@ class Sewing {
 
     // Whether the parts form a disc with the three corners of the input triangle on its rim.
     bool walk_rim(Patch& patch) {
-        size_t rims = 0;
-        uint32_t first = none;
-        for (const uint32_t t : patch.triangles) {
-            for (uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+        uint32_t rims = 0, first = none;
+        for (uint32_t k = patch.parts_begin; k < patch.parts_end; ++k) {
+            for (uint32_t h = 3 * parts_[k]; h < 3 * parts_[k] + 3; ++h) {
                 if (!is_rim(h)) continue;
                 ++rims;
                 if (first == none) first = h;
             }
         }
+        patch.rim_begin = patch.rim_end = static_cast<uint32_t>(rims_.size());
         if (first == none) return false;
         uint32_t corners = 0;
         uint32_t h = first;
         do {
-            patch.rim.push_back(h);
+            rims_.push_back(h);
             corners += point(h) < first_cut_point ? 1 : 0;
             h = after(h);
             while (!is_rim(h)) h = after(sewn_[h]);
-        } while (h != first && patch.rim.size() <= rims);
-        return patch.rim.size() == rims && corners == 3;
+        } while (h != first && rims_.size() - patch.rim_begin <= rims);
+        patch.rim_end = static_cast<uint32_t>(rims_.size());
+        return patch.rim_end - patch.rim_begin == rims && corners == 3;
     }
 
     // Points on the side towards another input triangle that is whole again are needed by neither.
     void drop_points(Patch& patch) {
         const auto whole_beyond = [&](uint32_t h) { return patch_of(sewn_[h] / 3); };
-        std::vector<uint32_t> kept;
-        for (size_t k = 0; k < patch.rim.size(); ++k) {
-            const uint32_t h = patch.rim[k], before = patch.rim[(k + patch.rim.size() - 1) % patch.rim.size()];
+        const std::span rim(rims_.data() + patch.rim_begin, patch.rim_end - patch.rim_begin);
+        uint32_t kept = 0, before = whole_beyond(rim.back());
+        for (const uint32_t h : rim) {
             const uint32_t beyond = whole_beyond(h);
-            if (point(h) >= first_cut_point && beyond != none && beyond == whole_beyond(before)) continue;
-            kept.push_back(h);
+            const bool needed = point(h) < first_cut_point || beyond == none || beyond != before;
+            before = beyond;
+            if (needed) rim[kept++] = h;
         }
-        patch.rim = std::move(kept);
+        patch.rim_end = patch.rim_begin + kept;
     }
 
     // Triangulates polygon_, a triangle with points on its sides: ears at corners beside such points first, so that
@@ -570,6 +611,7 @@ class Sewing {
     const Caps& caps_;
     std::span<const uint32_t> parts_of_source_;
     std::vector<Part> triangles_;
+    std::vector<uint32_t> first_triangle_; // of each piece
     std::vector<uint32_t> twin_;      // in the half-edge's own piece
     std::vector<uint32_t> partner_;   // of triangles that are gone
     std::vector<uint32_t> sewn_;      // twins in the new piece
@@ -579,6 +621,8 @@ class Sewing {
     std::vector<Corner> polygon_;
     std::vector<Patch> patches_;
     std::vector<uint32_t> patch_of_; // of triangles
+    std::vector<uint32_t> parts_, rims_;
+    std::vector<uint32_t> leaving_begin_, leaving_; // scratch: edges by the vertex that they leave
 };
 
 void copy_piece(const Fragments& from, Piece piece, Fragments& to) {
@@ -617,7 +661,7 @@ std::vector<Bond> merge_bonds(std::span<const Bond> bonds, std::span<const uint3
 
 } // namespace
 
-void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative) {
+void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative, Threads& threads) {
     const auto count = static_cast<uint32_t>(fragments.pieces.size());
     std::vector<std::vector<uint32_t>> members(count);
     bool any = false;
@@ -652,20 +696,37 @@ void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative
         }
         return true;
     };
+    // Sets are sewn side by side, each into fragments of its own, and with points of its own for halved edges.
+    struct Set {
+        uint32_t piece;
+        uint32_t next_point;
+        Fragments sewn{};
+    };
+    std::vector<Set> sets;
     uint32_t next_point = 1 + *std::max_element(fragments.vertex_point.begin(), fragments.vertex_point.end());
+    for (uint32_t p = 0; p < count; ++p) {
+        if (members[p].empty() || is_as_before(p)) continue;
+        sets.push_back({p, next_point});
+        for (const uint32_t member : members[p]) next_point += 3 * fragments.pieces[member].triangles.size();
+    }
+    threads.for_chunks(static_cast<uint32_t>(sets.size()), 1, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t k = begin; k < end; ++k) {
+            auto& [piece, point, sewn] = sets[k];
+            sewn.pieces = {Sewing(fragments, representative, caps, members[piece], parts_of_source).write(sewn, point)};
+            sewn.pieces[0].site = fragments.pieces[piece].site;
+            sewn.pieces[0].mass = mass_properties(sewn.positions, sewn.triangles);
+        }
+    });
     Fragments merged;
     std::vector<uint32_t> new_index(count, none);
+    auto set = sets.begin();
     for (uint32_t p = 0; p < count; ++p) {
         if (members[p].empty()) continue;
         for (const uint32_t member : members[p]) new_index[member] = static_cast<uint32_t>(merged.pieces.size());
-        if (is_as_before(p)) {
-            copy_piece(fragments, fragments.pieces[p], merged);
-            continue;
-        }
-        Piece piece = Sewing(fragments, representative, caps, members[p], parts_of_source).write(merged, next_point);
-        piece.site = fragments.pieces[p].site;
-        piece.mass = mass_properties(merged.positions_of(piece), merged.triangles_of(piece));
-        merged.pieces.push_back(piece);
+        const bool is_sewn = set != sets.end() && set->piece == p;
+        const Fragments& from = is_sewn ? set->sewn : fragments;
+        copy_piece(from, is_sewn ? from.pieces[0] : from.pieces[p], merged);
+        if (is_sewn) ++set;
     }
     merged.bonds = merge_bonds(fragments.bonds, new_index);
     merged.timings = std::move(fragments.timings);

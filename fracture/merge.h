@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "fracture/fragments.h"
+#include "fracture/parallel.h"
 
 namespace brittle::fracture {
 
@@ -35,6 +36,6 @@ struct MergeRules {
 // Only degenerate input shows that what touches may be sewn in more than one way: two vertices of a piece may then have
 // one vertex_point, and where two edges would have the same ends one of them is halved, if need be on one side of
 // a cap only.
-void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative);
+void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative, Threads& threads);
 
 } // namespace brittle::fracture
