@@ -192,8 +192,9 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
         double outside = 0.0;
         for (uint32_t p = 0; p < count; ++p)
             if (sets.root(p) == root) outside += exterior_area(fragments, fragments.pieces[p]);
-        const double half = 0.5 * whole_side * sets.area(root);
-        return outside >= half && sets.contacts(root).at(other) < half;
+        // Half of a sheet's surface is outside, less where the input folds it; nothing of a speck inside the solid.
+        return outside >= 0.25 * sets.area(root)
+               && sets.contacts(root).at(other) < 0.5 * whole_side * sets.area(root);
     };
     const auto find_mate = [&](uint32_t root) {
         if (rules.group_of_site.empty()) return none;
