@@ -57,6 +57,21 @@ void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name)
                                  " patches that double the surface, and the mesh is then closed");
 }
 
+nlohmann::ordered_json pattern_json(const fracture::Pattern& pattern) {
+    using fracture::PatternKind;
+    const auto vector = [](const glm::dvec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+    nlohmann::ordered_json json{{"type", fracture::pattern_names()[static_cast<size_t>(pattern.kind)]},
+                                {"count", pattern.count},
+                                {"seed", pattern.seed}};
+    const fracture::Pattern plain;
+    if (pattern.piece_size != plain.piece_size) json["piece_size"] = pattern.piece_size;
+    if (pattern.jitter != plain.jitter) json["jitter"] = pattern.jitter;
+    if (pattern.focus != plain.focus) json["focus"] = vector(pattern.focus);
+    if (pattern.axis != plain.axis) json["axis"] = vector(pattern.axis);
+    if (pattern.inside) json["inside"] = true;
+    return json;
+}
+
 } // namespace
 
 Input load_input(const FractureOptions& options) {
@@ -70,9 +85,13 @@ Input load_input(const FractureOptions& options) {
     } else {
         suggest_repair(input.mesh, input.name);
     }
-    input.sites = options.sites_file.empty()
-                      ? fracture::uniform_sites(fracture::bounds(input.mesh), options.pieces, options.seed)
-                      : must(fracture::read_sites(options.sites_file));
+    if (!options.sites_file.empty()) {
+        input.sites = must(fracture::read_sites(options.sites_file));
+    } else {
+        fracture::PatternSites made = must(fracture::make_sites(options.pattern, input.mesh));
+        input.sites = std::move(made.sites);
+        input.groups = std::move(made.groups);
+    }
     return input;
 }
 
@@ -80,6 +99,7 @@ Broken break_input(const Input& input, const FractureOptions& options,
                    const std::function<void(double)>& progress) {
     const fracture::Settings settings{.algorithm = options.algorithm,
                                       .threads = options.threads,
+                                      .groups = input.groups,
                                       .min_volume = options.min_volume,
                                       .progress = progress,
                                       .cancelled = is_interrupted};
@@ -93,11 +113,9 @@ Broken break_input(const Input& input, const FractureOptions& options,
 
 std::string recipe_json(const FractureOptions& options) {
     nlohmann::ordered_json recipe{{"mesh", options.mesh}};
-    if (options.sites_file.empty()) {
-        recipe["pattern"] = {{"type", "uniform"}, {"count", options.pieces}, {"seed", options.seed}};
-    } else {
-        recipe["pattern"] = {{"type", "points"}, {"file", options.sites_file}};
-    }
+    recipe["pattern"] = options.sites_file.empty()
+                            ? pattern_json(options.pattern)
+                            : nlohmann::ordered_json{{"type", "points"}, {"file", options.sites_file}};
     if (options.repair) recipe["repair"] = true;
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
     recipe["algorithm"] = fracture::to_string(options.algorithm);

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "fracture/fracture.h"
+#include "fracture/pattern.h"
 
 namespace brittle::tools {
 
 struct FractureOptions {
     std::string mesh;       // a file, or shape:NAME
-    uint32_t pieces = 20;   // -n: number of uniform random sites
-    uint64_t seed = 1;      // --seed of the random sites
-    std::string sites_file; // --sites: takes the place of pieces and seed
+    fracture::Pattern pattern; // --pattern, -n, --seed and more: makes the sites
+    std::string sites_file;    // --sites: takes the place of the pattern
     bool repair = false;    // --repair: remove patches that double the surface, and say so
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
     double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
@@ -26,6 +26,7 @@ struct Input {
     std::string name; // the file's stem or the shape's name
     fracture::TriangleMesh mesh;
     std::vector<glm::dvec3> sites;
+    std::vector<uint32_t> groups; // of the sites; or none
     double import_milliseconds = 0.0;
 };
 
@@ -35,7 +36,7 @@ struct Broken {
     double milliseconds = 0.0; // of the fracture, without the certificate
 };
 
-// `shape:NAME` gives a procedural shape, anything else is read as a file. Random sites are spread in the mesh's box.
+// `shape:NAME` gives a procedural shape, anything else is read as a file. A pattern is placed in the mesh's box.
 [[nodiscard]] Input load_input(const FractureOptions& options);
 
 // Fractures with `progress` called as in fracture::Settings.

@@ -1,10 +1,12 @@
 // The `brittle` program: parses the command line and hands over to one function a command.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <functional>
 #include <new>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -38,16 +40,44 @@ std::string mesh_help() {
 
 void add_fracture_options(CLI::App& command, FractureOptions& options) {
     command.add_option("mesh", options.mesh, mesh_help())->required()->type_name("MESH");
-    auto* count = command.add_option("-n,--pieces", options.pieces,
-                                     "Number of random Voronoi sites; sites outside the solid give no piece")
+    fracture::Pattern& pattern = options.pattern;
+    auto* count = command.add_option("-n,--pieces", pattern.count,
+                                     "Number of Voronoi sites; those outside the solid give no piece")
                       ->check(CLI::Range(1u, 1'000'000u))
                       ->capture_default_str();
-    auto* seed = command.add_option("--seed", options.seed, "Seed of the random sites: equal seeds, equal pieces")
+    auto* seed = command.add_option("--seed", pattern.seed, "Seed of what is random: equal seeds, equal pieces")
                      ->capture_default_str();
+    const auto names = fracture::pattern_names();
+    const auto set_kind = [&pattern, names](const std::string& name) {
+        pattern.kind = static_cast<fracture::PatternKind>(std::find(names.begin(), names.end(), name) - names.begin());
+    };
+    command
+        .add_option_function<std::string>("--pattern", set_kind,
+                                          "How the sites lie: uniform, clustered at the focus, radial (glass), grid, "
+                                          "bricks, slices, splinters (wood), curve (a crack), curvature (edges)")
+        ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
+        ->type_name("NAME")
+        ->default_str("uniform");
+    const auto add_vector = [&command](const char* name, glm::dvec3& target, const char* help) {
+        command.add_option_function<std::vector<double>>(
+                   name, [&target](const std::vector<double>& v) { target = {v[0], v[1], v[2]}; }, help)
+            ->expected(3)
+            ->delimiter(',')
+            ->type_name("X,Y,Z");
+    };
+    add_vector("--focus", pattern.focus, "Where a pattern is densest, 0 to 1 along each side of the mesh's box");
+    add_vector("--axis", pattern.axis, "Along which shards and splinters run, and across which slices are cut");
+    command.add_option("--jitter", pattern.jitter, "How irregular a pattern is, 0 to 1; its own if not given")
+        ->check(CLI::Range(0.0, 1.0));
+    command.add_option("--piece-size", pattern.piece_size, "Metres; as many sites as pieces of that size have room")
+        ->check(CLI::PositiveNumber)
+        ->excludes(count);
+    command.add_flag("--inside", pattern.inside, "Only sites inside the solid, so that each makes a piece");
     command.add_option("--sites", options.sites_file, "Read the sites from FILE instead: a line `x y z` each")
         ->type_name("FILE")
         ->excludes(count)
-        ->excludes(seed);
+        ->excludes(seed)
+        ->excludes("--pattern");
     command.add_flag("--repair", options.repair,
                      "First remove patches that double the surface, a common flaw of models; says what it removed");
     const auto set_algorithm = [&options](const std::string& name) {
