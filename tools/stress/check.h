@@ -13,7 +13,7 @@ namespace brittle::stress {
 //    what rounding coordinates to double may do to it (eps x largest coordinate x area) where that is more; positions
 //    rounded to float relative to the centre within 1e-6 or eps x size x area; Piece::mass agrees;
 //  - caps of neighbours are the same triangles turned over, bit for bit, and equal points are at equal places;
-//  - vertices lie in the cell of their piece's site, up to rounding;
+//  - before pieces become one, vertices lie in the cell of their piece's site, up to rounding;
 //  - one more run with another number of threads gives the same hash;
 //  - generic cases of moderate cost: `sequential` fills the same cells with the same volumes and as many islands.
 [[nodiscard]] std::string complaint(const Case& c);
