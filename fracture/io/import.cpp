@@ -35,6 +35,8 @@ Result<TriangleMesh> parse(const std::string& extension, std::span<const std::by
     if (extension == ".obj") return read_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (extension == ".stl") return read_stl(bytes);
     if (extension == ".3ds") return read_3ds(bytes);
+    if (extension == ".ply") return read_ply(bytes);
+    if (extension == ".off") return read_off({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     return read_gltf(bytes, folder);
 }
 
@@ -77,7 +79,7 @@ Result<TriangleMesh> import_and_weld(const std::filesystem::path& file) {
 } // namespace
 
 const std::vector<std::string>& importable_extensions() {
-    static const std::vector<std::string> extensions{".obj", ".stl", ".glb", ".gltf", ".3ds"};
+    static const std::vector<std::string> extensions{".obj", ".stl", ".ply", ".off", ".glb", ".gltf", ".3ds"};
     return extensions;
 }
 

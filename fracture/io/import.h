@@ -1,4 +1,4 @@
-// Mesh files in: OBJ, STL (text and binary), glTF and GLB, and 3DS.
+// Mesh files in: OBJ, STL and PLY (text and binary), OFF, glTF and GLB, and 3DS.
 //
 //     Result<TriangleMesh> mesh = import_mesh("bunny.obj");
 //

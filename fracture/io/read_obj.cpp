@@ -3,17 +3,12 @@
 #include <limits>
 #include <string>
 
-#include <glm/geometric.hpp>
-
+#include "fracture/io/polygon.h"
 #include "fracture/io/readers.h"
 #include "fracture/io/text_cursor.h"
-#include "fracture/triangulate.h"
 
 namespace brittle::fracture {
 namespace {
-
-// Triangulating takes quadratic time at worst, and no exporter writes polygons of this size.
-constexpr size_t most_corners = 4096;
 
 class ObjReader {
   public:
@@ -83,9 +78,9 @@ class ObjReader {
             corners_.push_back(corner);
         }
         const size_t size = corners_.size() - begin;
-        if (size < 3 || size > most_corners) {
+        if (size < 3 || size > most_polygon_corners) {
             return malformed(cursor_.line(), "a face has " + std::to_string(size) + " corners; between 3 and "
-                                                 + std::to_string(most_corners) + " can be read");
+                                                 + std::to_string(most_polygon_corners) + " can be read");
         }
         sizes_.push_back(static_cast<uint32_t>(size));
         return {};
@@ -95,46 +90,8 @@ class ObjReader {
         mesh_.triangles.reserve(corners_.size() - 2 * sizes_.size());
         size_t begin = 0;
         for (const uint32_t size : sizes_) {
-            const std::span<const uint32_t> face = std::span(corners_).subspan(begin, size);
-            if (size == 3)
-                mesh_.triangles.emplace_back(face[0], face[1], face[2]);
-            else if (size == 4)
-                split_quad(face);
-            else
-                split_polygon(face);
+            append_polygon(mesh_, std::span(corners_).subspan(begin, size));
             begin += size;
-        }
-    }
-
-    // Along the diagonal that gives two triangles on the same side; the first where both do or the quad is
-    // folded.
-    void split_quad(std::span<const uint32_t> face) {
-        const auto normal = [&](int a, int b, int c) {
-            const glm::dvec3& origin = mesh_.positions[face[a]];
-            return glm::cross(mesh_.positions[face[b]] - origin, mesh_.positions[face[c]] - origin);
-        };
-        const bool first_works = glm::dot(normal(0, 1, 2), normal(0, 2, 3)) > 0.0;
-        const bool second_works = glm::dot(normal(1, 2, 3), normal(1, 3, 0)) > 0.0;
-        const size_t start = !first_works && second_works ? 1 : 0;
-        mesh_.triangles.emplace_back(face[start], face[start + 1], face[start + 2]);
-        mesh_.triangles.emplace_back(face[start], face[start + 2], face[(start + 3) % 4]);
-    }
-
-    void split_polygon(std::span<const uint32_t> face) {
-        // Newell's normal: right for concave and slightly bent polygons too.
-        const glm::dvec3 origin = mesh_.positions[face[0]];
-        glm::dvec3 normal{0.0};
-        for (size_t k = 1; k + 1 < face.size(); ++k) {
-            normal += glm::cross(mesh_.positions[face[k]] - origin, mesh_.positions[face[k + 1]] - origin);
-        }
-        std::vector<glm::dvec2> points;
-        std::vector<Loop> loop(1);
-        for (const uint32_t corner : face) {
-            loop[0].push_back(static_cast<uint32_t>(points.size()));
-            points.push_back(project(mesh_.positions[corner] - origin, normal));
-        }
-        for (const Triangle& t : triangulate(points, loop).triangles) {
-            mesh_.triangles.emplace_back(face[t.x], face[t.y], face[t.z]);
         }
     }
 

@@ -25,6 +25,13 @@ namespace brittle::fracture {
 // Stereolithography, text or binary, told apart by content: many binary files start with "solid" too.
 [[nodiscard]] Result<TriangleMesh> read_stl(std::span<const std::byte> bytes);
 
+// Stanford PLY, text or binary of either byte order: `vertex` with x, y, z of any type, `face` with its list of indices;
+// other elements and properties are skipped. Triangle strips are not read.
+[[nodiscard]] Result<TriangleMesh> read_ply(std::span<const std::byte> bytes);
+
+// Geomview OFF, also with normals and colours, which are skipped; text only.
+[[nodiscard]] Result<TriangleMesh> read_off(std::string_view text);
+
 // 3D Studio: the triangle meshes. Their vertices are stored in world coordinates, so the mesh matrix (4160)
 // and the keyframer's nodes are not applied.
 [[nodiscard]] Result<TriangleMesh> read_3ds(std::span<const std::byte> bytes);

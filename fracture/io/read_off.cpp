@@ -1,0 +1,110 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "fracture/io/polygon.h"
+#include "fracture/io/readers.h"
+#include "fracture/io/text_cursor.h"
+
+namespace brittle::fracture {
+namespace {
+
+// Numbers are separated by blanks and line ends alike; `#` starts a comment.
+class OffReader {
+  public:
+    explicit OffReader(std::string_view text) : cursor_(text), size_(text.size()) {}
+
+    Result<TriangleMesh> read() {
+        const std::string_view keyword = next();
+        if (keyword != "OFF" && keyword != "COFF" && keyword != "NOFF" && keyword != "CNOFF")
+            return malformed("the file begins with " + quoted(keyword) + "; OFF, COFF, NOFF or CNOFF can be read");
+        uint64_t vertices = 0, faces = 0, edges = 0;
+        for (uint64_t* count : {&vertices, &faces, &edges}) {
+            const auto number = whole(next());
+            // A vertex or face takes two bytes of text at the least.
+            if (!number || *number > size_)
+                return malformed("three counts are expected: vertices, faces and edges, none of more than the file has "
+                                 "room for");
+            *count = *number;
+        }
+        cursor_.next_line();
+        for (uint64_t v = 0; v < vertices; ++v) {
+            if (Result<void> done = read_vertex(v); !done) return done.error();
+        }
+        for (uint64_t f = 0; f < faces; ++f) {
+            if (Result<void> done = read_face(f); !done) return done.error();
+        }
+        return std::move(mesh_);
+    }
+
+  private:
+    Error malformed(const std::string& what) const {
+        return {Status::malformed_file, "line " + std::to_string(cursor_.line()) + ": " + what};
+    }
+
+    // The next token that is no comment, of this line or a later one.
+    std::string_view next() {
+        std::string_view token = cursor_.token_of_any_line();
+        while (!token.empty() && token.front() == '#') {
+            cursor_.next_line();
+            token = cursor_.token_of_any_line();
+        }
+        return token;
+    }
+
+    static std::optional<uint64_t> whole(std::string_view token) {
+        const std::optional<double> number = parse_number(token);
+        if (!number || !(*number >= 0.0) || *number > 4e9 || *number != std::floor(*number)) return std::nullopt;
+        return static_cast<uint64_t>(*number);
+    }
+
+    Result<void> read_vertex(uint64_t index) {
+        glm::dvec3 position{0.0};
+        for (int k = 0; k < 3; ++k) {
+            const std::string_view token = next();
+            const std::optional<double> value = parse_number(token);
+            if (!value || !std::isfinite(*value))
+                return malformed("vertex " + std::to_string(index) + " needs three finite coordinates, but number "
+                                 + std::to_string(k + 1) + " of them is " + quoted(token));
+            position[k] = *value;
+        }
+        mesh_.positions.push_back(position);
+        cursor_.next_line(); // normals and colours
+        return {};
+    }
+
+    Result<void> read_face(uint64_t index) {
+        const auto count = whole(next());
+        if (!count || *count < 3 || *count > most_polygon_corners)
+            return malformed("face " + std::to_string(index) + " must begin with its number of corners, 3 to "
+                             + std::to_string(most_polygon_corners));
+        corners_.clear();
+        for (uint64_t k = 0; k < *count; ++k) {
+            const std::string_view token = next();
+            const auto corner = whole(token);
+            if (!corner || *corner >= mesh_.positions.size())
+                return malformed("face " + std::to_string(index) + " names vertex " + quoted(token) + "; there are "
+                                 + std::to_string(mesh_.positions.size()) + ", counted from 0");
+            corners_.push_back(static_cast<uint32_t>(*corner));
+        }
+        append_polygon(mesh_, corners_);
+        cursor_.next_line(); // colours
+        return {};
+    }
+
+    TextCursor cursor_;
+    size_t size_;
+    TriangleMesh mesh_;
+    std::vector<uint32_t> corners_;
+};
+
+} // namespace
+
+Result<TriangleMesh> read_off(std::string_view text) {
+    if (const size_t zero = text.find('\0'); zero != text.npos)
+        return Error{Status::malformed_file, "byte " + std::to_string(zero)
+                                                 + " is 0: binary OFF is not read; export the mesh as text"};
+    return OffReader(text).read();
+}
+
+} // namespace brittle::fracture

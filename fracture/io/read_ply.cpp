@@ -1,0 +1,255 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "fracture/io/bytes.h"
+#include "fracture/io/polygon.h"
+#include "fracture/io/readers.h"
+#include "fracture/io/text_cursor.h"
+
+namespace brittle::fracture {
+namespace {
+
+enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+enum class Encoding { text, little_endian, big_endian };
+
+constexpr size_t size_of(Type type) {
+    constexpr std::array<size_t, 8> sizes = {1, 1, 2, 2, 4, 4, 4, 8};
+    return sizes[static_cast<size_t>(type)];
+}
+
+std::optional<Type> type_named(std::string_view name) {
+    constexpr std::array<std::array<std::string_view, 2>, 8> names = {{{"char", "int8"},
+                                                                       {"uchar", "uint8"},
+                                                                       {"short", "int16"},
+                                                                       {"ushort", "uint16"},
+                                                                       {"int", "int32"},
+                                                                       {"uint", "uint32"},
+                                                                       {"float", "float32"},
+                                                                       {"double", "float64"}}};
+    for (size_t k = 0; k < names.size(); ++k)
+        if (name == names[k][0] || name == names[k][1]) return static_cast<Type>(k);
+    return std::nullopt;
+}
+
+struct Property {
+    std::string name;
+    Type type = Type::float32;
+    std::optional<Type> count; // of a list
+};
+
+struct Element {
+    std::string name;
+    uint64_t count = 0;
+    std::vector<Property> properties;
+};
+
+// Numbers one after the other, in any of the three encodings. After the end everything is 0 and `ended` is set.
+class Numbers {
+  public:
+    Numbers(std::span<const std::byte> bytes, Encoding encoding, size_t first_line)
+        : bytes_(bytes), encoding_(encoding),
+          cursor_({reinterpret_cast<const char*>(bytes.data()), bytes.size()}), first_line_(first_line) {}
+
+    double next(Type type) {
+        if (encoding_ == Encoding::text) {
+            const std::string_view token = cursor_.token_of_any_line();
+            ended = ended || token.empty();
+            const std::optional<double> number = parse_number(token);
+            if (!number && bad.empty() && !token.empty()) bad = std::string(token);
+            return number.value_or(0.0);
+        }
+        const size_t size = size_of(type);
+        if (size > bytes_.size() - at_) {
+            ended = true;
+            return 0.0;
+        }
+        std::array<std::byte, 8> raw{};
+        std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), size, raw.begin());
+        if (encoding_ == Encoding::big_endian) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
+        at_ += size;
+        return value(raw, type);
+    }
+
+    // Where it is, for messages.
+    [[nodiscard]] std::string place(size_t header_size) const {
+        return encoding_ == Encoding::text ? "line " + std::to_string(first_line_ + cursor_.line() - 1)
+                                           : "byte " + std::to_string(header_size + at_);
+    }
+
+    bool ended = false;
+    std::string bad; // the first token that is no number
+
+  private:
+    static double value(const std::array<std::byte, 8>& raw, Type type) {
+        switch (type) {
+        case Type::int8: return load<int8_t>(raw, 0);
+        case Type::uint8: return load<uint8_t>(raw, 0);
+        case Type::int16: return load<int16_t>(raw, 0);
+        case Type::uint16: return load<uint16_t>(raw, 0);
+        case Type::int32: return load<int32_t>(raw, 0);
+        case Type::uint32: return load<uint32_t>(raw, 0);
+        case Type::float32: return load<float>(raw, 0);
+        case Type::float64: return load<double>(raw, 0);
+        }
+        return 0.0;
+    }
+
+    std::span<const std::byte> bytes_;
+    Encoding encoding_;
+    size_t at_ = 0;
+    TextCursor cursor_;
+    size_t first_line_;
+};
+
+class PlyReader {
+  public:
+    explicit PlyReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+    Result<TriangleMesh> read() {
+        if (Result<void> done = read_header(); !done) return done.error();
+        Numbers numbers(bytes_.subspan(header_size_), encoding_, header_lines_ + 1);
+        for (const Element& element : elements_) {
+            if (Result<void> done = read_element(element, numbers); !done) return done.error();
+        }
+        return std::move(mesh_);
+    }
+
+  private:
+    static Error malformed(const std::string& where, const std::string& what) {
+        return {Status::malformed_file, where + ": " + what};
+    }
+
+    // One line of the header, without its end; nothing where the file ends first.
+    std::optional<std::string_view> header_line() {
+        const std::string_view text(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+        const size_t end = text.find('\n', header_size_);
+        if (end == text.npos) return std::nullopt;
+        std::string_view line = text.substr(header_size_, end - header_size_);
+        header_size_ = end + 1;
+        ++header_lines_;
+        if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+        return line;
+    }
+
+    Result<void> read_header() {
+        const auto first = header_line();
+        if (!first || *first != "ply") return malformed("line 1", "a PLY file begins with a line 'ply'");
+        bool has_format = false;
+        for (;;) {
+            const auto line = header_line();
+            if (!line) return malformed("line " + std::to_string(header_lines_ + 1), "the header has no 'end_header'");
+            const auto wrong = [&](const std::string& what) {
+                return malformed("line " + std::to_string(header_lines_), what + " in " + quoted(*line));
+            };
+            TextCursor cursor(*line);
+            const std::string_view word = cursor.token();
+            if (word == "end_header") break;
+            if (word == "format") {
+                const std::string_view name = cursor.token();
+                if (name == "ascii") encoding_ = Encoding::text;
+                else if (name == "binary_little_endian") encoding_ = Encoding::little_endian;
+                else if (name == "binary_big_endian") encoding_ = Encoding::big_endian;
+                else return wrong("an unknown format");
+                has_format = true;
+            } else if (word == "element") {
+                Element element{std::string(cursor.token()), 0, {}};
+                const std::optional<double> count = parse_number(cursor.token());
+                if (!count || !(*count >= 0.0) || *count > 4e9) return wrong("no count of elements");
+                element.count = static_cast<uint64_t>(*count);
+                elements_.push_back(std::move(element));
+            } else if (word == "property") {
+                if (elements_.empty()) return wrong("a property before any element");
+                std::optional<Property> property = read_property(cursor);
+                if (!property) return wrong("an unknown type");
+                elements_.back().properties.push_back(std::move(*property));
+            }
+        }
+        if (!has_format) return malformed("line " + std::to_string(header_lines_), "the header names no format");
+        return {};
+    }
+
+    static std::optional<Property> read_property(TextCursor& cursor) {
+        Property property;
+        std::string_view type = cursor.token();
+        if (type == "list") {
+            property.count = type_named(cursor.token());
+            if (!property.count) return std::nullopt;
+            type = cursor.token();
+        }
+        const auto known = type_named(type);
+        if (!known) return std::nullopt;
+        property.type = *known;
+        property.name = std::string(cursor.token());
+        return property;
+    }
+
+    Result<void> read_element(const Element& element, Numbers& numbers) {
+        const auto place_of = [&](uint64_t k) {
+            return numbers.place(header_size_) + ", " + element.name + " " + std::to_string(k);
+        };
+        if (element.properties.empty()) return {};
+        for (uint64_t k = 0; k < element.count; ++k) {
+            glm::dvec3 position(0.0);
+            std::vector<uint32_t>& corners = corners_;
+            corners.clear();
+            for (const Property& property : element.properties) {
+                if (!property.count) {
+                    const double value = numbers.next(property.type);
+                    if (property.name == "x") position.x = value;
+                    if (property.name == "y") position.y = value;
+                    if (property.name == "z") position.z = value;
+                    continue;
+                }
+                const double count = numbers.next(*property.count);
+                const bool is_face = element.name == "face"
+                                     && (property.name == "vertex_indices" || property.name == "vertex_index");
+                if (!(count >= 0.0) || (is_face && (count < 3.0 || count > most_polygon_corners)))
+                    return numbers.ended ? cut_short(place_of(k))
+                                         : malformed(place_of(k), "a list of " + std::to_string(count)
+                                                                      + " numbers; a face has 3 to "
+                                                                      + std::to_string(most_polygon_corners));
+                for (double m = 0.0; m < count && !numbers.ended; m += 1.0) {
+                    const double index = numbers.next(property.type);
+                    if (!is_face) continue;
+                    if (!(index >= 0.0) || index != std::floor(index)
+                        || index >= static_cast<double>(mesh_.positions.size())) {
+                        if (numbers.ended) break;
+                        return malformed(place_of(k), "it names vertex " + std::to_string(index) + "; there are "
+                                                          + std::to_string(mesh_.positions.size())
+                                                          + " before it, counted from 0");
+                    }
+                    corners.push_back(static_cast<uint32_t>(index));
+                }
+            }
+            if (numbers.ended) return cut_short(place_of(k));
+            if (!numbers.bad.empty())
+                return malformed(place_of(k), "a number is expected, but found " + quoted(std::string_view(numbers.bad)));
+            if (element.name == "vertex") mesh_.positions.push_back(position);
+            if (!corners.empty()) append_polygon(mesh_, corners);
+        }
+        return {};
+    }
+
+    static Error cut_short(const std::string& where) {
+        return malformed(where, "the file ends before what its header promises; it was cut short");
+    }
+
+    std::span<const std::byte> bytes_;
+    size_t header_size_ = 0, header_lines_ = 0;
+    Encoding encoding_ = Encoding::text;
+    std::vector<Element> elements_;
+    TriangleMesh mesh_;
+    std::vector<uint32_t> corners_;
+};
+
+} // namespace
+
+Result<TriangleMesh> read_ply(std::span<const std::byte> bytes) {
+    return PlyReader(bytes).read();
+}
+
+} // namespace brittle::fracture
