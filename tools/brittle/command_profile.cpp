@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/compute/gpu_classifier.h"
 #include "fracture/io/atomic_file.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
@@ -66,15 +67,25 @@ void measure_frame(Series& series, Stage& stage, engine::Renderer& renderer, con
 nlohmann::ordered_json profile_fracture(const ProfileCommand& command, const Input& input,
                                         fracture::Certificate& certificate) {
     Series series;
+    std::unique_ptr<engine::Device> device;
+    std::unique_ptr<engine::GpuClassifier> classifier;
+    if (command.classify_on_device) {
+        device = open_device(command.view);
+        classifier = must(engine::GpuClassifier::create(*device));
+    }
     Progress progress("fracturing " + input.name);
     for (uint32_t repeat = 0; repeat <= command.repeats; ++repeat) {
-        const Broken broken = break_input(input, command.fracture);
+        const Broken broken = break_input(input, command.fracture, {}, classifier.get());
+        if (classifier && !classifier->error().empty()) throw Failure(exit_environment, classifier->error());
         certificate = broken.certificate;
         progress.update(static_cast<double>(repeat + 1) / (command.repeats + 1));
         if (repeat == 0) continue; // warm-up
         for (const fracture::Milliseconds& t : broken.fragments.timings) series.add(t.phase, t.milliseconds);
         series.add("total", broken.milliseconds);
+        if (!classifier) continue;
+        for (const engine::PassTime& pass : classifier->timings()) series.add("pass " + pass.name, pass.milliseconds);
     }
+    if (device) check_validation(*device);
     return series.json();
 }
 
@@ -153,7 +164,8 @@ int run_profile(const ProfileCommand& command) {
                                    {"machine",
                                     {{"processor", processor_name()},
                                      {"hardware_threads", std::thread::hardware_concurrency()},
-                                     {"threads", command.fracture.threads}}}};
+                                     {"threads", command.fracture.threads}}},
+                                   {"classify", command.classify_on_device ? "gpu" : "cpu"}};
     profile["fracture"] = profile_fracture(command, input, certificate);
     profile["pieces"] = certificate.pieces;
     profile["closed"] = certificate.closed;

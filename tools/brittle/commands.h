@@ -42,6 +42,7 @@ struct ProfileCommand {
     FractureOptions fracture;
     ViewOptions view;
     uint32_t repeats = 9;
+    bool classify_on_device = false; // --classify gpu
     uint32_t frames = 60; // 0: the fracture alone, without a device
     bool json = false;
     std::string output; // where the JSON goes besides; empty: nowhere

@@ -96,11 +96,12 @@ Input load_input(const FractureOptions& options) {
 }
 
 Broken break_input(const Input& input, const FractureOptions& options,
-                   const std::function<void(double)>& progress) {
+                   const std::function<void(double)>& progress, fracture::Classifier* classifier) {
     const fracture::Settings settings{.algorithm = options.algorithm,
                                       .threads = options.threads,
                                       .groups = input.groups,
                                       .min_volume = options.min_volume,
+                                      .classifier = classifier,
                                       .progress = progress,
                                       .cancelled = is_interrupted};
     const Stopwatch stopwatch;

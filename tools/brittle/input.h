@@ -39,9 +39,10 @@ struct Broken {
 // `shape:NAME` gives a procedural shape, anything else is read as a file. A pattern is placed in the mesh's box.
 [[nodiscard]] Input load_input(const FractureOptions& options);
 
-// Fractures with `progress` called as in fracture::Settings.
+// Fractures with `progress` called and `classifier` asked as in fracture::Settings.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
-                                 const std::function<void(double)>& progress = {});
+                                 const std::function<void(double)>& progress = {},
+                                 fracture::Classifier* classifier = nullptr);
 
 // The options as a recipe: a JSON object from which the same pieces can be made again.
 [[nodiscard]] std::string recipe_json(const FractureOptions& options);

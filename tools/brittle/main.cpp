@@ -174,6 +174,13 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     profile->add_option("--frames", profile_command.frames, "Measured frames before and after the fracture; 0 for none, without a device")
         ->check(CLI::Range(0u, 100'000u))
         ->capture_default_str();
+    profile
+        ->add_option_function<std::string>(
+            "--classify", [](const std::string& where) { profile_command.classify_on_device = where == "gpu"; },
+            "Where vertices and triangles are classified: cpu, or gpu (the Vulkan device, even if that is a CPU)")
+        ->check(CLI::IsMember({"cpu", "gpu"}))
+        ->type_name("WHERE")
+        ->default_str("cpu");
     profile->add_flag("--json", profile_command.json, "Print JSON instead of a table");
     profile->add_option("-o,--output", profile_command.output, "Also write the JSON to FILE")->type_name("FILE.json");
     add_view_options(*profile, profile_command.view);
