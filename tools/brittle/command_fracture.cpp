@@ -7,6 +7,7 @@
 #include "tools/brittle/failure.h"
 #include "tools/brittle/interrupt.h"
 #include "tools/brittle/progress.h"
+#include "tools/brittle/recipe.h"
 #include "tools/brittle/report.h"
 
 namespace brittle::tools {
@@ -27,6 +28,10 @@ int run_fracture(const FractureCommand& command) {
         const std::string json = report_json(input, broken, recipe);
         must(fracture::write_file_atomically(command.report, std::as_bytes(std::span(json))));
         std::printf("  report     %s\n", command.report.c_str());
+    }
+    if (!command.save_recipe.empty()) {
+        write_recipe(command.save_recipe, command.fracture);
+        std::printf("  recipe     %s\n", command.save_recipe.c_str());
     }
     if (!broken.certificate.closed) {
         throw Failure(exit_failure, std::to_string(broken.certificate.open_pieces) + " of " +

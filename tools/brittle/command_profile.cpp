@@ -14,6 +14,7 @@
 #include "tools/brittle/failure.h"
 #include "tools/brittle/interrupt.h"
 #include "tools/brittle/progress.h"
+#include "tools/brittle/recipe.h"
 #include "tools/brittle/stage.h"
 #include "tools/brittle/statistics.h"
 #include "tools/brittle/stopwatch.h"

@@ -18,7 +18,8 @@ struct ViewOptions {
 struct FractureCommand {
     FractureOptions fracture;
     std::string output;
-    std::string report; // empty: none
+    std::string report;      // empty: none
+    std::string save_recipe; // empty: nowhere
 };
 
 struct RenderCommand {

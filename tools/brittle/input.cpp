@@ -5,8 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "fracture/certificate.h"
 #include "fracture/io/import.h"
 #include "fracture/repair.h"
@@ -57,24 +55,10 @@ void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name)
                                  " patches that double the surface, and the mesh is then closed");
 }
 
-nlohmann::ordered_json pattern_json(const fracture::Pattern& pattern) {
-    using fracture::PatternKind;
-    const auto vector = [](const glm::dvec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
-    nlohmann::ordered_json json{{"type", fracture::pattern_names()[static_cast<size_t>(pattern.kind)]},
-                                {"count", pattern.count},
-                                {"seed", pattern.seed}};
-    const fracture::Pattern plain;
-    if (pattern.piece_size != plain.piece_size) json["piece_size"] = pattern.piece_size;
-    if (pattern.jitter != plain.jitter) json["jitter"] = pattern.jitter;
-    if (pattern.focus != plain.focus) json["focus"] = vector(pattern.focus);
-    if (pattern.axis != plain.axis) json["axis"] = vector(pattern.axis);
-    if (pattern.inside) json["inside"] = true;
-    return json;
-}
-
 } // namespace
 
 Input load_input(const FractureOptions& options) {
+    if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
     Input input;
     input.name = mesh_name(options.mesh);
     const Stopwatch import;
@@ -110,17 +94,6 @@ Broken break_input(const Input& input, const FractureOptions& options,
     broken.milliseconds = stopwatch.milliseconds();
     broken.certificate = fracture::certify(input.mesh, broken.fragments);
     return broken;
-}
-
-std::string recipe_json(const FractureOptions& options) {
-    nlohmann::ordered_json recipe{{"mesh", options.mesh}};
-    recipe["pattern"] = options.sites_file.empty()
-                            ? pattern_json(options.pattern)
-                            : nlohmann::ordered_json{{"type", "points"}, {"file", options.sites_file}};
-    if (options.repair) recipe["repair"] = true;
-    if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
-    recipe["algorithm"] = fracture::to_string(options.algorithm);
-    return recipe.dump();
 }
 
 } // namespace brittle::tools

@@ -44,7 +44,4 @@ struct Broken {
                                  const std::function<void(double)>& progress = {},
                                  fracture::Classifier* classifier = nullptr);
 
-// The options as a recipe: a JSON object from which the same pieces can be made again.
-[[nodiscard]] std::string recipe_json(const FractureOptions& options);
-
 } // namespace brittle::tools

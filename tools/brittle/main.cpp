@@ -14,6 +14,7 @@
 #include "fracture/shapes.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/recipe.h"
 
 namespace brittle::tools {
 namespace {
@@ -39,7 +40,13 @@ std::string mesh_help() {
 }
 
 void add_fracture_options(CLI::App& command, FractureOptions& options) {
-    command.add_option("mesh", options.mesh, mesh_help())->required()->type_name("MESH");
+    // First, because options take effect in this order: those on the command line outdo the recipe.
+    command
+        .add_option_function<std::string>(
+            "--recipe", [&options](const std::string& file) { read_recipe(file, options); },
+            "Take mesh and options from a recipe (assets/recipe.schema.json); options given besides outdo it")
+        ->type_name("FILE.json");
+    command.add_option("mesh", options.mesh, mesh_help())->type_name("MESH");
     fracture::Pattern& pattern = options.pattern;
     auto* count = command.add_option("-n,--pieces", pattern.count,
                                      "Number of Voronoi sites; those outside the solid give no piece")
@@ -133,6 +140,8 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->type_name("FILE.glb");
     fracture->add_option("--report", fracture_command.report, "Also write counts, proof and times as JSON")
         ->type_name("FILE.json");
+    fracture->add_option("--save-recipe", fracture_command.save_recipe, "Also write what was done as a recipe")
+        ->type_name("FILE.json");
     fracture->callback([&run] { run = [] { return run_fracture(fracture_command); }; });
 
     static RenderCommand render_command;
@@ -161,7 +170,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     auto* demo = app.add_subcommand("demo", "Break a mesh in a window (Space breaks, R resets, H lists all keys)");
     demo_command.fracture.mesh = "shape:animal";
     add_fracture_options(*demo, demo_command.fracture);
-    demo->get_option("mesh")->required(false)->capture_default_str();
+    demo->get_option("mesh")->capture_default_str();
     add_view_options(*demo, demo_command.view);
     demo->callback([&run] { run = [] { return run_demo(demo_command); }; });
 

@@ -1,0 +1,149 @@
+#include "tools/brittle/recipe.h"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "tools/brittle/failure.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+namespace fs = std::filesystem;
+
+namespace {
+
+class Folder {
+  public:
+    Folder() {
+        std::string pattern = (fs::temp_directory_path() / "brittle-recipe-XXXXXX").string();
+        REQUIRE(mkdtemp(pattern.data()) != nullptr);
+        path = pattern;
+    }
+    ~Folder() { fs::remove_all(path); }
+    [[nodiscard]] fs::path write(const std::string& text) const {
+        std::ofstream(path / "recipe.json", std::ios::binary) << text;
+        return path / "recipe.json";
+    }
+    fs::path path;
+};
+
+// What reading the text says, "" if it is read.
+std::string message_of(const std::string& text) {
+    const Folder folder;
+    FractureOptions options;
+    try {
+        read_recipe(folder.write(text), options);
+    } catch (const Failure& failure) {
+        CHECK(failure.code() == exit_input);
+        CHECK(std::string(failure.what()).find("recipe.json: ") != std::string::npos);
+        return failure.what();
+    }
+    return "";
+}
+
+bool says(const std::string& text, const std::string& words) {
+    const std::string message = message_of(text);
+    CAPTURE(message);
+    const bool found = message.find(words) != std::string::npos;
+    CHECK(found);
+    return found;
+}
+
+FractureOptions everything() {
+    FractureOptions options;
+    options.mesh = "shape:torus";
+    options.repair = true;
+    options.algorithm = fracture::Algorithm::sequential;
+    options.min_volume = 0.25;
+    options.pattern = {.kind = fracture::PatternKind::curve,
+                       .count = 33,
+                       .piece_size = 0.5,
+                       .seed = 18446744073709551615u,
+                       .jitter = 0.1,
+                       .focus = {0.1, 0.2, 0.3},
+                       .axis = {0.0, 0.6, 0.8},
+                       .spread = 0.7,
+                       .slenderness = 3.5,
+                       .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
+                       .inside = true};
+    return options;
+}
+
+} // namespace
+
+TEST_CASE("recipe: what is written is read again, to the bit") {
+    const Folder folder;
+    for (const FractureOptions& options : {FractureOptions{}, everything()}) {
+        FractureOptions again;
+        read_recipe(folder.write(recipe_json(options)), again);
+        CHECK(recipe_json(again) == recipe_json(options));
+        write_recipe(folder.path / "saved.json", options);
+        FractureOptions saved;
+        read_recipe(folder.path / "saved.json", saved);
+        CHECK(recipe_json(saved) == recipe_json(options));
+    }
+}
+
+TEST_CASE("recipe: what it does not mention stays") {
+    const Folder folder;
+    FractureOptions options = everything();
+    read_recipe(folder.write(R"({"brittle": 1, "pattern": {"type": "grid"}})"), options);
+    CHECK(options.pattern.kind == fracture::PatternKind::grid);
+    CHECK(options.pattern.count == 33);
+    CHECK(options.mesh == "shape:torus");
+}
+
+TEST_CASE("recipe: paths count from its folder") {
+    const Folder folder;
+    FractureOptions options;
+    const std::string text =
+        R"({"brittle": 1, "mesh": "meshes/a.obj", "pattern": {"type": "points", "file": "../sites.txt"}})";
+    read_recipe(folder.write(text), options);
+    CHECK(options.mesh == (folder.path / "meshes/a.obj").string());
+    CHECK(options.sites_file == (folder.path.parent_path() / "sites.txt").string());
+    options.mesh = fs::proximate(folder.path / "b.obj").string();
+    write_recipe(folder.path / "saved.json", options);
+    const auto json = nlohmann::json::parse(std::ifstream(folder.path / "saved.json"));
+    CHECK(json["mesh"] == "b.obj");
+}
+
+TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what was expected") {
+    says(R"({"brittle": 1, "pattern": {"cuont": 4}})", "/pattern/cuont: unknown key; there are: type, count");
+    says(R"({"brittle": 1, "mseh": ""})", "/mseh: unknown key");
+    says(R"({"brittle": 1, "pattern": {"count": 0}})", "/pattern/count: expected a whole number from 1 to 1000000, found 0");
+    says(R"({"brittle": 1, "pattern": {"count": 2.5}})", "found 2.5");
+    says(R"({"brittle": 1, "pattern": {"seed": -1}})", "/pattern/seed: expected a whole number from 0");
+    says(R"({"brittle": 1, "pattern": {"jitter": "lots"}})", "/pattern/jitter: expected a number from 0.0 to 1.0, found \"lots\"");
+    says(R"({"brittle": 1, "pattern": {"focus": [1, 2]}})", "/pattern/focus: expected three numbers");
+    says(R"({"brittle": 1, "pattern": {"line": [[0, 0, 0], [1, "x", 0]]}})", "/pattern/line/1: expected three numbers");
+    says(R"({"brittle": 1, "pattern": {"type": "glass"}})", "there is no pattern \"glass\"; there are: uniform");
+    says(R"({"brittle": 1, "pattern": {"type": "points"}})", "/pattern/file: a pattern of points needs");
+    says(R"({"brittle": 1, "pattern": 7})", "/pattern: expected an object { }, found 7");
+    says(R"({"brittle": 1, "repair": "yes"})", "/repair: expected true or false");
+    says(R"({"brittle": 1, "algorithm": "fast"})", "/algorithm: expected \"exact\" or \"sequential\"");
+    says(R"({"brittle": 1, "min_volume": -1})", "/min_volume: expected a number");
+    says(R"({"mesh": "shape:cube"})", "/brittle: expected the recipe's version");
+    says(R"({"brittle": 2})", "which is 1");
+    says("[1]", "expected an object");
+    says("{", "the JSON cannot be read");
+    says(std::string(100'000, '['), "nested too deeply");
+    says(std::string(size_t{2} << 20, ' '), "more than 1 MiB");
+}
+
+TEST_CASE("recipe: the schema knows the keys that are written and read, and no others") {
+    const auto schema = nlohmann::json::parse(std::ifstream(BRITTLE_ASSETS "/recipe.schema.json"));
+    const auto all = nlohmann::json::parse(recipe_json(everything()));
+    for (const auto& [key, value] : all.items()) CHECK(schema["properties"].contains(key));
+    for (const auto& [key, value] : all["pattern"].items())
+        CHECK(schema["properties"]["pattern"]["properties"].contains(key));
+    for (const auto& [key, value] : schema["properties"].items()) CHECK(all.contains(key));
+    for (const auto& [key, value] : schema["properties"]["pattern"]["properties"].items())
+        CHECK((all["pattern"].contains(key) || key == "file"));
+    const auto& types = schema["properties"]["pattern"]["properties"]["type"]["enum"];
+    REQUIRE(types.size() == fracture::pattern_names().size() + 1);
+    for (size_t k = 0; k + 1 < types.size(); ++k) CHECK(types[k] == std::string(fracture::pattern_names()[k]));
+}

@@ -1,0 +1,244 @@
+#include "tools/brittle/recipe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "fracture/io/atomic_file.h"
+#include "tools/brittle/failure.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using fracture::Pattern;
+
+constexpr int version = 1;
+constexpr std::string_view shape_prefix = "shape:";
+constexpr size_t longest_recipe = size_t{1} << 20; // bytes
+
+Json vector_json(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+Json pattern_json(const Pattern& pattern) {
+    const Pattern plain;
+    Json json{{"type", fracture::pattern_names()[static_cast<size_t>(pattern.kind)]},
+              {"count", pattern.count},
+              {"seed", pattern.seed}};
+    if (pattern.piece_size != plain.piece_size) json["piece_size"] = pattern.piece_size;
+    if (pattern.jitter != plain.jitter) json["jitter"] = pattern.jitter;
+    if (pattern.focus != plain.focus) json["focus"] = vector_json(pattern.focus);
+    if (pattern.axis != plain.axis) json["axis"] = vector_json(pattern.axis);
+    if (pattern.spread != plain.spread) json["spread"] = pattern.spread;
+    if (pattern.slenderness != plain.slenderness) json["slenderness"] = pattern.slenderness;
+    if (pattern.line != plain.line) {
+        json["line"] = Json::array();
+        for (const glm::dvec3& p : pattern.line) json["line"].push_back(vector_json(p));
+    }
+    if (pattern.inside) json["inside"] = true;
+    return json;
+}
+
+Json recipe_object(const FractureOptions& options) {
+    Json recipe{{"brittle", version}, {"mesh", options.mesh}};
+    if (options.repair) recipe["repair"] = true;
+    recipe["pattern"] = options.sites_file.empty() ? pattern_json(options.pattern)
+                                                   : Json{{"type", "points"}, {"file", options.sites_file}};
+    recipe["algorithm"] = fracture::to_string(options.algorithm);
+    if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
+    return recipe;
+}
+
+// One object of the recipe. Keys that nobody asked for are unknown.
+class Reader {
+  public:
+    Reader(const std::filesystem::path& file, const Json& json, std::string path)
+        : file_(file), json_(json), path_(std::move(path)) {
+        if (!json.is_object()) fail("", "an object { }", json);
+    }
+
+    [[nodiscard]] Failure failure(const std::string& key, const std::string& what) const {
+        return {exit_input, file_.string() + ": " + path_ + (key.empty() ? "" : "/" + key) + ": " + what};
+    }
+
+    // The value of a key, or null.
+    const Json* find(const std::string& key) {
+        known_.push_back(key);
+        const auto at = json_.find(key);
+        return at == json_.end() ? nullptr : &*at;
+    }
+
+    void number(const std::string& key, double& target, double low, double high) {
+        const Json* value = find(key);
+        if (!value) return;
+        if (!value->is_number() || !(value->get<double>() >= low) || !(value->get<double>() <= high))
+            fail(key, "a number from " + Json(low).dump() + " to " + Json(high).dump(), *value);
+        target = value->get<double>();
+    }
+
+    template<class Whole>
+    void whole(const std::string& key, Whole& target, uint64_t low, uint64_t high) {
+        const Json* value = find(key);
+        if (!value) return;
+        if (!value->is_number_unsigned() || value->get<uint64_t>() < low || value->get<uint64_t>() > high)
+            fail(key, "a whole number from " + std::to_string(low) + " to " + std::to_string(high), *value);
+        target = static_cast<Whole>(value->get<uint64_t>());
+    }
+
+    void flag(const std::string& key, bool& target) {
+        const Json* value = find(key);
+        if (!value) return;
+        if (!value->is_boolean()) fail(key, "true or false", *value);
+        target = value->get<bool>();
+    }
+
+    void text(const std::string& key, std::string& target) {
+        const Json* value = find(key);
+        if (!value) return;
+        if (!value->is_string()) fail(key, "text in quotes", *value);
+        target = value->get<std::string>();
+    }
+
+    void vector(const std::string& key, glm::dvec3& target) {
+        if (const Json* value = find(key)) target = vector_of(key, *value);
+    }
+
+    [[nodiscard]] glm::dvec3 vector_of(const std::string& key, const Json& value) const {
+        const auto is_number = [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); };
+        if (!value.is_array() || value.size() != 3 || !std::all_of(value.begin(), value.end(), is_number))
+            fail(key, "three numbers [x, y, z]", value);
+        return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+    }
+
+    [[noreturn]] void fail(const std::string& key, const std::string& expected, const Json& found) const {
+        std::string text = found.dump();
+        if (text.size() > 60) text = text.substr(0, 57) + "...";
+        throw failure(key, "expected " + expected + ", found " + text);
+    }
+
+    void refuse_unknown_keys() const {
+        for (const auto& [key, value] : json_.items()) {
+            if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+            std::string list;
+            for (const std::string& known : known_) list += (list.empty() ? "" : ", ") + known;
+            throw failure(key, "unknown key; there are: " + list);
+        }
+    }
+
+  private:
+    const std::filesystem::path& file_;
+    const Json& json_;
+    std::string path_;
+    std::vector<std::string> known_;
+};
+
+void read_pattern(Reader& reader, FractureOptions& options) {
+    const auto names = fracture::pattern_names();
+    std::string type(names[static_cast<size_t>(options.pattern.kind)]);
+    reader.text("type", type);
+    if (type == "points") {
+        reader.text("file", options.sites_file);
+        if (options.sites_file.empty()) throw reader.failure("file", "a pattern of points needs the file that they are in");
+        return;
+    }
+    const auto at = std::find(names.begin(), names.end(), type);
+    if (at == names.end()) {
+        std::string list;
+        for (const std::string_view name : names) list.append(name).append(", ");
+        throw reader.failure("type", "there is no pattern \"" + type + "\"; there are: " + list + "points");
+    }
+    options.sites_file.clear();
+    Pattern& pattern = options.pattern;
+    pattern.kind = static_cast<fracture::PatternKind>(at - names.begin());
+    reader.whole("count", pattern.count, 1, 1'000'000);
+    reader.whole("seed", pattern.seed, 0, UINT64_MAX);
+    reader.number("piece_size", pattern.piece_size, 0.0, 1e30);
+    reader.number("jitter", pattern.jitter, 0.0, 1.0);
+    reader.vector("focus", pattern.focus);
+    reader.vector("axis", pattern.axis);
+    reader.number("spread", pattern.spread, 1e-9, 100.0);
+    reader.number("slenderness", pattern.slenderness, 1.0, 1e4);
+    reader.flag("inside", pattern.inside);
+    if (const Json* line = reader.find("line")) {
+        if (!line->is_array() || line->size() < 2) reader.fail("line", "two points or more [[x, y, z], ...]", *line);
+        pattern.line.clear();
+        for (size_t k = 0; k < line->size(); ++k)
+            pattern.line.push_back(reader.vector_of("line/" + std::to_string(k), (*line)[k]));
+    }
+}
+
+Json parse(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw Failure(exit_input, file.string() + ": the recipe cannot be read");
+    std::string text;
+    for (char c = 0; text.size() <= longest_recipe && stream.get(c);) text.push_back(c);
+    if (text.size() > longest_recipe) throw Failure(exit_input, file.string() + ": a recipe of more than 1 MiB is none");
+    // The library recurses; nothing in a recipe is nested deeper than a point of a line.
+    int depth = 0, deepest = 0;
+    for (const char c : text) {
+        depth += c == '[' || c == '{' ? 1 : (c == ']' || c == '}' ? -1 : 0);
+        deepest = std::max(deepest, depth);
+    }
+    if (deepest > 100) throw Failure(exit_input, file.string() + ": nested too deeply for a recipe");
+    try {
+        return Json::parse(text);
+    } catch (const nlohmann::json::exception& e) {
+        throw Failure(exit_input, file.string() + ": the JSON cannot be read: " + e.what());
+    }
+}
+
+} // namespace
+
+std::string recipe_json(const FractureOptions& options) {
+    return recipe_object(options).dump();
+}
+
+void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
+    const Json json = parse(file);
+    Reader reader(file, json, "");
+    int written_for = 0;
+    reader.whole("brittle", written_for, 0, INT32_MAX);
+    if (written_for != version)
+        throw reader.failure("brittle", "expected the recipe's version, which is " + std::to_string(version));
+    const auto from_here = [&](std::string& path) {
+        if (!path.empty() && !path.starts_with(shape_prefix)) path = (file.parent_path() / path).lexically_normal().string();
+    };
+    if (reader.find("mesh")) {
+        reader.text("mesh", options.mesh);
+        from_here(options.mesh);
+    }
+    reader.flag("repair", options.repair);
+    if (const Json* pattern = reader.find("pattern")) {
+        Reader inner(file, *pattern, "/pattern");
+        read_pattern(inner, options);
+        inner.refuse_unknown_keys();
+        from_here(options.sites_file);
+    }
+    std::string algorithm = fracture::to_string(options.algorithm);
+    reader.text("algorithm", algorithm);
+    if (algorithm != "exact" && algorithm != "sequential")
+        throw reader.failure("algorithm", "expected \"exact\" or \"sequential\", found \"" + algorithm + "\"");
+    options.algorithm = algorithm == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
+    reader.number("min_volume", options.min_volume, 0.0, 1e90);
+    reader.refuse_unknown_keys();
+}
+
+void write_recipe(const std::filesystem::path& file, const FractureOptions& options) {
+    FractureOptions relative = options;
+    const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+    for (std::string* path : {&relative.mesh, &relative.sites_file}) {
+        if (path->empty() || path->starts_with(shape_prefix) || std::filesystem::path(*path).is_absolute()) continue;
+        *path = std::filesystem::proximate(std::filesystem::absolute(*path), folder).string();
+    }
+    const std::string text = recipe_object(relative).dump(2) + "\n";
+    must(fracture::write_file_atomically(file, std::as_bytes(std::span(text))));
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,23 @@
+// A recipe: a JSON file that says which mesh to break and how, whole in itself. assets/recipe.schema.json describes it.
+//
+//     {"brittle": 1, "mesh": "bunny.obj", "pattern": {"type": "radial", "count": 80, "focus": [0.5, 0.9, 0.5]}}
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "tools/brittle/input.h"
+
+namespace brittle::tools {
+
+// The options as a recipe. Paths are as in the options.
+[[nodiscard]] std::string recipe_json(const FractureOptions& options);
+
+// Takes over what the recipe says; what it does not mention stays. Relative paths in it count from its folder. Throws a
+// Failure with exit_input that names the file and the JSON path of an unknown key or a bad value, and what was expected.
+void read_recipe(const std::filesystem::path& file, FractureOptions& options);
+
+// Writes the recipe, with paths relative to its folder. Atomic. Throws a Failure.
+void write_recipe(const std::filesystem::path& file, const FractureOptions& options);
+
+} // namespace brittle::tools
