@@ -297,3 +297,19 @@ TEST_CASE("a minimum volume leaves fewer pieces, and none below it") {
     CHECK(merged["smallest_piece"].get<double>() >= 0.05);
     CHECK(brittle(folder, "fracture shape:cube --min-volume -1 -o " + (folder / "x.glb")).exit_code == 2);
 }
+
+TEST_CASE("inspect says what fracture will do, in words and as JSON") {
+    const Folder folder;
+    const Outcome sound = brittle(folder, "inspect shape:hollow_sphere");
+    CHECK(sound.exit_code == 0);
+    CHECK(has(sound, "cavities   1"));
+    CHECK(has(sound, "takes it as it is"));
+    write(folder / "open.obj", tetrahedron.substr(0, tetrahedron.rfind("f ")));
+    const Outcome open = brittle(folder, "inspect --json " + (folder / "open.obj"));
+    CHECK(open.exit_code == 4);
+    const auto json = nlohmann::json::parse(open.output);
+    CHECK(json["refusal"] == "not_closed");
+    CHECK(json["open_edges"] == 3);
+    CHECK(json["rims"][0]["edges"] == 3);
+    CHECK(brittle(folder, "inspect nowhere.obj").exit_code == 3);
+}

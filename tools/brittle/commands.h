@@ -49,6 +49,13 @@ struct ProfileCommand {
     std::string output; // where the JSON goes besides; empty: nowhere
 };
 
+struct InspectCommand {
+    std::string mesh;
+    bool json = false;
+};
+
+// Returns exit_mesh where fracture would refuse the mesh.
+int run_inspect(const InspectCommand& command);
 int run_fracture(const FractureCommand& command);
 int run_render(const RenderCommand& command);
 int run_demo(const DemoCommand& command);

@@ -57,13 +57,18 @@ void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name)
 
 } // namespace
 
+Input load_mesh_only(const std::string& mesh) {
+    Input input;
+    input.name = mesh_name(mesh);
+    const Stopwatch import;
+    input.mesh = load_mesh(mesh);
+    input.import_milliseconds = import.milliseconds();
+    return input;
+}
+
 Input load_input(const FractureOptions& options) {
     if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
-    Input input;
-    input.name = mesh_name(options.mesh);
-    const Stopwatch import;
-    input.mesh = load_mesh(options.mesh);
-    input.import_milliseconds = import.milliseconds();
+    Input input = load_mesh_only(options.mesh);
     if (options.repair) {
         repair(input.mesh, input.name);
     } else {

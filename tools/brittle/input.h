@@ -39,6 +39,9 @@ struct Broken {
 // `shape:NAME` gives a procedural shape, anything else is read as a file. A pattern is placed in the mesh's box.
 [[nodiscard]] Input load_input(const FractureOptions& options);
 
+// The mesh alone, as it is in the file.
+[[nodiscard]] Input load_mesh_only(const std::string& mesh);
+
 // Fractures with `progress` called and `classifier` asked as in fracture::Settings.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
                                  const std::function<void(double)>& progress = {},

@@ -144,6 +144,13 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->type_name("FILE.json");
     fracture->callback([&run] { run = [] { return run_fracture(fracture_command); }; });
 
+    static InspectCommand inspect_command;
+    auto* inspect = app.add_subcommand("inspect", "Say what is the matter with a mesh, and what fracture will do with it");
+    inspect->add_option("mesh", inspect_command.mesh, mesh_help())->required()->type_name("MESH");
+    inspect->add_flag("--json", inspect_command.json, "As JSON");
+    inspect->footer("Ends with 0 where the mesh can be fractured, with 4 where it cannot.");
+    inspect->callback([&run] { run = [] { return run_inspect(inspect_command); }; });
+
     static RenderCommand render_command;
     auto* render = app.add_subcommand("render", "Break a mesh, let it fall and write pictures; needs no display");
     add_fracture_options(*render, render_command.fracture);
