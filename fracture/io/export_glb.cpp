@@ -1,15 +1,16 @@
 #include "fracture/io/export_glb.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
-#include <numeric>
 
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fracture/attributes.h"
 #include "fracture/io/atomic_file.h"
 #include "fracture/io/certificate_json.h"
 
@@ -32,7 +33,7 @@ constexpr uint32_t glb_magic = 0x46546C67;
 constexpr uint32_t json_chunk = 0x4E4F534A;
 constexpr uint32_t binary_chunk = 0x004E4942;
 
-enum View { positions_view, normals_view, indices_view };
+enum View { positions_view, normals_view, coordinates_view, indices_view };
 enum Material { exterior_material, interior_material };
 
 template<class T>
@@ -55,15 +56,50 @@ Json array_of(const T& vector) {
 struct FlatMesh {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;
+    std::vector<glm::vec2> coordinates; // of textures; or none
     std::vector<uint32_t> indices;
 };
+
+// Cosine of the angle between triangles that are in one plane.
+constexpr double same_plane = 0.99999;
+
+// Triangles below this share of their longest side in height say nothing about their plane.
+constexpr double least_height = 1e-6;
+
+// The triangles begin .. end of a piece, by source and plane: each with the number of its plane. A source has one plane,
+// but where pieces have become one, which may have cuts along several bisectors with one neighbour.
+std::vector<std::array<uint32_t, 3>> by_plane(const Fragments& fragments, const Piece& piece, uint32_t begin,
+                                              uint32_t end) {
+    const auto positions = fragments.positions_of(piece);
+    const auto triangles = fragments.triangles_of(piece);
+    std::vector<std::array<uint32_t, 3>> order; // source, plane, triangle
+    for (uint32_t t = begin; t < end; ++t) order.push_back({fragments.triangle_source[piece.triangles.begin + t], 0, t});
+    std::sort(order.begin(), order.end());
+    std::vector<glm::dvec3> planes; // of the source at hand
+    for (size_t k = 0; k < order.size(); ++k) {
+        if (k == 0 || order[k][0] != order[k - 1][0]) planes.clear();
+        const Triangle& t = triangles[order[k][2]];
+        const glm::dvec3 ab = positions[t.y] - positions[t.x], ac = positions[t.z] - positions[t.x];
+        const glm::dvec3 normal = glm::cross(ab, ac);
+        const double length = glm::length(normal);
+        const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
+        if (!(length > least_height * longest)) continue;
+        const auto plane = std::find_if(planes.begin(), planes.end(), [&](const glm::dvec3& n) {
+            return glm::dot(n, normal) > same_plane * length;
+        });
+        order[k][1] = static_cast<uint32_t>(plane - planes.begin());
+        if (plane == planes.end()) planes.push_back(normal / length);
+    }
+    std::sort(order.begin(), order.end());
+    return order;
+}
 
 // The unit normal of triangles in one plane, from the sum of their area vectors: slivers weigh next to
 // nothing. +Y for triangles without area, as glTF wants unit length.
 glm::vec3 normal_of(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
-                    std::span<const uint32_t> order) {
+                    std::span<const std::array<uint32_t, 3>> order) {
     glm::dvec3 sum{0.0};
-    for (const uint32_t t : order) {
+    for (const auto& [source, number, t] : order) {
         const glm::dvec3& a = positions[triangles[t].x];
         sum += glm::cross(positions[triangles[t].y] - a, positions[triangles[t].z] - a);
     }
@@ -75,16 +111,11 @@ glm::vec3 normal_of(std::span<const glm::dvec3> positions, std::span<const Trian
 
 // Makes the split vertices of the triangles begin .. end of a piece; see the header on planes.
 FlatMesh flatten(const Fragments& fragments, const Piece& piece, uint32_t begin, uint32_t end,
-                 const glm::vec3& translation) {
+                 const glm::vec3& translation, std::span<const glm::dvec3> sites) {
     const std::span<const glm::dvec3> positions = fragments.positions_of(piece);
     const std::span<const Triangle> triangles = fragments.triangles_of(piece);
-    const std::span<const uint32_t> sources =
-        std::span(fragments.triangle_source).subspan(piece.triangles.begin, piece.triangles.size());
-
-    std::vector<uint32_t> order(end - begin);
-    std::iota(order.begin(), order.end(), begin);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](uint32_t a, uint32_t b) { return sources[a] < sources[b]; });
+    const bool is_interior = begin >= piece.exterior_triangles;
+    const auto order = by_plane(fragments, piece, begin, end);
 
     FlatMesh flat;
     flat.indices.reserve(order.size() * 3);
@@ -93,17 +124,22 @@ FlatMesh flatten(const Fragments& fragments, const Piece& piece, uint32_t begin,
     std::vector<uint32_t> copy(positions.size(), none);
     for (size_t first = 0; first < order.size();) {
         size_t last = first;
-        while (last < order.size() && sources[order[last]] == sources[order[first]]) ++last;
-        const std::span<const uint32_t> plane = std::span(order).subspan(first, last - first);
+        while (last < order.size() && order[last][0] == order[first][0] && order[last][1] == order[first][1]) ++last;
+        const auto plane = std::span(order).subspan(first, last - first);
         const glm::vec3 normal = normal_of(positions, triangles, plane);
         const size_t first_of_plane = flat.positions.size();
-        for (const uint32_t t : plane) {
+        for (const auto& [source, number, t] : plane) {
+            std::array<glm::dvec2, 3> uv{};
+            if (is_interior && !sites.empty()) uv = interior_uv(sites, fragments, piece, piece.triangles.begin + t);
             for (int k = 0; k < 3; ++k) {
                 const uint32_t vertex = triangles[t][k];
                 if (copy[vertex] == none || copy[vertex] < first_of_plane) {
                     copy[vertex] = static_cast<uint32_t>(flat.positions.size());
                     flat.positions.emplace_back(positions[vertex] - glm::dvec3(translation));
                     flat.normals.push_back(normal);
+                    // glTF's v points down.
+                    const glm::dvec2& at = uv[static_cast<size_t>(k)];
+                    if (is_interior && !sites.empty()) flat.coordinates.emplace_back(at.x, -at.y);
                 }
                 flat.indices.push_back(copy[vertex]);
             }
@@ -156,7 +192,7 @@ class GlbWriter {
         const uint32_t ends[] = {0, piece.exterior_triangles, piece.triangles.size()};
         for (int part = 0; part < 2; ++part) {
             if (ends[part] == ends[part + 1]) continue;
-            const FlatMesh flat = flatten(fragments_, piece, ends[part], ends[part + 1], translation);
+            const FlatMesh flat = flatten(fragments_, piece, ends[part], ends[part + 1], translation, options_.sites);
             Json primitive = add_primitive(flat);
             primitive["material"] = part == 0 ? exterior_material : interior_material;
             primitives.push_back(std::move(primitive));
@@ -185,7 +221,7 @@ class GlbWriter {
 
     // Called after every primitive, so that no more memory is taken than the format could hold.
     Result<void> check(const FlatMesh& flat, size_t p) const {
-        if (positions_.size() + normals_.size() + indices_.size() >= size_limit) {
+        if (positions_.size() + normals_.size() + coordinates_.size() + indices_.size() >= size_limit) {
             return Error{Status::write_failed,
                          "the pieces take over 4 GiB, which a GLB file cannot hold; simplify "
                          "the mesh or use fewer sites"};
@@ -217,6 +253,12 @@ class GlbWriter {
         const Json indices =
             add_accessor(indices_view, indices_.size(), is_short ? unsigned_short : unsigned_int,
                          flat.indices.size(), "SCALAR");
+        Json attributes = {{"POSITION", position}, {"NORMAL", normal}};
+        if (!flat.coordinates.empty()) {
+            attributes["TEXCOORD_0"] = add_accessor(coordinates_view, coordinates_.size(), float_32,
+                                                    flat.coordinates.size(), "VEC2");
+            for (const glm::vec2& at : flat.coordinates) append(coordinates_, at);
+        }
         for (const glm::vec3& p : flat.positions) append(positions_, p);
         for (const glm::vec3& n : flat.normals) append(normals_, n);
         for (const uint32_t index : flat.indices) {
@@ -226,11 +268,11 @@ class GlbWriter {
                 append(indices_, index);
         }
         pad_to_four(indices_, std::byte{0});
-        return {{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", indices}};
+        return {{"attributes", std::move(attributes)}, {"indices", indices}};
     }
 
     size_t add_accessor(View view, size_t offset, int component_type, size_t count, const char* type) {
-        accessors_.push_back({{"bufferView", view},
+        accessors_.push_back({{"bufferView", static_cast<int>(view)},
                               {"byteOffset", offset},
                               {"componentType", component_type},
                               {"count", count},
@@ -240,26 +282,29 @@ class GlbWriter {
 
     void add_buffers(Json& document) {
         const size_t normals_at = positions_.size();
-        const size_t indices_at = normals_at + normals_.size();
+        const size_t coordinates_at = normals_at + normals_.size();
+        const size_t indices_at = coordinates_at + coordinates_.size();
         document["meshes"] = std::move(meshes_);
         // Weathered stone outside; darker and warmer inside, so that a break is seen at once.
         document["materials"] = Json::array({material("exterior", {0.62, 0.60, 0.56, 1.0}, 0.85),
                                              material("interior", {0.36, 0.20, 0.13, 1.0}, 0.95)});
+        const auto view = [](size_t offset, size_t length, int target) {
+            return Json{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", length}, {"target", target}};
+        };
+        const auto vertices = [&](size_t offset, size_t length, int stride) {
+            Json json = view(offset, length, array_buffer);
+            json["byteStride"] = stride;
+            return json;
+        };
+        Json views = {vertices(0, positions_.size(), 12), vertices(normals_at, normals_.size(), 12)};
+        if (!coordinates_.empty()) views.push_back(vertices(coordinates_at, coordinates_.size(), 8));
+        views.push_back(view(indices_at, indices_.size(), element_array_buffer));
+        // Views are numbered as if there were coordinates.
+        if (coordinates_.empty())
+            for (Json& accessor : accessors_)
+                if (accessor["bufferView"] == static_cast<int>(indices_view)) accessor["bufferView"] = indices_view - 1;
         document["accessors"] = std::move(accessors_);
-        document["bufferViews"] = Json::array({{{"buffer", 0},
-                                                {"byteOffset", 0},
-                                                {"byteLength", positions_.size()},
-                                                {"byteStride", 12},
-                                                {"target", array_buffer}},
-                                               {{"buffer", 0},
-                                                {"byteOffset", normals_at},
-                                                {"byteLength", normals_.size()},
-                                                {"byteStride", 12},
-                                                {"target", array_buffer}},
-                                               {{"buffer", 0},
-                                                {"byteOffset", indices_at},
-                                                {"byteLength", indices_.size()},
-                                                {"target", element_array_buffer}}});
+        document["bufferViews"] = std::move(views);
         document["buffers"] = Json::array({{{"byteLength", indices_at + indices_.size()}}});
     }
 
@@ -275,7 +320,7 @@ class GlbWriter {
         // Names in another encoding than UTF-8 would throw; their damaged letters are replaced.
         std::string json = document.dump(-1, ' ', false, Json::error_handler_t::replace);
         json.resize((json.size() + 3) / 4 * 4, ' ');
-        const uint64_t binary = positions_.size() + normals_.size() + indices_.size();
+        const uint64_t binary = positions_.size() + normals_.size() + coordinates_.size() + indices_.size();
         const uint64_t total = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
         if (total >= size_limit) {
             return Error{Status::write_failed,
@@ -294,7 +339,7 @@ class GlbWriter {
         if (binary == 0) return glb;
         append(glb, static_cast<uint32_t>(binary));
         append(glb, binary_chunk);
-        for (const Buffer* part : {&positions_, &normals_, &indices_})
+        for (const Buffer* part : {&positions_, &normals_, &coordinates_, &indices_})
             glb.insert(glb.end(), part->begin(), part->end());
         return glb;
     }
@@ -306,6 +351,7 @@ class GlbWriter {
     Json accessors_ = Json::array();
     Buffer positions_;
     Buffer normals_;
+    Buffer coordinates_; // may stay empty
     Buffer indices_;
 };
 

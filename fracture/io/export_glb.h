@@ -5,9 +5,9 @@
 // its own. A piece without exterior triangles has the interior primitive only, and the other way round: tell
 // them by material.
 //
-// Flat shaded: glTF has no flag for it, so vertices are split where the plane changes. Triangles with the
-// same triangle_source lie in one plane by construction and share vertices and a normal; slivers thus get the
-// normal of their plane.
+// Flat shaded: glTF has no flag for it, so vertices are split where the plane changes. Triangles of one
+// triangle_source and one plane share vertices and a normal; slivers thus get the normal of their plane. The interior has
+// texture coordinates in metres (attributes.h) where the sites are given.
 //
 // Positions are 32-bit floats: float(position - translation), with the translation first rounded to float, so
 // that translation + position is the closest that two floats come to the original. Within a piece equal
@@ -22,7 +22,10 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
+
+#include <glm/vec3.hpp>
 
 #include "fracture/error.h"
 #include "fracture/fragments.h"
@@ -32,6 +35,7 @@ namespace brittle::fracture {
 struct GlbOptions {
     std::string name = "mesh"; // of the root node and the start of each child's name
     std::string recipe = "{}"; // a JSON object, kept as it is in the root's extras
+    std::span<const glm::dvec3> sites{}; // of the fracture, for texture coordinates on the cuts; or none
 };
 
 // Atomic: on failure an old file stays as it was. Errors: write_failed, also for output of 4 GiB and more,

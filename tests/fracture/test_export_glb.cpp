@@ -8,9 +8,13 @@
 #include <set>
 
 #include <doctest/doctest.h>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fracture/fracture.h"
 #include "fracture/io/import.h"
+#include "fracture/shapes.h"
+#include "fracture/sites.h"
 #include "mesh_checks.h"
 
 using namespace brittle::fracture;
@@ -330,6 +334,66 @@ TEST_CASE("export: pieces without area, odd names and unknown bytes still give a
     const Glb glb = read_glb(exported(folder, flat, {"na\xffme \"quoted\"", "{}"}));
     CHECK(glb.document["nodes"][0]["name"] == "na\xEF\xBF\xBDme \"quoted\"");
     for (const glm::vec3& normal : vectors(glb, 1)) CHECK(normal == glm::vec3(0, 1, 0));
+}
+
+TEST_CASE("export: cuts have texture coordinates in metres where the sites are given") {
+    const test::TemporaryFolder folder;
+    const std::vector<glm::dvec3> sites = {{0.0, 0.0, 0.0}, {0.2, 0.0, 0.0}};
+    const Glb plain = read_glb(exported(folder, two_halves()));
+    for (const json& mesh : plain.document["meshes"])
+        for (const json& primitive : mesh["primitives"]) CHECK_FALSE(primitive["attributes"].contains("TEXCOORD_0"));
+
+    const Glb glb = read_glb(exported(folder, two_halves(), {.sites = sites}));
+    for (const json& mesh : glb.document["meshes"]) {
+        CHECK_FALSE(mesh["primitives"][0]["attributes"].contains("TEXCOORD_0"));
+        const json& attributes = mesh["primitives"][1]["attributes"];
+        const json& accessor = glb.document["accessors"][attributes["TEXCOORD_0"].get<size_t>()];
+        const json& view = glb.document["bufferViews"][accessor["bufferView"].get<size_t>()];
+        CHECK(accessor["type"] == "VEC2");
+        CHECK(view["byteStride"] == 8);
+        const auto positions = vectors(glb, attributes["POSITION"].get<size_t>());
+        REQUIRE(accessor["count"] == positions.size());
+        std::vector<glm::vec2> uv(positions.size());
+        const size_t at = view["byteOffset"].get<size_t>() + accessor["byteOffset"].get<size_t>();
+        REQUIRE(at + uv.size() * 8 <= glb.binary.size());
+        std::memcpy(uv.data(), glb.binary.data() + at, uv.size() * 8);
+        for (size_t a = 0; a < uv.size(); ++a)
+            for (size_t b = 0; b < a; ++b)
+                CHECK(glm::distance(uv[a], uv[b]) == doctest::Approx(glm::distance(positions[a], positions[b])));
+    }
+}
+
+TEST_CASE("export: pieces that have become one keep the normals of all their cuts") {
+    const TriangleMesh ball = icosphere(3);
+    const auto sites = uniform_sites(bounds(ball), 40, 2);
+    Settings settings;
+    for (uint32_t k = 0; k < sites.size(); ++k) settings.groups.push_back(k % 2);
+    const auto fragments = fracture(ball, sites, settings);
+    REQUIRE(fragments);
+    const test::TemporaryFolder folder;
+    const Glb glb = read_glb(exported(folder, *fragments, {.sites = sites}));
+    size_t triangles = 0;
+    for (const json& mesh : glb.document["meshes"]) {
+        for (const json& primitive : mesh["primitives"]) {
+            const auto positions = vectors(glb, primitive["attributes"]["POSITION"].get<size_t>());
+            const auto normals = vectors(glb, primitive["attributes"]["NORMAL"].get<size_t>());
+            const json& accessor = glb.document["accessors"][primitive["indices"].get<size_t>()];
+            REQUIRE(accessor["componentType"] == 5123);
+            const json& view = glb.document["bufferViews"][accessor["bufferView"].get<size_t>()];
+            std::vector<uint16_t> indices(accessor["count"].get<size_t>());
+            std::memcpy(indices.data(),
+                        glb.binary.data() + view["byteOffset"].get<size_t>() + accessor["byteOffset"].get<size_t>(),
+                        indices.size() * 2);
+            for (size_t k = 0; k < indices.size(); k += 3) {
+                const glm::vec3 &a = positions[indices[k]], &b = positions[indices[k + 1]], &c = positions[indices[k + 2]];
+                const glm::vec3 own = glm::cross(b - a, c - a);
+                if (glm::length(own) < 1e-4f) continue; // too small for floats to tell
+                CHECK(glm::dot(glm::normalize(own), normals[indices[k]]) > 0.999f);
+                ++triangles;
+            }
+        }
+    }
+    CHECK(triangles > 1000);
 }
 
 TEST_CASE("export: equal input gives equal bytes") {

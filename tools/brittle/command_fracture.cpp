@@ -22,7 +22,7 @@ int run_fracture(const FractureCommand& command) {
 
     const std::string recipe = recipe_json(command.fracture);
     must(fracture::export_glb(command.output, broken.fragments, broken.certificate,
-                              {.name = input.name, .recipe = recipe}));
+                              {.name = input.name, .recipe = recipe, .sites = input.sites}));
     std::printf("%s  written    %s\n", report_text(input, broken).c_str(), command.output.c_str());
     if (!command.report.empty()) {
         const std::string json = report_json(input, broken, recipe);
