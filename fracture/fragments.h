@@ -27,6 +27,14 @@ struct Range {
     [[nodiscard]] uint32_t size() const { return end - begin; }
 };
 
+// Appends a range of one array to another; returns where it is there.
+template<class T>
+Range append_range(const std::vector<T>& from, const Range& range, std::vector<T>& to) {
+    const auto begin = static_cast<uint32_t>(to.size());
+    to.insert(to.end(), from.begin() + range.begin, from.begin() + range.end);
+    return {begin, static_cast<uint32_t>(to.size())};
+}
+
 struct Piece {
     uint32_t site = 0;               // the site whose cell this piece is part of; a cell may give several pieces
     Range vertices;                  // into Fragments::positions

@@ -183,15 +183,10 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
 namespace {
 
 void copy_piece(const Fragments& from, Piece piece, Fragments& to) {
-    const auto append = [](const auto& source, const Range& range, auto& target) {
-        const auto begin = static_cast<uint32_t>(target.size());
-        target.insert(target.end(), source.begin() + range.begin, source.begin() + range.end);
-        return Range{begin, static_cast<uint32_t>(target.size())};
-    };
-    append(from.vertex_point, piece.vertices, to.vertex_point);
-    append(from.triangle_source, piece.triangles, to.triangle_source);
-    piece.vertices = append(from.positions, piece.vertices, to.positions);
-    piece.triangles = append(from.triangles, piece.triangles, to.triangles);
+    append_range(from.vertex_point, piece.vertices, to.vertex_point);
+    append_range(from.triangle_source, piece.triangles, to.triangle_source);
+    piece.vertices = append_range(from.positions, piece.vertices, to.positions);
+    piece.triangles = append_range(from.triangles, piece.triangles, to.triangles);
     to.pieces.push_back(piece);
 }
 

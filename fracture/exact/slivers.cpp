@@ -445,15 +445,10 @@ void SliverCollapser::place(const Assembler::Input& input, CellRun& cell, const 
 }
 
 void SliverCollapser::copy(CellRun& cell, const Fragments& out) {
-    const auto append = [](const auto& from, const Range& range, auto& to) {
-        const auto begin = static_cast<uint32_t>(to.size());
-        to.insert(to.end(), from.begin() + range.begin, from.begin() + range.end);
-        return Range{begin, static_cast<uint32_t>(to.size())};
-    };
-    append(out.vertex_point, cell.vertices, rebuilt_.vertex_point);
-    append(out.triangle_source, cell.triangles, rebuilt_.triangle_source);
-    cell.vertices = append(out.positions, cell.vertices, rebuilt_.positions);
-    cell.triangles = append(out.triangles, cell.triangles, rebuilt_.triangles);
+    append_range(out.vertex_point, cell.vertices, rebuilt_.vertex_point);
+    append_range(out.triangle_source, cell.triangles, rebuilt_.triangle_source);
+    cell.vertices = append_range(out.positions, cell.vertices, rebuilt_.positions);
+    cell.triangles = append_range(out.triangles, cell.triangles, rebuilt_.triangles);
 }
 
 void SliverCollapser::run(const Assembler::Input& input, std::span<CellRun> cells, Threads& threads,
