@@ -1,10 +1,10 @@
 #include "fracture/exact/edges.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <string>
 
 namespace brittle::fracture::exact {
 
@@ -23,13 +23,6 @@ uint64_t key_of(uint32_t low, uint32_t high) {
 uint64_t hash_of(uint64_t key) {
     key *= 0x9e3779b97f4a7c15ull;
     return key ^ (key >> 32);
-}
-
-// So that the message does not depend on which thread was first.
-void keep_largest(std::atomic<uint64_t>& target, uint64_t key) {
-    uint64_t seen = target.load(std::memory_order_relaxed);
-    while (seen < key && !target.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {
-    }
 }
 
 // The bisector that an edge leaves its cell through, so far.
@@ -109,22 +102,19 @@ void EdgeCutter::insert(const Walk& walk) {
             table_[slot].count = walk.count;
             return;
         }
-        if (found == walk.key) {
-            keep_largest(shared_edge_, walk.key);
-            return;
-        }
+        assert(found != walk.key && "surface.h has made sure that an edge has one owner");
     }
 }
 
-const EdgeCutter::Walk* EdgeCutter::find(uint64_t key) const {
+const EdgeCutter::Walk& EdgeCutter::find(uint64_t key) const {
     const size_t mask = table_.size() - 1;
-    for (size_t slot = hash_of(key) & mask; table_[slot].key != 0; slot = (slot + 1) & mask) {
-        if (table_[slot].key == key) return &table_[slot];
-    }
-    return nullptr;
+    size_t slot = hash_of(key) & mask;
+    while (table_[slot].key != key && table_[slot].key != 0) slot = (slot + 1) & mask;
+    assert(table_[slot].key == key && "surface.h has made sure that an edge has an owner");
+    return table_[slot];
 }
 
-Result<void> EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
+void EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
                              std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
                              Threads& threads, Cut& cut, PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(cut.crossing.size());
@@ -157,7 +147,6 @@ Result<void> EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, 
     cut.edge_points.resize(points);
     cut.edge_positions.resize(points);
     table_.assign(std::bit_ceil(2 * walks + 2), Walk{0, 0, 0});
-    shared_edge_ = 0;
     threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t, uint32_t) {
         const Chunk& chunk = chunks_[k];
         std::copy(chunk.points.begin(), chunk.points.end(), cut.edge_points.begin() + chunk.base);
@@ -165,7 +154,6 @@ Result<void> EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, 
         for (const Walk& walk : chunk.walks) insert({walk.key, walk.first + chunk.base, walk.count});
     });
 
-    std::atomic<uint64_t> lonely_edge{0};
     threads.for_chunks(count, kLeastTriangles, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t x = begin; x < end; ++x) {
             CrossingTriangle& crossing = cut.crossing[x];
@@ -174,24 +162,12 @@ Result<void> EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, 
                 const uint32_t a = t[e], b = t[e == 2 ? 0 : e + 1];
                 crossing.first[static_cast<size_t>(e)] = crossing.count[static_cast<size_t>(e)] = 0;
                 if (cell_of[a] == cell_of[b]) continue;
-                const uint64_t key = key_of(std::min(a, b), std::max(a, b));
-                const Walk* walk = find(key);
-                if (!walk) {
-                    keep_largest(lonely_edge, key);
-                    continue;
-                }
-                crossing.first[static_cast<size_t>(e)] = walk->first;
-                crossing.count[static_cast<size_t>(e)] = walk->count;
+                const Walk& walk = find(key_of(std::min(a, b), std::max(a, b)));
+                crossing.first[static_cast<size_t>(e)] = walk.first;
+                crossing.count[static_cast<size_t>(e)] = walk.count;
             }
         }
     });
-    const uint64_t bad = std::max(shared_edge_.load(), lonely_edge.load());
-    if (bad != 0) {
-        return Error{Status::invalid_mesh,
-                     "more than two triangles share the edge between vertices " + std::to_string(bad >> 32)
-                         + " and " + std::to_string(bad & 0xffffffffu) + "; split the mesh there first"};
-    }
-    return {};
 }
 
 } // namespace brittle::fracture::exact

@@ -8,12 +8,9 @@
 // other side finds the points in a hash table. A closed, oriented, manifold mesh has exactly one of each.
 #pragma once
 
-#include <atomic>
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "fracture/error.h"
 #include "fracture/exact/cut.h"
 #include "fracture/exact/frames.h"
 #include "fracture/parallel.h"
@@ -22,9 +19,9 @@ namespace brittle::fracture::exact {
 
 class EdgeCutter {
   public:
-    // cut.crossing names the triangles; fills their first and count, and the edge points. Errors:
-    // invalid_mesh where more than two triangles share an edge that is cut.
-    [[nodiscard]] Result<void> run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
+    // cut.crossing names the triangles; fills their first and count, and the edge points. The surface is closed,
+    // oriented and manifold (surface.h).
+    void run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
                                    std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
                                    Threads& threads, Cut& cut, PredicateStats& stats);
 
@@ -45,11 +42,10 @@ class EdgeCutter {
     void walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames, uint32_t low,
                    uint32_t high, SiteId from, SiteId to, Chunk& chunk) const;
     void insert(const Walk& walk);
-    [[nodiscard]] const Walk* find(uint64_t key) const;
+    [[nodiscard]] const Walk& find(uint64_t key) const; // which is there
 
     std::vector<Chunk> chunks_;
-    std::vector<Walk> table_;              // open addressing, key 0 is free
-    std::atomic<uint64_t> shared_edge_{0}; // the key of an edge that two owners claim
+    std::vector<Walk> table_; // open addressing, key 0 is free
 };
 
 } // namespace brittle::fracture::exact

@@ -73,8 +73,8 @@ Error cancelled() {
 
 Error not_closed() {
     return {Status::invalid_mesh,
-            "the mesh does not bound a solid: its surface does not close around the cuts; "
-            "check it for edges that more than two triangles share"};
+            "the cuts do not close, which a closed surface rules out: this is a fault of Brittle's; please "
+            "report the mesh and the sites"};
 }
 
 } // namespace
@@ -113,11 +113,7 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     sort_triangles(s.surface, mesh.triangles, s.cell_of, guessed, s.threads, s.cell_of_triangle, s.cut);
     if (!clock.done("classify", 0.4)) return cancelled();
 
-    if (auto ok = s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut,
-                                    stats);
-        !ok) {
-        return ok;
-    }
+    s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
     s.triangle_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
     if (!clock.done("clip", 0.6)) return cancelled();
 
