@@ -29,6 +29,25 @@ void append(TriangleMesh& mesh, const TriangleMesh& other) {
     for (const Triangle& t : other.triangles) mesh.triangles.push_back(t + Triangle(offset));
 }
 
+// Vertices of a mesh on the points of a cube's lattice of n steps, each made when it is first asked for.
+class LatticeVertices {
+  public:
+    LatticeVertices(TriangleMesh& mesh, uint32_t n, double edge) : mesh_(mesh), n_(n), edge_(edge) {}
+
+    uint32_t operator()(const glm::uvec3& p) {
+        const uint64_t key = (static_cast<uint64_t>(p.x) * (n_ + 1) + p.y) * (n_ + 1) + p.z;
+        const auto [at, is_new] = index_of_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
+        if (is_new) mesh_.positions.push_back((glm::dvec3(p) / static_cast<double>(n_) - 0.5) * edge_);
+        return at->second;
+    }
+
+  private:
+    TriangleMesh& mesh_;
+    uint32_t n_;
+    double edge_;
+    std::unordered_map<uint64_t, uint32_t> index_of_;
+};
+
 // Triangles of a grid of n x m points that wraps around both ways; point (i, j) has index i * m + j. Facing
 // the side from which a step in i followed by a step in j turns counter-clockwise.
 std::vector<Triangle> wrapped_grid(uint32_t n, uint32_t m) {
@@ -291,13 +310,7 @@ TriangleMesh cube(double edge) {
 TriangleMesh lattice_cube(uint32_t n, double edge) {
     n = std::clamp(n, 1u, max_segments);
     TriangleMesh mesh;
-    std::unordered_map<uint64_t, uint32_t> index_of;
-    const auto vertex = [&](const glm::uvec3& p) {
-        const uint64_t key = (static_cast<uint64_t>(p.x) * (n + 1) + p.y) * (n + 1) + p.z;
-        const auto [at, is_new] = index_of.try_emplace(key, static_cast<uint32_t>(mesh.positions.size()));
-        if (is_new) mesh.positions.push_back((glm::dvec3(p) / static_cast<double>(n) - 0.5) * edge);
-        return at->second;
-    };
+    LatticeVertices vertex(mesh, n, edge);
     for (int axis = 0; axis < 3; ++axis) {
         for (const uint32_t side : {0u, n}) {
             // u, v and the outward axis are right-handed on the far side, left-handed on the near one.
@@ -423,13 +436,7 @@ TriangleMesh menger_sponge(uint32_t level, double edge) {
         return true;
     };
     TriangleMesh mesh;
-    std::unordered_map<uint64_t, uint32_t> index_of;
-    const auto vertex = [&](const glm::uvec3& p) {
-        const uint64_t key = (static_cast<uint64_t>(p.x) * (n + 1) + p.y) * (n + 1) + p.z;
-        const auto [at, is_new] = index_of.try_emplace(key, static_cast<uint32_t>(mesh.positions.size()));
-        if (is_new) mesh.positions.push_back((glm::dvec3(p) / static_cast<double>(n) - 0.5) * edge);
-        return at->second;
-    };
+    LatticeVertices vertex(mesh, n, edge);
     for (uint32_t x = 0; x < n; ++x)
         for (uint32_t y = 0; y < n; ++y)
             for (uint32_t z = 0; z < n; ++z)
