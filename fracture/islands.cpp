@@ -20,6 +20,10 @@ namespace {
 // thinner than 3e-8 m.
 constexpr double flat_island = 1e-15;
 
+// A triangle is seen from a point on it as half of the sphere: this far from its plane, as the sine of an angle, the
+// sign of the half is noise.
+constexpr double on_triangle = 1e-9;
+
 Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
               std::span<const FaceSource> sources, std::span<const uint32_t> members,
               std::vector<uint32_t>& local /* per vertex, no_index on entry and on return */) {
@@ -47,23 +51,6 @@ Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> t
     return island;
 }
 
-// A point on the surface away from vertices and edges, where shells may touch: the middle of the largest
-// triangle.
-glm::dvec3 surface_point(const Island& island) {
-    double largest = -1.0;
-    glm::dvec3 point(0.0);
-    for (const Triangle& t : island.triangles) {
-        const glm::dvec3& a = island.positions[t.x];
-        const glm::dvec3& b = island.positions[t.y];
-        const glm::dvec3& c = island.positions[t.z];
-        const double area = glm::length(glm::cross(b - a, c - a));
-        if (area <= largest) continue;
-        largest = area;
-        point = a + ((b - a) + (c - a)) / 3.0;
-    }
-    return point;
-}
-
 void append(Island& island, const Island& cavity) {
     const auto offset = static_cast<uint32_t>(island.positions.size());
     island.positions.insert(island.positions.end(), cavity.positions.begin(), cavity.positions.end());
@@ -83,23 +70,13 @@ void append(Island& island, const Island& cavity) {
     island.mass = mass_properties(island.positions, island.triangles);
 }
 
-// The index of the smallest island around the cavity, or islands.size().
-size_t owner_of(const Island& cavity, std::span<const Island> islands) {
-    const glm::dvec3 point = surface_point(cavity);
-    size_t owner = islands.size();
-    for (size_t i = 0; i < islands.size(); ++i) {
-        const Island& candidate = islands[i];
-        if (candidate.mass.volume <= -cavity.mass.volume) continue;
-        if (owner != islands.size() && candidate.mass.volume >= islands[owner].mass.volume) continue;
-        if (winding_number(point, candidate.positions, candidate.triangles) > 0.5) owner = i;
-    }
-    return owner;
-}
+struct Winding {
+    double number = 0.0;
+    bool on_surface = false; // then the number says nothing
+};
 
-} // namespace
-
-double winding_number(const glm::dvec3& point, std::span<const glm::dvec3> positions,
-                      std::span<const Triangle> triangles) {
+Winding wind(const glm::dvec3& point, std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
+    Winding winding;
     double solid_angle = 0.0;
     for (const Triangle& t : triangles) {
         const glm::dvec3 a = positions[t.x] - point;
@@ -108,11 +85,45 @@ double winding_number(const glm::dvec3& point, std::span<const glm::dvec3> posit
         const double la = glm::length(a);
         const double lb = glm::length(b);
         const double lc = glm::length(c);
-        const double denominator =
-            la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-        solid_angle += 2.0 * std::atan2(glm::dot(a, glm::cross(b, c)), denominator);
+        const double volume = glm::dot(a, glm::cross(b, c));
+        const double cosine = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+        winding.on_surface = winding.on_surface
+                             || (cosine <= on_triangle * la * lb * lc && std::abs(volume) <= on_triangle * la * lb * lc);
+        solid_angle += 2.0 * std::atan2(volume, cosine);
     }
-    return solid_angle / (4.0 * std::numbers::pi);
+    winding.number = solid_angle / (4.0 * std::numbers::pi);
+    return winding;
+}
+
+// The index of the smallest island around the cavity, or islands.size().
+size_t owner_of(const Island& cavity, std::span<const Island> islands) {
+    size_t owner = islands.size();
+    for (size_t i = 0; i < islands.size(); ++i) {
+        const Island& candidate = islands[i];
+        if (candidate.mass.volume <= -cavity.mass.volume) continue;
+        if (owner != islands.size() && candidate.mass.volume >= islands[owner].mass.volume) continue;
+        if (encloses(candidate.positions, candidate.triangles, cavity.positions, cavity.triangles)) owner = i;
+    }
+    return owner;
+}
+
+} // namespace
+
+double winding_number(const glm::dvec3& point, std::span<const glm::dvec3> positions,
+                      std::span<const Triangle> triangles) {
+    return wind(point, positions, triangles).number;
+}
+
+bool encloses(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+              std::span<const glm::dvec3> shell_positions, std::span<const Triangle> shell) {
+    double sum = 0.0;
+    for (const Triangle& t : shell) {
+        const glm::dvec3 middle = (shell_positions[t.x] + shell_positions[t.y] + shell_positions[t.z]) / 3.0;
+        const Winding winding = wind(middle, positions, triangles);
+        if (!winding.on_surface) return winding.number > 0.5;
+        sum += winding.number;
+    }
+    return sum > 0.5 * static_cast<double>(shell.size()); // it touches everywhere
 }
 
 bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions, double extent) {

@@ -39,4 +39,9 @@ struct Island {
 [[nodiscard]] double winding_number(const glm::dvec3& point, std::span<const glm::dvec3> positions,
                                     std::span<const Triangle> triangles);
 
+// Whether a closed shell lies inside a closed mesh. The two may touch, as where a plane runs along a face of a cavity,
+// but do not cross.
+[[nodiscard]] bool encloses(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                            std::span<const glm::dvec3> shell_positions, std::span<const Triangle> shell);
+
 } // namespace brittle::fracture

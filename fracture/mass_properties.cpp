@@ -67,7 +67,17 @@ glm::dvec3 mean_of_corners(std::span<const glm::dvec3> positions, std::span<cons
     return near + sum / (3.0 * static_cast<double>(triangles.size()));
 }
 
-// Sums term(a, b, c) over all triangles with corners relative to origin.
+// The normal of a triangle, as long as twice its area, by its two shorter edges: in a needle the error of the product of
+// two long ones would be many times the area. Of the positions as they are: even moving them to another origin costs a
+// needle digits.
+glm::dvec3 area_vector(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    const glm::dvec3 ab = b - a, bc = c - b, ca = a - c;
+    const double ab2 = dot(ab, ab), bc2 = dot(bc, bc), ca2 = dot(ca, ca);
+    if (bc2 >= ab2 && bc2 >= ca2) return cross(ca, ab);
+    return ca2 >= ab2 ? cross(ab, bc) : cross(bc, ca);
+}
+
+// Sums term(a, b, c, normal) over all triangles with corners relative to origin.
 template<size_t N, class Term>
 CompensatedSum<N> integrate(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                             const glm::dvec3& origin, Term&& add_term) {
@@ -75,7 +85,8 @@ CompensatedSum<N> integrate(std::span<const glm::dvec3> positions, std::span<con
     for (size_t begin = 0; begin < triangles.size(); begin += block_size) {
         std::array<double, N> block{};
         for (const Triangle& t : triangles.subspan(begin, std::min(block_size, triangles.size() - begin))) {
-            add_term(positions[t.x] - origin, positions[t.y] - origin, positions[t.z] - origin, block);
+            const glm::dvec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+            add_term(a - origin, b - origin, c - origin, area_vector(a, b, c), block);
         }
         total.add(block);
     }
@@ -87,8 +98,8 @@ CompensatedSum<N> integrate(std::span<const glm::dvec3> positions, std::span<con
 double signed_volume(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
     const Frame frame = frame_of(positions, triangles);
     const auto sums = integrate<1>(positions, triangles, frame.centre,
-                                   [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
-                                      std::array<double, 1>& sum) { sum[0] += dot(a, cross(b - a, c - a)); });
+                                   [](const glm::dvec3& a, const glm::dvec3&, const glm::dvec3&, const glm::dvec3& normal,
+                                      std::array<double, 1>& sum) { sum[0] += dot(a, normal); });
     return sums[0] / 6.0;
 }
 
@@ -103,8 +114,8 @@ MassProperties mass_properties(std::span<const glm::dvec3> positions, std::span<
     enum { six_volume, two_area, mx, my, mz, cxx, cyy, czz, cxy, cyz, czx, count };
     const auto sums = integrate<count>(
         positions, triangles, frame.centre,
-        [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, std::array<double, count>& sum) {
-            const glm::dvec3 normal = cross(b - a, c - a);
+        [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& normal,
+           std::array<double, count>& sum) {
             const double d = dot(a, normal);
             const glm::dvec3 s = a + b + c;
             const auto product = [&](int i, int j) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <queue>
@@ -22,6 +23,7 @@ constexpr uint32_t none = CapPairs::none;
 
 // Up to rounding.
 constexpr double whole_side = 1.0 - 1e-6;
+constexpr double touching = 1e-9;
 
 uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
     while (parent[v] != v) {
@@ -127,6 +129,21 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
     for (uint32_t p = 0; p < rules.flat.size(); ++p)
         if (!rules.flat[p]) flat[sets.root(p)] = 0;
 
+    const auto box_of = [&](uint32_t root) {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        Box box{glm::dvec3(infinity), glm::dvec3(-infinity)};
+        for (uint32_t p = 0; p < count; ++p) {
+            if (sets.root(p) != root) continue;
+            for (const glm::dvec3& v : fragments.positions_of(fragments.pieces[p]))
+                box = {glm::min(box.min, v), glm::max(box.max, v)};
+        }
+        return box;
+    };
+    const auto grows_by = [&](uint32_t root, uint32_t by) {
+        const Box box = box_of(root), other = box_of(by);
+        const glm::dvec3 beyond = glm::max(box.min - other.min, other.max - box.max);
+        return std::max({beyond.x, beyond.y, beyond.z}) > touching * glm::length(box.size());
+    };
     // A sheet on the outside of several neighbours would stick out from the one that takes it.
     const auto sticks_out = [&](uint32_t root, uint32_t other) {
         double outside = 0.0;
@@ -135,7 +152,7 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
         // Half of a sheet's surface is outside, less where the input folds it; nothing of a speck inside the
         // solid.
         return outside >= 0.25 * sets.area(root)
-               && sets.contacts(root).at(other) < 0.5 * whole_side * sets.area(root);
+               && (sets.contacts(root).at(other) < 0.5 * whole_side * sets.area(root) || grows_by(other, root));
     };
     const auto find_mate = [&](uint32_t root) {
         if (rules.group_of_site.empty()) return none;

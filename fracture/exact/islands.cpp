@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/islands.h"
 #include "fracture/mass_properties.h"
 
 namespace brittle::fracture::exact {
@@ -26,22 +27,6 @@ void unite(std::vector<uint32_t>& parent, const Triangle& t) {
     const uint32_t a = root_of(parent, t.x), b = root_of(parent, t.y), c = root_of(parent, t.z);
     const uint32_t least = std::min({a, b, c});
     parent[a] = parent[b] = parent[c] = least;
-}
-
-// How often the surface winds around p, from the solid angles of its triangles (Van Oosterom and Strackee,
-// "The solid angle of a plane triangle", 1983). 1 inside a closed surface, 0 outside.
-double winding_number(const glm::dvec3& p, std::span<const glm::dvec3> positions,
-                      std::span<const Triangle> triangles, std::span<const uint32_t> label, uint32_t island) {
-    double sum = 0.0;
-    for (const Triangle& t : triangles) {
-        if (label[t.x] != island) continue;
-        const glm::dvec3 a = positions[t.x] - p, b = positions[t.y] - p, c = positions[t.z] - p;
-        const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-        const double triple = glm::dot(a, glm::cross(b, c));
-        sum += std::atan2(triple,
-                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
-    }
-    return sum / (2.0 * 3.14159265358979323846);
 }
 
 } // namespace
@@ -99,16 +84,16 @@ uint32_t IslandSplitter::attach_cavities(const CellRun& cell, const Fragments& o
     if (std::none_of(chunk.volume.begin(), chunk.volume.end(), [](double v) { return v < 0.0; }))
         return islands;
 
+    std::vector<std::vector<Triangle>> of_island(islands);
+    for (const Triangle& t : triangles) of_island[chunk.label[t.x]].push_back(t);
     std::vector<uint32_t> home(islands);
     std::iota(home.begin(), home.end(), 0u);
     for (uint32_t k = 0; k < islands; ++k) {
         if (!is_cavity(k)) continue;
-        const auto vertex =
-            static_cast<uint32_t>(std::find(chunk.label.begin(), chunk.label.end(), k) - chunk.label.begin());
         for (uint32_t m = 0; m < islands; ++m) {
             const bool smaller = home[k] == k || chunk.volume[m] < chunk.volume[home[k]];
             if (is_cavity(m) || chunk.volume[m] < -chunk.volume[k] || !smaller) continue;
-            if (winding_number(positions[vertex], positions, triangles, chunk.label, m) > 0.5) home[k] = m;
+            if (encloses(positions, of_island[m], positions, of_island[k])) home[k] = m;
         }
     }
     // Number what remains by the least vertex again.

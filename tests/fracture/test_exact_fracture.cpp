@@ -186,6 +186,36 @@ void check_caps_match(const Fragments& f) {
 
 } // namespace
 
+TEST_CASE("a plane along a face of a cavity leaves the cavity where it is") {
+    for (const double half : {0.125, 0.25, 0.5}) {
+        TriangleMesh mesh = cube();
+        for (const glm::dvec3& p : cube(2.0 * half).positions) mesh.positions.push_back(p);
+        for (const Triangle& t : cube(2.0 * half).triangles)
+            mesh.triangles.push_back(Triangle(t.x, t.z, t.y) + glm::uvec3(8));
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const double side : {-1.0, 1.0}) {
+                glm::dvec3 near(0.0), far(0.0);
+                near[axis] = side * (half - 0.25);
+                far[axis] = side * (half + 0.25);
+                for (const auto& sites : {std::vector{near, far}, std::vector{far, near}}) {
+                    for (const Algorithm algorithm : {Algorithm::exact, Algorithm::sequential}) {
+                        CAPTURE(half);
+                        CAPTURE(axis);
+                        const auto fragments = brittle::fracture::fracture(mesh, sites, {.algorithm = algorithm});
+                        REQUIRE(fragments);
+                        REQUIRE(fragments->pieces.size() == 2);
+                        const double outer = 4.0 * (1.0 - half);
+                        const size_t outside = sites[0] == far ? 0 : 1;
+                        CHECK(fragments->pieces[outside].mass.volume == doctest::Approx(outer));
+                        CHECK(fragments->pieces[1 - outside].mass.volume
+                              == doctest::Approx(8.0 - outer - 8.0 * half * half * half));
+                    }
+                }
+            }
+        }
+    }
+}
+
 TEST_CASE("exact: what is not a closed mesh or not a site is refused by name") {
     const Sites one{glm::dvec3(0.0)};
     CHECK(fracture_exact({}, one).error().status == Status::empty_mesh);

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "fracture/random.h"
 #include "fracture/shapes.h"
@@ -88,6 +89,21 @@ TriangleMesh overlapping(Dice& dice) {
     return mesh;
 }
 
+// A cube with cubic holes in it, on the eighths of its lattice.
+TriangleMesh cavities(Dice& dice) {
+    TriangleMesh mesh = cube();
+    for (double x : {-0.5, 0.5})
+        for (double y : {-0.5, 0.5})
+            for (double z : {-0.5, 0.5}) {
+                if (dice.chance(0.6)) continue;
+                TriangleMesh hole = dice.chance(0.7) ? cube() : icosphere(1);
+                scale(hole, glm::dvec3(0.125 * dice.between(1, 3)));
+                for (Triangle& t : hole.triangles) std::swap(t.y, t.z);
+                append(mesh, hole, {x, y, z});
+            }
+    return mesh;
+}
+
 // Vertices pushed about at random: the surface crosses itself.
 TriangleMesh crumpled(Dice& dice) {
     TriangleMesh mesh = icosphere(dice.between(1, 3));
@@ -128,6 +144,7 @@ constexpr std::array families = {
     Family{"hollow", [](Dice& dice) { return hollow_sphere(dice.between(1, 3)); }, true},
     Family{"sponge", [](Dice& dice) { return menger_sponge(dice.between(1, 2)); }, true},
     Family{"components", components, true},
+    Family{"cavities", cavities, true},
     Family{"overlapping", overlapping, false},
     Family{"crumpled", crumpled, false},
     Family{"rounded", rounded, false},
@@ -210,7 +227,7 @@ Sites random_sites(Dice& dice, const TriangleMesh& mesh, std::string& name, bool
     const uint32_t count = dice.chance(0.1) ? dice.between(50, 250) : dice.between(1, 40);
     Sites sites;
     generic = false;
-    switch (dice.below(11)) {
+    switch (dice.below(12)) {
     case 0:
     case 1:
         name = "uniform";
@@ -261,6 +278,19 @@ Sites random_sites(Dice& dice, const TriangleMesh& mesh, std::string& name, bool
             sites.push_back(centre + dice.direction() * (tightness * dice.random.uniform() * box.size().x));
         break;
     }
+    case 10:
+        name = "in faces"; // bisectors run along them
+        for (uint32_t k = 0; k < (std::min(count, 16u) + 1) / 2; ++k) {
+            const Triangle& t = mesh.triangles[dice.below(static_cast<uint32_t>(mesh.triangles.size()))];
+            const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+            const glm::dvec3 normal = glm::cross(b - a, c - a);
+            const double length = glm::length(normal);
+            const glm::dvec3 step = length > 0.0 ? normal * (0.25 * box.size().x / length) : dice.direction();
+            const glm::dvec3 middle = dice.chance(0.5) ? (b + c) * 0.5 : a;
+            sites.push_back(middle - step);
+            sites.push_back(middle + step);
+        }
+        break;
     default:
         name = "far";
         for (uint32_t k = 0; k < count; ++k)
@@ -302,6 +332,7 @@ Case random_case(uint64_t seed, std::string_view family) {
     std::string sites;
     bool generic = false;
     c.sites = random_sites(dice, c.mesh, sites, generic);
+    c.simple = chosen->simple;
     c.generic = generic && chosen->simple;
     c.family = std::string(chosen->name) + ", sites " + sites;
     place(dice, c);
@@ -324,7 +355,8 @@ Case random_case(uint64_t seed, std::string_view family) {
 std::string to_text(const Case& c) {
     constexpr std::array expectations = {"pieces", "refusal", "either"};
     std::string text = "brittle-case 1\nfamily " + c.family + "\nexpect "
-                       + expectations[static_cast<size_t>(c.expect)] + "\ngeneric " + (c.generic ? "1" : "0") + "\n";
+                       + expectations[static_cast<size_t>(c.expect)] + "\nsimple " + (c.simple ? "1" : "0")
+                       + "\ngeneric " + (c.generic ? "1" : "0") + "\n";
     char line[120];
     const auto points = [&](const char* name, const std::vector<glm::dvec3>& list) {
         text += name + (" " + std::to_string(list.size())) + "\n";
@@ -387,6 +419,8 @@ Result<Case> read_case(const std::filesystem::path& file) {
     if (!field("expect", value)) return malformed("expect");
     if (value != "pieces" && value != "refusal" && value != "either") return malformed("pieces, refusal or either");
     c.expect = value == "pieces" ? Expect::pieces : (value == "refusal" ? Expect::refusal : Expect::either);
+    if (!field("simple", value)) return malformed("simple");
+    c.simple = value == "1";
     if (!field("generic", value)) return malformed("generic");
     c.generic = value == "1";
     if (!points("vertices", c.mesh.positions)) return malformed("vertices, then three numbers a line");

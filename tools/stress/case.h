@@ -22,6 +22,7 @@ enum class Expect {
 struct Case {
     std::string family; // how it was made, for people
     Expect expect = Expect::pieces;
+    bool simple = false;  // the mesh neither crosses nor touches itself: pieces have volume and lie in their cells
     bool generic = false; // no coincidences, no self-intersections: `sequential` must find the same pieces
     fracture::TriangleMesh mesh;
     std::vector<glm::dvec3> sites;

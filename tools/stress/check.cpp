@@ -192,11 +192,7 @@ std::string cap_complaint(const Case& c, const Fragments& f) {
     return {};
 }
 
-// Of the pieces before any become one: a fold of the input without volume goes with a neighbour, wherever it lies.
-std::string cell_complaint(const Case& c) {
-    const Result<Fragments> cut = exact::fracture_exact(c.mesh, c.sites, {.threads = 1});
-    if (!cut) return {}; // solids that touch in a vertex
-    const Fragments& f = *cut;
+std::string cell_complaint(const Case& c, const Fragments& f) {
     const glm::dvec3 size = bounds(c.mesh).size();
     const double scale = std::max({size.x, size.y, size.z});
     for (const Piece& piece : f.pieces) {
@@ -214,6 +210,20 @@ std::string cell_complaint(const Case& c) {
             }
         }
     }
+    return {};
+}
+
+// Of the pieces before any become one, where the input may fold: a fold without volume goes with a neighbour, wherever
+// it lies. So may a part of a thin mesh.
+std::string cell_complaint_before_merging(const Case& c) {
+    const Result<Fragments> cut = exact::fracture_exact(c.mesh, c.sites, {.threads = 1});
+    return cut ? cell_complaint(c, *cut) : std::string(); // or solids that touch in a vertex
+}
+
+std::string inside_out_complaint(const Fragments& f) {
+    for (const Piece& piece : f.pieces)
+        if (!(piece.mass.volume > 0.0))
+            return "site " + std::to_string(piece.site) + format(": a piece has volume %g", piece.mass.volume);
     return {};
 }
 
@@ -279,7 +289,12 @@ std::string complaint(const Case& c) {
     }
     if (std::string wrong = volume_complaint(c, f); !wrong.empty()) return wrong;
     if (std::string wrong = cap_complaint(c, f); !wrong.empty()) return wrong;
-    if (std::string wrong = cell_complaint(c); !wrong.empty()) return wrong;
+    if (std::string wrong = cell_complaint_before_merging(c); !wrong.empty()) return wrong;
+    if (c.simple) {
+        if (std::string wrong = inside_out_complaint(f); !wrong.empty()) return wrong;
+        if (c.groups.empty() && c.min_volume == 0.0)
+            if (std::string wrong = cell_complaint(c, f); !wrong.empty()) return wrong;
+    }
     const uint32_t others[] = {2, 4, 8};
     const uint32_t threads = others[(c.sites.size() + c.mesh.triangles.size()) % 3];
     const Result<Fragments> again = run(threads);
