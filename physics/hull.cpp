@@ -9,7 +9,8 @@
 #include <LinearMath/btConvexHullComputer.h>
 #include <glm/geometric.hpp>
 
-#include "physics/rotation.h"
+#include "fracture/mass_properties.h"
+#include "fracture/principal_axes.h"
 
 namespace brittle::physics {
 
@@ -168,7 +169,7 @@ OrientedExtents oriented_extents(const std::vector<glm::dvec3>& points) {
     for (const glm::dvec3& point : points) mean += point / static_cast<double>(points.size());
     glm::dmat3 covariance(0.0);
     for (const glm::dvec3& point : points) covariance += glm::outerProduct(point - mean, point - mean);
-    extents.axes = principal_axes(covariance).axes;
+    extents.axes = fracture::principal_axes(covariance).axes;
     glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
     for (const glm::dvec3& point : points) {
         const glm::dvec3 local = glm::transpose(extents.axes) * (point - mean);
@@ -265,6 +266,28 @@ std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points) {
         if (glm::dot(left, right) < same_face * glm::length(left) * glm::length(right)) edges.push_back(ends);
     }
     return edges;
+}
+
+fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points) {
+    fracture::TriangleMesh mesh;
+    if (points.empty()) return mesh;
+    btConvexHullComputer computer;
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
+    for (int v = 0; v < computer.vertices.size(); ++v) {
+        const btVector3& p = computer.vertices[v];
+        mesh.positions.emplace_back(p.x(), p.y(), p.z());
+    }
+    for (int f = 0; f < computer.faces.size(); ++f) {
+        const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[f]];
+        const auto apex = static_cast<uint32_t>(first->getSourceVertex());
+        for (const auto* edge = first->getNextEdgeOfFace(); edge->getTargetVertex() != static_cast<int>(apex);
+             edge = edge->getNextEdgeOfFace())
+            mesh.triangles.emplace_back(apex, static_cast<uint32_t>(edge->getSourceVertex()),
+                                        static_cast<uint32_t>(edge->getTargetVertex()));
+    }
+    if (fracture::signed_volume(mesh.positions, mesh.triangles) < 0.0) // whichever way the computer goes around faces
+        for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
+    return mesh;
 }
 
 } // namespace brittle::physics

@@ -19,6 +19,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "fracture/mesh.h"
+
 namespace brittle::physics {
 
 struct HullSettings {
@@ -54,5 +56,8 @@ using HullEdge = std::pair<uint32_t, uint32_t>;
 // The edges of the convex hull of points, each once, for drawing; those inside a flat face (below 3 degrees)
 // are left out. Fewer than 4 points, or flat ones, may give none.
 [[nodiscard]] std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points);
+
+// The convex hull of points as a closed mesh, triangles outwards. Fewer than 4 points, or flat ones, may give none.
+[[nodiscard]] fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points);
 
 } // namespace brittle::physics

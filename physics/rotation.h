@@ -1,5 +1,4 @@
-// Rotation of a rigid body without torque: principal axes of its inertia, and a step that conserves what
-// physics does.
+// Rotation of a rigid body without torque: a step that conserves what physics does.
 //
 // Bullet integrates orientation with the velocity of one instant. Its gyroscopic term, one Newton iteration
 // of an implicit Euler step, damps tumbling visibly (a splinter stops flipping) and turns the angular
@@ -10,19 +9,9 @@
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 namespace brittle::physics {
-
-struct PrincipalAxes {
-    glm::dmat3 axes{1.0};    // columns: right-handed orthonormal principal axes
-    glm::dvec3 moments{0.0}; // about them: tensor = axes * diag(moments) * transpose(axes)
-};
-
-// Eigenvectors and eigenvalues of a symmetric tensor (cyclic Jacobi; the upper triangle is read). A diagonal
-// tensor gives the coordinate axes in their order. Any finite input has a result.
-[[nodiscard]] PrincipalAxes principal_axes(const glm::dmat3& tensor);
 
 struct Spin {
     glm::dquat orientation{1.0, 0.0, 0.0, 0.0}; // of the principal axes in the world

@@ -13,6 +13,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/ground_contact.h"
+#include "fracture/principal_axes.h"
 #include "physics/rotation.h"
 
 // Bullet's global slack around every box in its broadphase tree; not declared by the umbrella header.
@@ -434,7 +435,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
         return bad_setting(text("body ", impl_->order_of_id.size(), " cannot be added: ", fault));
     };
     if (const std::string fault = fault_of(desc); !fault.empty()) return refused(fault);
-    PrincipalAxes principal = principal_axes(glm::dmat3(desc.inertia));
+    fracture::PrincipalAxes principal = fracture::principal_axes(glm::dmat3(desc.inertia));
     if (const std::string fault = settle_moments(principal.moments); !fault.empty()) return refused(fault);
 
     auto body = std::make_unique<BodyRecord>();

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <vector>
 
 namespace brittle::fracture {
 
@@ -19,6 +20,13 @@ template<class T>
     T value;
     std::memcpy(&value, bytes.data() + offset, sizeof(T));
     return value;
+}
+
+template<class T>
+void append(std::vector<std::byte>& bytes, const T& value) {
+    const size_t at = bytes.size();
+    bytes.resize(at + sizeof(T));
+    std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
 
 } // namespace brittle::fracture

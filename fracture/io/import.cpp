@@ -30,14 +30,11 @@ Error unsupported(const std::filesystem::path& file, const std::string& extensio
             file.string() + ": " + what + "; convert the mesh to one of " + readable};
 }
 
-Result<TriangleMesh> parse(const std::string& extension, std::span<const std::byte> bytes,
-                           const std::filesystem::path& folder) {
-    if (extension == ".obj") return read_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    if (extension == ".stl") return read_stl(bytes);
-    if (extension == ".3ds") return read_3ds(bytes);
-    if (extension == ".ply") return read_ply(bytes);
-    if (extension == ".off") return read_off({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    return read_gltf(bytes, folder);
+Result<Model> without_looks(Result<TriangleMesh> mesh) {
+    if (!mesh) return mesh.error();
+    Model model;
+    model.mesh = std::move(*mesh);
+    return model;
 }
 
 Result<void> check_finite(const TriangleMesh& mesh) {
@@ -52,31 +49,53 @@ Result<void> check_finite(const TriangleMesh& mesh) {
     return {};
 }
 
-Result<TriangleMesh> import_and_weld(const std::filesystem::path& file) {
+Result<Model> import_and_weld(const std::filesystem::path& file, bool with_looks) {
     const std::string extension = lower_case_extension(file);
     const std::vector<std::string>& known = importable_extensions();
     if (std::find(known.begin(), known.end(), extension) == known.end()) return unsupported(file, extension);
 
     const Result<std::vector<std::byte>> bytes = read_file(file);
     if (!bytes) return bytes.error();
-    const Result<TriangleMesh> raw = parse(extension, *bytes, file.parent_path());
-    if (!raw) return Error{raw.error().status, file.string() + ": " + raw.error().message};
-    if (const Result<void> finite = check_finite(*raw); !finite) {
+    Companions companions(file.parent_path(), !with_looks);
+    Result<Model> model = read_model(extension, *bytes, companions);
+    if (!model) return Error{model.error().status, file.string() + ": " + model.error().message};
+    if (const Result<void> finite = check_finite(model->mesh); !finite) {
         return Error{finite.error().status, file.string() + ": " + finite.error().message};
     }
-    TriangleMesh mesh = weld(*raw);
-    if (mesh.triangles.empty()) {
+    std::vector<uint32_t> kept;
+    TriangleMesh welded = weld(model->mesh, &kept);
+    if (welded.triangles.empty()) {
         const std::string what =
-            raw->triangles.empty()
+            model->mesh.triangles.empty()
                 ? "no triangles in the file; export the mesh with its faces"
                 : "all triangles in the file have two corners at the same place; export it in a "
                   "larger unit or with more digits";
         return Error{Status::empty_mesh, file.string() + ": " + what};
     }
-    return mesh;
+    keep_triangles(*model, std::move(welded), kept);
+    return model;
+}
+
+// Our readers do not throw, but allocation and the JSON library do when memory runs out.
+Result<Model> import(const std::filesystem::path& file, bool with_looks) {
+    try {
+        return import_and_weld(file, with_looks);
+    } catch (const std::exception& exception) {
+        return Error{Status::malformed_file, file.string() + ": cannot be read: " + exception.what()};
+    }
 }
 
 } // namespace
+
+Result<Model> read_model(std::string_view extension, std::span<const std::byte> bytes, Companions& companions) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (extension == ".obj") return read_obj(text, companions);
+    if (extension == ".stl") return without_looks(read_stl(bytes));
+    if (extension == ".3ds") return without_looks(read_3ds(bytes));
+    if (extension == ".ply") return read_ply(bytes, companions);
+    if (extension == ".off") return read_off(text);
+    return read_gltf(bytes, companions);
+}
 
 const std::vector<std::string>& importable_extensions() {
     static const std::vector<std::string> extensions{".obj", ".stl", ".ply", ".off", ".glb", ".gltf", ".3ds"};
@@ -84,12 +103,23 @@ const std::vector<std::string>& importable_extensions() {
 }
 
 Result<TriangleMesh> import_mesh(const std::filesystem::path& file) {
-    // Our readers do not throw, but allocation and the JSON library do when memory runs out.
-    try {
-        return import_and_weld(file);
-    } catch (const std::exception& exception) {
-        return Error{Status::malformed_file, file.string() + ": cannot be read: " + exception.what()};
-    }
+    Result<Model> model = import(file, false);
+    if (!model) return model.error();
+    return std::move(model->mesh);
+}
+
+Result<Model> import_model(const std::filesystem::path& file) {
+    return import(file, true);
+}
+
+Result<Image> read_image(const std::filesystem::path& file) {
+    Result<std::vector<std::byte>> bytes = read_file(file);
+    if (!bytes) return bytes.error();
+    Image image{file.stem().string(), image_type(*bytes)};
+    if (image.mime_type.empty())
+        return Error{Status::unsupported_format, file.string() + ": this is no PNG, JPEG, WebP or KTX2 image"};
+    image.bytes = std::move(*bytes);
+    return image;
 }
 
 } // namespace brittle::fracture

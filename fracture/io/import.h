@@ -1,12 +1,13 @@
-// Mesh files in: OBJ, STL and PLY (text and binary), OFF, glTF and GLB, and 3DS.
+// Mesh files in: OBJ with MTL, STL and PLY (text and binary), OFF, glTF and GLB, and 3DS.
 //
 //     Result<TriangleMesh> mesh = import_mesh("bunny.obj");
+//     Result<Model> model = import_model("vase.glb"); // with what it looks like
 //
 // All meshes of a file are joined into one, with node transforms applied; polygons are split into triangles;
 // vertices at bit-equal positions are welded (weld.h), because files split them at normal and texture seams.
-// Nothing else is changed: units and axes stay as in the file (STL and 3DS are often Z up), materials and
-// textures are not opened, and open or non-manifold meshes are returned as they are: check_topology()
-// (topology.h) says what is wrong, and remove_spare_patches() (repair.h) mends one common flaw.
+// Nothing else is changed: units and axes stay as in the file (STL and 3DS are often Z up), and open or
+// non-manifold meshes are returned as they are: inspect() (inspect.h) says what is wrong, repair() (repair.h)
+// mends it. What a model keeps of each format: docs/files.md. Colours of OBJ, PLY and OFF are sRGB.
 #pragma once
 
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "fracture/error.h"
+#include "fracture/io/model.h"
 #include "fracture/mesh.h"
 
 namespace brittle::fracture {
@@ -25,7 +27,14 @@ namespace brittle::fracture {
 // name a vertex twice after welding are dropped; exporters that round coordinates leave them.
 [[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& file);
 
-// File endings that import_mesh reads, lower case with the dot, for help texts: ".obj", ".stl", ...
+// The same mesh, with materials, images and what belongs to its corners. What is wrong with these is no error but a
+// note. Other files (materials, images, buffers) are opened only in the file's own folder and below.
+[[nodiscard]] Result<Model> import_model(const std::filesystem::path& file);
+
+// A picture for a material; PNG, JPEG, WebP or KTX2, told by its first bytes. Errors as above.
+[[nodiscard]] Result<Image> read_image(const std::filesystem::path& file);
+
+// File endings that both read, lower case with the dot, for help texts: ".obj", ".stl", ...
 [[nodiscard]] const std::vector<std::string>& importable_extensions();
 
 } // namespace brittle::fracture

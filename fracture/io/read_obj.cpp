@@ -1,8 +1,13 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <string>
 
+#include <glm/geometric.hpp>
+
+#include "fracture/io/colour.h"
 #include "fracture/io/polygon.h"
 #include "fracture/io/readers.h"
 #include "fracture/io/text_cursor.h"
@@ -10,33 +15,58 @@
 namespace brittle::fracture {
 namespace {
 
+constexpr uint32_t none = ~0u;
+
 class ObjReader {
   public:
-    explicit ObjReader(std::string_view text) : cursor_(text) {}
+    ObjReader(std::string_view text, Companions& companions) : cursor_(text), companions_(companions) {}
 
-    Result<TriangleMesh> read() {
+    Result<Model> read() {
         while (!cursor_.at_end()) {
-            const std::string_view keyword = cursor_.token();
-            if (keyword == "v") {
-                if (Result<void> done = read_vertex(); !done) return done.error();
-            } else if (keyword == "f") {
-                if (Result<void> done = read_face(); !done) return done.error();
-            }
+            if (Result<void> done = read_line(cursor_.token()); !done) return done.error();
             cursor_.next_line();
         }
-        if (highest_corner_ >= mesh_.positions.size() && !sizes_.empty()) {
+        if (highest_corner_ >= positions().size() && !faces_.empty()) {
             return malformed(highest_line_, "a face names vertex " + std::to_string(highest_corner_ + 1)
-                                                + ", but the file has only "
-                                                + std::to_string(mesh_.positions.size())
+                                                + ", but the file has only " + std::to_string(positions().size())
                                                 + " vertices; it is damaged or cut short");
         }
-        triangulate_faces();
-        return std::move(mesh_);
+        if (Result<void> done = triangulate_faces(); !done) return done.error();
+        complete_corners(model_);
+        return std::move(model_);
     }
 
   private:
+    struct Corner {
+        uint32_t vertex, uv, normal; // none where it has none
+    };
+    struct Face {
+        uint32_t corners;
+        uint32_t material;
+    };
+
     static Error malformed(size_t line, const std::string& what) {
         return {Status::malformed_file, "line " + std::to_string(line) + ": " + what};
+    }
+
+    std::vector<glm::dvec3>& positions() { return model_.mesh.positions; }
+
+    Result<void> read_line(std::string_view keyword) {
+        if (keyword == "v") return read_vertex();
+        if (keyword == "f") return read_face();
+        if (!companions_.wants_looks()) return {};
+        if (keyword == "vt") {
+            const auto at = numbers<2>();
+            uv_.emplace_back(at[0], 1.0f - at[1]); // v goes up here
+        } else if (keyword == "vn") {
+            const auto n = numbers<3>();
+            normals_.emplace_back(n[0], n[1], n[2]);
+        } else if (keyword == "mtllib") {
+            read_materials(cursor_.rest_of_line());
+        } else if (keyword == "usemtl") {
+            use_material(std::string(cursor_.rest_of_line()));
+        }
+        return {};
     }
 
     Result<void> read_vertex() {
@@ -45,15 +75,38 @@ class ObjReader {
             const std::string_view token = cursor_.token();
             const std::optional<double> value = parse_number(token);
             if (!value || !std::isfinite(*value)) {
-                return malformed(cursor_.line(), "vertex " + std::to_string(mesh_.positions.size() + 1)
+                return malformed(cursor_.line(), "vertex " + std::to_string(positions().size() + 1)
                                                      + " needs three finite coordinates, but number "
-                                                     + std::to_string(k + 1) + " of them is "
-                                                     + quoted(token));
+                                                     + std::to_string(k + 1) + " of them is " + quoted(token));
             }
             position[k] = *value;
         }
-        mesh_.positions.push_back(position);
+        if (companions_.wants_looks()) read_colour();
+        positions().push_back(position);
         return {};
+    }
+
+    // Three more numbers are a colour; one is a weight.
+    void read_colour() {
+        glm::dvec4 colour(1.0);
+        for (int k = 0; k < 3; ++k) {
+            const std::optional<double> value = parse_number(cursor_.token());
+            if (!value || !(*value >= 0.0 && *value <= 1.0)) return;
+            colour[k] = linear_of_srgb(*value);
+        }
+        colours_.resize(positions().size(), glm::vec4(1.0f));
+        colours_.emplace_back(colour);
+    }
+
+    // The next numbers of the line, zeros for those that are missing or none.
+    template<size_t count>
+    std::array<float, count> numbers() {
+        std::array<float, count> result{};
+        for (float& value : result) {
+            const auto number = static_cast<float>(parse_number(cursor_.token()).value_or(0.0));
+            value = std::isfinite(number) ? number : 0.0f;
+        }
+        return result;
     }
 
     // Faces may name vertices that come later in the file, so the upper end is checked when all are known.
@@ -61,18 +114,20 @@ class ObjReader {
         const size_t begin = corners_.size();
         for (std::string_view token = cursor_.token(); !token.empty(); token = cursor_.token()) {
             if (token.front() == '#') break;
-            int64_t index = 0;
-            const char* const end = token.data() + token.size();
-            const auto [stop, code] = std::from_chars(token.data(), end, index);
-            const auto count = static_cast<int64_t>(mesh_.positions.size());
-            if (code != std::errc{} || (stop != end && *stop != '/') || index == 0 || index < -count
-                || index > std::numeric_limits<uint32_t>::max()) {
+            const char *at = token.data(), *const end = token.data() + token.size();
+            const std::optional<uint32_t> vertex = index(at, end, positions().size());
+            if (!vertex || (at != end && *at != '/')) {
                 return malformed(cursor_.line(), "a face names vertex " + quoted(token) + "; "
-                                                     + std::to_string(count) + " are known, counted from 1");
+                                                     + std::to_string(positions().size())
+                                                     + " are known, counted from 1");
             }
-            const auto corner = static_cast<uint32_t>(index > 0 ? index - 1 : count + index);
-            if (corner >= highest_corner_) {
-                highest_corner_ = corner;
+            Corner corner{*vertex, none, none};
+            if (at != end && companions_.wants_looks()) {
+                corner.uv = index(++at, end, uv_.size()).value_or(none);
+                if (at != end && *at == '/') corner.normal = index(++at, end, normals_.size()).value_or(none);
+            }
+            if (corner.vertex >= highest_corner_) {
+                highest_corner_ = corner.vertex;
                 highest_line_ = cursor_.line();
             }
             corners_.push_back(corner);
@@ -82,35 +137,99 @@ class ObjReader {
             return malformed(cursor_.line(), "a face has " + std::to_string(size) + " corners; between 3 and "
                                                  + std::to_string(most_polygon_corners) + " can be read");
         }
-        sizes_.push_back(static_cast<uint32_t>(size));
+        faces_.push_back({static_cast<uint32_t>(size), material_});
         return {};
     }
 
-    void triangulate_faces() {
-        mesh_.triangles.reserve(corners_.size() - 2 * sizes_.size());
-        size_t begin = 0;
-        for (const uint32_t size : sizes_) {
-            append_polygon(mesh_, std::span(corners_).subspan(begin, size));
-            begin += size;
+    // Counted from 1, or backwards from the last one known. Moves `at` behind what it read.
+    static std::optional<uint32_t> index(const char*& at, const char* end, size_t known) {
+        int64_t value = 0;
+        const auto [stop, code] = std::from_chars(at, end, value);
+        const auto count = static_cast<int64_t>(known);
+        at = stop;
+        if (code != std::errc{} || value == 0 || value < -count || value >= std::numeric_limits<uint32_t>::max())
+            return std::nullopt;
+        return static_cast<uint32_t>(value > 0 ? value - 1 : count + value);
+    }
+
+    void read_materials(std::string_view name) {
+        if (!libraries_.emplace(name).second) return; // once is enough
+        const auto text = companions_.read(std::string(name));
+        if (!text) return add_note(model_.notes, "materials: " + text.error().message);
+        read_mtl({reinterpret_cast<const char*>(text->data()), text->size()}, companions_, model_);
+        for (uint32_t m = 0; m < model_.materials.size(); ++m) material_named_.emplace(model_.materials[m].name, m);
+    }
+
+    // One that no library holds is still told apart from others.
+    void use_material(const std::string& name) {
+        const auto known = material_named_.find(name);
+        if (known != material_named_.end()) {
+            material_ = known->second;
+            return;
         }
+        add_note(model_.notes, "material " + quoted(std::string_view(name)) + " is in none of the libraries that the file names");
+        material_ = static_cast<uint32_t>(model_.materials.size());
+        material_named_.emplace(name, material_);
+        model_.materials.push_back({.name = name});
+    }
+
+    Result<void> triangulate_faces() {
+        PolygonSplitter splitter;
+        std::vector<uint32_t> vertices;
+        size_t begin = 0;
+        for (const Face& face : faces_) {
+            const std::span corners = std::span(corners_).subspan(begin, face.corners);
+            vertices.clear();
+            for (const Corner& corner : corners) vertices.push_back(corner.vertex);
+            const auto triangles = splitter.split(positions(), vertices);
+            if (!triangles) return Error{Status::malformed_file, PolygonSplitter::too_tangled};
+            for (const Triangle& t : *triangles) {
+                const Triangle of_mesh(vertices[t.x], vertices[t.y], vertices[t.z]);
+                if (companions_.wants_looks())
+                    append_triangle(model_, of_mesh, face.material,
+                                    std::array{look(corners[t.x]), look(corners[t.y]), look(corners[t.z])});
+                else
+                    model_.mesh.triangles.push_back(of_mesh);
+            }
+            begin += face.corners;
+        }
+        return {};
+    }
+
+    [[nodiscard]] CornerLook look(const Corner& corner) const {
+        CornerLook result;
+        if (corner.uv < uv_.size()) result.uv[0] = uv_[corner.uv];
+        if (corner.normal < normals_.size()) {
+            const float length = glm::length(normals_[corner.normal]);
+            if (length > 0.0f) result.normal = normals_[corner.normal] / length;
+        }
+        if (corner.vertex < colours_.size()) result.colour = colours_[corner.vertex];
+        return result;
     }
 
     TextCursor cursor_;
-    TriangleMesh mesh_;
-    std::vector<uint32_t> corners_; // of all faces, one after the other
-    std::vector<uint32_t> sizes_;   // corners of each face
+    Companions& companions_;
+    Model model_;
+    std::vector<Corner> corners_; // of all faces, one after the other
+    std::vector<Face> faces_;
+    std::vector<glm::vec2> uv_;
+    std::vector<glm::vec3> normals_;
+    std::vector<glm::vec4> colours_; // of vertices
+    std::map<std::string, uint32_t> material_named_;
+    std::set<std::string> libraries_;
+    uint32_t material_ = no_material;
     uint32_t highest_corner_ = 0;
     size_t highest_line_ = 0;
 };
 
 } // namespace
 
-Result<TriangleMesh> read_obj(std::string_view text) {
+Result<Model> read_obj(std::string_view text, Companions& companions) {
     if (const size_t zero = text.find('\0'); zero != text.npos) {
         return Error{Status::malformed_file,
                      "byte " + std::to_string(zero) + " is 0: this is a binary file, not OBJ text"};
     }
-    return ObjReader(text).read();
+    return ObjReader(text, companions).read();
 }
 
 } // namespace brittle::fracture

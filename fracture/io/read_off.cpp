@@ -1,7 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include <glm/geometric.hpp>
+
+#include "fracture/io/colour.h"
 #include "fracture/io/polygon.h"
 #include "fracture/io/readers.h"
 #include "fracture/io/text_cursor.h"
@@ -14,10 +18,12 @@ class OffReader {
   public:
     explicit OffReader(std::string_view text) : cursor_(text), size_(text.size()) {}
 
-    Result<TriangleMesh> read() {
+    Result<Model> read() {
         const std::string_view keyword = next();
         if (keyword != "OFF" && keyword != "COFF" && keyword != "NOFF" && keyword != "CNOFF")
             return malformed("the file begins with " + quoted(keyword) + "; OFF, COFF, NOFF or CNOFF can be read");
+        has_colours_ = keyword.starts_with('C');
+        has_normals_ = keyword.find('N') != keyword.npos;
         uint64_t vertices = 0, faces = 0, edges = 0;
         for (uint64_t* count : {&vertices, &faces, &edges}) {
             const auto number = whole(next());
@@ -34,7 +40,8 @@ class OffReader {
         for (uint64_t f = 0; f < faces; ++f) {
             if (Result<void> done = read_face(f); !done) return done.error();
         }
-        return std::move(mesh_);
+        complete_corners(model_);
+        return std::move(model_);
     }
 
   private:
@@ -68,9 +75,39 @@ class OffReader {
                                  + std::to_string(k + 1) + " of them is " + quoted(token));
             position[k] = *value;
         }
-        mesh_.positions.push_back(position);
-        cursor_.next_line(); // normals and colours
+        model_.mesh.positions.push_back(position);
+        looks_.push_back(read_look());
+        cursor_.next_line();
         return {};
+    }
+
+    // Normals and colours, as far as they are there.
+    CornerLook read_look() {
+        CornerLook look;
+        if (has_normals_) {
+            glm::dvec3 normal(0.0);
+            for (int k = 0; k < 3; ++k) normal[k] = parse_number(cursor_.token()).value_or(0.0);
+            const double length = glm::length(normal);
+            if (length > 0.0 && std::isfinite(length)) look.normal = glm::vec3(normal / length);
+        }
+        if (!has_colours_) return look;
+        glm::dvec4 colour(1.0);
+        bool is_whole = true; // 0 to 255, else 0.0 to 1.0
+        for (int k = 0; k < 4; ++k) {
+            const std::string_view token = cursor_.token();
+            const std::optional<double> value = parse_number(token);
+            if (!value && k == 3) { // opacity may be missing
+                colour.w = is_whole ? 255.0 : 1.0;
+                break;
+            }
+            if (!value || !(*value >= 0.0 && *value <= 255.0)) return look;
+            is_whole = is_whole && token.find('.') == token.npos;
+            colour[k] = *value;
+        }
+        if (is_whole) colour /= 255.0;
+        for (int k = 0; k < 3; ++k) colour[k] = linear_of_srgb(std::min(colour[k], 1.0));
+        look.colour = glm::vec4(colour);
+        return look;
     }
 
     Result<void> read_face(uint64_t index) {
@@ -82,25 +119,32 @@ class OffReader {
         for (uint64_t k = 0; k < *count; ++k) {
             const std::string_view token = next();
             const auto corner = whole(token);
-            if (!corner || *corner >= mesh_.positions.size())
+            if (!corner || *corner >= model_.mesh.positions.size())
                 return malformed("face " + std::to_string(index) + " names vertex " + quoted(token) + "; there are "
-                                 + std::to_string(mesh_.positions.size()) + ", counted from 0");
+                                 + std::to_string(model_.mesh.positions.size()) + ", counted from 0");
             corners_.push_back(static_cast<uint32_t>(*corner));
         }
-        append_polygon(mesh_, corners_);
+        const auto triangles = splitter_.split(model_.mesh.positions, corners_);
+        if (!triangles) return malformed(PolygonSplitter::too_tangled);
+        for (const Triangle& t : *triangles)
+            append_triangle(model_, {corners_[t.x], corners_[t.y], corners_[t.z]}, no_material,
+                            std::array{looks_[corners_[t.x]], looks_[corners_[t.y]], looks_[corners_[t.z]]});
         cursor_.next_line(); // colours
         return {};
     }
 
     TextCursor cursor_;
     size_t size_;
-    TriangleMesh mesh_;
+    bool has_colours_ = false, has_normals_ = false;
+    Model model_;
+    std::vector<CornerLook> looks_; // of vertices
+    PolygonSplitter splitter_;
     std::vector<uint32_t> corners_;
 };
 
 } // namespace
 
-Result<TriangleMesh> read_off(std::string_view text) {
+Result<Model> read_off(std::string_view text) {
     if (const size_t zero = text.find('\0'); zero != text.npos)
         return Error{Status::malformed_file, "byte " + std::to_string(zero)
                                                  + " is 0: binary OFF is not read; export the mesh as text"};

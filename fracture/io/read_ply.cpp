@@ -2,10 +2,14 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include <glm/geometric.hpp>
+
 #include "fracture/io/bytes.h"
+#include "fracture/io/colour.h"
 #include "fracture/io/polygon.h"
 #include "fracture/io/readers.h"
 #include "fracture/io/text_cursor.h"
@@ -34,6 +38,8 @@ std::optional<Type> type_named(std::string_view name) {
         if (name == names[k][0] || name == names[k][1]) return static_cast<Type>(k);
     return std::nullopt;
 }
+
+constexpr size_t most_textures = 1000;
 
 struct Property {
     std::string name;
@@ -105,17 +111,56 @@ class Numbers {
     size_t first_line_;
 };
 
+// The properties of a vertex beyond its place.
+class VertexLook {
+  public:
+    void set(const Property& property, double value) {
+        constexpr std::array<std::string_view, 13> names = {"nx", "ny", "nz", "red", "green", "blue", "alpha",
+                                                            "s", "t", "u", "v", "texture_u", "texture_v"};
+        const auto at = static_cast<size_t>(std::find(names.begin(), names.end(), property.name) - names.begin());
+        if (at == names.size() || !std::isfinite(value)) return;
+        if (at < 3) {
+            normal_[static_cast<int>(at)] = value;
+            has_normal_ = true;
+        } else if (at < 7) {
+            const bool is_share = property.type == Type::float32 || property.type == Type::float64;
+            const double share = std::clamp(is_share ? value : value / (size_of(property.type) == 2 ? 65535.0 : 255.0), 0.0, 1.0);
+            colour_[static_cast<int>(at) - 3] = at == 6 ? share : linear_of_srgb(share);
+            has_colour_ = true;
+        } else {
+            uv_[at % 2 == 0 ? 1 : 0] = value;
+            has_uv_ = true;
+        }
+    }
+
+    [[nodiscard]] CornerLook finish() const {
+        CornerLook look;
+        const double length = glm::length(normal_);
+        if (has_normal_ && length > 0.0) look.normal = glm::vec3(normal_ / length);
+        if (has_colour_) look.colour = glm::vec4(colour_);
+        if (has_uv_) look.uv[0] = glm::vec2(uv_[0], 1.0 - uv_[1]); // v goes up here
+        return look;
+    }
+
+  private:
+    glm::dvec3 normal_{0.0};
+    glm::dvec4 colour_{1.0};
+    glm::dvec2 uv_{0.0};
+    bool has_normal_ = false, has_colour_ = false, has_uv_ = false;
+};
+
 class PlyReader {
   public:
-    explicit PlyReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    PlyReader(std::span<const std::byte> bytes, Companions& companions) : bytes_(bytes), companions_(companions) {}
 
-    Result<TriangleMesh> read() {
+    Result<Model> read() {
         if (Result<void> done = read_header(); !done) return done.error();
         Numbers numbers(bytes_.subspan(header_size_), encoding_, header_lines_ + 1);
         for (const Element& element : elements_) {
             if (Result<void> done = read_element(element, numbers); !done) return done.error();
         }
-        return std::move(mesh_);
+        complete_corners(model_);
+        return std::move(model_);
     }
 
   private:
@@ -155,6 +200,8 @@ class PlyReader {
                 else if (name == "binary_big_endian") encoding_ = Encoding::big_endian;
                 else return wrong("an unknown format");
                 has_format = true;
+            } else if (word == "comment") {
+                if (cursor.token() == "TextureFile") texture_files_.emplace_back(cursor.rest_of_line());
             } else if (word == "element") {
                 Element element{std::string(cursor.token()), 0, {}};
                 const std::optional<double> count = parse_number(cursor.token());
@@ -192,46 +239,104 @@ class PlyReader {
             return numbers.place(header_size_) + ", " + element.name + " " + std::to_string(k);
         };
         if (element.properties.empty()) return {};
+        if (element.name == "face" && companions_.wants_looks()) read_textures();
+        const bool is_vertex = element.name == "vertex";
         for (uint64_t k = 0; k < element.count; ++k) {
             glm::dvec3 position(0.0);
-            std::vector<uint32_t>& corners = corners_;
-            corners.clear();
+            VertexLook look;
+            corners_.clear();
+            uv_of_corners_.clear();
+            texture_ = 0;
             for (const Property& property : element.properties) {
                 if (!property.count) {
                     const double value = numbers.next(property.type);
                     if (property.name == "x") position.x = value;
                     if (property.name == "y") position.y = value;
                     if (property.name == "z") position.z = value;
-                    continue;
-                }
-                const double count = numbers.next(*property.count);
-                const bool is_face = element.name == "face"
-                                     && (property.name == "vertex_indices" || property.name == "vertex_index");
-                if (!(count >= 0.0) || (is_face && (count < 3.0 || count > most_polygon_corners)))
-                    return numbers.ended ? cut_short(place_of(k))
-                                         : malformed(place_of(k), "a list of " + std::to_string(count)
-                                                                      + " numbers; a face has 3 to "
-                                                                      + std::to_string(most_polygon_corners));
-                for (double m = 0.0; m < count && !numbers.ended; m += 1.0) {
-                    const double index = numbers.next(property.type);
-                    if (!is_face) continue;
-                    if (!(index >= 0.0) || index != std::floor(index)
-                        || index >= static_cast<double>(mesh_.positions.size())) {
-                        if (numbers.ended) break;
-                        return malformed(place_of(k), "it names vertex " + std::to_string(index) + "; there are "
-                                                          + std::to_string(mesh_.positions.size())
-                                                          + " before it, counted from 0");
-                    }
-                    corners.push_back(static_cast<uint32_t>(index));
+                    if (is_vertex && companions_.wants_looks()) look.set(property, value);
+                    if (property.name == "texnumber" && value >= 0.0 && value < 1e6) texture_ = static_cast<uint32_t>(value);
+                } else if (Result<void> done = read_list(element, property, numbers, [&] { return place_of(k); }); !done) {
+                    return done;
                 }
             }
             if (numbers.ended) return cut_short(place_of(k));
             if (!numbers.bad.empty())
                 return malformed(place_of(k), "a number is expected, but found " + quoted(std::string_view(numbers.bad)));
-            if (element.name == "vertex") mesh_.positions.push_back(position);
-            if (!corners.empty()) append_polygon(mesh_, corners);
+            if (is_vertex) {
+                model_.mesh.positions.push_back(position);
+                if (companions_.wants_looks()) looks_.push_back(look.finish());
+            }
+            if (corners_.empty()) continue;
+            if (!append_face()) return malformed(place_of(k), PolygonSplitter::too_tangled);
         }
         return {};
+    }
+
+    Result<void> read_list(const Element& element, const Property& property, Numbers& numbers,
+                           const std::function<std::string()>& place) {
+        const double count = numbers.next(*property.count);
+        const bool is_face = element.name == "face"
+                             && (property.name == "vertex_indices" || property.name == "vertex_index");
+        const bool is_uv = element.name == "face" && property.name == "texcoord" && companions_.wants_looks();
+        if (!(count >= 0.0) || (is_face && (count < 3.0 || count > most_polygon_corners)))
+            return numbers.ended ? cut_short(place())
+                                 : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
+                                                          + std::to_string(most_polygon_corners));
+        const auto known = static_cast<double>(model_.mesh.positions.size());
+        for (double m = 0.0; m < count && !numbers.ended; m += 1.0) {
+            const double value = numbers.next(property.type);
+            if (is_uv && uv_of_corners_.size() < 2 * most_polygon_corners)
+                uv_of_corners_.push_back(std::isfinite(value) ? static_cast<float>(value) : 0.0f);
+            if (!is_face) continue;
+            if (!(value >= 0.0) || value != std::floor(value) || value >= known) {
+                if (numbers.ended) break;
+                return malformed(place(), "it names vertex " + std::to_string(value) + "; there are "
+                                              + std::to_string(model_.mesh.positions.size())
+                                              + " before it, counted from 0");
+            }
+            corners_.push_back(static_cast<uint32_t>(value));
+        }
+        return {};
+    }
+
+    // False where the file's polygons are too tangled.
+    bool append_face() {
+        const auto triangles = splitter_.split(model_.mesh.positions, corners_);
+        if (!triangles) return false;
+        const bool has_uv = uv_of_corners_.size() == 2 * corners_.size();
+        const auto look = [&](uint32_t k) {
+            CornerLook result = corners_[k] < looks_.size() ? looks_[corners_[k]] : CornerLook{};
+            if (has_uv) result.uv[0] = glm::vec2(uv_of_corners_[2 * k], 1.0f - uv_of_corners_[2 * k + 1]);
+            return result;
+        };
+        const uint32_t material = texture_ < model_.materials.size() ? texture_ : no_material;
+        for (const Triangle& t : *triangles) {
+            const Triangle of_mesh(corners_[t.x], corners_[t.y], corners_[t.z]);
+            if (companions_.wants_looks())
+                append_triangle(model_, of_mesh, material, std::array{look(t.x), look(t.y), look(t.z)});
+            else
+                model_.mesh.triangles.push_back(of_mesh);
+        }
+        return true;
+    }
+
+    // One material for each texture that a comment names, as MeshLab writes it.
+    void read_textures() {
+        if (texture_files_.size() > most_textures) texture_files_.resize(most_textures);
+        for (const std::string& name : texture_files_) {
+            Material material{.name = name};
+            const auto bytes = companions_.read(name);
+            const std::string type = bytes ? image_type(*bytes) : std::string();
+            if (type.empty()) {
+                add_note(model_.notes, "texture: " + (bytes ? quoted(std::string_view(name)) + " is no image that is kept" : bytes.error().message));
+            } else {
+                material.base_colour_texture = TextureUse{.texture = static_cast<uint32_t>(model_.textures.size())};
+                model_.textures.push_back({.image = static_cast<uint32_t>(model_.images.size())});
+                model_.images.push_back({name, type, {bytes->begin(), bytes->end()}});
+            }
+            model_.materials.push_back(std::move(material));
+        }
+        texture_files_.clear();
     }
 
     static Error cut_short(const std::string& where) {
@@ -242,14 +347,21 @@ class PlyReader {
     size_t header_size_ = 0, header_lines_ = 0;
     Encoding encoding_ = Encoding::text;
     std::vector<Element> elements_;
-    TriangleMesh mesh_;
+    Companions& companions_;
+    Model model_;
+    std::vector<CornerLook> looks_; // of vertices
+    std::vector<std::string> texture_files_;
+    PolygonSplitter splitter_;
+    // Of the face at hand.
     std::vector<uint32_t> corners_;
+    std::vector<float> uv_of_corners_;
+    uint32_t texture_ = 0;
 };
 
 } // namespace
 
-Result<TriangleMesh> read_ply(std::span<const std::byte> bytes) {
-    return PlyReader(bytes).read();
+Result<Model> read_ply(std::span<const std::byte> bytes, Companions& companions) {
+    return PlyReader(bytes, companions).read();
 }
 
 } // namespace brittle::fracture

@@ -1,5 +1,6 @@
 #include "fracture/io/text_cursor.h"
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 
@@ -41,6 +42,15 @@ std::string_view TextCursor::token_of_any_line() {
         if (!found.empty() || at_end()) return found;
         next_line();
     }
+}
+
+std::string_view TextCursor::rest_of_line() {
+    while (at_ < text_.size() && is_space(text_[at_])) ++at_;
+    size_t end = std::min(text_.find('\n', at_), text_.size());
+    const size_t begin = at_;
+    at_ = end;
+    while (end > begin && is_space(text_[end - 1])) --end;
+    return text_.substr(begin, end - begin);
 }
 
 void TextCursor::next_line() {

@@ -21,6 +21,8 @@ class TextCursor {
     std::string_view token();
     // The next token of this line or a later one; empty at the end of the text.
     std::string_view token_of_any_line();
+    // The rest of this line without blanks around it; names may hold blanks.
+    std::string_view rest_of_line();
     // Skips the rest of this line.
     void next_line();
 

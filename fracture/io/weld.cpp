@@ -52,19 +52,21 @@ std::vector<uint32_t> first_at_same_position(const std::vector<glm::dvec3>& posi
 
 } // namespace
 
-TriangleMesh weld(const TriangleMesh& mesh) {
+TriangleMesh weld(const TriangleMesh& mesh, std::vector<uint32_t>* kept) {
     assert(mesh.positions.size() < none);
     const std::vector<uint32_t> first = first_at_same_position(mesh.positions);
 
     TriangleMesh result;
     result.triangles.reserve(mesh.triangles.size());
     std::vector<bool> used(mesh.positions.size(), false);
+    if (kept) kept->clear();
     for (const Triangle& t : mesh.triangles) {
         assert(t.x < first.size() && t.y < first.size() && t.z < first.size());
         const Triangle welded{first[t.x], first[t.y], first[t.z]};
         if (welded.x == welded.y || welded.y == welded.z || welded.z == welded.x) continue;
         for (int k = 0; k < 3; ++k) used[welded[k]] = true;
         result.triangles.push_back(welded);
+        if (kept) kept->push_back(static_cast<uint32_t>(&t - mesh.triangles.data()));
     }
 
     std::vector<uint32_t> renumbered(mesh.positions.size(), none);

@@ -11,7 +11,7 @@ namespace brittle::fracture {
 
 // Vertices at bit-equal positions (-0 equals +0) become one, the first; then triangles that name a vertex
 // twice are dropped, and vertices that no triangle uses. Order is kept. Expected linear time. Indices must be
-// in range.
-[[nodiscard]] TriangleMesh weld(const TriangleMesh& mesh);
+// in range. `kept`, where given, gets the index of each remaining triangle in the mesh.
+[[nodiscard]] TriangleMesh weld(const TriangleMesh& mesh, std::vector<uint32_t>* kept = nullptr);
 
 } // namespace brittle::fracture

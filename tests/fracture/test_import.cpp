@@ -212,7 +212,7 @@ TEST_CASE("import: the same cube comes out of every format, closed and right sid
     for (const char* name :
          {"cube.obj", "spelled_oddly.obj", "cube_binary.stl", "cube_named_solid.stl", "cube_text.stl",
           "cube_text_shouting.stl", "cube.glb", "cube_bytes.gltf", "cube_outside_buffer.gltf", "cube.3ds",
-          "cube_text.ply", "cube_little.ply", "cube_big.ply", "cube.off"}) {
+          "cube_text.ply", "cube_little.ply", "cube_big.ply", "cube.off", "crate.glb", "crate.obj", "crate.mtl"}) {
         CAPTURE(name);
         const TriangleMesh cube = import_valid(meshes / name);
         CHECK(cube.positions.size() == 8);
@@ -307,7 +307,7 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
     const int rounds = wanted ? std::atoi(wanted) : 2000;
     for (const char* name :
          {"spelled_oddly.obj", "cube_binary.stl", "cube_text.stl", "cube.glb", "mirrored.gltf", "cube.3ds",
-          "cube_text.ply", "cube_little.ply", "cube_big.ply", "cube.off"}) {
+          "cube_text.ply", "cube_little.ply", "cube_big.ply", "cube.off", "crate.glb", "crate.obj", "crate.mtl"}) {
         CAPTURE(name);
         const std::string original = content_of(meshes / name);
         REQUIRE(!original.empty());
@@ -339,21 +339,33 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
                 }
             }
             const std::span<const std::byte> bytes = std::as_bytes(std::span(damaged));
+            Companions companions(meshes);
             const std::string extension = fs::path(name).extension().string();
-            const Result<TriangleMesh> result = extension == ".obj"   ? read_obj(damaged)
-                                                : extension == ".stl" ? read_stl(bytes)
-                                                : extension == ".3ds" ? read_3ds(bytes)
-                                                : extension == ".ply" ? read_ply(bytes)
-                                                : extension == ".off" ? read_off(damaged)
-                                                                      : read_gltf(bytes, meshes);
+            if (extension == ".mtl") { // never an error, and nothing that names what is not there
+                Model model;
+                read_mtl(damaged, companions, model);
+                for (const Material& m : model.materials)
+                    for (const auto& use : {m.base_colour_texture, m.emissive_texture, m.normal_texture})
+                        if (use) REQUIRE(model.textures.at(use->texture).image.value() < model.images.size());
+                read_well += !model.materials.empty();
+                continue;
+            }
+            const Result<Model> result = read_model(extension, bytes, companions);
             if (!result) {
                 CHECK(!result.error().message.empty());
                 continue;
             }
             ++read_well;
-            for (const Triangle& t : result->triangles) {
-                for (int k = 0; k < 3; ++k) REQUIRE(t[k] < result->positions.size());
+            const TriangleMesh& mesh = result->mesh;
+            for (const Triangle& t : mesh.triangles) {
+                for (int k = 0; k < 3; ++k) REQUIRE(t[k] < mesh.positions.size());
             }
+            const auto fits = [](size_t size, size_t whole) { return size == 0 || size == whole; };
+            for (const auto& set : result->uv) REQUIRE(fits(set.size(), 3 * mesh.triangles.size()));
+            REQUIRE(fits(result->normals.size(), 3 * mesh.triangles.size()));
+            REQUIRE(fits(result->colours.size(), 3 * mesh.triangles.size()));
+            REQUIRE(fits(result->material_of.size(), mesh.triangles.size()));
+            for (const uint32_t m : result->material_of) REQUIRE((m == no_material || m < result->materials.size()));
         }
         CHECK(read_well > 0); // else the damage is too coarse to reach the insides
     }

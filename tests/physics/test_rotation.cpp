@@ -1,3 +1,4 @@
+#include "fracture/principal_axes.h"
 #include "physics/rotation.h"
 
 #include <algorithm>
@@ -31,13 +32,13 @@ glm::dvec3 angular_momentum(const Spin& spin, const glm::dvec3& moments) {
 } // namespace
 
 TEST_CASE("the zero tensor has the coordinate axes and zero moments") {
-    const PrincipalAxes principal = principal_axes(glm::dmat3(0.0));
+    const brittle::fracture::PrincipalAxes principal = brittle::fracture::principal_axes(glm::dmat3(0.0));
     CHECK(principal.axes == glm::dmat3(1.0));
     CHECK(principal.moments == glm::dvec3(0.0));
 }
 
 TEST_CASE("a diagonal tensor keeps its axes and their order") {
-    const PrincipalAxes principal = principal_axes(diagonal(3.0, 1.0, 2.0));
+    const brittle::fracture::PrincipalAxes principal = brittle::fracture::principal_axes(diagonal(3.0, 1.0, 2.0));
     CHECK(principal.axes == glm::dmat3(1.0));
     CHECK(principal.moments == glm::dvec3(3.0, 1.0, 2.0));
 }
@@ -50,7 +51,7 @@ TEST_CASE("axes and moments give back any symmetric tensor, however small") {
             tensor[0] = {at(0), at(1), at(2)};
             tensor[1] = {at(1), at(3), at(4)};
             tensor[2] = {at(2), at(4), at(5)};
-            const PrincipalAxes principal = principal_axes(tensor);
+            const brittle::fracture::PrincipalAxes principal = brittle::fracture::principal_axes(tensor);
             const glm::dmat3 again = principal.axes
                                      * diagonal(principal.moments.x, principal.moments.y, principal.moments.z)
                                      * glm::transpose(principal.axes);

@@ -43,7 +43,7 @@ class Demo {
     Demo(const DemoCommand& command, const Input& input, engine::Device& device, engine::Window& window,
          engine::Renderer& renderer)
         : command_(command), input_(input), device_(device), window_(window), renderer_(renderer),
-          stage_(renderer, input.mesh) {
+          stage_(renderer, input.model.mesh) {
         const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
         orbit_ = engine::OrbitCamera::around(stage_view(stage_.home_bounds()), aspect);
         show_title();
@@ -79,7 +79,7 @@ class Demo {
         if (input.pressed('R')) {
             discard_ = breaking_.valid();
             pieces_.reset();
-            stage_.reset(input_.mesh);
+            stage_.reset(input_.model.mesh);
             show_title();
         }
         if (input.pressed('P')) paused_ = !paused_;
@@ -120,7 +120,7 @@ class Demo {
         ImGui::SetNextWindowBgAlpha(0.6f);
         ImGui::Begin("status", nullptr, fixed);
         ImGui::Text("%.0f frames/s  %s", 1.0 / smoothed_seconds_, device_.info().name.c_str());
-        ImGui::Text("%s, %zu triangles, %zu sites", input_.name.c_str(), input_.mesh.triangles.size(),
+        ImGui::Text("%s, %zu triangles, %zu sites", input_.name.c_str(), input_.model.mesh.triangles.size(),
                     input_.sites.size());
         if (pieces_) {
             ImGui::Text("%u pieces in %.1f ms, %s", pieces_->certificate.pieces, pieces_->milliseconds,

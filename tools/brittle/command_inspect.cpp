@@ -56,7 +56,7 @@ Json to_json(const std::string& name, const fracture::Inspection& i) {
 
 int run_inspect(const InspectCommand& command) {
     const Input input = load_mesh_only(command.mesh);
-    const fracture::Inspection inspection = fracture::inspect(input.mesh);
+    const fracture::Inspection inspection = fracture::inspect(input.model.mesh);
     if (command.json)
         std::printf("%s\n", to_json(input.name, inspection).dump(2).c_str());
     else

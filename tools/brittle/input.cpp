@@ -21,10 +21,18 @@ namespace {
 
 constexpr std::string_view shape_prefix = "shape:";
 
-fracture::TriangleMesh load_mesh(const std::string& mesh) {
-    if (!mesh.starts_with(shape_prefix)) return must(fracture::import_mesh(mesh));
+fracture::Model load_model(const std::string& mesh, bool with_looks) {
+    fracture::Model model;
+    if (!mesh.starts_with(shape_prefix)) {
+        if (with_looks) return must(fracture::import_model(mesh));
+        model.mesh = must(fracture::import_mesh(mesh));
+        return model;
+    }
     const std::string_view name = std::string_view(mesh).substr(shape_prefix.size());
-    if (std::optional<fracture::TriangleMesh> shape = fracture::shape(name)) return std::move(*shape);
+    if (std::optional<fracture::TriangleMesh> shape = fracture::shape(name)) {
+        model.mesh = std::move(*shape);
+        return model;
+    }
     std::string known;
     for (const std::string_view s : fracture::shape_names()) known.append(known.empty() ? "" : ", ").append(s);
     throw Failure(exit_input, "there is no shape named '" + std::string(name) + "'; there are: " + known);
@@ -57,27 +65,27 @@ void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name)
 
 } // namespace
 
-Input load_mesh_only(const std::string& mesh) {
+Input load_mesh_only(const std::string& mesh, bool with_looks) {
     Input input;
     input.name = mesh_name(mesh);
     const Stopwatch import;
-    input.mesh = load_mesh(mesh);
+    input.model = load_model(mesh, with_looks);
     input.import_milliseconds = import.milliseconds();
     return input;
 }
 
-Input load_input(const FractureOptions& options) {
+Input load_input(const FractureOptions& options, bool with_looks) {
     if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
-    Input input = load_mesh_only(options.mesh);
+    Input input = load_mesh_only(options.mesh, with_looks);
     if (options.repair) {
-        repair(input.mesh, input.name);
+        repair(input.model.mesh, input.name);
     } else {
-        suggest_repair(input.mesh, input.name);
+        suggest_repair(input.model.mesh, input.name);
     }
     if (!options.sites_file.empty()) {
         input.sites = must(fracture::read_sites(options.sites_file));
     } else {
-        fracture::PatternSites made = must(fracture::make_sites(options.pattern, input.mesh));
+        fracture::PatternSites made = must(fracture::make_sites(options.pattern, input.model.mesh));
         input.sites = std::move(made.sites);
         input.groups = std::move(made.groups);
     }
@@ -95,9 +103,9 @@ Broken break_input(const Input& input, const FractureOptions& options,
                                       .cancelled = is_interrupted};
     const Stopwatch stopwatch;
     Broken broken;
-    broken.fragments = must(fracture::fracture(input.mesh, input.sites, settings));
+    broken.fragments = must(fracture::fracture(input.model.mesh, input.sites, settings));
     broken.milliseconds = stopwatch.milliseconds();
-    broken.certificate = fracture::certify(input.mesh, broken.fragments);
+    broken.certificate = fracture::certify(input.model.mesh, broken.fragments);
     return broken;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fracture/fracture.h"
+#include "fracture/io/model.h"
 #include "fracture/pattern.h"
 
 namespace brittle::tools {
@@ -24,7 +25,7 @@ struct FractureOptions {
 // A mesh and the sites to break it by.
 struct Input {
     std::string name; // the file's stem or the shape's name
-    fracture::TriangleMesh mesh;
+    fracture::Model model; // without looks for shapes, and unless they are asked for
     std::vector<glm::dvec3> sites;
     std::vector<uint32_t> groups; // of the sites; or none
     double import_milliseconds = 0.0;
@@ -37,10 +38,10 @@ struct Broken {
 };
 
 // `shape:NAME` gives a procedural shape, anything else is read as a file. A pattern is placed in the mesh's box.
-[[nodiscard]] Input load_input(const FractureOptions& options);
+[[nodiscard]] Input load_input(const FractureOptions& options, bool with_looks = false);
 
 // The mesh alone, as it is in the file.
-[[nodiscard]] Input load_mesh_only(const std::string& mesh);
+[[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
 
 // Fractures with `progress` called and `classifier` asked as in fracture::Settings.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,

@@ -133,11 +133,25 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
 
 void add_commands(CLI::App& app, std::function<int()>& run) {
     static FractureCommand fracture_command;
-    auto* fracture = app.add_subcommand("fracture", "Break a mesh and write the pieces to a GLB file");
+    auto* fracture = app.add_subcommand("fracture", "Break a mesh and write the pieces: GLB, OBJ, PLY or STL");
     add_fracture_options(*fracture, fracture_command.fracture);
-    fracture->add_option("-o,--output", fracture_command.output, "The GLB file to write")
+    fracture->add_option("-o,--output", fracture_command.output,
+                         "The file to write; its ending says the format: .glb, .obj (with .mtl), .ply or .stl")
         ->required()
-        ->type_name("FILE.glb");
+        ->type_name("FILE");
+    fracture->add_flag("--per-piece", fracture_command.per_piece, "A file for each piece: FILE_000, FILE_001, ...");
+    fracture->add_option("--hulls", fracture_command.hulls,
+                         "GLB: also collision hulls, named so that the engine finds them")
+        ->check(CLI::IsMember({"godot", "unreal"}))
+        ->type_name("ENGINE");
+    fracture->add_flag("--rigid-bodies", fracture_command.rigid_bodies,
+                       "GLB: also masses and hulls by KHR_physics_rigid_bodies, the draft of 2024");
+    fracture->add_option("--density", fracture_command.density, "kg/m^3, of --rigid-bodies")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    fracture->add_option("--interior-texture", fracture_command.interior_texture,
+                         "An image for the cuts, repeated every metre (PNG or JPEG)")
+        ->type_name("FILE");
     fracture->add_option("--report", fracture_command.report, "Also write counts, proof and times as JSON")
         ->type_name("FILE.json");
     fracture->add_option("--save-recipe", fracture_command.save_recipe, "Also write what was done as a recipe")

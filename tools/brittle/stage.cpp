@@ -27,13 +27,13 @@ uint32_t packed(const glm::vec3& linear) {
 } // namespace
 
 Input placed_on_stage(Input input) {
-    const fracture::Box box = fracture::bounds(input.mesh);
+    const fracture::Box box = fracture::bounds(input.model.mesh);
     const double longest = std::max({box.size().x, box.size().y, box.size().z});
     if (!(longest > 0.0) || !std::isfinite(longest)) return input;
     const double scale = stage_size / longest;
     const glm::dvec3 foot(box.centre().x, box.min.y, box.centre().z);
     const auto place = [&](glm::dvec3& p) { p = (p - foot) * scale + glm::dvec3(0.0, stage_height, 0.0); };
-    std::for_each(input.mesh.positions.begin(), input.mesh.positions.end(), place);
+    std::for_each(input.model.mesh.positions.begin(), input.model.mesh.positions.end(), place);
     std::for_each(input.sites.begin(), input.sites.end(), place);
     return input;
 }

@@ -1,4 +1,4 @@
-#include "fracture/io/export_glb.h"
+#include "fracture/io/export.h"
 
 #include <cmath>
 #include <cstring>
@@ -121,9 +121,9 @@ std::vector<glm::vec3> vectors(const Glb& glb, size_t accessor) {
 }
 
 fs::path exported(const test::TemporaryFolder& folder, const Fragments& fragments,
-                  const GlbOptions& options = {}) {
+                  const ExportOptions& options = {}) {
     const fs::path file = folder.path() / "pieces.glb";
-    const Result<void> result = export_glb(file, fragments, certificate(), options);
+    const auto result = export_pieces(file, fragments, certificate(), options);
     if (!result) FAIL(result.error().message);
     return file;
 }
@@ -145,7 +145,7 @@ TEST_CASE("export: a recipe that is no JSON object is refused, and the old file 
     const std::string before = content_of(file);
     for (const std::string& recipe :
          {std::string("{"), std::string("[1]"), std::string(), "{\"a\":" + std::string(100000, '[')}) {
-        const Result<void> result = export_glb(file, {}, {}, {"mesh", recipe});
+        const auto result = export_pieces(file, {}, {}, {.recipe = recipe});
         REQUIRE(!result);
         CHECK(result.error().status == Status::invalid_setting);
     }
@@ -157,7 +157,7 @@ TEST_CASE("export: coordinates that floats cannot hold are refused") {
     const test::TemporaryFolder folder;
     Fragments fragments;
     add_box(fragments, glm::dvec3(-1e300), glm::dvec3(1.0), 1.0);
-    const Result<void> result = export_glb(folder.path() / "big.glb", fragments, {});
+    const auto result = export_pieces(folder.path() / "big.glb", fragments, {});
     REQUIRE(!result);
     CHECK(result.error().status == Status::write_failed);
     CHECK(result.error().message.find("mesh_000") != std::string::npos);
@@ -165,7 +165,7 @@ TEST_CASE("export: coordinates that floats cannot hold are refused") {
 }
 
 TEST_CASE("export: a folder that does not exist is an error with its name") {
-    const Result<void> result = export_glb("/nonexistent/pieces.glb", two_halves(), {});
+    const auto result = export_pieces("/nonexistent/pieces.glb", two_halves(), {});
     REQUIRE(!result);
     CHECK(result.error().status == Status::write_failed);
     CHECK(result.error().message.find("/nonexistent/pieces.glb") != std::string::npos);

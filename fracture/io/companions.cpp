@@ -1,0 +1,43 @@
+#include "fracture/io/companions.h"
+
+#include <algorithm>
+
+#include "fracture/io/read_file.h"
+
+namespace brittle::fracture {
+
+namespace {
+
+constexpr size_t most_notes = 30;
+
+} // namespace
+
+Result<std::span<const std::byte>> Companions::read(const std::string& name) {
+    std::string slashed = name;
+    std::replace(slashed.begin(), slashed.end(), '\\', '/');
+    const std::filesystem::path file = std::filesystem::path(slashed).lexically_normal();
+    const bool is_below = file.is_relative() && !file.empty() && *file.begin() != ".." && file.has_filename();
+    if (!is_below || slashed.find("://") != slashed.npos || slashed.find('\0') != slashed.npos)
+        return Error{Status::malformed_file, "'" + name.substr(0, 80) + "' is not a file below its own folder"};
+    const auto known = files_.find(file);
+    if (known != files_.end()) return std::span<const std::byte>(known->second);
+    Result<std::vector<std::byte>> bytes = read_file(folder_ / file);
+    if (!bytes) return bytes.error();
+    return std::span<const std::byte>(files_.emplace(file, std::move(*bytes)).first->second);
+}
+
+std::string image_type(std::span<const std::byte> bytes) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min<size_t>(bytes.size(), 12));
+    if (text.starts_with("\x89PNG\r\n\x1a\n")) return "image/png";
+    if (text.starts_with("\xff\xd8\xff")) return "image/jpeg";
+    if (text.starts_with("RIFF") && text.ends_with("WEBP")) return "image/webp";
+    if (text.starts_with("\xabKTX 20\xbb")) return "image/ktx2";
+    return {};
+}
+
+void add_note(std::vector<std::string>& notes, std::string note) {
+    if (notes.size() == most_notes) notes.emplace_back("and more of the kind");
+    if (notes.size() < most_notes) notes.push_back(std::move(note));
+}
+
+} // namespace brittle::fracture

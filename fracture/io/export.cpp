@@ -1,0 +1,117 @@
+#include "fracture/io/export.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <numeric>
+
+#include "fracture/io/atomic_file.h"
+#include "fracture/io/writers.h"
+
+namespace brittle::fracture {
+
+namespace {
+
+using Files = std::vector<std::filesystem::path>;
+using Writer = Result<std::vector<OutputFile>> (*)(const ExportJob&);
+
+// Null where the file's ending is not known.
+Writer writer_of(const std::filesystem::path& file) {
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (ending == ".glb") return &write_glb;
+    if (ending == ".obj") return &write_obj;
+    if (ending == ".ply") return &write_ply;
+    if (ending == ".stl") return &write_stl;
+    return nullptr;
+}
+
+Error unsupported(const std::filesystem::path& file) {
+    const std::string ending = file.extension().string();
+    std::string known;
+    for (const std::string& one : exportable_extensions()) known += (known.empty() ? "" : ", ") + one;
+    return Error{Status::unsupported_format, file.string() + ": " + (ending.empty() ? "the name has no ending" : ending + " files are not written")
+                                                 + "; choose one of " + known};
+}
+
+Result<void> write_job(const std::filesystem::path& file, Writer writer, const ExportJob& job, Files& written) {
+    Result<std::vector<OutputFile>> outputs = writer(job);
+    if (!outputs) return Error{outputs.error().status, file.string() + ": " + outputs.error().message};
+    for (const OutputFile& output : *outputs) {
+        const std::filesystem::path path =
+            output.suffix.empty() ? file : file.parent_path() / (file.stem().string() + output.suffix);
+        if (Result<void> done = write_file_atomically(path, output.bytes); !done) return done;
+    }
+    written.push_back(file);
+    return {};
+}
+
+} // namespace
+
+std::string piece_name(const ExportOptions& options, uint32_t piece) {
+    char number[16];
+    std::snprintf(number, sizeof number, "_%03u", piece);
+    return options.name + number;
+}
+
+// Weathered stone outside; darker and warmer inside, so that a break is seen at once.
+Material exterior_material() {
+    return {.name = "exterior", .base_colour = {0.62, 0.60, 0.56, 1.0}, .roughness = 0.85};
+}
+
+Material interior_material(const ExportOptions& options) {
+    return options.interior.value_or(Material{
+        .name = "interior",
+        .base_colour = options.interior_image ? glm::dvec4(1.0) : glm::dvec4(0.36, 0.20, 0.13, 1.0),
+        .roughness = 0.95});
+}
+
+const std::vector<std::string>& exportable_extensions() {
+    static const std::vector<std::string> extensions{".glb", ".obj", ".ply", ".stl"};
+    return extensions;
+}
+
+Result<Files> export_pieces(const std::filesystem::path& file, const Fragments& fragments,
+                            const Certificate& certificate, const ExportOptions& options) {
+    const Writer writer = writer_of(file);
+    if (!writer) return unsupported(file);
+    if (!options.hulls.empty() && options.hulls.size() != fragments.pieces.size())
+        return Error{Status::invalid_setting, "there are " + std::to_string(options.hulls.size()) + " hulls for "
+                                                  + std::to_string(fragments.pieces.size()) + " pieces"};
+    std::vector<uint32_t> pieces(fragments.pieces.size());
+    std::iota(pieces.begin(), pieces.end(), 0u);
+    Files written;
+    if (!options.per_piece) {
+        const ExportJob job{fragments, certificate, options, pieces, file.stem().string()};
+        if (Result<void> done = write_job(file, writer, job, written); !done) return done.error();
+        return written;
+    }
+    for (const uint32_t piece : pieces) {
+        char number[16];
+        std::snprintf(number, sizeof number, "_%03u", piece);
+        const std::filesystem::path one =
+            file.parent_path() / (file.stem().string() + number + file.extension().string());
+        const ExportJob job{fragments, certificate, options, std::span(pieces).subspan(piece, 1), one.stem().string()};
+        if (Result<void> done = write_job(one, writer, job, written); !done) return done.error();
+    }
+    return written;
+}
+
+Result<Files> export_model(const std::filesystem::path& file, const Model& model, const std::string& name) {
+    Fragments whole;
+    whole.positions = model.mesh.positions;
+    whole.triangles = model.mesh.triangles;
+    whole.vertex_point.resize(whole.positions.size());
+    std::iota(whole.vertex_point.begin(), whole.vertex_point.end(), 0u);
+    whole.triangle_source.resize(whole.triangles.size());
+    std::iota(whole.triangle_source.begin(), whole.triangle_source.end(), 0u);
+    Piece piece;
+    piece.vertices.end = static_cast<uint32_t>(whole.positions.size());
+    piece.triangles.end = piece.exterior_triangles = static_cast<uint32_t>(whole.triangles.size());
+    piece.mass = mass_properties(whole.positions, whole.triangles);
+    whole.pieces.push_back(piece);
+    return export_pieces(file, whole, {}, {.name = name, .source = &model});
+}
+
+} // namespace brittle::fracture

@@ -1,0 +1,142 @@
+// A glTF document: its JSON, and what its buffers hold. Behind read_gltf().
+//
+// The container and the JSON schema are those of the Khronos glTF 2.0 specification; section numbers are of it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "fracture/error.h"
+#include "fracture/io/bytes.h"
+#include "fracture/io/companions.h"
+
+namespace brittle::fracture::gltf {
+
+using Json = nlohmann::json;
+using Bytes = std::span<const std::byte>;
+
+// Nodes may show one mesh many times, so a small file can unfold into any number of triangles.
+inline constexpr size_t most_elements = 100'000'000; // vertices, and triangles
+
+[[nodiscard]] Error malformed(const std::string& what);
+[[nodiscard]] std::string name_of(const char* list, uint64_t index);
+
+// The member of that name; null where there is none or the value is no object.
+[[nodiscard]] const Json* member(const Json& object, const char* key);
+
+// A non-negative integer; fallback where the member is missing, nothing where it is something else.
+[[nodiscard]] std::optional<uint64_t> unsigned_member(const Json& object, const char* key,
+                                                      std::optional<uint64_t> fallback);
+
+// Exactly count numbers; the fallback where the member is missing, nothing where it is something else.
+template<size_t count>
+[[nodiscard]] std::optional<std::array<double, count>> numbers(const Json& object, const char* key,
+                                                 std::array<double, count> fallback) {
+    const Json* value = member(object, key);
+    if (value == nullptr) return fallback;
+    if (!value->is_array() || value->size() != count) return std::nullopt;
+    for (size_t k = 0; k < count; ++k) {
+        if (!(*value)[k].is_number()) return std::nullopt;
+        fallback[k] = (*value)[k].template get<double>();
+    }
+    return fallback;
+}
+
+// Section 3.6.2: a typed view of a buffer.
+struct Accessor {
+    uint64_t count = 0;
+    uint32_t component_type = 0;
+    bool normalized = false;
+    uint64_t stride = 0;
+    Bytes data{}; // empty: all zeros
+
+    [[nodiscard]] double component(uint64_t element, uint64_t k) const {
+        if (data.empty()) return 0.0;
+        const size_t at = element * stride + k * size_of(component_type);
+        switch (component_type) {
+        case 5120:
+            return scaled(load<int8_t>(data, at));
+        case 5121:
+            return scaled(load<uint8_t>(data, at));
+        case 5122:
+            return scaled(load<int16_t>(data, at));
+        case 5123:
+            return scaled(load<uint16_t>(data, at));
+        case 5125:
+            return load<uint32_t>(data, at);
+        default:
+            return load<float>(data, at);
+        }
+    }
+
+    // Bytes of a component; 0 for an unknown type.
+    static uint64_t size_of(uint64_t component_type) {
+        switch (component_type) {
+        case 5120:
+        case 5121:
+            return 1;
+        case 5122:
+        case 5123:
+            return 2;
+        case 5125:
+        case 5126:
+            return 4;
+        default:
+            return 0;
+        }
+    }
+
+  private:
+    // KHR_mesh_quantization: fixed point, with both -max - 1 and -max standing for -1.
+    template<class T>
+    [[nodiscard]] double scaled(T value) const {
+        if (!normalized) return value;
+        return std::max(static_cast<double>(value) / std::numeric_limits<T>::max(), -1.0);
+    }
+};
+
+class Document {
+  public:
+    // The bytes of a .gltf or .glb file, which outlive the document, as do the companions.
+    [[nodiscard]] static Result<Document> open(Bytes file, Companions& companions);
+
+    [[nodiscard]] const Json& json() const { return json_; }
+    [[nodiscard]] Companions& companions() const { return *companions_; }
+
+    // The element of a top-level list.
+    [[nodiscard]] Result<const Json*> element(const char* list, std::optional<uint64_t> index) const;
+    // An accessor of type SCALAR, VEC2, VEC3 or VEC4, with all its elements inside its buffer.
+    [[nodiscard]] Result<Accessor> accessor(std::optional<uint64_t> index, std::string_view type);
+    [[nodiscard]] Result<Bytes> bytes_of_view(const Json& view);
+    // From a data: URI or a file below the folder. Valid as long as the document.
+    [[nodiscard]] Result<Bytes> bytes_of_uri(const std::string& uri);
+
+  private:
+    Document(Json json, Bytes binary_chunk, Companions& companions)
+        : json_(std::move(json)), binary_chunk_(binary_chunk), companions_(&companions) {}
+
+    [[nodiscard]] Result<Bytes> bytes_of_buffer(uint64_t index);
+    [[nodiscard]] Result<Bytes> view_of(const Json& owner, const std::string& name);
+    [[nodiscard]] Result<void> apply_sparse(const Json& sparse, const std::string& name, uint64_t element_size,
+                                            Accessor& accessor);
+
+    Json json_;
+    Bytes binary_chunk_;
+    Companions* companions_;
+    std::map<uint64_t, Bytes> buffers_;
+    std::map<uint64_t, Accessor> sparse_;
+    uint64_t sparse_bytes_ = 0;
+    std::deque<std::vector<std::byte>> decoded_; // what views of the above may show: data: URIs, sparse accessors
+};
+
+} // namespace brittle::fracture::gltf

@@ -1,0 +1,206 @@
+#include "fracture/io/piece_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/attributes.h"
+
+namespace brittle::fracture {
+namespace {
+
+// Cosine of the angle between triangles that are in one plane.
+constexpr double same_plane = 0.99999;
+
+// Triangles below this share of their longest side in height say nothing about their plane.
+constexpr double least_height = 1e-6;
+
+// The triangles begin .. end of a piece, by source and plane: each with the number of its plane. A source has one plane,
+// but where pieces have become one, which may have cuts along several bisectors with one neighbour.
+std::vector<std::array<uint32_t, 3>> by_plane(const Fragments& fragments, const Piece& piece, uint32_t begin,
+                                              uint32_t end) {
+    const auto positions = fragments.positions_of(piece);
+    const auto triangles = fragments.triangles_of(piece);
+    std::vector<std::array<uint32_t, 3>> order; // source, plane, triangle
+    for (uint32_t t = begin; t < end; ++t) order.push_back({fragments.triangle_source[piece.triangles.begin + t], 0, t});
+    std::sort(order.begin(), order.end());
+    std::vector<glm::dvec3> planes; // of the source at hand
+    for (size_t k = 0; k < order.size(); ++k) {
+        if (k == 0 || order[k][0] != order[k - 1][0]) planes.clear();
+        const Triangle& t = triangles[order[k][2]];
+        const glm::dvec3 ab = positions[t.y] - positions[t.x], ac = positions[t.z] - positions[t.x];
+        const glm::dvec3 normal = glm::cross(ab, ac);
+        const double length = glm::length(normal);
+        const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
+        if (!(length > least_height * longest)) continue;
+        const auto plane = std::find_if(planes.begin(), planes.end(), [&](const glm::dvec3& n) {
+            return glm::dot(n, normal) > same_plane * length;
+        });
+        order[k][1] = static_cast<uint32_t>(plane - planes.begin());
+        if (plane == planes.end()) planes.push_back(normal / length);
+    }
+    std::sort(order.begin(), order.end());
+    return order;
+}
+
+// The unit normal of triangles in one plane, from the sum of their area vectors: slivers weigh next to
+// nothing. +Y for triangles without area, as glTF wants unit length.
+glm::vec3 normal_of(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                    std::span<const std::array<uint32_t, 3>> order) {
+    glm::dvec3 sum{0.0};
+    for (const auto& [source, number, t] : order) {
+        const glm::dvec3& a = positions[triangles[t].x];
+        sum += glm::cross(positions[triangles[t].y] - a, positions[triangles[t].z] - a);
+    }
+    // Scaled first, because the squares of tiny areas would vanish.
+    const double largest = std::max({std::abs(sum.x), std::abs(sum.y), std::abs(sum.z)});
+    if (!(largest > 0.0)) return {0.0f, 1.0f, 0.0f};
+    return glm::vec3(glm::normalize(sum / largest));
+}
+
+// All that tells two corners apart.
+struct Corner {
+    uint32_t vertex = 0;
+    glm::vec3 normal{0.0f};
+    std::array<glm::vec2, 2> uv{};
+    glm::vec4 colour{1.0f};
+
+    // Bit by bit; +0 and -0 differ, which costs a vertex at most.
+    bool operator==(const Corner& other) const { return std::memcmp(this, &other, sizeof(Corner)) == 0; }
+};
+static_assert(sizeof(Corner) == 4 + 12 + 16 + 16, "no padding, because it is compared by bytes");
+
+struct HashCorner {
+    size_t operator()(const Corner& corner) const {
+        std::array<uint32_t, sizeof(Corner) / 4> words{};
+        std::memcpy(words.data(), &corner, sizeof(Corner));
+        uint64_t hash = 0;
+        for (const uint32_t word : words) {
+            hash = (hash ^ word) * 0x9e3779b97f4a7c15ull;
+            hash ^= hash >> 32;
+        }
+        return hash;
+    }
+};
+
+class PartBuilder {
+  public:
+    PartBuilder(const Fragments& fragments, const Piece& piece, const Model* source, std::span<const glm::dvec3> sites)
+        : fragments_(fragments), piece_(piece), source_(source), sites_(sites) {}
+
+    std::vector<DrawnPart> build() {
+        add_exterior();
+        if (piece_.exterior_triangles < piece_.triangles.size()) {
+            begin_part(no_material, true);
+            add(by_plane(fragments_, piece_, piece_.exterior_triangles, piece_.triangles.size()));
+        }
+        return std::move(parts_);
+    }
+
+  private:
+    void add_exterior() {
+        std::vector<std::array<uint32_t, 3>> order = by_plane(fragments_, piece_, 0, piece_.exterior_triangles);
+        const auto material = [&](const std::array<uint32_t, 3>& entry) {
+            return source_ && !source_->material_of.empty() ? source_->material_of[entry[0]] + 1 : 0; // none first
+        };
+        std::stable_sort(order.begin(), order.end(), [&](const auto& a, const auto& b) { return material(a) < material(b); });
+        for (size_t first = 0, last = 0; first < order.size(); first = last) {
+            while (last < order.size() && material(order[last]) == material(order[first])) ++last;
+            begin_part(material(order[first]) - 1, false);
+            add(std::span(order).subspan(first, last - first));
+        }
+    }
+
+    void begin_part(uint32_t material, bool interior) {
+        parts_.push_back({.material = material, .interior = interior});
+        known_.clear();
+    }
+
+    void add(std::span<const std::array<uint32_t, 3>> order) {
+        const auto positions = fragments_.positions_of(piece_);
+        const auto triangles = fragments_.triangles_of(piece_);
+        for (size_t first = 0, last = 0; first < order.size(); first = last) {
+            while (last < order.size() && order[last][0] == order[first][0] && order[last][1] == order[first][1]) ++last;
+            const auto plane = order.subspan(first, last - first);
+            const glm::vec3 normal = normal_of(positions, triangles, plane);
+            for (const auto& [source, number, t] : plane) {
+                const auto corners = parts_.back().interior ? interior_corners(t) : exterior_corners(t, source);
+                for (Corner corner : corners) {
+                    if (corner.normal == glm::vec3(0.0f)) corner.normal = normal;
+                    add(corner);
+                }
+            }
+        }
+    }
+
+    [[nodiscard]] std::array<Corner, 3> interior_corners(uint32_t t) const {
+        std::array<Corner, 3> corners{};
+        std::array<glm::dvec2, 3> uv{};
+        if (!sites_.empty()) uv = interior_uv(sites_, fragments_, piece_, piece_.triangles.begin + t);
+        for (size_t k = 0; k < 3; ++k) {
+            corners[k].vertex = fragments_.triangles_of(piece_)[t][static_cast<int>(k)];
+            corners[k].uv[0] = glm::vec2(uv[k].x, -uv[k].y);
+        }
+        return corners;
+    }
+
+    [[nodiscard]] std::array<Corner, 3> exterior_corners(uint32_t t, uint32_t source) const {
+        std::array<Corner, 3> corners{};
+        for (size_t k = 0; k < 3; ++k) corners[k].vertex = fragments_.triangles_of(piece_)[t][static_cast<int>(k)];
+        if (!has_looks()) return corners;
+        const auto weights = barycentrics(source_->mesh, fragments_, piece_, piece_.triangles.begin + t);
+        const auto mix = [&](const auto& list, size_t k) {
+            const glm::vec3 w(weights[k]);
+            return w.x * list[3 * source] + w.y * list[3 * source + 1] + w.z * list[3 * source + 2];
+        };
+        for (size_t k = 0; k < 3; ++k) {
+            for (size_t set = 0; set < 2; ++set)
+                if (!source_->uv[set].empty()) corners[k].uv[set] = mix(source_->uv[set], k);
+            if (!source_->colours.empty()) corners[k].colour = mix(source_->colours, k);
+            if (source_->normals.empty()) continue;
+            const glm::vec3 normal = mix(source_->normals, k);
+            const float length = glm::length(normal);
+            if (length > 1e-3f) corners[k].normal = normal / length; // opposite normals may cancel: flat
+        }
+        return corners;
+    }
+
+    [[nodiscard]] bool has_looks() const {
+        return source_
+               && !(source_->uv[0].empty() && source_->uv[1].empty() && source_->colours.empty()
+                    && source_->normals.empty());
+    }
+
+    void add(const Corner& corner) {
+        DrawnPart& part = parts_.back();
+        const auto [known, is_new] = known_.emplace(corner, static_cast<uint32_t>(part.vertices.size()));
+        if (is_new) {
+            part.vertices.push_back(corner.vertex);
+            part.normals.push_back(corner.normal);
+            for (size_t set = 0; set < 2; ++set)
+                if (part.interior ? set == 0 && !sites_.empty() : source_ && !source_->uv[set].empty())
+                    part.uv[set].push_back(corner.uv[set]);
+            if (!part.interior && source_ && !source_->colours.empty()) part.colours.push_back(corner.colour);
+        }
+        part.indices.push_back(known->second);
+    }
+
+    const Fragments& fragments_;
+    const Piece& piece_;
+    const Model* source_;
+    std::span<const glm::dvec3> sites_;
+    std::vector<DrawnPart> parts_;
+    std::unordered_map<Corner, uint32_t, HashCorner> known_; // of the part at hand
+};
+
+} // namespace
+
+std::vector<DrawnPart> drawn_parts(const Fragments& fragments, const Piece& piece, const Model* source,
+                                   std::span<const glm::dvec3> sites) {
+    return PartBuilder(fragments, piece, source, sites).build();
+}
+
+} // namespace brittle::fracture

@@ -1,0 +1,337 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "fracture/io/bytes.h"
+#include "fracture/io/certificate_json.h"
+#include "fracture/io/glb_looks.h"
+#include "fracture/io/piece_surface.h"
+#include "fracture/io/rigid_body_json.h"
+#include "fracture/io/writers.h"
+
+namespace brittle::fracture {
+namespace {
+
+using Json = nlohmann::ordered_json; // members stay in the order in which a person would read them
+using Buffer = std::vector<std::byte>;
+
+constexpr uint64_t size_limit = uint64_t{1} << 32; // sizes in the container are 32-bit
+constexpr int deepest_recipe = 64;                 // brackets; writing JSON recurses over them
+
+// Numbers that the glTF 2.0 specification assigns.
+constexpr int array_buffer = 34962;
+constexpr int element_array_buffer = 34963;
+constexpr int unsigned_short = 5123;
+constexpr int unsigned_int = 5125;
+constexpr int float_32 = 5126;
+constexpr uint32_t glb_magic = 0x46546C67;
+constexpr uint32_t json_chunk = 0x4E4F534A;
+constexpr uint32_t binary_chunk = 0x004E4942;
+
+template<class T>
+Json array_of(const T& vector) {
+    return Json::array({vector.x, vector.y, vector.z});
+}
+
+// The one buffer, in views: one for each kind of attribute, one for each image. A view gets its number when it is first
+// written to, and its place when all are known.
+class Views {
+  public:
+    struct View {
+        Buffer bytes{};
+        int stride = 0; // 0: none given
+        int target = 0; // 0: none given
+    };
+
+    size_t number(const std::string& kind, int stride, int target) {
+        const auto [known, is_new] = numbers_.emplace(kind, views_.size());
+        if (is_new) views_.push_back({{}, stride, target});
+        return known->second;
+    }
+    size_t add(Buffer bytes) {
+        views_.push_back({std::move(bytes)});
+        return views_.size() - 1;
+    }
+    Buffer& bytes(size_t view) { return views_[view].bytes; }
+
+    [[nodiscard]] uint64_t size() const {
+        uint64_t sum = 0;
+        for (const View& view : views_) sum += (view.bytes.size() + 3) / 4 * 4;
+        return sum;
+    }
+    [[nodiscard]] bool empty() const { return views_.empty(); }
+
+    [[nodiscard]] Json json() const {
+        Json result = Json::array();
+        uint64_t offset = 0;
+        for (const View& view : views_) {
+            Json json = {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", view.bytes.size()}};
+            if (view.stride > 0) json["byteStride"] = view.stride;
+            if (view.target > 0) json["target"] = view.target;
+            result.push_back(std::move(json));
+            offset += (view.bytes.size() + 3) / 4 * 4;
+        }
+        return result;
+    }
+    void append_to(Buffer& glb) const {
+        for (const View& view : views_) {
+            glb.insert(glb.end(), view.bytes.begin(), view.bytes.end());
+            while (glb.size() % 4 != 0) glb.push_back(std::byte{0});
+        }
+    }
+
+  private:
+    std::map<std::string, size_t> numbers_;
+    std::vector<View> views_;
+};
+
+class GlbWriter {
+  public:
+    explicit GlbWriter(const ExportJob& job) : job_(job), options_(job.options), source_(job.options.source) {}
+
+    Result<Buffer> write(const Json& recipe) {
+        find_bonds();
+        Json root = {{"name", options_.name}};
+        Json children = Json::array();
+        nodes_ = Json::array({nullptr}); // the root, filled in below
+        for (const uint32_t p : job_.pieces) {
+            children.push_back(nodes_.size());
+            if (Result<void> done = add_piece(p); !done) return done.error();
+        }
+        if (!children.empty()) root["children"] = std::move(children);
+        root["extras"]["brittle"] = {{"certificate", Json::parse(certificate_json(job_.certificate))}, {"recipe", recipe}};
+        nodes_[0] = std::move(root);
+
+        Json document;
+        document["asset"] = {{"version", "2.0"}, {"generator", "Brittle " BRITTLE_VERSION}};
+        if (options_.rigid_bodies) extensions_.insert(rigid_body_extension);
+        document["scene"] = 0;
+        document["scenes"] = Json::array({{{"nodes", {0}}}});
+        document["nodes"] = std::move(nodes_);
+        if (!meshes_.empty()) { // glTF forbids empty lists
+            document["meshes"] = std::move(meshes_);
+            looks_.add_to(document, extensions_, [this](Buffer bytes) { return views_.add(std::move(bytes)); });
+            document["accessors"] = std::move(accessors_);
+            document["bufferViews"] = views_.json();
+            document["buffers"] = Json::array({{{"byteLength", views_.size()}}});
+        }
+        if (!extensions_.empty()) document["extensionsUsed"] = extensions_;
+        return assemble(document);
+    }
+
+  private:
+    // Of each piece those to pieces with a higher number, which are in this file or another.
+    void find_bonds() {
+        for (const Bond& bond : job_.fragments.bonds)
+            bonds_[bond.a].push_back({{"piece", bond.b},
+                                      {"area", bond.area},
+                                      {"centroid", array_of(bond.centroid)},
+                                      {"normal", array_of(bond.normal)}});
+    }
+
+    Result<void> add_piece(uint32_t p) {
+        const Piece& piece = job_.fragments.pieces[p];
+        const MassProperties& mass = piece.mass;
+        const glm::vec3 translation(mass.centre_of_mass);
+        const std::string name = piece_name(options_, p);
+        Json primitives = Json::array();
+        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, source_, options_.sites)) {
+            Result<Json> primitive = add_part(part, piece, translation, name);
+            if (!primitive) return primitive.error();
+            primitives.push_back(std::move(*primitive));
+        }
+        Json node = {{"name", name}};
+        node["translation"] = array_of(translation);
+        if (!primitives.empty()) {
+            node["mesh"] = meshes_.size();
+            meshes_.push_back({{"name", name}, {"primitives", std::move(primitives)}});
+        }
+        Json inertia = Json::array();
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column) inertia.push_back(mass.inertia[column][row]);
+        }
+        Json& extras = node["extras"]["brittle"];
+        extras = {{"site", piece.site},
+                  {"volume", mass.volume},
+                  {"area", mass.area},
+                  {"centre_of_mass", array_of(mass.centre_of_mass)},
+                  {"inertia", std::move(inertia)},
+                  {"exterior_triangles", piece.exterior_triangles},
+                  {"interior_triangles", piece.triangles.size() - piece.exterior_triangles}};
+        if (const auto bonds = bonds_.find(p); bonds != bonds_.end()) extras["bonds"] = std::move(bonds->second);
+
+        const size_t at = nodes_.size();
+        nodes_.push_back(nullptr);
+        if (!options_.hulls.empty() && !options_.hulls[p].triangles.empty()) {
+            Result<Json> hull = hull_node(options_.hulls[p], translation, name);
+            if (!hull) return hull.error();
+            node["children"] = Json::array({nodes_.size()});
+            if (options_.rigid_bodies) node["extensions"][rigid_body_extension] = rigid_body_json(mass, options_.density, nodes_.size());
+            nodes_.push_back(std::move(*hull));
+        } else if (options_.rigid_bodies) {
+            node["extensions"][rigid_body_extension] = rigid_body_json(mass, options_.density, std::nullopt);
+        }
+        nodes_[at] = std::move(node);
+        return {};
+    }
+
+    Result<Json> hull_node(const TriangleMesh& hull, const glm::vec3& translation, const std::string& piece) {
+        std::vector<glm::vec3> positions;
+        for (const glm::dvec3& p : hull.positions) positions.emplace_back(p - glm::dvec3(translation));
+        std::vector<uint32_t> indices;
+        for (const Triangle& t : hull.triangles)
+            for (int k = 0; k < 3; ++k) indices.push_back(t[k]);
+        const std::string name =
+            options_.hull_names == HullNames::godot ? piece + "-convcolonly" : "UCX_" + piece + "_00";
+        Result<Json> attributes = add_positions(positions, name);
+        if (!attributes) return attributes.error();
+        Json primitive = {{"attributes", std::move(*attributes)}, {"indices", add_indices(indices, positions.size())}};
+        Json node = {{"name", name}, {"mesh", meshes_.size()}};
+        meshes_.push_back({{"name", name}, {"primitives", Json::array({std::move(primitive)})}});
+        return node;
+    }
+
+    // Checked for every primitive, so that no more memory is taken than the format could hold.
+    Result<Json> add_positions(std::span<const glm::vec3> positions, const std::string& name) {
+        if (views_.size() >= size_limit) {
+            return Error{Status::write_failed, "the pieces take over 4 GiB, which a GLB file cannot hold; simplify "
+                                               "the mesh or use fewer sites"};
+        }
+        glm::vec3 least(positions.front());
+        glm::vec3 greatest(least);
+        for (const glm::vec3& p : positions) {
+            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+                return Error{Status::write_failed,
+                             name + " has a coordinate that does not fit a 32-bit float; scale the mesh down"};
+            }
+            least = glm::min(least, p);
+            greatest = glm::max(greatest, p);
+        }
+        const size_t accessor = add_accessor("positions", positions, "VEC3");
+        accessors_[accessor]["min"] = array_of(least);
+        accessors_[accessor]["max"] = array_of(greatest);
+        return Json{{"POSITION", accessor}};
+    }
+
+    Result<Json> add_part(const DrawnPart& part, const Piece& piece, const glm::vec3& translation, const std::string& name) {
+        const auto of_piece = job_.fragments.positions_of(piece);
+        std::vector<glm::vec3> positions;
+        positions.reserve(part.vertices.size());
+        for (const uint32_t v : part.vertices) positions.emplace_back(of_piece[v] - glm::dvec3(translation));
+        Result<Json> attributes = add_positions(positions, name);
+        if (!attributes) return attributes.error();
+        (*attributes)["NORMAL"] = add_accessor("normals", std::span<const glm::vec3>(part.normals), "VEC3");
+        if (!part.uv[0].empty()) {
+            (*attributes)["TEXCOORD_0"] = add_accessor("uv", std::span<const glm::vec2>(part.uv[0]), "VEC2");
+            if (!part.uv[1].empty())
+                (*attributes)["TEXCOORD_1"] = add_accessor("uv", std::span<const glm::vec2>(part.uv[1]), "VEC2");
+        }
+        if (!part.colours.empty())
+            (*attributes)["COLOR_0"] = add_accessor("colours", std::span<const glm::vec4>(part.colours), "VEC4");
+        return Json{{"attributes", std::move(*attributes)},
+                    {"indices", add_indices(part.indices, positions.size())},
+                    {"material", looks_.material_of(part)}};
+    }
+
+    template<class T>
+    size_t add_accessor(const char* kind, std::span<const T> values, const char* type) {
+        const size_t view = views_.number(kind, sizeof(T), array_buffer);
+        Buffer& bytes = views_.bytes(view);
+        accessors_.push_back({{"bufferView", view},
+                              {"byteOffset", bytes.size()},
+                              {"componentType", float_32},
+                              {"count", values.size()},
+                              {"type", type}});
+        const auto raw = std::as_bytes(values);
+        bytes.insert(bytes.end(), raw.begin(), raw.end());
+        return accessors_.size() - 1;
+    }
+
+    size_t add_indices(std::span<const uint32_t> indices, size_t vertices) {
+        const bool is_short = vertices <= 65535; // 65535 restarts a primitive and must not be an index
+        const size_t view = views_.number("indices", 0, element_array_buffer);
+        Buffer& bytes = views_.bytes(view);
+        accessors_.push_back({{"bufferView", view},
+                              {"byteOffset", bytes.size()},
+                              {"componentType", is_short ? unsigned_short : unsigned_int},
+                              {"count", indices.size()},
+                              {"type", "SCALAR"}});
+        for (const uint32_t index : indices) {
+            if (is_short)
+                append(bytes, static_cast<uint16_t>(index));
+            else
+                append(bytes, index);
+        }
+        while (bytes.size() % 4 != 0) bytes.push_back(std::byte{0});
+        return accessors_.size() - 1;
+    }
+
+    // The container: a head of twelve bytes, the JSON padded with spaces, the buffers padded with zeros.
+    Result<Buffer> assemble(const Json& document) const {
+        // Names in another encoding than UTF-8 would throw; their damaged letters are replaced.
+        std::string json = document.dump(-1, ' ', false, Json::error_handler_t::replace);
+        json.resize((json.size() + 3) / 4 * 4, ' ');
+        const uint64_t binary = views_.size();
+        const uint64_t total = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
+        if (total >= size_limit) {
+            return Error{Status::write_failed,
+                         "the output takes " + std::to_string(total)
+                             + " bytes, and a GLB file must stay below 4 GiB; simplify the mesh "
+                               "or use fewer sites"};
+        }
+        Buffer glb;
+        glb.reserve(total);
+        for (const uint64_t word :
+             {uint64_t{glb_magic}, uint64_t{2}, total, uint64_t{json.size()}, uint64_t{json_chunk}}) {
+            append(glb, static_cast<uint32_t>(word));
+        }
+        const auto* const text = reinterpret_cast<const std::byte*>(json.data());
+        glb.insert(glb.end(), text, text + json.size());
+        if (binary == 0) return glb;
+        append(glb, static_cast<uint32_t>(binary));
+        append(glb, binary_chunk);
+        views_.append_to(glb);
+        return glb;
+    }
+
+    const ExportJob& job_;
+    const ExportOptions& options_;
+    const Model* source_;
+    GlbLooks looks_{options_};
+    std::map<uint32_t, Json> bonds_;
+    Json nodes_, meshes_ = Json::array(), accessors_ = Json::array();
+    Views views_;
+    std::set<std::string> extensions_;
+};
+
+Result<Json> parse_recipe(const std::string& text) {
+    bool too_deep = false;
+    const auto keep = [&](int depth, Json::parse_event_t, Json&) {
+        too_deep = too_deep || depth > deepest_recipe;
+        return depth <= deepest_recipe;
+    };
+    Json recipe = Json::parse(text, keep, false);
+    if (too_deep) return Error{Status::invalid_setting, "the recipe's JSON is nested over 64 levels deep"};
+    if (recipe.is_discarded() || !recipe.is_object()) {
+        return Error{Status::invalid_setting,
+                     "the recipe is no JSON object, such as {}: " + text.substr(0, 80)};
+    }
+    return recipe;
+}
+
+} // namespace
+
+Result<std::vector<OutputFile>> write_glb(const ExportJob& job) {
+    const Result<Json> recipe = parse_recipe(job.options.recipe);
+    if (!recipe) return recipe.error();
+    Result<Buffer> glb = GlbWriter(job).write(*recipe);
+    if (!glb) return glb.error();
+    return std::vector<OutputFile>{{"", std::move(*glb)}};
+}
+
+} // namespace brittle::fracture

@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <unordered_map>
+
+#include "fracture/io/bytes.h"
+#include "fracture/io/colour.h"
+#include "fracture/io/piece_surface.h"
+#include "fracture/io/writers.h"
+
+namespace brittle::fracture {
+namespace {
+
+// Red first, as sRGB.
+uint32_t bytes_of(const glm::vec4& colour) {
+    uint32_t result = 0;
+    for (int k = 0; k < 4; ++k) {
+        const double share = std::clamp(static_cast<double>(colour[k]), 0.0, 1.0);
+        result |= static_cast<uint32_t>(std::lround(255.0 * (k < 3 ? srgb_of_linear(share) : share))) << 8 * k;
+    }
+    return result;
+}
+
+} // namespace
+
+// Vertices of a piece with 64-bit coordinates, each once, or with colours one for each colour. `piece` and `interior` of
+// each face.
+Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
+    const Model* const source = job.options.source;
+    const bool has_colours = source && !source->colours.empty();
+    const uint32_t of_cuts = bytes_of(glm::vec4(interior_material(job.options).base_colour));
+    std::vector<std::byte> vertices, faces;
+    uint64_t vertex_count = 0, face_count = 0;
+    const auto add_vertex = [&](const glm::dvec3& p, const std::optional<uint32_t>& colour) {
+        for (int k = 0; k < 3; ++k) append(vertices, p[k]);
+        if (colour) append(vertices, *colour);
+        return static_cast<uint32_t>(vertex_count++);
+    };
+    const auto add_face = [&](const Triangle& t, uint32_t piece, bool interior) {
+        append(faces, uint8_t{3});
+        for (int k = 0; k < 3; ++k) append(faces, t[k]);
+        append(faces, piece);
+        append(faces, static_cast<uint8_t>(interior));
+        ++face_count;
+    };
+    for (const uint32_t p : job.pieces) {
+        const Piece& piece = job.fragments.pieces[p];
+        const auto positions = job.fragments.positions_of(piece);
+        if (has_colours) {
+            std::unordered_map<uint64_t, uint32_t> written; // by vertex and colour
+            for (const DrawnPart& part : drawn_parts(job.fragments, piece, source, {})) {
+                const auto vertex = [&](size_t k) {
+                    const uint32_t corner = part.indices[k], v = part.vertices[corner];
+                    const uint32_t colour = part.interior ? of_cuts : bytes_of(part.colours[corner]);
+                    const auto [known, is_new] = written.emplace(uint64_t{v} << 32 | colour, 0);
+                    if (is_new) known->second = add_vertex(positions[v], colour);
+                    return known->second;
+                };
+                for (size_t k = 0; k < part.indices.size(); k += 3)
+                    add_face({vertex(k), vertex(k + 1), vertex(k + 2)}, p, part.interior);
+            }
+        } else {
+            const auto base = static_cast<uint32_t>(vertex_count);
+            for (const glm::dvec3& v : positions) add_vertex(v, std::nullopt);
+            const auto triangles = job.fragments.triangles_of(piece);
+            for (uint32_t t = 0; t < triangles.size(); ++t) add_face(triangles[t] + base, p, t >= piece.exterior_triangles);
+        }
+        if (vertex_count > UINT32_MAX || vertices.size() + faces.size() > (uint64_t{1} << 32))
+            return Error{Status::write_failed, "the pieces take over 4 GiB; use fewer sites or a file a piece"};
+    }
+    std::string header = "ply\nformat binary_little_endian 1.0\ncomment Brittle " BRITTLE_VERSION "\nelement vertex "
+                         + std::to_string(vertex_count)
+                         + "\nproperty double x\nproperty double y\nproperty double z\n";
+    if (has_colours)
+        header += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+    header += "element face " + std::to_string(face_count)
+              + "\nproperty list uchar uint vertex_indices\nproperty uint piece\nproperty uchar interior\nend_header\n";
+    std::vector<std::byte> bytes(header.size());
+    std::memcpy(bytes.data(), header.data(), header.size());
+    bytes.insert(bytes.end(), vertices.begin(), vertices.end());
+    bytes.insert(bytes.end(), faces.begin(), faces.end());
+    return std::vector<OutputFile>{{"", std::move(bytes)}};
+}
+
+} // namespace brittle::fracture
