@@ -13,6 +13,7 @@
 #include "fracture/inside.h"
 #include "fracture/intersections.h"
 #include "fracture/plane_predicates.h"
+#include "fracture/thickness.h"
 
 namespace brittle::fracture {
 
@@ -39,7 +40,7 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& t) {
            && orientation(glm::dvec2(a.z, a.x), {b.z, b.x}, {c.z, c.x}) == 0.0;
 }
 
-void find_duplicates(const TriangleMesh& mesh, Inspection& out) {
+void find_duplicates(const TriangleMesh& mesh, size_t most_places, Inspection& out) {
     std::vector<std::array<uint32_t, 4>> sorted; // corners in order, then the triangle
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         std::array<uint32_t, 3> c = {mesh.triangles[t].x, mesh.triangles[t].y, mesh.triangles[t].z};
@@ -55,7 +56,10 @@ void find_duplicates(const TriangleMesh& mesh, Inspection& out) {
         ++out.duplicate_triangles;
         const glm::uvec2 pair(sorted[k][3], sorted[first][3]);
         if (!out.first_duplicate || pair.x < out.first_duplicate->x) out.first_duplicate = pair;
+        out.places.duplicate_triangles.push_back(pair.x);
     }
+    std::sort(out.places.duplicate_triangles.begin(), out.places.duplicate_triangles.end());
+    if (out.places.duplicate_triangles.size() > most_places) out.places.duplicate_triangles.resize(most_places);
 }
 
 // Undirected edges with how often each direction is used.
@@ -83,7 +87,7 @@ uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
     return v;
 }
 
-void find_rims_and_components(const TriangleMesh& mesh, Inspection& out) {
+void find_rims_and_components(const TriangleMesh& mesh, size_t most_places, Inspection& out) {
     const auto component = triangle_components(mesh.positions.size(), mesh.triangles);
     std::vector<uint32_t> of_vertex(mesh.positions.size(), 0);
     for (uint32_t t = 0; t < component.size(); ++t) {
@@ -104,6 +108,12 @@ void find_rims_and_components(const TriangleMesh& mesh, Inspection& out) {
         size_t forward = 0;
         for (; end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high; ++end)
             forward += edges[end].forward ? 1 : 0;
+        const auto list = [&](std::vector<glm::uvec2>& places) {
+            if (places.size() < most_places) places.emplace_back(edges[begin].low, edges[begin].high);
+        };
+        if (end - begin == 1) list(out.places.open_edges);
+        if (end - begin == 2 && forward != 1) list(out.places.misoriented_edges);
+        if (end - begin > 2) list(out.places.non_manifold_edges);
         if (end - begin != 2 || forward != 1) out.components[of_vertex[edges[begin].low]].closed = false;
         if (end - begin != 1) continue;
         open.push_back(edges[begin]);
@@ -133,6 +143,31 @@ void find_rims_and_components(const TriangleMesh& mesh, Inspection& out) {
         own.is_inside_out = !own.is_cavity;
         if (k > 1000) break; // crumbs: each costs a look at the whole mesh
     }
+}
+
+void measure_thickness(const TriangleMesh& mesh, const InspectSettings& settings, Inspection& out) {
+    const Thickness thickness(mesh);
+    const double limit = Inspection::thin_limit * glm::length(out.box.size());
+    const auto count = static_cast<uint64_t>(mesh.triangles.size());
+    const uint64_t measured = std::min<uint64_t>(count, settings.most_measured);
+    double area = 0.0, thin = 0.0;
+    for (uint64_t k = 0; k < measured; ++k) {
+        const auto t = static_cast<uint32_t>(k * count / measured);
+        const Triangle& c = mesh.triangles[t];
+        const glm::dvec3 &p = mesh.positions[c.x], &q = mesh.positions[c.y], &r = mesh.positions[c.z];
+        const std::optional<double> through = thickness.at(t, (p + q + r) / 3.0);
+        if (!through) continue;
+        const double own = glm::length(glm::cross(q - p, r - p));
+        area += own;
+        if (!out.least_thickness || *through < *out.least_thickness) {
+            out.least_thickness = through;
+            out.thinnest_triangle = t;
+        }
+        if (!(*through < limit)) continue;
+        thin += own;
+        if (out.places.thin_triangles.size() < settings.most_places) out.places.thin_triangles.push_back(t);
+    }
+    if (area > 0.0) out.thin_share = thin / area;
 }
 
 std::string grouped(uint64_t number) {
@@ -203,10 +238,16 @@ Inspection inspect(const TriangleMesh& mesh, const InspectSettings& settings) {
         if (!is_flat(mesh, mesh.triangles[t])) continue;
         ++out.flat_triangles;
         if (!out.first_flat_triangle) out.first_flat_triangle = t;
+        if (out.places.flat_triangles.size() < settings.most_places) out.places.flat_triangles.push_back(t);
     }
-    find_duplicates(mesh, out);
-    find_rims_and_components(mesh, out);
-    const Intersections crossing = find_intersections(mesh, settings.most_pairs);
+    find_duplicates(mesh, settings.most_places, out);
+    find_rims_and_components(mesh, settings.most_places, out);
+    measure_thickness(mesh, settings, out);
+    out.places.non_manifold_vertices = out.topology.some_non_manifold_vertices;
+    if (out.places.non_manifold_vertices.size() > settings.most_places)
+        out.places.non_manifold_vertices.resize(settings.most_places);
+    Intersections crossing = find_intersections(mesh, settings.most_pairs, settings.most_places);
+    out.places.crossings = std::move(crossing.listed);
     out.intersections = crossing.pairs;
     out.first_intersection = crossing.first;
     out.all_pairs_seen = crossing.complete;
@@ -254,6 +295,10 @@ std::string describe(const Inspection& i) {
         line("crossings", count(i.intersections, "pair of triangles meets", "pairs of triangles meet")
                               + " where they should not, the first " + std::to_string(i.first_intersection->x) + " and "
                               + std::to_string(i.first_intersection->y));
+    if (i.thin_share > 0.0)
+        line("thin", format("%.3g %% of the surface is thinner than %.3g, the thinnest %.3g at triangle ", 100.0 * i.thin_share,
+                            Inspection::thin_limit * glm::length(size), *i.least_thickness)
+                         + std::to_string(i.thinnest_triangle));
     if (!i.all_pairs_seen) line("", "not all pairs of triangles were looked at for crossings: too many are close");
     line("fracture", verdict(i));
     return text;

@@ -22,6 +22,16 @@ struct InspectSettings {
     // Pairs of triangles with overlapping boxes that are looked at for intersections, at most: bounds the time (a
     // second or so) for meshes where everything overlaps.
     uint64_t most_pairs = 10'000'000;
+    // Places of each kind that are listed, at most; the counts are of all.
+    size_t most_places = 1000;
+    // Triangles whose thickness is measured, at most, spread evenly over the list of triangles.
+    uint32_t most_measured = 20'000;
+};
+
+// Where it is wrong: edges as (smaller, larger) vertex, triangles, pairs of triangles, vertices. The lowest come first.
+struct Places {
+    std::vector<glm::uvec2> open_edges, misoriented_edges, non_manifold_edges, crossings;
+    std::vector<uint32_t> non_manifold_vertices, flat_triangles, duplicate_triangles, thin_triangles;
 };
 
 struct Inspection {
@@ -41,6 +51,12 @@ struct Inspection {
     std::optional<glm::uvec2> first_intersection;
     bool all_pairs_seen = true; // false: most_pairs was reached, and there may be more
 
+    // Straight through from a triangle to the other side, over those that were measured.
+    std::optional<double> least_thickness; // m
+    uint32_t thinnest_triangle = 0;
+    double thin_share = 0.0; // of the surface measured, that is thinner than thin_limit of the box's diagonal
+    static constexpr double thin_limit = 0.01;
+
     struct Rim { // of a hole: open edges that hang together
         uint64_t edges = 0;
         double length = 0.0; // m
@@ -57,6 +73,8 @@ struct Inspection {
         bool is_inside_out = false; // closed, inwards, inside none
     };
     std::vector<Component> components; // by first triangle
+
+    Places places;
 
     // What fracture() would refuse it with; nothing where it takes the mesh.
     std::optional<Status> refusal;

@@ -11,6 +11,7 @@
 
 #include "fracture/exact/expansion.h"
 #include "fracture/plane_predicates.h"
+#include "fracture/triangle_tree.h"
 
 namespace brittle::fracture {
 
@@ -87,71 +88,45 @@ bool meets(const glm::dvec3& p, const glm::dvec3& q, const Corners& t, int axis)
 
 class Finder {
   public:
-    Finder(const TriangleMesh& mesh, uint64_t most_pairs) : mesh_(mesh), most_pairs_(most_pairs) {
-        for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-            axis_.push_back(open_axis(corners(t)));
-            if (axis_.back() >= 0) order_.push_back(t);
-        }
-        if (!order_.empty()) root_ = build(0, static_cast<uint32_t>(order_.size()));
-    }
+    Finder(const TriangleMesh& mesh, uint64_t most_pairs, size_t most_listed)
+        : mesh_(mesh), most_pairs_(most_pairs), most_listed_(most_listed), tree_(mesh, find_axes()) {}
 
     Intersections run() {
-        if (root_ != none) join(root_, root_);
-        return result_;
+        if (tree_.root() != none) join(tree_.root(), tree_.root());
+        std::sort(result_.listed.begin(), result_.listed.end(), before);
+        if (!result_.listed.empty()) result_.first = result_.listed.front();
+        if (result_.listed.size() > most_listed_) result_.listed.resize(most_listed_);
+        return std::move(result_);
     }
 
   private:
-    static constexpr uint32_t none = 0xffffffffu;
-    static constexpr uint32_t leaf_size = 4;
+    static constexpr uint32_t none = TriangleTree::none;
 
-    struct Node {
-        glm::dvec3 min, max;
-        uint32_t begin, end;        // into order_
-        uint32_t low = none, high = none;
-    };
+    static bool before(const glm::uvec2& a, const glm::uvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
+
+    // Triangles with area.
+    std::vector<uint32_t> find_axes() {
+        std::vector<uint32_t> triangles;
+        for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+            axis_.push_back(open_axis(corners(t)));
+            if (axis_.back() >= 0) triangles.push_back(t);
+        }
+        return triangles;
+    }
 
     [[nodiscard]] Corners corners(uint32_t t) const {
         const Triangle& c = mesh_.triangles[t];
         return {mesh_.positions[c.x], mesh_.positions[c.y], mesh_.positions[c.z]};
     }
 
-    // Depth is the logarithm of the count: halves are equally large.
-    uint32_t build(uint32_t begin, uint32_t end) {
-        Node node{glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity()),
-                  begin, end};
-        for (uint32_t k = begin; k < end; ++k)
-            for (const glm::dvec3& p : corners(order_[k])) {
-                node.min = glm::min(node.min, p);
-                node.max = glm::max(node.max, p);
-            }
-        if (end - begin > leaf_size) {
-            const glm::dvec3 size = node.max - node.min;
-            const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-            const auto middle = [&](uint32_t t) {
-                const Corners c = corners(t);
-                return c[0][axis] + c[1][axis] + c[2][axis];
-            };
-            const uint32_t half = begin + (end - begin) / 2;
-            std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end,
-                             [&](uint32_t x, uint32_t y) {
-                                 const double a = middle(x), b = middle(y);
-                                 return a != b ? a < b : x < y;
-                             });
-            node.low = build(begin, half);
-            node.high = build(half, end);
-        }
-        nodes_.push_back(node);
-        return static_cast<uint32_t>(nodes_.size() - 1);
-    }
-
     void join(uint32_t x, uint32_t y) {
         if (!result_.complete) return;
-        const Node &a = nodes_[x], &b = nodes_[y];
+        const TriangleTree::Node &a = tree_[x], &b = tree_[y];
         for (int k = 0; k < 3; ++k)
             if (a.max[k] < b.min[k] || b.max[k] < a.min[k]) return;
         if (a.low == none && b.low == none) {
             for (uint32_t i = a.begin; i < a.end; ++i)
-                for (uint32_t j = x == y ? i + 1 : b.begin; j < b.end; ++j) look_at(order_[i], order_[j]);
+                for (uint32_t j = x == y ? i + 1 : b.begin; j < b.end; ++j) look_at(tree_.order()[i], tree_.order()[j]);
         } else if (x == y) {
             join(a.low, a.low);
             join(a.high, a.high);
@@ -178,9 +153,17 @@ class Finder {
         }
         if (!intersect(s, t)) return;
         ++result_.pairs;
-        const glm::uvec2 pair(std::min(s, t), std::max(s, t));
-        if (!result_.first || pair.x < result_.first->x || (pair.x == result_.first->x && pair.y < result_.first->y))
-            result_.first = pair;
+        list({std::min(s, t), std::max(s, t)});
+    }
+
+    // Keeps the lowest: when twice as many as asked for are there, the upper half goes.
+    void list(const glm::uvec2& pair) {
+        std::vector<glm::uvec2>& listed = result_.listed;
+        listed.push_back(pair);
+        const size_t keep = std::max<size_t>(most_listed_, 1);
+        if (listed.size() < 2 * keep) return;
+        std::nth_element(listed.begin(), listed.begin() + static_cast<std::ptrdiff_t>(keep), listed.end(), before);
+        listed.resize(keep);
     }
 
     [[nodiscard]] bool intersect(uint32_t s, uint32_t t) const {
@@ -215,17 +198,16 @@ class Finder {
 
     const TriangleMesh& mesh_;
     uint64_t most_pairs_, seen_ = 0;
+    size_t most_listed_;
     std::vector<int> axis_; // of each triangle, see open_axis()
-    std::vector<uint32_t> order_;
-    std::vector<Node> nodes_;
-    uint32_t root_ = none;
+    TriangleTree tree_;
     Intersections result_;
 };
 
 } // namespace
 
-Intersections find_intersections(const TriangleMesh& mesh, uint64_t most_pairs) {
-    return Finder(mesh, most_pairs).run();
+Intersections find_intersections(const TriangleMesh& mesh, uint64_t most_pairs, size_t most_listed) {
+    return Finder(mesh, most_pairs, most_listed).run();
 }
 
 } // namespace brittle::fracture

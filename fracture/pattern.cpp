@@ -15,6 +15,7 @@
 #include "fracture/mass_properties.h"
 #include "fracture/random.h"
 #include "fracture/sites.h"
+#include "fracture/thickness.h"
 
 namespace brittle::fracture {
 
@@ -26,8 +27,8 @@ constexpr double pi = std::numbers::pi;
 // Points are drawn so often, at most, for each that is to be inside: a solid fills more of its box than this.
 constexpr uint64_t most_draws = 2000;
 
-constexpr std::array<std::string_view, 9> names = {"uniform", "clustered", "radial",    "grid",     "bricks",
-                                                   "slices",  "splinters", "curve", "curvature"};
+constexpr std::array<std::string_view, 10> names = {"uniform", "clustered", "radial",    "grid",     "bricks",
+                                                   "slices",  "splinters", "curve", "curvature", "thickness"};
 
 Error bad(const std::string& field, const std::string& value, const std::string& wanted) {
     return {Status::invalid_setting, "the pattern's " + field + " is " + value + "; it must be " + wanted};
@@ -94,6 +95,7 @@ class Maker {
         case PatternKind::splinters: splinters(); break;
         case PatternKind::curve: curve(); break;
         case PatternKind::curvature: curvature(); break;
+        case PatternKind::thickness: thickness(); break;
         }
         if (pattern_.inside) leave_out_outside();
         return std::move(result_);
@@ -270,6 +272,35 @@ class Maker {
             const glm::dvec3 on = glm::mix(mesh_.positions[edges[k].low], mesh_.positions[edges[k].high], t);
             const glm::dvec3 out = normal_of(edges[k].triangle) + normal_of(edges[k + 1].triangle);
             return on - in * (glm::length(out) > 1e-9 ? glm::normalize(out) : out);
+        });
+    }
+
+    // A place on the surface, and one behind it on the way to the other side. Pieces as wide as the solid is thick there
+    // mean that volumes weigh by the inverse cube of it, so places on the surface by the inverse square.
+    void thickness() {
+        const Thickness through(mesh_);
+        const double least = 0.02 * glm::length(box_.size());
+        std::vector<double> weight; // running sum
+        double sum = 0.0;
+        for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+            const Triangle& c = mesh_.triangles[t];
+            const glm::dvec3 &p = mesh_.positions[c.x], &q = mesh_.positions[c.y], &r = mesh_.positions[c.z];
+            const double thick = std::max(through.at(t, (p + q + r) / 3.0).value_or(0.0), least);
+            sum += glm::length(glm::cross(q - p, r - p)) / (thick * thick);
+            weight.push_back(sum);
+        }
+        draw([&] {
+            const auto at = std::upper_bound(weight.begin(), weight.end(), random_.uniform() * sum) - weight.begin();
+            const auto t = static_cast<uint32_t>(std::min<size_t>(static_cast<size_t>(at), weight.size() - 1));
+            const Triangle& c = mesh_.triangles[t];
+            double u = random_.uniform(), v = random_.uniform();
+            if (u + v > 1.0) {
+                u = 1.0 - u;
+                v = 1.0 - v;
+            }
+            const glm::dvec3& p = mesh_.positions[c.x];
+            const glm::dvec3 on = p + u * (mesh_.positions[c.y] - p) + v * (mesh_.positions[c.z] - p);
+            return on + random_.uniform() * through.at(t, on).value_or(0.0) * through.inward(t);
         });
     }
 

@@ -29,14 +29,15 @@ enum class PatternKind {
     slices,    // slabs across the axis
     splinters, // long along the axis, as wood breaks
     curve,     // a crack along a line of points, as deep along the axis as the solid
-    curvature  // at random near the surface, where it bends most
+    curvature, // at random near the surface, where it bends most
+    thickness  // at random inside, pieces as large as the solid is thick
 };
 
 [[nodiscard]] std::span<const std::string_view> pattern_names(); // in the order of the enum
 
 struct Pattern {
     PatternKind kind = PatternKind::uniform;
-    uint32_t count = 20;       // of pieces aimed at; exact for uniform, clustered, slices and curvature
+    uint32_t count = 20;       // of pieces aimed at; exact for uniform, clustered, slices, curvature and thickness
     double piece_size = 0.0;   // m; if positive, count is the solid's volume by its cube
     uint64_t seed = 1;
     double jitter = -1.0;      // how irregular, 0 to 1; negative: as becomes the kind (0 for grid, bricks and slices)

@@ -21,7 +21,7 @@ namespace {
 
 constexpr PatternKind all_kinds[] = {PatternKind::uniform, PatternKind::clustered, PatternKind::radial,
                                      PatternKind::grid,    PatternKind::bricks,    PatternKind::slices,
-                                     PatternKind::splinters, PatternKind::curve,   PatternKind::curvature};
+                                     PatternKind::splinters, PatternKind::curve,   PatternKind::curvature, PatternKind::thickness};
 
 PatternSites make(const Pattern& pattern, const TriangleMesh& mesh) {
     const auto made = make_sites(pattern, mesh);
@@ -52,6 +52,25 @@ TriangleMesh wall() {
 }
 
 } // namespace
+
+TEST_CASE("pattern: where the solid is thin there are more sites for its volume") {
+    // A cube and a plate of a tenth of its height, apart.
+    TriangleMesh mesh = cube(1.0);
+    for (glm::dvec3 p : cube(1.0).positions) mesh.positions.emplace_back(p.x + 2.0, p.y * 0.1, p.z);
+    for (const Triangle& t : cube(1.0).triangles) mesh.triangles.push_back(t + glm::uvec3(8));
+    const PatternSites made = make({.kind = PatternKind::thickness, .count = 2000}, mesh);
+    REQUIRE(made.sites.size() == 2000);
+    double plate = 0.0;
+    for (const glm::dvec3& s : made.sites) {
+        const bool in_cube = std::abs(s.x) < 0.5 && std::abs(s.y) < 0.5;
+        const bool in_plate = std::abs(s.x - 2.0) < 0.5 && std::abs(s.y) < 0.05;
+        CHECK((in_cube || in_plate));
+        plate += in_plate ? 1.0 : 0.0;
+    }
+    // Faces of the plate's ends and of the cube are a metre from their opposite, the plate's sides a tenth: weights of
+    // 2 x 100 and 4 x 0.1 to 6.
+    CHECK(plate / 2000.0 == doctest::Approx(200.4 / 206.4).epsilon(0.02));
+}
 
 TEST_CASE("inside: the same answer as the solid angle of the surface") {
     TriangleMesh two = hollow_sphere(2);
@@ -105,7 +124,8 @@ TEST_CASE("pattern: every kind breaks every shape, equal seeds equally, and says
 
 TEST_CASE("pattern: counts are as promised, and sites inside are inside") {
     const TriangleMesh ring = torus(32, 16);
-    for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::slices, PatternKind::curvature})
+    for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::slices, PatternKind::curvature,
+                                   PatternKind::thickness})
         CHECK(make({.kind = kind, .count = 37}, ring).sites.size() == 37);
     for (const PatternKind kind : all_kinds) {
         CAPTURE(pattern_names()[static_cast<size_t>(kind)]);

@@ -57,6 +57,9 @@ struct ProfileCommand {
 struct InspectCommand {
     std::string mesh;
     bool json = false;
+    std::string marks;   // GLB file; empty: none
+    std::string picture; // PNG file; empty: none
+    ViewOptions view;    // of the picture
 };
 
 // Returns exit_mesh where fracture would refuse the mesh.

@@ -61,7 +61,7 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
     command
         .add_option_function<std::string>("--pattern", set_kind,
                                           "How the sites lie: uniform, clustered at the focus, radial (glass), grid, "
-                                          "bricks, slices, splinters (wood), curve (a crack), curvature (edges)")
+                                          "bricks, slices, splinters (wood), curve (a crack), curvature (edges), thickness (small where thin)")
         ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
         ->type_name("NAME")
         ->default_str("uniform");
@@ -162,6 +162,11 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     auto* inspect = app.add_subcommand("inspect", "Say what is the matter with a mesh, and what fracture will do with it");
     inspect->add_option("mesh", inspect_command.mesh, mesh_help())->required()->type_name("MESH");
     inspect->add_flag("--json", inspect_command.json, "As JSON");
+    inspect->add_option("--marks", inspect_command.marks, "Also write the mesh with what was found marked, for any viewer")
+        ->type_name("FILE.glb");
+    inspect->add_option("--picture", inspect_command.picture, "Also draw the mesh with what was found marked")
+        ->type_name("FILE.png");
+    add_view_options(*inspect, inspect_command.view);
     inspect->footer("Ends with 0 where the mesh can be fractured, with 4 where it cannot.");
     inspect->callback([&run] { run = [] { return run_inspect(inspect_command); }; });
 

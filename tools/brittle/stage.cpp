@@ -113,7 +113,7 @@ engine::Scene Stage::scene() {
     }
     scene.spheres = spheres_;
     scene.spheres_on_top = true;
-    lines_.clear();
+    lines_ = own_lines_;
     if (hulls_) {
         debug_lines_.clear();
         world_.debug_lines(debug_lines_);

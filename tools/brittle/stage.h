@@ -39,6 +39,7 @@ class Stage {
     void show_sites(std::span<const glm::dvec3> sites); // as red spheres seen through the pieces; none for an empty span
     // Draws the pieces moved apart: away from the middle by this share of their distance to it.
     void explode(float share) { explode_ = share; }
+    void show_lines(std::vector<engine::LineVertex> lines) { own_lines_ = std::move(lines); } // seen through the pieces
     void show_hulls(bool show) { hulls_ = show; }       // the physics debug drawer, in red lines
 
     // The scene of this moment; valid until the stage changes. The caller sets the camera.
@@ -54,7 +55,7 @@ class Stage {
     std::vector<float> radii_;  // of each body around its centre of mass
     std::vector<physics::Pose> poses_;
     std::vector<physics::DebugLine> debug_lines_;
-    std::vector<engine::LineVertex> lines_;
+    std::vector<engine::LineVertex> own_lines_, lines_;
     std::vector<engine::Sphere> spheres_;
     float alpha_ = 1.0f;
     float explode_ = 0.0f;
