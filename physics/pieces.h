@@ -12,15 +12,10 @@
 
 #include "fracture/fragments.h"
 #include "physics/hull.h"
+#include "physics/material.h"
 #include "physics/world.h"
 
 namespace brittle::physics {
-
-struct Material {
-    float density = 2400.0f; // kg/m^3; concrete
-    float friction = 0.8f;
-    float restitution = 0.2f;
-};
 
 // How the solid moved when it broke; pieces inherit v + w x r.
 struct PlacedMotion {

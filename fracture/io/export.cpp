@@ -56,8 +56,9 @@ std::string piece_name(const ExportOptions& options, uint32_t piece) {
 }
 
 // Weathered stone outside; darker and warmer inside, so that a break is seen at once.
-Material exterior_material() {
-    return {.name = "exterior", .base_colour = {0.62, 0.60, 0.56, 1.0}, .roughness = 0.85};
+Material exterior_material(const ExportOptions& options) {
+    return options.exterior.value_or(
+        Material{.name = "exterior", .base_colour = {0.62, 0.60, 0.56, 1.0}, .roughness = 0.85});
 }
 
 Material interior_material(const ExportOptions& options) {

@@ -42,6 +42,7 @@ struct ExportOptions {
     // The model whose mesh was fractured; null for none: flat shaded, in one material.
     const Model* source = nullptr;
     std::span<const glm::dvec3> sites{}; // of the fracture, for texture coordinates in metres on the cuts; or none
+    std::optional<Material> exterior{};  // of what has none in the source; or the default, a light stone
     std::optional<Material> interior{};  // of the cuts; or the default, a dark brown. Uses the texture below, if any
     std::optional<Image> interior_image{}; // base colour of the cuts, repeated every metre
     bool per_piece = false; // a file for each piece: NAME.glb becomes NAME_000.glb, NAME_001.glb, ...

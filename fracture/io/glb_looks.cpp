@@ -113,7 +113,7 @@ void GlbLooks::add_to(Json& document, std::set<std::string>& used,
             textures.push_back(std::move(json));
         }
     }
-    if (has_exterior_) materials.push_back(material_json(exterior_material(), used));
+    if (has_exterior_) materials.push_back(material_json(exterior_material(options_), used));
     Json interior = material_json(interior_material(options_), used);
     if (options_.interior_image) {
         interior["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", textures.size()}};

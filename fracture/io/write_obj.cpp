@@ -63,7 +63,7 @@ class ObjWriter {
         for (size_t m = 0; source_ && m < source_->materials.size(); ++m)
             names_.push_back(unique(source_->materials[m], "material_" + std::to_string(m)));
         exterior_ = static_cast<uint32_t>(names_.size());
-        names_.push_back(unique(exterior_material(), "exterior"));
+        names_.push_back(unique(exterior_material(job_.options), "exterior"));
         interior_ = exterior_ + 1;
         names_.push_back(unique(interior_material(job_.options), "interior"));
     }
@@ -112,7 +112,7 @@ class ObjWriter {
         std::string mtl = "# Brittle " BRITTLE_VERSION "\n";
         for (const uint32_t m : used_) {
             const Material material = m == interior_ ? interior_material(job_.options)
-                                                     : (m == exterior_ ? exterior_material() : source_->materials[m]);
+                                                     : (m == exterior_ ? exterior_material(job_.options) : source_->materials[m]);
             mtl += "newmtl " + names_[m] + "\nKd";
             for (int k = 0; k < 3; ++k) append(mtl, material.base_colour[k]);
             mtl += "\nKe";

@@ -33,7 +33,7 @@ struct ExportJob {
 // The material of the cuts: what the options say, or the default.
 [[nodiscard]] Material interior_material(const ExportOptions& options);
 // For parts of the exterior that have none.
-[[nodiscard]] Material exterior_material();
+[[nodiscard]] Material exterior_material(const ExportOptions& options);
 
 // All give files to be written in their order, the one that names the others last.
 [[nodiscard]] Result<std::vector<OutputFile>> write_glb(const ExportJob& job);

@@ -298,6 +298,56 @@ TEST_CASE("a minimum volume leaves fewer pieces, and none below it") {
     CHECK(brittle(folder, "fracture shape:cube --min-volume -1 -o " + (folder / "x.glb")).exit_code == 2);
 }
 
+TEST_CASE("pieces are written in every format, with materials, hulls and a file for each") {
+    const Folder folder;
+    const std::string crate = BRITTLE_CORPUS "/meshes/crate.glb";
+    for (const std::string ending : {"glb", "obj", "ply", "stl"}) {
+        const Outcome whole = brittle(folder, "fracture " + crate + " -n 6 -o " + (folder / ("a." + ending)));
+        CHECK(whole.exit_code == 0);
+        const Outcome again = brittle(folder, "inspect " + (folder / ("a." + ending)));
+        CHECK(again.output.find("components") != std::string::npos);
+    }
+    CHECK(fs::exists(folder / "a.mtl"));
+    CHECK(fs::exists(folder / "a_image0.png"));
+    const Outcome each = brittle(folder, "fracture " + crate + " -n 6 --per-piece --hulls unreal --rigid-bodies --material glass -o "
+                                             + (folder / "b.glb"));
+    CHECK(each.exit_code == 0);
+    CHECK(read(folder / "b_003.glb").find("UCX_crate_003_00") != std::string::npos);
+    CHECK(read(folder / "b_003.glb").find("KHR_physics_rigid_bodies") != std::string::npos);
+    const Outcome bad = brittle(folder, "fracture " + crate + " -n 2 -o " + (folder / "a.fbx"));
+    CHECK(bad.exit_code == 2);
+    CHECK(bad.output.find(".glb, .obj, .ply, .stl") != std::string::npos);
+}
+
+TEST_CASE("sites of a file are fitted, turned, scaled and moved") {
+    const Folder folder;
+    write(folder / "sites.txt", "0 0 0\n10 0 0\n");
+    const auto pieces = [&](const std::string& options) {
+        const Outcome outcome = brittle(folder, "fracture shape:cube --sites " + (folder / "sites.txt") + " --report "
+                                                    + (folder / "r.json") + " -o " + (folder / "a.glb") + options);
+        CHECK(outcome.exit_code == 0);
+        return nlohmann::json::parse(read(folder / "r.json"))["pieces"].get<int>();
+    };
+    CHECK(pieces("") == 1); // the plane is at x = 5
+    CHECK(pieces(" --fit-sites") == 2);
+    CHECK(pieces(" --move-sites -5,0,0") == 2);
+    CHECK(pieces(" --fit-sites --scale-sites 0.5 --turn-sites 0,0,90 --move-sites 0,0.9,0") == 2);
+    CHECK(pieces(" --fit-sites --turn-sites 0,0,90 --move-sites 0,1.1,0") == 1);
+}
+
+TEST_CASE("inspect marks what it found in a file and a picture") {
+    const Folder folder;
+    write(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+    const Outcome outcome = brittle(folder, "inspect " + (folder / "open.obj") + " --size 320x240 --marks " + (folder / "m.glb")
+                                                + " --picture " + (folder / "m.png"));
+    CHECK(outcome.exit_code == 4);
+    CHECK(outcome.output.find("open edges orange") != std::string::npos);
+    CHECK(read(folder / "m.glb").find("open edges") != std::string::npos);
+    CHECK(read(folder / "m.png").size() > 1000);
+    const auto json = nlohmann::json::parse(brittle(folder, "inspect --json " + (folder / "open.obj")).output);
+    CHECK(json["places"]["open_edges"].size() == 3);
+}
+
 TEST_CASE("inspect says what fracture will do, in words and as JSON") {
     const Folder folder;
     const Outcome sound = brittle(folder, "inspect shape:hollow_sphere");

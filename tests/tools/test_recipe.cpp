@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "fracture/shapes.h"
+#include "physics/material.h"
 #include "tools/brittle/failure.h"
 
 using namespace brittle;
@@ -59,6 +61,7 @@ FractureOptions everything() {
     options.repair = true;
     options.algorithm = fracture::Algorithm::sequential;
     options.min_volume = 0.25;
+    options.material = "wood";
     options.pattern = {.kind = fracture::PatternKind::curve,
                        .count = 33,
                        .piece_size = 0.5,
@@ -73,11 +76,21 @@ FractureOptions everything() {
     return options;
 }
 
+// Sites of a file, moved about.
+FractureOptions points() {
+    FractureOptions options;
+    options.mesh = "shape:cube";
+    options.sites_file = "/sites/fan.txt";
+    options.fit_sites = true;
+    options.sites_placement = {.turn = {10.0, -20.0, 1.0 / 3.0}, .scale = 0.5, .move = {0.0, 1e-3, 2.0}};
+    return options;
+}
+
 } // namespace
 
 TEST_CASE("recipe: what is written is read again, to the bit") {
     const Folder folder;
-    for (const FractureOptions& options : {FractureOptions{}, everything()}) {
+    for (const FractureOptions& options : {FractureOptions{}, everything(), points()}) {
         FractureOptions again;
         read_recipe(folder.write(recipe_json(options)), again);
         CHECK(recipe_json(again) == recipe_json(options));
@@ -95,6 +108,21 @@ TEST_CASE("recipe: what it does not mention stays") {
     CHECK(options.pattern.kind == fracture::PatternKind::grid);
     CHECK(options.pattern.count == 33);
     CHECK(options.mesh == "shape:torus");
+}
+
+TEST_CASE("recipe: a material says how it breaks, and the pattern outdoes it") {
+    const Folder folder;
+    for (const physics::MaterialPreset& preset : physics::material_presets()) {
+        FractureOptions options;
+        read_recipe(folder.write(R"({"brittle": 1, "material": ")" + std::string(preset.name) + "\"}"), options);
+        CHECK(options.pattern.kind == preset.pattern.kind);
+        CHECK(fracture::make_sites(options.pattern, fracture::cube()));
+        read_recipe(folder.write(R"({"brittle": 1, "pattern": {"type": "grid"}, "material": ")" + std::string(preset.name) + "\"}"),
+                    options);
+        CHECK(options.pattern.kind == fracture::PatternKind::grid);
+        CHECK(options.material == preset.name);
+    }
+    says(R"({"brittle": 1, "material": "cheese"})", "/material: there is no material 'cheese'; there are: glass, stone");
 }
 
 TEST_CASE("recipe: paths count from its folder") {
@@ -141,8 +169,14 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
     for (const auto& [key, value] : all["pattern"].items())
         CHECK(schema["properties"]["pattern"]["properties"].contains(key));
     for (const auto& [key, value] : schema["properties"].items()) CHECK(all.contains(key));
+    const auto of_points = nlohmann::json::parse(recipe_json(points()))["pattern"];
+    for (const auto& [key, value] : of_points.items())
+        CHECK(schema["properties"]["pattern"]["properties"].contains(key));
     for (const auto& [key, value] : schema["properties"]["pattern"]["properties"].items())
-        CHECK((all["pattern"].contains(key) || key == "file"));
+        CHECK((all["pattern"].contains(key) || of_points.contains(key)));
+    const auto& materials = schema["properties"]["material"]["enum"];
+    REQUIRE(materials.size() == physics::material_presets().size());
+    for (size_t k = 0; k < materials.size(); ++k) CHECK(materials[k] == std::string(physics::material_presets()[k].name));
     const auto& types = schema["properties"]["pattern"]["properties"]["type"]["enum"];
     REQUIRE(types.size() == fracture::pattern_names().size() + 1);
     for (size_t k = 0; k + 1 < types.size(); ++k) CHECK(types[k] == std::string(fracture::pattern_names()[k]));

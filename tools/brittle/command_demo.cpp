@@ -43,7 +43,7 @@ class Demo {
     Demo(const DemoCommand& command, const Input& input, engine::Device& device, engine::Window& window,
          engine::Renderer& renderer)
         : command_(command), input_(input), device_(device), window_(window), renderer_(renderer),
-          stage_(renderer, input.model.mesh) {
+          stage_(renderer, input.model.mesh, command.fracture.material) {
         const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
         orbit_ = engine::OrbitCamera::around(stage_view(stage_.home_bounds()), aspect);
         show_title();

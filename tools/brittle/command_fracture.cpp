@@ -7,6 +7,7 @@
 #include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "physics/hull.h"
+#include "physics/material.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/interrupt.h"
@@ -30,13 +31,24 @@ fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, cons
     return mesh;
 }
 
+double density(const FractureCommand& command) {
+    const physics::MaterialPreset* preset = physics::material_preset(command.fracture.material);
+    return command.density > 0.0 ? command.density : (preset ? preset->material.density : physics::Material{}.density);
+}
+
 std::vector<std::filesystem::path> export_broken(const FractureCommand& command, const Input& input,
                                                  const Broken& broken, const std::string& recipe) {
     fracture::ExportOptions options{.name = input.name, .recipe = recipe, .source = &input.model, .sites = input.sites};
     options.per_piece = command.per_piece;
+    if (const physics::MaterialPreset* preset = physics::material_preset(command.fracture.material)) {
+        options.exterior = fracture::Material{
+            .name = command.fracture.material, .base_colour = glm::dvec4(preset->exterior, 1.0), .roughness = 0.85};
+        options.interior = fracture::Material{
+            .name = "interior", .base_colour = glm::dvec4(preset->interior, 1.0), .roughness = 0.95};
+    }
     options.hull_names = command.hulls == "unreal" ? fracture::HullNames::unreal : fracture::HullNames::godot;
     options.rigid_bodies = command.rigid_bodies;
-    options.density = command.density;
+    options.density = density(command);
     std::vector<fracture::TriangleMesh> hulls;
     if (!command.hulls.empty() || command.rigid_bodies) {
         for (const fracture::Piece& piece : broken.fragments.pieces)
@@ -69,10 +81,7 @@ int run_fracture(const FractureCommand& command) {
         must(fracture::write_file_atomically(command.report, std::as_bytes(std::span(json))));
         std::printf("  report     %s\n", command.report.c_str());
     }
-    if (!command.save_recipe.empty()) {
-        write_recipe(command.save_recipe, command.fracture);
-        std::printf("  recipe     %s\n", command.save_recipe.c_str());
-    }
+    if (!command.fracture.save_recipe.empty()) std::printf("  recipe     %s\n", command.fracture.save_recipe.c_str());
     if (!broken.certificate.closed) {
         throw Failure(exit_failure, std::to_string(broken.certificate.open_pieces) + " of " +
                                         std::to_string(broken.certificate.pieces) +

@@ -94,7 +94,7 @@ nlohmann::ordered_json profile_frames(const ProfileCommand& command, const Input
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     device_name = device->info().name + ", " + device->info().driver;
     const auto renderer = must(engine::Renderer::create(*device));
-    Stage stage(*renderer, input.model.mesh);
+    Stage stage(*renderer, input.model.mesh, command.fracture.material);
     const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
     const engine::Camera camera = engine::look_at_bounds(stage_view(stage.home_bounds()), 0.55f, 0.3f, aspect);
 

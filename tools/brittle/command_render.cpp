@@ -38,7 +38,7 @@ int run_render(const RenderCommand& command) {
     const Input input = placed_on_stage(load_input(command.fracture));
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device));
-    Stage stage(*renderer, input.model.mesh);
+    Stage stage(*renderer, input.model.mesh, command.fracture.material);
     if (!command.whole) {
         Progress progress("fracturing " + input.name);
         const Broken broken = break_input(input, command.fracture, [&](double share) { progress.update(share); });

@@ -21,10 +21,9 @@ struct FractureCommand {
     bool per_piece = false;  // a file for each
     std::string hulls;       // "godot" or "unreal": how collision hulls are named; empty: none
     bool rigid_bodies = false;
-    double density = 1000.0; // kg/m^3, of rigid_bodies
+    double density = 0.0;    // kg/m^3, of rigid_bodies; 0: the material's
     std::string interior_texture; // an image for the cuts; empty: none
     std::string report;      // empty: none
-    std::string save_recipe; // empty: nowhere
 };
 
 struct RenderCommand {

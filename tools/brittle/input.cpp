@@ -11,8 +11,10 @@
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
 #include "fracture/topology.h"
+#include "physics/material.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/interrupt.h"
+#include "tools/brittle/recipe.h"
 #include "tools/brittle/stopwatch.h"
 
 namespace brittle::tools {
@@ -74,9 +76,25 @@ Input load_mesh_only(const std::string& mesh, bool with_looks) {
     return input;
 }
 
+void use_material(const std::string& name, FractureOptions& options) {
+    const physics::MaterialPreset* preset = physics::material_preset(name);
+    if (!preset) {
+        std::string known;
+        for (const auto& p : physics::material_presets()) known.append(known.empty() ? "" : ", ").append(p.name);
+        throw Failure(exit_usage, "there is no material '" + name + "'; there are: " + known);
+    }
+    options.material = name;
+    options.pattern.kind = preset->pattern.kind;
+    options.pattern.jitter = preset->pattern.jitter;
+    options.pattern.axis = preset->pattern.axis;
+    options.pattern.spread = preset->pattern.spread;
+    options.pattern.slenderness = preset->pattern.slenderness;
+}
+
 Input load_input(const FractureOptions& options, bool with_looks) {
     if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
     Input input = load_mesh_only(options.mesh, with_looks);
+    if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
     if (options.repair) {
         repair(input.model.mesh, input.name);
     } else {
@@ -84,6 +102,11 @@ Input load_input(const FractureOptions& options, bool with_looks) {
     }
     if (!options.sites_file.empty()) {
         input.sites = must(fracture::read_sites(options.sites_file));
+        const fracture::Box own = fracture::bounds({input.sites, {}});
+        const fracture::Box onto = options.fit_sites ? fracture::bounds(input.model.mesh) : own;
+        const fracture::Placement& p = options.sites_placement;
+        if (options.fit_sites || p.scale != 1.0 || p.turn != glm::dvec3(0.0) || p.move != glm::dvec3(0.0))
+            input.sites = fracture::place(input.sites, own, onto, p);
     } else {
         fracture::PatternSites made = must(fracture::make_sites(options.pattern, input.model.mesh));
         input.sites = std::move(made.sites);

@@ -14,8 +14,12 @@ namespace brittle::tools {
 
 struct FractureOptions {
     std::string mesh;       // a file, or shape:NAME
+    std::string material; // --material: the name of a preset, or empty; its pattern is in `pattern` already
     fracture::Pattern pattern; // --pattern, -n, --seed and more: makes the sites
     std::string sites_file;    // --sites: takes the place of the pattern
+    bool fit_sites = false;    // --fit-sites: moves and scales them onto the mesh's box, before the placement
+    fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
+    std::string save_recipe;   // --save-recipe: where load_input() writes all this; or empty
     bool repair = false;    // --repair: remove patches that double the surface, and say so
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
     double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
@@ -41,6 +45,10 @@ struct Broken {
 [[nodiscard]] Input load_input(const FractureOptions& options, bool with_looks = false);
 
 // The mesh alone, as it is in the file.
+// Takes over the preset's way to break; count, seed and the like stay. Throws a Failure with exit_usage for an unknown
+// name, and says which there are.
+void use_material(const std::string& name, FractureOptions& options);
+
 [[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
 
 // Fractures with `progress` called and `classifier` asked as in fracture::Settings.

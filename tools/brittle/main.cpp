@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <new>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "fracture/shapes.h"
 #include "tools/brittle/commands.h"
@@ -46,6 +48,8 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
             "--recipe", [&options](const std::string& file) { read_recipe(file, options); },
             "Take mesh and options from a recipe (assets/recipe.schema.json); options given besides outdo it")
         ->type_name("FILE.json");
+    command.add_option("--save-recipe", options.save_recipe, "Also write mesh and options as a recipe")
+        ->type_name("FILE.json");
     command.add_option("mesh", options.mesh, mesh_help())->type_name("MESH");
     fracture::Pattern& pattern = options.pattern;
     auto* count = command.add_option("-n,--pieces", pattern.count,
@@ -54,6 +58,12 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
                       ->capture_default_str();
     auto* seed = command.add_option("--seed", pattern.seed, "Seed of what is random: equal seeds, equal pieces")
                      ->capture_default_str();
+    // Before --pattern and its shape, which outdo it.
+    command
+        .add_option_function<std::string>(
+            "--material", [&options](const std::string& name) { use_material(name, options); },
+            "What it is made of, which says how it breaks, moves and looks: glass, stone, concrete, wood or ceramic")
+        ->type_name("NAME");
     const auto names = fracture::pattern_names();
     const auto set_kind = [&pattern, names](const std::string& name) {
         pattern.kind = static_cast<fracture::PatternKind>(std::find(names.begin(), names.end(), name) - names.begin());
@@ -85,6 +95,11 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
         ->excludes(count)
         ->excludes(seed)
         ->excludes("--pattern");
+    command.add_flag("--fit-sites", options.fit_sites, "Scale and move the sites of --sites onto the mesh's box");
+    add_vector("--turn-sites", options.sites_placement.turn, "Turn them, degrees about X, then Y, then Z");
+    command.add_option("--scale-sites", options.sites_placement.scale, "Scale them about their middle")
+        ->check(CLI::PositiveNumber);
+    add_vector("--move-sites", options.sites_placement.move, "Move them, metres");
     command.add_flag("--repair", options.repair,
                      "First remove patches that double the surface, a common flaw of models; says what it removed");
     const auto set_algorithm = [&options](const std::string& name) {
@@ -138,6 +153,14 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     fracture->add_option("-o,--output", fracture_command.output,
                          "The file to write; its ending says the format: .glb, .obj (with .mtl), .ply or .stl")
         ->required()
+        ->check([](const std::string& file) {
+            const auto& known = fracture::exportable_extensions();
+            const std::string ending = std::filesystem::path(file).extension().string();
+            if (std::find(known.begin(), known.end(), ending) != known.end()) return std::string();
+            std::string list;
+            for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
+            return "'" + file + "' does not end with one of " + list;
+        })
         ->type_name("FILE");
     fracture->add_flag("--per-piece", fracture_command.per_piece, "A file for each piece: FILE_000, FILE_001, ...");
     fracture->add_option("--hulls", fracture_command.hulls,
@@ -146,15 +169,12 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->type_name("ENGINE");
     fracture->add_flag("--rigid-bodies", fracture_command.rigid_bodies,
                        "GLB: also masses and hulls by KHR_physics_rigid_bodies, the draft of 2024");
-    fracture->add_option("--density", fracture_command.density, "kg/m^3, of --rigid-bodies")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+    fracture->add_option("--density", fracture_command.density, "kg/m^3, of --rigid-bodies; the material's if not given")
+        ->check(CLI::PositiveNumber);
     fracture->add_option("--interior-texture", fracture_command.interior_texture,
                          "An image for the cuts, repeated every metre (PNG or JPEG)")
         ->type_name("FILE");
     fracture->add_option("--report", fracture_command.report, "Also write counts, proof and times as JSON")
-        ->type_name("FILE.json");
-    fracture->add_option("--save-recipe", fracture_command.save_recipe, "Also write what was done as a recipe")
         ->type_name("FILE.json");
     fracture->callback([&run] { run = [] { return run_fracture(fracture_command); }; });
 

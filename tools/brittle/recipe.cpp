@@ -46,11 +46,21 @@ Json pattern_json(const Pattern& pattern) {
     return json;
 }
 
+Json points_json(const FractureOptions& options) {
+    const fracture::Placement plain, &placement = options.sites_placement;
+    Json json{{"type", "points"}, {"file", options.sites_file}};
+    if (options.fit_sites) json["fit"] = true;
+    if (placement.turn != plain.turn) json["turn"] = vector_json(placement.turn);
+    if (placement.scale != plain.scale) json["scale"] = placement.scale;
+    if (placement.move != plain.move) json["move"] = vector_json(placement.move);
+    return json;
+}
+
 Json recipe_object(const FractureOptions& options) {
     Json recipe{{"brittle", version}, {"mesh", options.mesh}};
+    if (!options.material.empty()) recipe["material"] = options.material;
     if (options.repair) recipe["repair"] = true;
-    recipe["pattern"] = options.sites_file.empty() ? pattern_json(options.pattern)
-                                                   : Json{{"type", "points"}, {"file", options.sites_file}};
+    recipe["pattern"] = options.sites_file.empty() ? pattern_json(options.pattern) : points_json(options);
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
     return recipe;
@@ -146,6 +156,10 @@ void read_pattern(Reader& reader, FractureOptions& options) {
     if (type == "points") {
         reader.text("file", options.sites_file);
         if (options.sites_file.empty()) throw reader.failure("file", "a pattern of points needs the file that they are in");
+        reader.flag("fit", options.fit_sites);
+        reader.vector("turn", options.sites_placement.turn);
+        reader.number("scale", options.sites_placement.scale, 1e-9, 1e9);
+        reader.vector("move", options.sites_placement.move);
         return;
     }
     const auto at = std::find(names.begin(), names.end(), type);
@@ -215,6 +229,15 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
         from_here(options.mesh);
     }
     reader.flag("repair", options.repair);
+    std::string material;
+    reader.text("material", material);
+    if (!material.empty()) {
+        try {
+            use_material(material, options);
+        } catch (const Failure& failure) {
+            throw reader.failure("material", failure.what());
+        }
+    }
     if (const Json* pattern = reader.find("pattern")) {
         Reader inner(file, *pattern, "/pattern");
         read_pattern(inner, options);

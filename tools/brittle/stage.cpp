@@ -16,6 +16,7 @@ namespace {
 constexpr double stage_size = 2.0;     // m, longest side of the mesh
 constexpr double stage_height = 0.5;   // m, of its lowest point above the ground
 constexpr float piece_tint_strength = 0.9f;
+constexpr float material_tint_strength = 0.15f; // a material shows its own colour
 constexpr float site_radius = 0.02f;   // m
 constexpr float bounds_limit = 12.0f;  // m, debris that rolls further away casts no shadow and moves no camera
 
@@ -38,7 +39,10 @@ Input placed_on_stage(Input input) {
     return input;
 }
 
-Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh) : renderer_(renderer) { reset(mesh); }
+Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material)
+    : renderer_(renderer), material_(physics::material_preset(material)) {
+    reset(mesh);
+}
 
 void Stage::reset(const fracture::TriangleMesh& mesh) {
     world_.clear();
@@ -55,7 +59,7 @@ void Stage::reset(const fracture::TriangleMesh& mesh) {
 
 void Stage::shatter(const fracture::Fragments& fragments) {
     world_.clear();
-    must(physics::add_pieces(world_, fragments));
+    must(physics::add_pieces(world_, fragments, material_ ? material_->material : physics::Material{}));
     alpha_ = 1.0f;
 
     std::vector<glm::vec3> positions(fragments.positions.size());
@@ -94,6 +98,11 @@ engine::Scene Stage::scene() {
     engine::Scene scene;
     scene.bounds = home_;
     scene.look.tint = piece_tint_strength;
+    if (material_) {
+        scene.look.exterior = material_->exterior;
+        scene.look.interior = material_->interior;
+        scene.look.tint = material_tint_strength;
+    }
     if (broken()) {
         poses_.resize(world_.body_count());
         world_.write_transforms(poses_, alpha_);

@@ -15,6 +15,7 @@
 #include "engine/render/scene.h"
 #include "fracture/fragments.h"
 #include "fracture/mesh.h"
+#include "physics/material.h"
 #include "physics/world.h"
 #include "tools/brittle/input.h"
 
@@ -26,7 +27,8 @@ namespace brittle::tools {
 class Stage {
   public:
     // Uploads the unbroken mesh. The renderer must outlive the stage.
-    Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh);
+    // `material` is a preset's name, or empty.
+    Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material = {});
 
     // Replaces the unbroken mesh by pieces that fall from where they are.
     void shatter(const fracture::Fragments& fragments);
@@ -51,6 +53,7 @@ class Stage {
   private:
     engine::Renderer& renderer_;
     physics::World world_;
+    const physics::MaterialPreset* material_ = nullptr;
     engine::Bounds home_;
     std::vector<float> radii_;  // of each body around its centre of mass
     std::vector<physics::Pose> poses_;

@@ -1,0 +1,49 @@
+#include "physics/material.h"
+
+#include <algorithm>
+#include <array>
+
+namespace brittle::physics {
+
+using fracture::PatternKind;
+
+std::span<const MaterialPreset> material_presets() {
+    static const std::array presets = {
+        // Shards around the point of impact, through the pane.
+        MaterialPreset{"glass",
+                       {2500.0f, 0.5f, 0.3f},
+                       {.kind = PatternKind::radial, .jitter = 0.5, .axis = {0.0, 0.0, 1.0}},
+                       {0.42f, 0.56f, 0.52f},
+                       {0.20f, 0.42f, 0.36f}},
+        MaterialPreset{"stone",
+                       {2600.0f, 0.8f, 0.2f},
+                       {.kind = PatternKind::uniform},
+                       {0.62f, 0.60f, 0.56f},
+                       {0.36f, 0.20f, 0.13f}},
+        // Crumbles where it is hit, large lumps elsewhere.
+        MaterialPreset{"concrete",
+                       {2400.0f, 0.8f, 0.15f},
+                       {.kind = PatternKind::clustered, .spread = 0.3},
+                       {0.50f, 0.50f, 0.48f},
+                       {0.30f, 0.29f, 0.27f}},
+        MaterialPreset{"wood",
+                       {700.0f, 0.6f, 0.25f},
+                       {.kind = PatternKind::splinters, .slenderness = 8.0},
+                       {0.36f, 0.20f, 0.09f},
+                       {0.58f, 0.38f, 0.19f}},
+        // Thin walls give small sherds, thick ones large.
+        MaterialPreset{"ceramic",
+                       {2300.0f, 0.5f, 0.25f},
+                       {.kind = PatternKind::thickness},
+                       {0.75f, 0.74f, 0.70f},
+                       {0.55f, 0.22f, 0.10f}}};
+    return presets;
+}
+
+const MaterialPreset* material_preset(std::string_view name) {
+    const auto presets = material_presets();
+    const auto found = std::find_if(presets.begin(), presets.end(), [&](const auto& p) { return p.name == name; });
+    return found == presets.end() ? nullptr : &*found;
+}
+
+} // namespace brittle::physics
