@@ -60,18 +60,21 @@ bool may_cut(const Bisector& plane, uint32_t site, std::span<const glm::dvec3> c
 
 } // namespace
 
-Bisector bisector(std::span<const glm::dvec3> sites, uint32_t a, uint32_t b) {
+Bisector bisector(std::span<const glm::dvec3> sites, uint32_t a, uint32_t b, std::span<const double> weights) {
     assert(a != b);
     const uint32_t low = std::min(a, b);
     const uint32_t high = std::max(a, b);
     glm::dvec3 normal = sites[high] - sites[low];
+    glm::dvec3 midpoint = sites[low] * 0.5 + sites[high] * 0.5;
+    if (!weights.empty()) midpoint += (weights[low] - weights[high]) / (2.0 * glm::dot(normal, normal)) * normal;
     int exponent = 0;
     std::frexp(std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)}), &exponent);
     for (int i = 0; i < 3; ++i) normal[i] = std::ldexp(normal[i], -exponent);
-    return {low, high, normal, sites[low] * 0.5 + sites[high] * 0.5};
+    return {low, high, normal, midpoint};
 }
 
-CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const Box& box) {
+CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const Box& box,
+                       std::span<const double> weights) {
     // Candidates, the nearest on top of a heap: few are ever taken.
     using Candidate = std::pair<double, uint32_t>; // distance, site
     std::vector<Candidate> heap;
@@ -80,10 +83,14 @@ CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const B
         if (other == site) continue;
         if (sites[other] != sites[site])
             heap.emplace_back(glm::distance(sites[other], sites[site]), other);
-        else if (other < site)
+        else if (weights.empty() || weights[other] == weights[site] ? other < site : weights[other] > weights[site])
             return {.empty = true, .bisectors = {}};
     }
     std::make_heap(heap.begin(), heap.end(), std::greater{});
+    // By how much the squared distance of a corner to another site may exceed that to this one, and the other still wins.
+    const double advantage =
+        weights.empty() ? 0.0 : *std::max_element(weights.begin(), weights.end()) - weights[site];
+    const auto farthest_rival = [&](double reach) { return reach + std::sqrt(reach * reach + advantage); };
 
     const glm::dvec3 widening(box_margin * glm::length(box.size()));
     HalfEdgeMesh cell = box_mesh({box.min - widening, box.max + widening});
@@ -91,11 +98,11 @@ CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const B
     const double margin =
         prune_margin * radius + coordinate_margin * radius_around(glm::dvec3(0.0), cell.positions);
     CellBounds bounds;
-    while (!heap.empty() && heap.front().first <= 2.0 * (radius + margin)) {
+    while (!heap.empty() && heap.front().first <= farthest_rival(radius + margin)) {
         const uint32_t other = heap.front().second;
         std::pop_heap(heap.begin(), heap.end(), std::greater{});
         heap.pop_back();
-        const Bisector plane = bisector(sites, site, other);
+        const Bisector plane = bisector(sites, site, other, weights);
         if (!may_cut(plane, site, cell.positions, margin)) continue;
         bounds.bisectors.push_back(plane);
         cell = clip(cell, plane, site);

@@ -36,11 +36,13 @@ struct Bisector {
     [[nodiscard]] uint32_t other(uint32_t site) const { return site == low ? high : low; }
 };
 
-// The plane between two different sites, in either order.
-[[nodiscard]] Bisector bisector(std::span<const glm::dvec3> sites, uint32_t a, uint32_t b);
+// The plane between two different sites, in either order. With weights (m^2, one a site) it lies nearer to the lighter one,
+// and `midpoint` is where the line between the sites meets it.
+[[nodiscard]] Bisector bisector(std::span<const glm::dvec3> sites, uint32_t a, uint32_t b,
+                                std::span<const double> weights = {});
 
 struct CellBounds {
-    bool empty = false;              // the cell does not meet the box, or a duplicate of lower index owns it
+    bool empty = false;              // the cell does not meet the box, or a duplicate owns it
     std::vector<Bisector> bisectors; // nearest site first
 };
 
@@ -49,6 +51,7 @@ struct CellBounds {
 // security radius). Conservative: a bisector that comes near the cell without cutting it may be in the list,
 // one that cuts is never missing. Near means prune_margin (bisectors.cpp). All sites are looked at once:
 // O(sites) plus O(log) per candidate.
-[[nodiscard]] CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const Box& box);
+[[nodiscard]] CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const Box& box,
+                                     std::span<const double> weights = {});
 
 } // namespace brittle::fracture

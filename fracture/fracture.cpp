@@ -71,6 +71,12 @@ Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<co
     if (!settings.groups.empty() && settings.groups.size() != sites.size())
         return Error{Status::invalid_setting, "there are " + std::to_string(settings.groups.size()) + " groups for "
                                                   + std::to_string(sites.size()) + " sites; give one each, or none"};
+    if (!settings.weights.empty() && settings.weights.size() != sites.size())
+        return Error{Status::invalid_setting, "there are " + std::to_string(settings.weights.size()) + " weights for "
+                                                  + std::to_string(sites.size()) + " sites; give one each, or none"};
+    for (size_t i = 0; i < settings.weights.size(); ++i)
+        if (!std::isfinite(settings.weights[i]))
+            return Error{Status::invalid_setting, "site " + std::to_string(i) + " has a weight that is not finite"};
     if (!(settings.min_volume >= 0.0) || !std::isfinite(settings.min_volume))
         return Error{Status::invalid_setting, "the minimum volume is " + std::to_string(settings.min_volume)
                                                   + "; it must be finite and not negative"};

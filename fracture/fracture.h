@@ -44,6 +44,9 @@ struct Settings {
     // A group for each site, or none: no cut is made between cells of one group. What of a group hangs together is one
     // piece, with the least of its sites. For the exact algorithm.
     std::vector<uint32_t> groups{};
+    // Of each site, m^2, or none: cells of the power diagram, in which a site reaches as far as a ball of that squared radius
+    // would. Graded sizes: heavy sites have large cells, light ones beside them small ones or none.
+    std::vector<double> weights{};
     // m^3. Smaller pieces become part of the neighbour that they have the largest contact with, the smallest first, until
     // none is left that has a neighbour. 0 keeps all. For the exact algorithm.
     double min_volume = 0.0;
@@ -86,7 +89,7 @@ class Workspace {
 //  - no_volume, inside_out: the surface encloses nothing but rounding; its volume is negative.
 //  - invalid_sites: none, one that is not finite or beyond 1e50, for the exact algorithm also beyond 1e30 mesh sizes.
 //  - cancelled: Settings::cancelled said so.
-//  - invalid_setting: more than 1024 threads; groups of which there are not as many as sites; a minimum volume that is
+//  - invalid_setting: more than 1024 threads; groups or weights of which there are not as many as sites; a weight that is not finite; a minimum volume that is
 //    negative or not finite; groups or a minimum volume for the sequential algorithm.
 //
 // Not refused:

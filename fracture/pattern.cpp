@@ -24,6 +24,9 @@ namespace {
 constexpr uint32_t most_sites = 1'000'000;
 constexpr double pi = std::numbers::pi;
 
+// Of the mean distance between sites: what a ball of grading 1 may have as radius.
+constexpr double largest_ball = 0.9;
+
 // Points are drawn so often, at most, for each that is to be inside: a solid fills more of its box than this.
 constexpr uint64_t most_draws = 2000;
 
@@ -48,6 +51,7 @@ Result<void> check(const Pattern& p) {
     if (!(p.spread > 0.0) || !(p.spread <= 100.0)) return bad("spread", number(p.spread), "above 0, at most 100");
     if (!(p.slenderness >= 1.0) || !(p.slenderness <= 1e4))
         return bad("slenderness", number(p.slenderness), "1 to 10,000");
+    if (!(p.grading >= 0.0) || !(p.grading <= 1.0)) return bad("grading", number(p.grading), "0 to 1");
     if (p.kind == PatternKind::curve) {
         if (p.line.size() < 2) return bad("line", std::to_string(p.line.size()) + " points", "two points or more");
         for (const glm::dvec3& at : p.line)
@@ -97,6 +101,7 @@ class Maker {
         case PatternKind::curvature: curvature(); break;
         case PatternKind::thickness: thickness(); break;
         }
+        if (pattern_.grading > 0.0 && pattern_.kind != PatternKind::bricks) grade();
         if (pattern_.inside) leave_out_outside();
         return std::move(result_);
     }
@@ -304,12 +309,23 @@ class Maker {
         });
     }
 
+    // Balls of up to most of the mean distance between sites; squares make small ones common.
+    void grade() {
+        const glm::dvec3 size = box_.size();
+        const double spacing = std::cbrt(size.x * size.y * size.z / static_cast<double>(result_.sites.size()));
+        for (size_t k = 0; k < result_.sites.size(); ++k) {
+            const double u = random_.uniform(), radius = largest_ball * pattern_.grading * spacing * u * u;
+            result_.weights.push_back(radius * radius);
+        }
+    }
+
     void leave_out_outside() {
         PatternSites kept;
         for (size_t k = 0; k < result_.sites.size(); ++k) {
             if (!inside_(result_.sites[k])) continue;
             kept.sites.push_back(result_.sites[k]);
             if (!result_.groups.empty()) kept.groups.push_back(result_.groups[k]);
+            if (!result_.weights.empty()) kept.weights.push_back(result_.weights[k]);
         }
         result_ = std::move(kept);
     }

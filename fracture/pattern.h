@@ -46,12 +46,14 @@ struct Pattern {
     double spread = 0.15;      // clustered: standard deviation, share of the box's diagonal
     double slenderness = 8.0;  // splinters: length by width
     std::vector<glm::dvec3> line{{0.0, 0.5, 0.5}, {1.0, 0.5, 0.5}}; // curve: in the box, as focus
+    double grading = 0.0;      // 0: cells of like sizes; to 1: from crumbs to lumps, by random weights; not for bricks
     bool inside = false;       // only sites inside the solid; those of random kinds are drawn anew, others left out
 };
 
 struct PatternSites {
     std::vector<glm::dvec3> sites;
     std::vector<uint32_t> groups; // for Settings::groups: one each, or none
+    std::vector<double> weights;  // for Settings::weights: likewise
 };
 
 // Errors: invalid_setting, naming the field and its range; empty_mesh. At most a million sites.

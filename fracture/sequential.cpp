@@ -109,7 +109,7 @@ Result<Fragments> fracture_sequential(const HalfEdgeMesh& mesh, std::span<const 
     };
 
     timed("cells", [&] {
-        for_each_cell([&](uint32_t site, Cell& cell) { cell.bounds = cell_bounds(sites, site, box); });
+        for_each_cell([&](uint32_t site, Cell& cell) { cell.bounds = cell_bounds(sites, site, box, settings.weights); });
     });
     timed("clip", [&] {
         for_each_cell([&](uint32_t site, Cell& cell) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -63,15 +64,17 @@ std::optional<std::string_view> skip_separator(std::string_view text) {
 
 struct ParsedLine {
     glm::dvec3 site{0.0};
+    std::optional<double> radius{};
     std::string complaint; // empty: the site holds
     Status status = Status::malformed_file;
 };
 
 ParsedLine parse_site(std::string_view line) {
-    constexpr std::array<const char*, 3> axis = {"x", "y", "z"};
+    constexpr std::array<const char*, 4> names = {"x", "y", "z", "radius"};
     ParsedLine parsed;
     std::string_view rest = line;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 4; ++k) {
+        if (k == 3 && skip_blanks(rest).empty()) return parsed;
         if (k > 0) {
             const auto after = skip_separator(rest);
             if (!after && !rest.empty()) {
@@ -82,19 +85,20 @@ ParsedLine parse_site(std::string_view line) {
         }
         if (rest.empty()) {
             parsed.complaint = std::string("expected three numbers 'x y z', but ")
-                               + axis[static_cast<size_t>(k)] + " is missing in " + printable(line);
+                               + names[static_cast<size_t>(k)] + " is missing in " + printable(line);
             return parsed;
         }
         // std::from_chars knows no plus sign; "+-1" must not slip through by dropping it.
         const bool plus = rest.size() > 1 && rest[0] == '+' && rest[1] != '-' && rest[1] != '+';
+        double value = 0.0;
         const char* const begin = rest.data() + (plus ? 1 : 0);
         const char* const end = rest.data() + rest.size();
-        const auto [stop, code] = std::from_chars(begin, end, parsed.site[k]);
+        const auto [stop, code] = std::from_chars(begin, end, value);
         if (code == std::errc::invalid_argument) {
             parsed.complaint = "expected a number, found " + printable(rest);
             return parsed;
         }
-        if (code == std::errc::result_out_of_range || !std::isfinite(parsed.site[k])) {
+        if (code == std::errc::result_out_of_range || !std::isfinite(value)) {
             const auto length = static_cast<size_t>(stop - rest.data());
             parsed.complaint = "a site needs finite numbers that a double can hold, found "
                                + printable(rest.substr(0, length));
@@ -102,9 +106,18 @@ ParsedLine parse_site(std::string_view line) {
             return parsed;
         }
         rest = std::string_view(stop, static_cast<size_t>(end - stop));
+        if (k < 3) {
+            parsed.site[k] = value;
+        } else if (value >= 0.0) {
+            parsed.radius = value;
+        } else {
+            parsed.complaint = "a radius cannot be negative";
+            parsed.status = Status::invalid_sites;
+            return parsed;
+        }
     }
     rest = skip_blanks(rest);
-    if (!rest.empty()) parsed.complaint = "expected three numbers 'x y z', found more: " + printable(rest);
+    if (!rest.empty()) parsed.complaint = "expected 'x y z' or 'x y z radius', found more: " + printable(rest);
     return parsed;
 }
 
@@ -124,7 +137,7 @@ std::vector<glm::dvec3> uniform_sites(const Box& box, uint32_t count, uint64_t s
     return sites;
 }
 
-Result<std::vector<glm::dvec3>> read_sites(const std::filesystem::path& file) {
+Result<SiteList> read_sites(const std::filesystem::path& file) {
     const std::string name = file.string();
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored)) {
@@ -133,7 +146,7 @@ Result<std::vector<glm::dvec3>> read_sites(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!in) return Error{Status::file_not_found, name + ": no such file, or no permission to read it"};
 
-    std::vector<glm::dvec3> sites;
+    SiteList list;
     std::string line;
     LineEnd end = LineEnd::newline;
     for (uint64_t number = 1; end == LineEnd::newline; ++number) {
@@ -151,16 +164,19 @@ Result<std::vector<glm::dvec3>> read_sites(const std::filesystem::path& file) {
         if (text.empty()) continue;
         const ParsedLine parsed = parse_site(text);
         if (!parsed.complaint.empty()) return Error{parsed.status, at_line() + parsed.complaint};
-        if (sites.size() == max_sites) {
+        if (list.sites.size() == max_sites) {
             return Error{Status::invalid_sites,
                          at_line() + "more than " + std::to_string(max_sites) + " sites"};
         }
-        sites.push_back(parsed.site);
+        list.sites.push_back(parsed.site);
+        if (!parsed.radius && list.weights.empty()) continue;
+        list.weights.resize(list.sites.size() - 1, 0.0);
+        list.weights.push_back(parsed.radius.value_or(0.0) * parsed.radius.value_or(0.0));
     }
-    if (sites.empty()) {
+    if (list.sites.empty()) {
         return Error{Status::invalid_sites, name + ": holds no site; expected lines of 'x y z'"};
     }
-    return sites;
+    return list;
 }
 
 } // namespace brittle::fracture

@@ -75,7 +75,7 @@ struct VoronoiDiagram {
     std::vector<Corner> rings;
     std::vector<uint32_t> cell_begin;   // one more than sites; into neighbours
     std::vector<Neighbour> neighbours;  // of each cell, ascending
-    std::vector<uint8_t> cell_is_empty; // duplicates, and sites whose cell lies outside the box
+    std::vector<uint8_t> cell_is_empty; // duplicates, cells outside the box, and what heavier sites leave nothing
 
     [[nodiscard]] std::span<const Corner> ring_of(const Facet& facet) const {
         return std::span(rings).subspan(facet.ring_begin, facet.ring_end - facet.ring_begin);
@@ -87,10 +87,12 @@ struct VoronoiDiagram {
     [[nodiscard]] uint32_t facet_between(uint32_t a, uint32_t b) const;
 };
 
-// Of duplicate sites the lowest index owns the cell. Sites may lie outside the box. threads = 0: one a core;
+// With weights (m^2, one a site) it is the power diagram: a site reaches as far as a ball of that squared radius around it
+// would, and may be left with nothing. Of duplicate sites the heaviest owns the cell, then the lowest index. Sites may lie outside the box. threads = 0: one a core;
 // the result does not depend on it. Errors: invalid_sites (none, not finite), invalid_setting for a box that
-// is not finite or has no volume.
+// is not finite or has no volume, and for weights that are not finite or not one a site.
 [[nodiscard]] Result<VoronoiDiagram> voronoi_diagram(std::span<const glm::dvec3> sites, const Box& box,
-                                                     uint32_t threads = 0);
+                                                     uint32_t threads = 0,
+                                                     std::span<const double> weights = {});
 
 } // namespace brittle::fracture

@@ -31,7 +31,7 @@ namespace simd {
 BRITTLE_SIMD uint64_t plane_values(const double* x, const double* y, const double* z, const double* ew,
                                    const double* ex, uint32_t n, const Bisector& l, double* value,
                                    double* bound) {
-    const double nx = l.n.x, ny = l.n.y, nz = l.n.z, h = l.h, ah = std::abs(l.h), length = l.length;
+    const double nx = l.n.x, ny = l.n.y, nz = l.n.z, h = l.h, ah = l.magnitude(), length = l.length;
     uint64_t doubtful = 0;
     for (uint32_t v = 0; v < n; ++v) {
         const double g = h - (nx * x[v] + ny * y[v] + nz * z[v]);
@@ -56,12 +56,12 @@ BRITTLE_SIMD double largest_norm2(const double* x, const double* y, const double
     return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
 }
 
-// The box around all balls that are centred at a vertex and go through the origin.
-BRITTLE_SIMD void ball_box(const double* x, const double* y, const double* z, uint32_t n, glm::dvec3& low,
+// The box around all balls that are centred at a vertex and go through the origin, their squared radii enlarged.
+BRITTLE_SIMD void ball_box(const double* x, const double* y, const double* z, uint32_t n, double more, glm::dvec3& low,
                            glm::dvec3& high) {
     glm::dvec3 least(0.0), most(0.0);
     for (uint32_t v = 0; v < n; ++v) {
-        const double r = std::sqrt(x[v] * x[v] + y[v] * y[v] + z[v] * z[v]);
+        const double r = std::sqrt(x[v] * x[v] + y[v] * y[v] + z[v] * z[v] + more);
         least.x = x[v] - r < least.x ? x[v] - r : least.x;
         least.y = y[v] - r < least.y ? y[v] - r : least.y;
         least.z = z[v] - r < least.z ? z[v] - r : least.z;
@@ -81,6 +81,7 @@ bool CellBuilder::build(const Diagram& diagram, const SiteTree& tree, SiteId c) 
     used_planes_.clear();
     used_vertices_.clear();
     if (!tree.owns_cell(c)) return false;
+    advantage_ = diagram.weights.empty() ? 0.0 : tree.greatest_weight() - diagram.weights[c];
     start_with_box();
     SiteTree::Walk walk(tree, diagram.sites[c], c, walk_memory_);
     SiteTree::Reach within = reach();
@@ -152,13 +153,16 @@ void CellBuilder::place_vertex(uint32_t v, uint32_t a, uint32_t b, uint32_t d) {
 
 double CellBuilder::security2() const {
     if (unreliable_ > 0) return kInfinity;
-    return 4.0 * kReachSlack * simd::largest_norm2(x_.data(), y_.data(), z_.data(), count_);
+    const double norm2 = simd::largest_norm2(x_.data(), y_.data(), z_.data(), count_);
+    if (advantage_ == 0.0) return 4.0 * kReachSlack * norm2;
+    const double radius = std::sqrt(norm2) + std::sqrt(norm2 + advantage_);
+    return kReachSlack * radius * radius;
 }
 
 SiteTree::Reach CellBuilder::reach() const {
     SiteTree::Reach result{security2(), glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
     if (unreliable_ > 0) return result;
-    simd::ball_box(x_.data(), y_.data(), z_.data(), count_, result.low, result.high);
+    simd::ball_box(x_.data(), y_.data(), z_.data(), count_, advantage_, result.low, result.high);
     const double slack = (kReachSlack - 1.0) * std::sqrt(result.radius2);
     result.low -= slack;
     result.high += slack;
@@ -184,7 +188,7 @@ CellBuilder::Cut CellBuilder::find_removed(const Bisector& l, SiteId site) {
 }
 
 CellBuilder::Cut CellBuilder::cut(SiteId site) {
-    const Bisector l = make_bisector(diagram_->sites[c_], diagram_->sites[site]);
+    const Bisector l = make_bisector(*diagram_, c_, site);
     const Cut result = find_removed(l, site);
     if (result != Cut::some) return result;
     const auto slot = static_cast<uint32_t>(plane_.size());

@@ -23,8 +23,8 @@ namespace brittle::fracture::exact {
 
 class CellBuilder {
   public:
-    // Builds the cell of c, replacing the one before. False where it is empty: c is a duplicate, or the cell
-    // lies outside the box altogether.
+    // Builds the cell of c, replacing the one before. False where it is empty: c is a duplicate, the cell
+    // lies outside the box altogether, or heavier sites leave nothing to it.
     bool build(const Diagram& diagram, const SiteTree& tree, SiteId c);
 
     // The planes that bound the cell, ascending (sides of the box come last).
@@ -49,6 +49,7 @@ class CellBuilder {
 
     const Diagram* diagram_ = nullptr;
     SiteId c_ = 0;
+    double advantage_ = 0.0; // by how much the greatest weight of all exceeds that of c; balls grow by it
 
     // Planes met so far, used or not; vertices name them by slot.
     std::vector<PlaneId> plane_id_;

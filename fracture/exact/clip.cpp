@@ -232,8 +232,8 @@ VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, 
 glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context,
                                                    const std::array<SiteId, 3>& cells) {
     const glm::dvec3& site = context.problem.sites[cells[0]];
-    const Bisector a = make_bisector(site, context.problem.sites[cells[1]]);
-    const Bisector b = make_bisector(site, context.problem.sites[cells[2]]);
+    const Bisector a = make_bisector(context.problem, cells[0], cells[1]);
+    const Bisector b = make_bisector(context.problem, cells[0], cells[2]);
     glm::dvec3 at_a, at_b;
     double reach2 = 0.0, most = 0.0;
     for (int k = 0; k < 3; ++k) {
@@ -243,7 +243,8 @@ glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context,
         reach2 = std::max(reach2, y.x * y.x + y.y * y.y + y.z * y.z);
         most = std::max({most, std::abs(at_a[k]), std::abs(at_b[k])});
     }
-    const double error = value_error(std::max(a.length, b.length), std::sqrt(reach2));
+    const double error =
+        value_error(std::max(a.length, b.length), std::sqrt(reach2), std::max(a.weight, b.weight));
     // Barycentric weights are the cofactors of the third row of det[A;B;1].
     glm::dvec3 weights(at_a.y * at_b.z - at_a.z * at_b.y, at_a.z * at_b.x - at_a.x * at_b.z,
                        at_a.x * at_b.y - at_a.y * at_b.x);

@@ -65,7 +65,7 @@ void DiagramBuilder::build(const Diagram& problem, Threads& threads, VoronoiDiag
 
 void DiagramBuilder::build_cells(const Diagram& problem, Threads& threads, VoronoiDiagram& out) {
     const auto sites = static_cast<uint32_t>(problem.sites.size());
-    tree_.build(problem.sites);
+    tree_.build(problem.sites, problem.weights);
     cells_.resize(sites);
     out.cell_is_empty.resize(sites);
     chunks_.resize(std::max<size_t>(chunks_.size(), threads.chunks(sites, kLeastCells)));

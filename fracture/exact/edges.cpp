@@ -36,13 +36,13 @@ glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::
                          const glm::dvec3& high) {
     const SiteId c = std::min(a, b), other = std::max(a, b);
     const glm::dvec3& site = problem.sites[c];
-    const Bisector plane = make_bisector(site, problem.sites[other]);
+    const Bisector plane = make_bisector(problem, c, other);
     const glm::dvec3 y0 = low - site, y1 = high - site;
     const double g0 = value(plane, y0), g1 = value(plane, y1);
     const double reach =
         std::sqrt(std::max(y0.x * y0.x + y0.y * y0.y + y0.z * y0.z, y1.x * y1.x + y1.y * y1.y + y1.z * y1.z));
     const double difference = g0 - g1;
-    const bool good = std::abs(difference) > kWellConditioned * value_error(plane.length, reach);
+    const bool good = std::abs(difference) > kWellConditioned * value_error(plane.length, reach, plane.weight);
     const double t =
         good ? std::clamp(g0 / difference, 0.0, 1.0) : edge_parameter_exact(problem, c, other, low, high);
     const glm::dvec3 p = low + t * (high - low);

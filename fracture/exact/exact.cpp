@@ -94,10 +94,10 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     PredicateStats& stats = s.statistics.predicates;
     PhaseClock clock(settings, out);
 
-    if (auto ok = make_scene(mesh, sites, s.threads, s.scene); !ok) return ok;
+    if (auto ok = make_scene(mesh, sites, settings.weights, s.threads, s.scene); !ok) return ok;
     const Diagram problem = s.scene.diagram();
     if (auto ok = s.surface.inspect(mesh, s.threads); !ok) return ok;
-    Classifier* const classifier = settings.classifier;
+    Classifier* const classifier = settings.weights.empty() ? settings.classifier : nullptr; // they know no weights
     bool guessed = classifier && classifier->start({s.scene.positions, mesh.triangles, s.scene.sites, s.scene.box});
     if (!clock.done("prepare", 0.05)) return cancelled();
 

@@ -40,15 +40,17 @@ void Frames::build(const Diagram& problem, const VoronoiDiagram& diagram, Thread
         for (SiteId c = first; c < last; ++c) {
             Cell& cell = cells[c];
             cell.site = problem.sites[c];
-            double longest = 0.0;
+            double longest = 0.0, weight = 0.0, highest = 0.0; // of |n|, |W_c - W_l|, and h / |n| before rounding
             const Slot filled = cell.begin + padded(cell.end - cell.begin);
             for (Slot l = cell.begin; l < filled; ++l) {
                 Bisector plane{glm::dvec3(0.0), kBeyondReach, 0.0};
                 site[l] = VoronoiDiagram::none;
                 if (l < cell.end) {
                     site[l] = diagram.neighbours[cell.first_neighbour + (l - cell.begin)].site;
-                    plane = make_bisector(cell.site, problem.sites[site[l]]);
+                    plane = make_bisector(problem, c, site[l]);
                     longest = std::max(longest, plane.length);
+                    weight = std::max(weight, plane.weight);
+                    highest = std::max(highest, plane.magnitude() / plane.length);
                 }
                 const double unit = plane.length > 0.0 ? 1.0 / plane.length : 1.0;
                 nx[l] = plane.n.x;
@@ -63,8 +65,9 @@ void Frames::build(const Diagram& problem, const VoronoiDiagram& diagram, Thread
             const glm::dvec3 far =
                 glm::max(glm::abs(problem.box.min - cell.site), glm::abs(problem.box.max - cell.site));
             const double reach = glm::length(far);
-            cell.error = value_error(longest, reach);
-            cell.float_error = static_cast<float>(kFloatRoundings * (0.5 * longest + reach));
+            cell.error = value_error(longest, reach, weight);
+            const double height = problem.weights.empty() ? 0.5 * longest : highest;
+            cell.float_error = static_cast<float>(kFloatRoundings * (height + reach));
         }
     });
 }

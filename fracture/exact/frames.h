@@ -1,5 +1,5 @@
 // The neighbours of each cell as arrays for vectorised tests: in the frame of site c, neighbour l is the
-// plane h - n.y = 0 with n = s_l - s_c and h = |n|^2 / 2, positive on the side of c (predicates.h).
+// plane h - n.y = 0 with n = s_l - s_c and h = (|n|^2 + W_c - W_l) / 2, positive on the side of c (predicates.h).
 #pragma once
 
 #include <vector>

@@ -34,9 +34,10 @@ struct Row {
     Expansion k;
 };
 
-Row site_row(const glm::dvec3& s_c, const glm::dvec3& s_l) {
-    ExactVector n = difference(s_l, s_c);
+Row site_row(const Diagram& diagram, SiteId c, SiteId l) {
+    ExactVector n = difference(diagram.sites[l], diagram.sites[c]);
     Expansion k = dot(n, n);
+    if (!diagram.weights.empty()) k = k + Expansion::difference(diagram.weights[c], diagram.weights[l]);
     return {{n.x.scaled(2.0), n.y.scaled(2.0), n.z.scaled(2.0)}, k};
 }
 
@@ -53,7 +54,7 @@ Row box_row(const glm::dvec3& s_c, const Box& box, PlaneId p) {
 
 Row plane_row(const Diagram& diagram, SiteId c, PlaneId p) {
     return is_box_plane(p) ? box_row(diagram.sites[c], diagram.box, p)
-                           : site_row(diagram.sites[c], diagram.sites[p]);
+                           : site_row(diagram, c, p);
 }
 
 // Positive behind the triangle, that is inside the solid.
@@ -63,9 +64,11 @@ Row triangle_row(const glm::dvec3& s_c, const Corners& q) {
     return {n, k};
 }
 
-// g_l(q) = (s_l - s_c).(s_l + s_c - 2q), the second factor as (s_l - q) + (s_c - q).
-Expansion exact_value(const glm::dvec3& s_c, const glm::dvec3& s_l, const glm::dvec3& q) {
+// g_l(q) = (s_l - s_c).(s_l + s_c - 2q) + W_c - W_l, the second factor as (s_l - q) + (s_c - q).
+Expansion exact_value(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q) {
+    const glm::dvec3 &s_c = diagram.sites[c], &s_l = diagram.sites[l];
     Expansion g;
+    if (!diagram.weights.empty()) g = Expansion::difference(diagram.weights[c], diagram.weights[l]);
     for (int i = 0; i < 3; ++i) {
         g = g
             + Expansion::difference(s_l[i], s_c[i])
@@ -74,8 +77,8 @@ Expansion exact_value(const glm::dvec3& s_c, const glm::dvec3& s_l, const glm::d
     return g;
 }
 
-ExactVector exact_values(const glm::dvec3& s_c, const glm::dvec3& s_l, const Corners& q) {
-    return {exact_value(s_c, s_l, q[0]), exact_value(s_c, s_l, q[1]), exact_value(s_c, s_l, q[2])};
+ExactVector exact_values(const Diagram& diagram, SiteId c, SiteId l, const Corners& q) {
+    return {exact_value(diagram, c, l, q[0]), exact_value(diagram, c, l, q[1]), exact_value(diagram, c, l, q[2])};
 }
 
 Expansion component_sum(const ExactVector& v) {
@@ -192,7 +195,7 @@ PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corne
 
 int side1_exact(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q, PredicateStats& stats) {
     ++stats.side1_exact;
-    const int sign = exact_value(diagram.sites[c], diagram.sites[l], q).sign();
+    const int sign = exact_value(diagram, c, l, q).sign();
     if (sign != 0) return sign;
     ++stats.perturbed;
     return c < l ? 1 : -1;
@@ -201,11 +204,10 @@ int side1_exact(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q,
 int side2_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId l, const glm::dvec3& q0,
                 const glm::dvec3& q1, PredicateStats& stats) {
     ++stats.side2_exact;
-    const auto& s = diagram.sites;
-    const Expansion a0 = exact_value(s[c], s[a], q0);
-    const Expansion a1 = exact_value(s[c], s[a], q1);
-    const Expansion l0 = exact_value(s[c], s[l], q0);
-    const Expansion l1 = exact_value(s[c], s[l], q1);
+    const Expansion a0 = exact_value(diagram, c, a, q0);
+    const Expansion a1 = exact_value(diagram, c, a, q1);
+    const Expansion l0 = exact_value(diagram, c, l, q0);
+    const Expansion l1 = exact_value(diagram, c, l, q1);
     const Expansion denominator = a0 - a1;
     assert(denominator.sign() != 0);
     int sign = (a0 * l1 - a1 * l0).sign();
@@ -219,10 +221,9 @@ int side2_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId l, const glm:
 int side3_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, const Corners& q,
                 PredicateStats& stats) {
     ++stats.side3_exact;
-    const auto& s = diagram.sites;
-    const ExactVector va = exact_values(s[c], s[a], q);
-    const ExactVector vb = exact_values(s[c], s[b], q);
-    const ExactVector vl = exact_values(s[c], s[l], q);
+    const ExactVector va = exact_values(diagram, c, a, q);
+    const ExactVector vb = exact_values(diagram, c, b, q);
+    const ExactVector vl = exact_values(diagram, c, l, q);
     const ExactVector ab = cross(va, vb);
     const Expansion denominator = component_sum(ab);
     assert(denominator.sign() != 0);
@@ -258,8 +259,8 @@ int pierce_order_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, con
                        const Corners& q2, PredicateStats& stats) {
     ++stats.pierce_exact;
     const glm::dvec3& s_c = diagram.sites[c];
-    const Row row_a = site_row(s_c, diagram.sites[a]);
-    const Row row_b = site_row(s_c, diagram.sites[b]);
+    const Row row_a = site_row(diagram, c, a);
+    const Row row_b = site_row(diagram, c, b);
     const PlaneQuestion question = ask(row_a, row_b, triangle_row(s_c, q1), triangle_row(s_c, q2));
     // kappa_l = [a b T1]; kappa_d = -[a b T2].
     assert(question.kappa_l.sign() != 0 && question.kappa_d.sign() != 0);
@@ -291,21 +292,22 @@ int cell_vertex_orientation_exact(const Diagram& diagram, SiteId c, PlaneId a, P
 // ----------------------------------------------------------------------------------
 
 int side1(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q, PredicateStats& stats) {
-    const Bisector plane = make_bisector(diagram.sites[c], diagram.sites[l]);
+    const Bisector plane = make_bisector(diagram, c, l);
     const glm::dvec3 y = q - diagram.sites[c];
-    const int sign = side1_filter(value(plane, y), value_error(plane.length, glm::length(y)));
+    const int sign = side1_filter(value(plane, y), value_error(plane.length, glm::length(y), plane.weight));
     return sign != 0 ? sign : side1_exact(diagram, c, l, q, stats);
 }
 
 int side2(const Diagram& diagram, SiteId c, SiteId a, SiteId l, const glm::dvec3& q0, const glm::dvec3& q1,
           PredicateStats& stats) {
     const glm::dvec3& s_c = diagram.sites[c];
-    const Bisector pa = make_bisector(s_c, diagram.sites[a]);
-    const Bisector pl = make_bisector(s_c, diagram.sites[l]);
+    const Bisector pa = make_bisector(diagram, c, a);
+    const Bisector pl = make_bisector(diagram, c, l);
     const glm::dvec3 y0 = q0 - s_c;
     const glm::dvec3 y1 = q1 - s_c;
     const double error =
-        value_error(std::max(pa.length, pl.length), std::max(glm::length(y0), glm::length(y1)));
+        value_error(std::max(pa.length, pl.length), std::max(glm::length(y0), glm::length(y1)),
+                    std::max(pa.weight, pl.weight));
     const int sign = side2_filter(value(pa, y0), value(pa, y1), value(pl, y0), value(pl, y1), error);
     return sign != 0 ? sign : side2_exact(diagram, c, a, l, q0, q1, stats);
 }
@@ -332,11 +334,12 @@ glm::dvec3 values(const Bisector& plane, const Corners& y) {
 int side3(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, const Corners& q,
           PredicateStats& stats) {
     const glm::dvec3& s_c = diagram.sites[c];
-    const Bisector pa = make_bisector(s_c, diagram.sites[a]);
-    const Bisector pb = make_bisector(s_c, diagram.sites[b]);
-    const Bisector pl = make_bisector(s_c, diagram.sites[l]);
+    const Bisector pa = make_bisector(diagram, c, a);
+    const Bisector pb = make_bisector(diagram, c, b);
+    const Bisector pl = make_bisector(diagram, c, l);
     const CornerFrame frame = corner_frame(s_c, q);
-    const double error = value_error(std::max({pa.length, pb.length, pl.length}), frame.reach);
+    const double error = value_error(std::max({pa.length, pb.length, pl.length}), frame.reach,
+                                     std::max({pa.weight, pb.weight, pl.weight}));
     const int sign = side3_filter(values(pa, frame.y), values(pb, frame.y), values(pl, frame.y), error);
     return sign != 0 ? sign : side3_exact(diagram, c, a, b, l, q, stats);
 }
@@ -352,11 +355,12 @@ int side4(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d, Sit
 int pierce_order(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q1, const Corners& q2,
                  PredicateStats& stats) {
     const glm::dvec3& s_c = diagram.sites[c];
-    const Bisector pa = make_bisector(s_c, diagram.sites[a]);
-    const Bisector pb = make_bisector(s_c, diagram.sites[b]);
+    const Bisector pa = make_bisector(diagram, c, a);
+    const Bisector pb = make_bisector(diagram, c, b);
     const auto position = [&](const Corners& q) {
         const CornerFrame frame = corner_frame(s_c, q);
-        const double error = value_error(std::max(pa.length, pb.length), frame.reach);
+        const double error =
+            value_error(std::max(pa.length, pb.length), frame.reach, std::max(pa.weight, pb.weight));
         return pierce_position(pa, pb, frame.y, values(pa, frame.y), values(pb, frame.y), error);
     };
     const int sign = pierce_order_filter(position(q1), position(q2));
@@ -368,15 +372,15 @@ int pierce_order(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Cor
 
 double edge_parameter_exact(const Diagram& diagram, SiteId c, SiteId a, const glm::dvec3& q0,
                             const glm::dvec3& q1) {
-    const Expansion a0 = exact_value(diagram.sites[c], diagram.sites[a], q0);
-    const Expansion denominator = a0 - exact_value(diagram.sites[c], diagram.sites[a], q1);
+    const Expansion a0 = exact_value(diagram, c, a, q0);
+    const Expansion denominator = a0 - exact_value(diagram, c, a, q1);
     assert(denominator.sign() != 0);
     return std::clamp(a0.approximation() / denominator.approximation(), 0.0, 1.0);
 }
 
 glm::dvec3 pierce_weights_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q) {
-    const ExactVector cofactors = cross(exact_values(diagram.sites[c], diagram.sites[a], q),
-                                        exact_values(diagram.sites[c], diagram.sites[b], q));
+    const ExactVector cofactors = cross(exact_values(diagram, c, a, q),
+                                        exact_values(diagram, c, b, q));
     const Expansion denominator = component_sum(cofactors);
     assert(denominator.sign() != 0);
     const glm::dvec3 weights =

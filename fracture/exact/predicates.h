@@ -1,16 +1,17 @@
 // Every geometric decision of the exact fracture: signs that are never wrong and, where the geometry needs a
 // side, never zero.
 //
-// The setting. Site i has the perturbed distance P_i(x) = |x - s_i|^2 - w_i with infinitesimal symbolic
+// The setting. Site i has the perturbed distance P_i(x) = |x - s_i|^2 - W_i - w_i, W_i its weight (zero but for
+// power diagrams) and w_i infinitesimal symbolic
 // weights w_0 >> w_1 >> w_2 >> ... > 0 (simulation of simplicity, Edelsbrunner and Muecke 1990; Levy 2014 for
 // restricted diagrams). The cell of c is where P_c is smallest. Seen from c,
 //
-//     g_l(x) = P_l(x) - P_c(x) = |x - s_l|^2 - |x - s_c|^2 + (w_c - w_l),
+//     g_l(x) = P_l(x) - P_c(x) = |x - s_l|^2 - |x - s_c|^2 + (W_c - W_l) + (w_c - w_l),
 //
 // positive on c's side of the bisector (c,l). Mesh and box are not perturbed. All answers are the true signs
 // for all sufficiently small weights, so they can never contradict each other: the same question asked from
 // another site of the same bisectors, with an edge or triangle in another order, has the same answer. Of
-// equal sites the lowest index owns the cell: every point is on its side.
+// equal sites the greatest weight owns the cell, then the lowest index: every point is on its side.
 //
 // How an answer is found. (1) A filter in double with a proven forward error bound: inline, meant for values
 // the caller keeps in its own arrays, returns 0 for "cannot say". (2) The exact sign by floating-point
@@ -30,7 +31,8 @@
 // Input range. Every coordinate (sites, mesh, box) is finite, at most kLargestCoordinate in magnitude and an
 // integer multiple of kGranularity. Then no polynomial here (degree <= 7) overflows or underflows and all
 // answers hold without exception. Scale by a power of two so that the box is about [-1,1], and pass each
-// coordinate through snap(), which changes only coordinates below 2^-98 (3e-30 of the box).
+// coordinate through snap(), which changes only coordinates below 2^-98 (3e-30 of the box). Weights likewise; they count as
+// two coordinates, so their magnitude may be kLargestCoordinate squared.
 //
 // Threads: all functions are pure but for the PredicateStats that the caller hands in; give each thread its
 // own. Compile without floating-point contraction and without fast-math.
@@ -77,6 +79,7 @@ inline constexpr PlaneId kBoxMinX = 0xfffffffau, kBoxMaxX = 0xfffffffbu, kBoxMin
 struct Diagram {
     std::span<const glm::dvec3> sites;
     Box box;
+    std::span<const double> weights{}; // squared lengths, one a site; or none: all zero
 };
 
 using Corners = std::array<glm::dvec3, 3>; // of a mesh triangle, in absolute coordinates
@@ -103,18 +106,31 @@ struct PredicateStats {
 // any order of summation, so the loops may be vectorised.
 // ---------------------------------------------------------------------------------------------------------------
 
-// A plane in the frame of a site: value(y) = h - n.y, half of g for a bisector (n = s_l - s_c, h = |n|^2 /
+// A plane in the frame of a site: value(y) = h - n.y, half of g for a bisector (n = s_l - s_c, h = (|n|^2 + W_c - W_l) /
 // 2), and the distance inwards for a box plane (n = the outward axis).
 struct Bisector {
     glm::dvec3 n;
     double h;
-    double length; // |n|
+    double length;       // |n|
+    double weight = 0.0; // |W_c - W_l|
+
+    // A bound on what h was rounded from: |n|^2 / 2 + weight / 2 for a bisector.
+    [[nodiscard]] double magnitude() const { return std::abs(h) + weight; }
 };
 
 [[nodiscard]] inline Bisector make_bisector(const glm::dvec3& s_c, const glm::dvec3& s_l) {
     const glm::dvec3 n = s_l - s_c;
     const double squared = n.x * n.x + n.y * n.y + n.z * n.z;
     return {n, 0.5 * squared, std::sqrt(squared)};
+}
+
+[[nodiscard]] inline Bisector make_bisector(const Diagram& diagram, SiteId c, SiteId l) {
+    Bisector plane = make_bisector(diagram.sites[c], diagram.sites[l]);
+    if (diagram.weights.empty()) return plane;
+    const double difference = diagram.weights[c] - diagram.weights[l];
+    plane.h += 0.5 * difference;
+    plane.weight = std::abs(difference);
+    return plane;
 }
 
 [[nodiscard]] inline Bisector make_box_plane(const glm::dvec3& s_c, const Box& box, PlaneId p) {
@@ -127,8 +143,7 @@ struct Bisector {
 
 // Any plane of the cell of c.
 [[nodiscard]] inline Bisector make_plane(const Diagram& diagram, SiteId c, PlaneId p) {
-    return is_box_plane(p) ? make_box_plane(diagram.sites[c], diagram.box, p)
-                           : make_bisector(diagram.sites[c], diagram.sites[p]);
+    return is_box_plane(p) ? make_box_plane(diagram.sites[c], diagram.box, p) : make_bisector(diagram, c, p);
 }
 
 [[nodiscard]] inline double value(const Bisector& l, const glm::dvec3& y) {
@@ -136,11 +151,12 @@ struct Bisector {
 }
 
 // E, a bound on |value - exact value| for all bisectors (not box planes: the mesh lies strictly inside the
-// box and is never compared with them) with |n| <= longest and points with |y| <= reach. Each term of n.y
-// carries n, y, product and two sums: 5u; each of h likewise 5u; the difference 1u more: 6u (|n|^2 / 2 +
-// |n||y|). 8u leaves room for the rounding of longest, reach and of this line.
-[[nodiscard]] inline double value_error(double longest, double reach) {
-    return 0x8.0p-53 * longest * (0.5 * longest + reach);
+// box and is never compared with them) with |n| <= longest, weights that differ by `weight` at most, and points with |y| <=
+// reach. Each term of n.y
+// carries n, y, product and two sums: 5u; each of h likewise 5u, or 6u with a weight; the difference 1u more: 7u (|n|^2 / 2 +
+// weight / 2 + |n||y|). 8u leaves room for the rounding of longest, reach and of this line.
+[[nodiscard]] inline double value_error(double longest, double reach, double weight = 0.0) {
+    return 0x8.0p-53 * longest * (0.5 * longest + reach) + 0x4.0p-53 * weight;
 }
 
 // All filters: +1 or -1 where certain, 0 where the caller must ask the exact function of the same name.
@@ -197,7 +213,7 @@ struct CellVertex {
     glm::dvec3 x;
     double w;
     double pw; // |n_a||n_b||n_d|, infinite where the sign of w is uncertain: then every filter says so
-    double px; // sum of |h||n||n|, infinite likewise
+    double px; // sum of magnitude |n||n|, infinite likewise
 };
 // Planes in any order. |w error| <= 8 sqrt(2) u pw: 1u for each n, 5u for products and sums.
 [[nodiscard]] inline CellVertex make_cell_vertex(const Bisector& a, const Bisector& b, const Bisector& d) {
@@ -206,8 +222,8 @@ struct CellVertex {
     v.x = a.h * bd + b.h * glm::cross(d.n, a.n) + d.h * glm::cross(a.n, b.n);
     v.w = a.n.x * bd.x + a.n.y * bd.y + a.n.z * bd.z;
     v.pw = a.length * b.length * d.length;
-    v.px = std::abs(a.h) * b.length * d.length + std::abs(b.h) * d.length * a.length
-           + std::abs(d.h) * a.length * b.length;
+    v.px = a.magnitude() * b.length * d.length + b.magnitude() * d.length * a.length
+           + d.magnitude() * a.length * b.length;
     if (!(std::abs(v.w) > 0xc.0p-53 * v.pw)) {
         v.pw = v.px = std::numeric_limits<double>::infinity();
     } else if (v.w < 0.0) {
@@ -219,10 +235,11 @@ struct CellVertex {
 
 // sign g_l(v) = (h_l w - n_l.x) / w. The permanent of three rows is at most 2/sqrt(3) times the product of
 // their lengths (Carlen, Lieb and Loss 2006; sqrt(2) by Cauchy-Schwarz, used here). Counting roundings, h_l w
-// carries 15u and n_l.x 17u of it: error <= 17 sqrt(2) u (|h_l| pw + |n_l| px) < 25u(...).
+// carries 15u and n_l.x 17u of it, each 1u more with weights, where |h| is the plane's magnitude: error <= 18 sqrt(2) u (|h_l|
+// pw + |n_l| px) < 26u(...).
 [[nodiscard]] inline int side4_filter(const CellVertex& v, const Bisector& l) {
     const double g = l.h * v.w - (l.n.x * v.x.x + l.n.y * v.x.y + l.n.z * v.x.z);
-    const double bound = 0x20.0p-53 * (std::abs(l.h) * v.pw + l.length * v.px);
+    const double bound = 0x20.0p-53 * (l.magnitude() * v.pw + l.length * v.px);
     return g > bound ? 1 : (g < -bound ? -1 : 0);
 }
 
@@ -251,7 +268,7 @@ struct PiercePosition {
 // caller's combinatorics guarantee. A violation asserts.
 // ---------------------------------------------------------------------------------------------------------------
 
-// sign g_l(q), perturbed. Formula: (s_l - s_c).(s_l + s_c - 2q). Zero case: + if c < l, - otherwise.
+// sign g_l(q), perturbed. Formula: (s_l - s_c).(s_l + s_c - 2q) + W_c - W_l. Zero case: + if c < l, - otherwise.
 [[nodiscard]] int side1_exact(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q,
                               PredicateStats& stats);
 
@@ -268,7 +285,7 @@ struct PiercePosition {
                               const Corners& q, PredicateStats& stats);
 
 // sign g_l(v), perturbed; v = where planes a, b, d of the cell of c meet (in any order), [abd] != 0.
-// Formula, with rows (2n, H = |n|^2) for sites and (axis, distance) for the box, [xyz] = the determinant of
+// Formula, with rows (2n, H = |n|^2 + W_c - W_l) for sites and (axis, distance) for the box, [xyz] = the determinant of
 // the n: (H_l [abd] - H_d [abl] + H_b [adl] - H_a [bdl]) / [abd]. Zero case, coefficients of the numerator:
 // w_l: -[abd]; w_d: [abl]; w_b: -[adl]; w_a: [bdl]; w_c: the negated sum over sites; box planes have none.
 [[nodiscard]] int side4_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d, SiteId l,

@@ -101,6 +101,21 @@ Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene, std
     return {};
 }
 
+Result<void> scale_weights(std::span<const double> weights, double to_scene, std::vector<double>& out) {
+    out.resize(weights.size());
+    for (size_t i = 0; i < weights.size(); ++i) {
+        const double w = weights[i] * to_scene * to_scene;
+        if (!(std::abs(w) <= kLargestCoordinate * kLargestCoordinate)) {
+            char text[160];
+            std::snprintf(text, sizeof text, "site %zu has the weight %.9g; it must be finite and below 1e60 mesh sizes squared",
+                          i, weights[i]);
+            return Error{Status::invalid_setting, text};
+        }
+        out[i] = snap(w);
+    }
+    return {};
+}
+
 Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene) {
     if (auto ok = check_counts(mesh); !ok) return ok;
     const auto count = static_cast<uint32_t>(mesh.positions.size());
@@ -148,9 +163,10 @@ Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene
     return {};
 }
 
-Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, Threads& threads,
-                        Scene& scene) {
+Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
+                        std::span<const double> weights, Threads& threads, Scene& scene) {
     if (auto ok = scale_mesh(mesh, threads, scene); !ok) return ok;
+    if (auto ok = scale_weights(weights, scene.to_scene, scene.weights); !ok) return ok;
     return scale_sites(sites, scene.to_scene, scene.sites);
 }
 

@@ -23,11 +23,12 @@ inline constexpr double kFarthestCoordinate = 1e100;
 struct Scene {
     std::vector<glm::dvec3> positions; // of the mesh, scaled
     std::vector<glm::dvec3> sites;     // scaled; all sites of the input, duplicates too
+    std::vector<double> weights;       // scaled; of the sites, or none
     Box box;                           // scaled; the mesh lies strictly inside
     double to_scene = 1.0;             // powers of two
     double to_input = 1.0;
 
-    [[nodiscard]] Diagram diagram() const { return {sites, box}; }
+    [[nodiscard]] Diagram diagram() const { return {sites, box, weights}; }
 };
 
 // The power of two that brings a length of that size to [1, 2); 1 for zero.
@@ -38,13 +39,17 @@ struct Scene {
 [[nodiscard]] Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene,
                                        std::vector<glm::dvec3>& out);
 
+// Weights of sites, squared lengths, likewise. Errors: invalid_setting, for one that is not finite or beyond the square of
+// that range.
+[[nodiscard]] Result<void> scale_weights(std::span<const double> weights, double to_scene, std::vector<double>& out);
+
 // The mesh scaled into the scene, reusing its memory; leaves the sites alone and does not look at the
 // triangles' indices (surface.h does). Errors: empty_mesh, and invalid_mesh for a position that is not finite
 // or beyond kFarthestCoordinate, or for too many vertices or triangles.
 [[nodiscard]] Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene);
 
-// Both. Errors: as scale_mesh() and scale_sites().
+// All of it. Errors: as scale_mesh(), scale_sites() and scale_weights().
 [[nodiscard]] Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                                      Threads& threads, Scene& scene);
+                                      std::span<const double> weights, Threads& threads, Scene& scene);
 
 } // namespace brittle::fracture::exact

@@ -33,7 +33,7 @@ constexpr auto farther = [](const SiteTree::WalkMemory::Entry& a, const SiteTree
 
 } // namespace
 
-void SiteTree::find_duplicates(std::span<const glm::dvec3> sites) {
+void SiteTree::find_duplicates(std::span<const glm::dvec3> sites, std::span<const double> weights) {
     constexpr uint32_t kEmpty = 0xffffffffu;
     const size_t size = std::bit_ceil(2 * sites.size());
     slots_.assign(size, kEmpty);
@@ -41,15 +41,20 @@ void SiteTree::find_duplicates(std::span<const glm::dvec3> sites) {
     for (uint32_t i = 0; i < sites.size(); ++i) { // in index order, so the lowest index comes first
         size_t slot = hash_of(sites[i]) & (size - 1);
         while (slots_[slot] != kEmpty && sites[slots_[slot]] != sites[i]) slot = (slot + 1) & (size - 1);
-        if (slots_[slot] == kEmpty)
+        if (slots_[slot] == kEmpty) {
             slots_[slot] = i;
-        else
+        } else if (!weights.empty() && weights[i] > weights[slots_[slot]]) {
+            owns_cell_[slots_[slot]] = 0;
+            slots_[slot] = i;
+        } else {
             owns_cell_[i] = 0;
+        }
     }
 }
 
-void SiteTree::build(std::span<const glm::dvec3> sites) {
-    find_duplicates(sites);
+void SiteTree::build(std::span<const glm::dvec3> sites, std::span<const double> weights) {
+    find_duplicates(sites, weights);
+    greatest_weight_ = weights.empty() ? 0.0 : *std::max_element(weights.begin(), weights.end());
     order_.clear();
     for (uint32_t i = 0; i < sites.size(); ++i) {
         if (owns_cell_[i]) order_.push_back(i);

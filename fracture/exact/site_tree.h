@@ -1,7 +1,7 @@
 // A k-d tree over the sites, to visit them roughly in order of distance from one of them.
 //
 // A tree and not a grid: patterns cluster sites around an impact, and a grid whose bins fit the whole puts
-// the cluster into a few of them. Duplicates (equal coordinates) are left out: only the lowest index of each
+// the cluster into a few of them. Duplicates (equal coordinates) are left out: only one site of each
 // position owns a cell.
 #pragma once
 
@@ -17,11 +17,13 @@ namespace brittle::fracture::exact {
 
 class SiteTree {
   public:
-    // Reuses memory.
-    void build(std::span<const glm::dvec3> sites);
+    // Reuses memory. `weights` as in Diagram.
+    void build(std::span<const glm::dvec3> sites, std::span<const double> weights);
 
-    // False for a duplicate of a site with a lower index.
+    // False for a duplicate of a site with a greater weight, or an equal one and a lower index.
     [[nodiscard]] bool owns_cell(SiteId c) const { return owns_cell_[c] != 0; }
+
+    [[nodiscard]] double greatest_weight() const { return greatest_weight_; }
 
     struct Candidate {
         double distance2;
@@ -76,8 +78,9 @@ class SiteTree {
         uint32_t first_child; // the second follows it; 0 for a leaf
     };
 
-    void find_duplicates(std::span<const glm::dvec3> sites);
+    void find_duplicates(std::span<const glm::dvec3> sites, std::span<const double> weights);
 
+    double greatest_weight_ = 0.0;
     std::vector<uint8_t> owns_cell_;
     std::vector<SiteId> order_;
     std::vector<glm::dvec3> positions_; // in that order

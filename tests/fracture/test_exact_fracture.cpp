@@ -186,6 +186,61 @@ void check_caps_match(const Fragments& f) {
 
 } // namespace
 
+TEST_CASE("exact fracture: weights give the power diagram") {
+    Random random(11);
+    for (int round = 0; round < 40; ++round) {
+        CAPTURE(round);
+        const TriangleMesh mesh = round % 3 == 0 ? torus() : (round % 3 == 1 ? lattice_cube(3) : hollow_sphere(2));
+        auto sites = uniform_sites(bounds(mesh), 5 + static_cast<uint32_t>(random.next() % 30), random.next());
+        Settings settings{.threads = 1};
+        const bool rounded = round % 2 == 0; // many coincidences
+        for (glm::dvec3& s : sites) {
+            if (rounded) s = glm::round(s * 4.0) / 4.0;
+            const double w = random.uniform() * 0.4 - 0.1;
+            settings.weights.push_back(rounded ? std::round(w * 8.0) / 8.0 : w);
+        }
+        const auto exact = brittle::fracture::fracture(mesh, sites, settings);
+        REQUIRE(exact);
+        const Certificate certificate = certify(mesh, *exact);
+        CHECK(certificate.closed);
+        CHECK(certificate.volume_error < 1e-12);
+        const auto power = [&](size_t k, const glm::dvec3& p) {
+            return glm::dot(p - sites[k], p - sites[k]) - settings.weights[k];
+        };
+        for (const Piece& piece : exact->pieces)
+            for (const glm::dvec3& p : exact->positions_of(piece))
+                for (size_t k = 0; k < sites.size(); ++k) CHECK(power(piece.site, p) <= power(k, p) + 1e-12);
+        settings.threads = 4;
+        CHECK(hash(*brittle::fracture::fracture(mesh, sites, settings)) == certificate.hash);
+        settings.algorithm = Algorithm::sequential;
+        const auto sequential = brittle::fracture::fracture(mesh, sites, settings);
+        REQUIRE(sequential);
+        std::vector<double> volume(sites.size(), 0.0);
+        for (const Piece& piece : exact->pieces) volume[piece.site] += piece.mass.volume;
+        for (const Piece& piece : sequential->pieces) volume[piece.site] -= piece.mass.volume;
+        for (const double difference : volume) CHECK(std::abs(difference) < 1e-9);
+    }
+}
+
+TEST_CASE("exact fracture: equal weights change nothing, a heavy site takes all, weights are checked") {
+    const TriangleMesh mesh = icosphere(3);
+    const auto sites = uniform_sites(bounds(mesh), 20, 5);
+    const auto fracture_with = [&](const std::vector<double>& weights) {
+        return brittle::fracture::fracture(mesh, sites, {.weights = weights});
+    };
+    CHECK(hash(*fracture_with(std::vector<double>(20, 0.5))) == hash(*fracture_with({})));
+    std::vector<double> heavy(20, 0.0);
+    heavy[7] = 1e3;
+    const auto one = fracture_with(heavy);
+    REQUIRE(one);
+    REQUIRE(one->pieces.size() == 1);
+    CHECK(one->pieces[0].site == 7);
+    heavy[7] = std::numeric_limits<double>::quiet_NaN();
+    CHECK(fracture_with(heavy).error().status == Status::invalid_setting);
+    CHECK(fracture_with({1.0}).error().status == Status::invalid_setting);
+    CHECK(!voronoi_diagram(sites, {glm::dvec3(-1.0), glm::dvec3(1.0)}, 1, std::vector<double>{1.0}));
+}
+
 TEST_CASE("a plane along a face of a cavity leaves the cavity where it is") {
     for (const double half : {0.125, 0.25, 0.5}) {
         TriangleMesh mesh = cube();

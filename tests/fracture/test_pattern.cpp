@@ -53,6 +53,26 @@ TriangleMesh wall() {
 
 } // namespace
 
+TEST_CASE("pattern: grading spreads the sizes of pieces") {
+    const TriangleMesh mesh = cube();
+    const auto spread = [&](double grading) { // standard deviation of volumes by their mean
+        const PatternSites made = make({.kind = PatternKind::uniform, .count = 200, .grading = grading}, mesh);
+        CHECK(made.weights.size() == (grading > 0.0 ? made.sites.size() : 0));
+        const auto fragments = fracture(mesh, made.sites, {.weights = made.weights});
+        REQUIRE(fragments);
+        double sum = 0.0, squares = 0.0;
+        for (const Piece& piece : fragments->pieces) {
+            sum += piece.mass.volume;
+            squares += piece.mass.volume * piece.mass.volume;
+        }
+        const auto n = static_cast<double>(fragments->pieces.size());
+        return std::sqrt(squares / n - sum * sum / n / n) / (sum / n);
+    };
+    const double even = spread(0.0);
+    CHECK(spread(0.5) > even);
+    CHECK(spread(1.0) > 1.3 * even);
+}
+
 TEST_CASE("pattern: where the solid is thin there are more sites for its volume") {
     // A cube and a plate of a tenth of its height, apart.
     TriangleMesh mesh = cube(1.0);

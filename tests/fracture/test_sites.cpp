@@ -65,13 +65,15 @@ TEST_CASE("errors name the line and the text that could not be read") {
     check_error("0 0 0\n1 2\n", Status::malformed_file, ":2: ", "z is missing in '1 2'");
     check_error("1\n", Status::malformed_file, ":1: ", "y is missing");
     check_error("# one\n# two\n1 2 x3\n", Status::malformed_file, ":3: ", "found 'x3'");
-    check_error("1 2 3 4\n", Status::malformed_file, ":1: ", "found more: '4'");
-    check_error("1 2 3d\n", Status::malformed_file, ":1: ", "found more: 'd'");
+    check_error("1 2 3 4 5\n", Status::malformed_file, ":1: ", "found more: '5'");
+    check_error("1 2 3d\n", Status::malformed_file, ":1: ", "comma before 'd'");
+    check_error("1 2 3 x\n", Status::malformed_file, ":1: ", "found 'x'");
+    check_error("1 2 3 -4\n", Status::invalid_sites, ":1: ", "negative");
     check_error("1-2 3\n", Status::malformed_file, ":1: ", "comma before '-2 3'");
     check_error("1,,2,3\n", Status::malformed_file, ":1: ", "found ',2,3'");
     check_error(", 1 2 3\n", Status::malformed_file, ":1: ", "found ', 1 2 3'");
     check_error("+-1 2 3\n", Status::malformed_file, ":1: ", "found '+-1 2 3'");
-    check_error("1 2 3,\n", Status::malformed_file, ":1: ", "found more: ','");
+    check_error("1 2 3,\n", Status::malformed_file, ":1: ", "radius is missing in '1 2 3,'");
     check_error("1,2,\n", Status::malformed_file, ":1: ", "z is missing");
 }
 
@@ -98,14 +100,23 @@ TEST_CASE("every accepted spelling gives the same sites") {
                              "10e-1\t 0.2E1 , 3"); // no newline at the end
     const auto sites = read_sites(file.path());
     REQUIRE(sites.has_value());
-    CHECK(*sites == std::vector<glm::dvec3>(4, glm::dvec3(1, 2, 3)));
+    CHECK(sites->sites == std::vector<glm::dvec3>(4, glm::dvec3(1, 2, 3)));
+    CHECK(sites->weights.empty());
 }
 
 TEST_CASE("numbers are read to the last bit") {
     const TemporaryFile file("0.1 -1e-300 123456789.123456789\n");
     const auto sites = read_sites(file.path());
     REQUIRE(sites.has_value());
-    CHECK((*sites)[0] == glm::dvec3(0.1, -1e-300, 123456789.123456789));
+    CHECK(sites->sites[0] == glm::dvec3(0.1, -1e-300, 123456789.123456789));
+}
+
+TEST_CASE("a fourth number is a radius, whose square is the weight") {
+    const TemporaryFile file("0 0 0\n1 0 0, 0.5\n2 0 0 3 # a large one\n3 0 0\n");
+    const auto sites = read_sites(file.path());
+    REQUIRE(sites.has_value());
+    CHECK(sites->sites.size() == 4);
+    CHECK(sites->weights == std::vector<double>{0.0, 0.25, 9.0, 0.0});
 }
 
 TEST_CASE("no site is asked for, none is given") {

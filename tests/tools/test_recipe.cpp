@@ -72,6 +72,7 @@ FractureOptions everything() {
                        .spread = 0.7,
                        .slenderness = 3.5,
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
+                       .grading = 0.75,
                        .inside = true};
     return options;
 }

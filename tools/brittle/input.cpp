@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include <glm/geometric.hpp>
+
 #include "fracture/certificate.h"
 #include "fracture/io/import.h"
 #include "fracture/repair.h"
@@ -76,6 +78,19 @@ Input load_mesh_only(const std::string& mesh, bool with_looks) {
     return input;
 }
 
+namespace {
+
+// Radii grow with the distances.
+void place_sites(Input& input, const fracture::Box& from, const fracture::Box& onto, const fracture::Placement& p) {
+    const glm::dvec3 ends[] = {glm::dvec3(0.0), glm::dvec3(1.0, 0.0, 0.0)};
+    const auto moved = fracture::place(ends, from, onto, p);
+    const glm::dvec3 unit = moved[1] - moved[0];
+    for (double& weight : input.weights) weight *= glm::dot(unit, unit);
+    input.sites = fracture::place(input.sites, from, onto, p);
+}
+
+} // namespace
+
 void use_material(const std::string& name, FractureOptions& options) {
     const physics::MaterialPreset* preset = physics::material_preset(name);
     if (!preset) {
@@ -101,16 +116,19 @@ Input load_input(const FractureOptions& options, bool with_looks) {
         suggest_repair(input.model.mesh, input.name);
     }
     if (!options.sites_file.empty()) {
-        input.sites = must(fracture::read_sites(options.sites_file));
+        fracture::SiteList list = must(fracture::read_sites(options.sites_file));
+        input.sites = std::move(list.sites);
+        input.weights = std::move(list.weights);
         const fracture::Box own = fracture::bounds({input.sites, {}});
         const fracture::Box onto = options.fit_sites ? fracture::bounds(input.model.mesh) : own;
         const fracture::Placement& p = options.sites_placement;
         if (options.fit_sites || p.scale != 1.0 || p.turn != glm::dvec3(0.0) || p.move != glm::dvec3(0.0))
-            input.sites = fracture::place(input.sites, own, onto, p);
+            place_sites(input, own, onto, p);
     } else {
         fracture::PatternSites made = must(fracture::make_sites(options.pattern, input.model.mesh));
         input.sites = std::move(made.sites);
         input.groups = std::move(made.groups);
+        input.weights = std::move(made.weights);
     }
     return input;
 }
@@ -120,6 +138,7 @@ Broken break_input(const Input& input, const FractureOptions& options,
     const fracture::Settings settings{.algorithm = options.algorithm,
                                       .threads = options.threads,
                                       .groups = input.groups,
+                                      .weights = input.weights,
                                       .min_volume = options.min_volume,
                                       .classifier = classifier,
                                       .progress = progress,

@@ -32,6 +32,7 @@ struct Input {
     fracture::Model model; // without looks for shapes, and unless they are asked for
     std::vector<glm::dvec3> sites;
     std::vector<uint32_t> groups; // of the sites; or none
+    std::vector<double> weights;  // of the sites, m^2; or none
     double import_milliseconds = 0.0;
 };
 

@@ -89,8 +89,10 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
     command.add_option("--piece-size", pattern.piece_size, "Metres; as many sites as pieces of that size have room")
         ->check(CLI::PositiveNumber)
         ->excludes(count);
+    command.add_option("--grading", pattern.grading, "0: pieces of like sizes; to 1: from crumbs to lumps")
+        ->check(CLI::Range(0.0, 1.0));
     command.add_flag("--inside", pattern.inside, "Only sites inside the solid, so that each makes a piece");
-    command.add_option("--sites", options.sites_file, "Read the sites from FILE instead: a line `x y z` each")
+    command.add_option("--sites", options.sites_file, "Read the sites from FILE instead: a line `x y z` each, or `x y z radius` for cells of graded sizes")
         ->type_name("FILE")
         ->excludes(count)
         ->excludes(seed)

@@ -36,6 +36,7 @@ Input placed_on_stage(Input input) {
     const auto place = [&](glm::dvec3& p) { p = (p - foot) * scale + glm::dvec3(0.0, stage_height, 0.0); };
     std::for_each(input.model.mesh.positions.begin(), input.model.mesh.positions.end(), place);
     std::for_each(input.sites.begin(), input.sites.end(), place);
+    for (double& weight : input.weights) weight *= scale * scale;
     return input;
 }
 

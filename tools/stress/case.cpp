@@ -337,6 +337,18 @@ Case random_case(uint64_t seed, std::string_view family) {
     c.family = std::string(chosen->name) + ", sites " + sites;
     place(dice, c);
     if (dice.chance(0.2)) {
+        // Zero to large: a few shares of the mesh's size, squared; on a lattice they make points that many cells share.
+        const glm::dvec3 size = bounds(c.mesh).size();
+        const double largest = std::max({size.x, size.y, size.z}) * std::pow(10.0, dice.in(-3.0, 0.0));
+        const bool rounded = dice.chance(0.5);
+        for (size_t k = 0; k < c.sites.size(); ++k) {
+            const double share = dice.in(-0.2, 1.0);
+            c.weights.push_back((rounded ? std::round(share * 4.0) / 4.0 : share) * largest * largest);
+        }
+        c.family += ", weights";
+        c.generic = c.generic && !rounded;
+    }
+    if (dice.chance(0.2)) {
         for (size_t k = 0, n = dice.between(1, 6); k < c.sites.size(); ++k)
             c.groups.push_back(dice.below(static_cast<uint32_t>(n)));
         c.family += ", groups";
@@ -374,6 +386,11 @@ std::string to_text(const Case& c) {
     points("sites", c.sites);
     text += "groups " + std::to_string(c.groups.size()) + "\n";
     for (const uint32_t group : c.groups) text += std::to_string(group) + "\n";
+    text += "weights " + std::to_string(c.weights.size()) + "\n";
+    for (const double weight : c.weights) {
+        std::snprintf(line, sizeof line, "%a\n", weight);
+        text += line;
+    }
     std::snprintf(line, sizeof line, "min_volume %a\n", c.min_volume);
     return text + line;
 }
@@ -438,6 +455,12 @@ Result<Case> read_case(const std::filesystem::path& file) {
         ++number;
         if (!std::getline(in, line)) return malformed("a group");
         c.groups.push_back(static_cast<uint32_t>(std::strtoul(line.c_str(), nullptr, 10)));
+    }
+    if (!field("weights", value)) return malformed("weights");
+    for (unsigned long n = std::strtoul(value.c_str(), nullptr, 10); n > 0; --n) {
+        ++number;
+        if (!std::getline(in, line)) return malformed("a weight");
+        c.weights.push_back(std::strtod(line.c_str(), nullptr));
     }
     if (!field("min_volume", value)) return malformed("min_volume");
     c.min_volume = std::strtod(value.c_str(), nullptr);

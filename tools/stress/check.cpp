@@ -198,12 +198,15 @@ std::string cell_complaint(const Case& c, const Fragments& f) {
     for (const Piece& piece : f.pieces) {
         const glm::dvec3& own = c.sites[piece.site];
         for (const glm::dvec3& p : f.positions_of(piece)) {
-            for (const glm::dvec3& other : c.sites) {
+            for (size_t k = 0; k < c.sites.size(); ++k) {
+                const glm::dvec3& other = c.sites[k];
                 const glm::dvec3 n = other - own;
                 const double length = glm::length(n);
                 if (!(length > 0.0)) continue;
-                const double beyond = glm::dot(p - 0.5 * (own + other), n) / length;
-                const double rounding = 1e-13 * (glm::length(p) + glm::length(own) + glm::length(other));
+                const double shift = c.weights.empty() ? 0.0 : 0.5 * (c.weights[piece.site] - c.weights[k]) / length;
+                const double beyond = glm::dot(p - 0.5 * (own + other), n) / length - shift;
+                const double rounding =
+                    1e-13 * (glm::length(p) + glm::length(own) + glm::length(other) + std::abs(shift));
                 if (beyond > 1e-9 * scale + rounding)
                     return "a vertex of site " + std::to_string(piece.site) + "'s piece lies "
                            + format("%g outside its cell, mesh size %g", beyond, scale);
@@ -216,7 +219,7 @@ std::string cell_complaint(const Case& c, const Fragments& f) {
 // Of the pieces before any become one, where the input may fold: a fold without volume goes with a neighbour, wherever
 // it lies. So may a part of a thin mesh.
 std::string cell_complaint_before_merging(const Case& c) {
-    const Result<Fragments> cut = exact::fracture_exact(c.mesh, c.sites, {.threads = 1});
+    const Result<Fragments> cut = exact::fracture_exact(c.mesh, c.sites, {.threads = 1, .weights = c.weights});
     return cut ? cell_complaint(c, *cut) : std::string(); // or solids that touch in a vertex
 }
 
@@ -240,7 +243,7 @@ std::string group_complaint(const Case& c, const Fragments& f) {
 }
 
 std::string difference_from_sequential(const Case& c, const Fragments& f) {
-    const Result<Fragments> reference = fracture::fracture(c.mesh, c.sites, {.algorithm = Algorithm::sequential});
+    const Result<Fragments> reference = fracture::fracture(c.mesh, c.sites, {.algorithm = Algorithm::sequential, .weights = c.weights});
     if (!reference) return "sequential refuses it: " + reference.error().message;
     struct Cell {
         double volume = 0.0;
@@ -274,7 +277,7 @@ std::string difference_from_sequential(const Case& c, const Fragments& f) {
 std::string complaint(const Case& c) {
     const auto run = [&](uint32_t threads) {
         return fracture::fracture(c.mesh, c.sites,
-                                  {.threads = threads, .groups = c.groups, .min_volume = c.min_volume});
+                                  {.threads = threads, .groups = c.groups, .weights = c.weights, .min_volume = c.min_volume});
     };
     const Result<Fragments> result = run(1);
     if (!result) {

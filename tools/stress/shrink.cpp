@@ -47,6 +47,9 @@ class Shrinker {
         c.groups.clear();
         if (!best_.groups.empty()) try_case(std::move(c));
         c = best_;
+        c.weights.clear();
+        if (!best_.weights.empty()) try_case(std::move(c));
+        c = best_;
         c.min_volume = 0.0;
         if (best_.min_volume > 0.0) try_case(std::move(c));
     }
@@ -59,6 +62,10 @@ class Shrinker {
                 const auto begin = c.sites.begin() + static_cast<std::ptrdiff_t>(at);
                 const auto count = static_cast<std::ptrdiff_t>(std::min(run, c.sites.size() - at));
                 c.sites.erase(begin, begin + count);
+                if (!c.weights.empty()) {
+                    const auto weight = c.weights.begin() + static_cast<std::ptrdiff_t>(at);
+                    c.weights.erase(weight, weight + count);
+                }
                 if (!c.groups.empty()) {
                     const auto group = c.groups.begin() + static_cast<std::ptrdiff_t>(at);
                     c.groups.erase(group, group + count);
