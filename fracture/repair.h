@@ -1,11 +1,104 @@
 // Mends flaws that modelling programs leave, where it is asked for. Import never repairs on its own.
+//
+//     const Repaired repaired = repair(mesh);
+//     std::fputs(describe(repaired.report).c_str(), stderr);
+//     fracture(repaired.mesh, ...);
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
 
 #include "fracture/mesh.h"
 
 namespace brittle::fracture {
+
+struct RepairSettings {
+    // Vertices on the rims of holes that lie this close to each other become one, in metres. Negative: 1e-6 of the
+    // diagonal of the box around all positions. 0: only vertices in the very same place. Vertices that lie on no rim
+    // stay, however close.
+    double weld_distance = -1.0;
+    // Rims up to this length, in metres, are closed. 0: none.
+    double close_holes = std::numeric_limits<double>::infinity();
+    // Takes out patches that cover a place which is covered already, see remove_spare_patches().
+    bool spare_patches = true;
+    // Takes out single triangles that could only be closed by their own back.
+    bool loose_triangles = true;
+    // Turns a closed part inwards that lies inside an odd number of others. Otherwise such a part stays as it faces.
+    bool cavities = true;
+};
+
+// What was changed, and what is left. Places are indices of the input.
+struct RepairReport {
+    struct Change {
+        uint64_t count = 0;
+        uint32_t first = no_index; // the lowest place; no_index for none
+
+        void add(uint32_t place, uint64_t number = 1) {
+            count += number;
+            if (place < first) first = place;
+        }
+    };
+
+    // The input cannot be read, and comes back as it is: an index out of range (the first triangle with one), a
+    // coordinate that is not finite or beyond 1e50 m (the first vertex with one), more triangles than 2^30.
+    Change bad_triangles;
+    Change bad_vertices;
+    bool too_large = false;
+
+    Change welded_vertices;      // that became another
+    Change degenerate_triangles; // dropped: they named a vertex twice, from the start or after welding
+    Change duplicate_triangles;  // dropped: there before, or the back of another
+    Change spare_triangles;      // dropped, see remove_spare_patches()
+    uint64_t spare_patches = 0;
+    Change loose_triangles;  // dropped
+    Change turned_triangles; // their corners are named the other way around
+    Change split_edges;      // used by more than two triangles before; the place is their lower end
+    Change halved_edges;     // ... and got a vertex in the middle: nothing else told them apart
+    Change split_vertices;   // copies made so that each has one fan of triangles; the place is what was copied
+    Change closed_holes;     // the place is the lowest vertex of a rim
+    uint64_t new_triangles = 0;
+
+    // Left as they are.
+    Change open_rims;       // longer than close_holes, or nothing fits
+    Change long_rims;       // of more than 4096 edges and not simple when seen from the front
+    Change misoriented_edges; // of surfaces that have one side only; the place is their lower end
+    Change crowded_edges;   // still used by more than two triangles; the place is their lower end
+    Change flat_triangles;  // of three vertices on one line: without them the surface would be open
+
+    [[nodiscard]] bool changed() const;
+};
+
+struct Repaired {
+    TriangleMesh mesh;
+    // For each triangle the one of the input that it was, or no_index for a new one; for materials and the like. Two
+    // triangles have one source where an edge was halved.
+    std::vector<uint32_t> source_triangle;
+    RepairReport report;
+};
+
+// Makes a closed, oriented, manifold mesh of one that is nearly that, in this order:
+//  1. welds vertices on rims;
+//  2. drops triangles that name a vertex twice; of triangles with the same vertices and orientation all but the first;
+//     of those with both orientations all, or all but one where the surface would be open without;
+//  3. drops spare patches;
+//  4. turns triangles so that neighbours agree, the fewer ones in each patch;
+//  5. closes holes: in the plane of the rim where it is simple there, else with the least area (rims of up to 128
+//     edges) or the shortest new edges; never with a triangle that is there already;
+//  6. turns closed parts outwards, and those inside an odd number of others inwards;
+//  7. where more than two triangles meet in an edge, separates pairs so that what is solid between two triangles stays
+//     together; gives every fan of triangles around a vertex its own copy of it.
+//
+// Vertices keep their indices and places, copies are appended, those that are used no more stay. Triangles keep their
+// order, new ones are appended. A mesh without flaws comes back bit by bit, and so does what came out of a repair. Any
+// input is taken; one that cannot be read comes back as it is. Deterministic. O(T log T), and O(n^2) for a rim of n
+// edges.
+[[nodiscard]] Repaired repair(const TriangleMesh& mesh, const RepairSettings& settings = {});
+
+// For people: a line for each kind of change, with how often and where first, then what is left. Empty where there is
+// nothing to tell.
+[[nodiscard]] std::string describe(const RepairReport& report);
 
 struct Repair {
     TriangleMesh mesh;
