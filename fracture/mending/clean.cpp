@@ -12,7 +12,6 @@ namespace {
 // Triangles of the same three vertices.
 struct Group {
     std::vector<uint32_t> triangles; // ascending
-    bool mixed = false;              // both orientations
 };
 
 // Whether the corners go around as they do when sorted.
@@ -35,25 +34,21 @@ std::vector<Group> groups_of(const std::vector<Triangle>& triangles) {
             ++end;
         if (end - begin == 1) continue;
         Group group;
-        for (size_t k = begin; k < end; ++k) {
-            group.triangles.push_back(sorted[k][3]);
-            group.mixed = group.mixed || ascends(triangles[sorted[k][3]]) != ascends(triangles[sorted[begin][3]]);
-        }
+        for (size_t k = begin; k < end; ++k) group.triangles.push_back(sorted[k][3]);
         groups.push_back(std::move(group));
     }
     return groups;
 }
 
-// What to keep of groups with both orientations. A wall between two solids goes with both its sides, but where a
+// What to keep of triangles that are there once in each orientation. A wall between two solids goes with both its sides, but where a
 // surface is there twice, once each way, one of the two has to stay. So groups are judged together that hang together
 // over edges of no other triangles.
-class MixedGroups {
+class Backs {
   public:
-    MixedGroups(const std::vector<Triangle>& triangles, const std::vector<Group>& groups)
+    Backs(const std::vector<Triangle>& triangles, const std::vector<Group>& groups)
         : triangles_(triangles), groups_(groups), table_(triangles), group_of_(triangles.size(), no_index) {
         for (uint32_t g = 0; g < groups.size(); ++g)
-            if (groups[g].mixed)
-                for (const uint32_t t : groups[g].triangles) group_of_[t] = g;
+            for (const uint32_t t : groups[g].triangles) group_of_[t] = g;
     }
 
     // Per group the triangle that stays, or no_index.
@@ -89,7 +84,7 @@ class MixedGroups {
         std::vector<uint32_t> kept(groups_.size(), no_index);
         for (uint32_t g = 0; g < groups_.size(); ++g) {
             const Region& region = regions[root_of(parent, g)];
-            if (groups_[g].mixed && (region.open_with < region.open_without || region.is_closed)) kept[g] = best(groups_[g]);
+            if (region.open_with < region.open_without || region.is_closed) kept[g] = best(groups_[g]);
         }
         return kept;
     }
@@ -97,7 +92,7 @@ class MixedGroups {
   private:
     [[nodiscard]] uint32_t group_of(const EdgeUse& use) const { return group_of_[use.corner / 3]; }
 
-    // Uses of the edge by triangles of no mixed group.
+    // Uses of the edge by triangles of no group.
     [[nodiscard]] size_t others(size_t edge) const {
         const auto uses = table_[edge];
         return static_cast<size_t>(
@@ -126,7 +121,7 @@ class MixedGroups {
     const std::vector<Triangle>& triangles_;
     const std::vector<Group>& groups_;
     EdgeTable table_;
-    std::vector<uint32_t> group_of_; // mixed ones only
+    std::vector<uint32_t> group_of_; // per triangle
 };
 
 } // namespace
@@ -145,22 +140,36 @@ bool drop_degenerate(Work& work) {
 }
 
 bool drop_duplicates(Work& work) {
-    const std::vector<Group> groups = groups_of(work.mesh.triangles);
-    if (groups.empty()) return false;
-    std::vector<uint32_t> kept(groups.size());
-    if (std::any_of(groups.begin(), groups.end(), [](const Group& g) { return g.mixed; }))
-        kept = MixedGroups(work.mesh.triangles, groups).run();
-    std::vector<uint8_t> gone(work.mesh.triangles.size(), 0);
-    for (size_t g = 0; g < groups.size(); ++g) {
-        const uint32_t stays = groups[g].mixed ? kept[g] : groups[g].triangles.front();
-        for (const uint32_t t : groups[g].triangles) {
-            if (t == stays) continue;
-            gone[t] = 1;
-            work.report.duplicate_triangles.add(work.source[t]);
+    bool any = false;
+    const auto drop_all_of = [&](const std::vector<Group>& groups, const auto& stays) {
+        std::vector<uint8_t> gone(work.mesh.triangles.size(), 0);
+        size_t count = 0;
+        for (uint32_t g = 0; g < groups.size(); ++g) {
+            for (const uint32_t t : groups[g].triangles) {
+                if (stays(g, t)) continue;
+                gone[t] = 1;
+                ++count;
+                work.report.duplicate_triangles.add(work.source[t]);
+            }
         }
-    }
-    work.drop(gone);
-    return true;
+        if (count > 0) work.drop(gone);
+        any = any || count > 0;
+    };
+    // Copies go first, so that what lies around groups of both orientations is there once.
+    const std::vector<Triangle>& triangles = work.mesh.triangles;
+    const std::vector<Group> copies = groups_of(triangles);
+    if (copies.empty()) return false;
+    drop_all_of(copies, [&](uint32_t g, uint32_t t) {
+        const auto& own = copies[g].triangles;
+        return t == *std::find_if(own.begin(), own.end(), [&](uint32_t other) {
+            return ascends(triangles[other]) == ascends(triangles[t]);
+        });
+    });
+    const std::vector<Group> backs = groups_of(triangles);
+    if (backs.empty()) return any;
+    const std::vector<uint32_t> kept = Backs(triangles, backs).run();
+    drop_all_of(backs, [&](uint32_t g, uint32_t t) { return t == kept[g]; });
+    return any;
 }
 
 bool drop_spare_patches(Work& work) {

@@ -1,7 +1,14 @@
 #include "fracture/repair.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include <doctest/doctest.h>
 
+#include "fracture/random.h"
+#include "fracture/shapes.h"
+#include "fracture/topology.h"
 #include "mesh_checks.h"
 
 using namespace brittle::fracture;
@@ -16,6 +23,107 @@ TriangleMesh plain_cube() {
     mesh.triangles = {{4, 6, 7}, {4, 7, 5}, {0, 1, 3}, {0, 3, 2}, {2, 3, 7}, {2, 7, 6},
                       {0, 4, 5}, {0, 5, 1}, {1, 5, 7}, {1, 7, 3}, {0, 2, 6}, {0, 6, 4}};
     return mesh;
+}
+
+bool same(const TriangleMesh& a, const TriangleMesh& b) {
+    return a.positions == b.positions && a.triangles == b.triangles;
+}
+
+bool is_manifold(const TriangleMesh& mesh) {
+    return check_topology(mesh.positions.size(), mesh.triangles).manifold();
+}
+
+// Corners of the triangle in space, the same for all three ways to name them.
+std::array<glm::dvec3, 3> corners_of(const TriangleMesh& mesh, uint32_t t) {
+    std::array<glm::dvec3, 3> c;
+    for (int k = 0; k < 3; ++k) c[static_cast<size_t>(k)] = mesh.positions[mesh.triangles[t][k]];
+    const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
+        return a.x != b.x ? a.x < b.x : (a.y != b.y ? a.y < b.y : a.z < b.z);
+    };
+    std::rotate(c.begin(), std::min_element(c.begin(), c.end(), less), c.end());
+    return c;
+}
+
+// What holds for every repair, whatever came in.
+void check_promises(const TriangleMesh& input, const Repaired& repaired, const RepairSettings& settings = {}) {
+    const TriangleMesh& mesh = repaired.mesh;
+    REQUIRE(repaired.source_triangle.size() == mesh.triangles.size());
+    REQUIRE(mesh.positions.size() >= input.positions.size());
+    CHECK(std::equal(input.positions.begin(), input.positions.end(), mesh.positions.begin()));
+    for (const Triangle& t : mesh.triangles) REQUIRE(std::max({t.x, t.y, t.z}) < mesh.positions.size());
+    uint64_t added = 0;
+    for (const uint32_t source : repaired.source_triangle) {
+        added += source == no_index;
+        REQUIRE((source == no_index || source < input.triangles.size()));
+    }
+    CHECK(describe(repaired.report).empty() <= !repaired.report.changed());
+    if (!repaired.report.changed()) CHECK(same(input, mesh));
+    const Repaired again = repair(mesh, settings);
+    CHECK(same(again.mesh, mesh));
+    CHECK(!again.report.changed());
+}
+
+// The repair of a mesh is a closed manifold of that volume.
+Repaired check_solid(const TriangleMesh& input, double volume, double tolerance = 1e-12) {
+    const Repaired repaired = repair(input);
+    check_promises(input, repaired);
+    INFO(describe(repaired.report));
+    CHECK(is_manifold(repaired.mesh));
+    CHECK(test::signed_volume(repaired.mesh) == doctest::Approx(volume).epsilon(tolerance));
+    return repaired;
+}
+
+// Triangles that are there still lie where their sources did, turned or not.
+void check_sources(const TriangleMesh& input, const Repaired& repaired, bool turned_too = false) {
+    for (uint32_t t = 0; t < repaired.mesh.triangles.size(); ++t) {
+        const uint32_t source = repaired.source_triangle[t];
+        if (source == no_index) continue;
+        auto own = corners_of(repaired.mesh, t);
+        const auto expected = corners_of(input, source);
+        if (turned_too && own != expected) std::swap(own[1], own[2]);
+        CHECK(own == expected);
+    }
+}
+
+void turn(Triangle& t) {
+    std::swap(t.y, t.z);
+}
+
+void append(TriangleMesh& mesh, const TriangleMesh& other, const glm::dvec3& shift = glm::dvec3(0.0)) {
+    const auto first = static_cast<uint32_t>(mesh.positions.size());
+    for (const glm::dvec3& p : other.positions) mesh.positions.push_back(p + shift);
+    for (const Triangle& t : other.triangles) mesh.triangles.push_back(t + first);
+}
+
+TriangleMesh without(TriangleMesh mesh, const std::vector<uint32_t>& triangles) {
+    std::vector<Triangle> rest;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        if (std::find(triangles.begin(), triangles.end(), t) == triangles.end()) rest.push_back(mesh.triangles[t]);
+    mesh.triangles = rest;
+    return mesh;
+}
+
+// A prism over a polygon in the XZ plane, counter-clockwise seen from above, without lids: y from 0 to 1.
+TriangleMesh open_prism(const std::vector<glm::dvec2>& polygon) {
+    TriangleMesh mesh;
+    const auto n = static_cast<uint32_t>(polygon.size());
+    for (const double y : {0.0, 1.0})
+        for (const glm::dvec2& p : polygon) mesh.positions.emplace_back(p.x, y, -p.y);
+    for (uint32_t k = 0; k < n; ++k) {
+        const uint32_t next = (k + 1) % n;
+        mesh.triangles.emplace_back(k, next, n + next);
+        mesh.triangles.emplace_back(k, n + next, n + k);
+    }
+    return mesh;
+}
+
+double area_of(const std::vector<glm::dvec2>& polygon) {
+    double twice = 0.0;
+    for (size_t k = 0; k < polygon.size(); ++k) {
+        const glm::dvec2 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+        twice += a.x * b.y - a.y * b.x;
+    }
+    return twice / 2.0;
 }
 
 } // namespace
@@ -84,4 +192,430 @@ TEST_CASE("two solids that touch along an edge both stay") {
     for (const Triangle& t : cube) mesh.triangles.emplace_back(second[t.x], second[t.y], second[t.z]);
     REQUIRE(test::signed_volume(mesh) == 16.0);
     CHECK(remove_spare_patches(mesh).removed_triangles == 0);
+}
+
+TEST_CASE("a shape without flaws comes back bit by bit") {
+    for (const std::string_view name : shape_names()) {
+        CAPTURE(name);
+        const TriangleMesh mesh = *shape(name);
+        const Repaired repaired = repair(mesh);
+        CHECK(same(repaired.mesh, mesh));
+        CHECK(!repaired.report.changed());
+        CHECK(describe(repaired.report) == "");
+        for (uint32_t t = 0; t < mesh.triangles.size(); ++t) REQUIRE(repaired.source_triangle[t] == t);
+    }
+}
+
+TEST_CASE("what cannot be read comes back as it is") {
+    CHECK(repair({}).mesh.triangles.empty());
+    TriangleMesh mesh = plain_cube();
+    mesh.triangles[3].y = 8;
+    Repaired repaired = repair(mesh);
+    CHECK(same(repaired.mesh, mesh));
+    CHECK(repaired.report.bad_triangles.count == 1);
+    CHECK(repaired.report.bad_triangles.first == 3);
+    CHECK(describe(repaired.report).find("triangle 3") != std::string::npos);
+    mesh = plain_cube();
+    mesh.positions[5].z = std::numeric_limits<double>::quiet_NaN();
+    mesh.positions[6].x = 1e60;
+    repaired = repair(mesh);
+    CHECK(repaired.mesh.triangles == mesh.triangles);
+    CHECK(repaired.report.bad_vertices.count == 2);
+    CHECK(repaired.report.bad_vertices.first == 5);
+}
+
+TEST_CASE("a cube with faces missing is whole again") {
+    const TriangleMesh cube = plain_cube();
+    for (uint32_t t = 0; t < 12; ++t) {
+        const TriangleMesh open = without(cube, {t});
+        const Repaired repaired = check_solid(open, 8.0);
+        CHECK(repaired.report.closed_holes.count == 1);
+        CHECK(repaired.report.new_triangles == 1);
+        CHECK(std::equal(open.triangles.begin(), open.triangles.end(), repaired.mesh.triangles.begin()));
+        CHECK(repaired.source_triangle.back() == no_index);
+        CHECK(repaired.source_triangle.front() == 0);
+    }
+    for (uint32_t t = 0; t < 12; t += 2) check_solid(without(cube, {t, t + 1}), 8.0); // a side
+    for (uint32_t a = 0; a < 12; ++a)
+        for (uint32_t b = 0; b < a; ++b) {
+            const TriangleMesh open = without(cube, {a, b});
+            const Repaired repaired = repair(open);
+            check_promises(open, repaired);
+            CHECK(is_manifold(repaired.mesh));
+        }
+    // Five of twelve: two sides and half a third.
+    const TriangleMesh open = without(cube, {0, 1, 4, 5, 8});
+    const Repaired repaired = repair(open);
+    check_promises(open, repaired);
+    CHECK(is_manifold(repaired.mesh));
+    CHECK(std::equal(open.triangles.begin(), open.triangles.end(), repaired.mesh.triangles.begin()));
+    CHECK(test::signed_volume(repaired.mesh) > 0.0);
+}
+
+TEST_CASE("a sphere with random triangles missing") {
+    for (uint64_t seed = 0; seed < 40; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const TriangleMesh sphere = icosphere(3);
+        TriangleMesh open = sphere;
+        const double part = 0.3 * random.uniform();
+        std::erase_if(open.triangles, [&](const Triangle&) { return random.uniform() < part; });
+        const Repaired repaired = repair(open);
+        check_promises(open, repaired);
+        INFO(describe(repaired.report));
+        CHECK(is_manifold(repaired.mesh));
+        check_sources(open, repaired);
+        CHECK(test::signed_volume(repaired.mesh) == doctest::Approx(test::signed_volume(sphere)).epsilon(0.05));
+    }
+}
+
+TEST_CASE("triangles that face the wrong way are turned") {
+    for (uint64_t seed = 0; seed < 20; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        for (const TriangleMesh& whole : {icosphere(2), torus(12, 8), menger_sponge(1)}) {
+            TriangleMesh mesh = whole;
+            uint64_t turned = 0;
+            const double part = random.uniform();
+            for (Triangle& t : mesh.triangles)
+                if (random.uniform() < part) {
+                    turn(t);
+                    ++turned;
+                }
+            const Repaired repaired = check_solid(mesh, test::signed_volume(whole));
+            CHECK(repaired.report.turned_triangles.count == turned);
+            CHECK(same(repaired.mesh, whole));
+        }
+    }
+}
+
+TEST_CASE("inside out as a whole") {
+    TriangleMesh mesh = torus(16, 8);
+    const double volume = test::signed_volume(mesh);
+    for (Triangle& t : mesh.triangles) turn(t);
+    CHECK(check_solid(mesh, volume).report.turned_triangles.count == mesh.triangles.size());
+}
+
+TEST_CASE("a cavity faces inwards, and what lies in it outwards") {
+    const TriangleMesh whole = hollow_sphere(2);
+    const double volume = test::signed_volume(whole);
+    const size_t half = whole.triangles.size() / 2;
+    for (const int which : {1, 2, 3}) { // turn one, the other, both
+        TriangleMesh mesh = whole;
+        for (size_t t = 0; t < mesh.triangles.size(); ++t)
+            if (which & (t < half ? 1 : 2)) turn(mesh.triangles[t]);
+        CHECK(same(check_solid(mesh, volume).mesh, whole));
+    }
+    TriangleMesh nested = whole;
+    append(nested, icosphere(2, 0.4));
+    append(nested, icosphere(1, 0.1), glm::dvec3(0.05));
+    append(nested, icosphere(1, 0.1), glm::dvec3(3.0, 0.0, 0.0));
+    const double ball = test::signed_volume(icosphere(1, 0.1));
+    check_solid(nested, volume + test::signed_volume(icosphere(2, 0.4)) - ball + ball);
+    RepairSettings as_they_are;
+    as_they_are.cavities = false;
+    CHECK(!repair(nested, as_they_are).report.changed());
+}
+
+TEST_CASE("triangles that are there twice") {
+    const TriangleMesh whole = torus(12, 8);
+    const double volume = test::signed_volume(whole);
+    for (uint64_t seed = 0; seed < 20; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        TriangleMesh mesh = whole;
+        uint64_t doubled = 0;
+        for (size_t t = 0; t < whole.triangles.size(); ++t) {
+            if (random.uniform() > 0.3) continue;
+            Triangle copy = whole.triangles[t];
+            std::rotate(&copy[0], &copy[0] + random.next() % 3, &copy[0] + 3);
+            if (random.uniform() < 0.5) turn(copy);
+            const bool in_front = random.uniform() < 0.5;
+            mesh.triangles.insert(in_front ? mesh.triangles.begin() : mesh.triangles.end(), copy);
+            ++doubled;
+        }
+        const Repaired repaired = check_solid(mesh, volume);
+        CHECK(repaired.report.duplicate_triangles.count == doubled);
+        CHECK(repaired.mesh.triangles.size() == whole.triangles.size());
+    }
+    TriangleMesh both_sides = whole;
+    for (Triangle t : whole.triangles) {
+        turn(t);
+        both_sides.triangles.push_back(t);
+    }
+    CHECK(check_solid(both_sides, volume).mesh.triangles.size() == whole.triangles.size());
+}
+
+TEST_CASE("a wall that both sides have goes") {
+    // Two cubes side by side, each with its own wall between vertices 4 to 7.
+    const TriangleMesh one = plain_cube();
+    TriangleMesh pair = one;
+    const uint32_t of_second[8] = {4, 5, 6, 7, 8, 9, 10, 11};
+    for (int v = 4; v < 8; ++v) pair.positions.push_back(one.positions[static_cast<size_t>(v)] + glm::dvec3(2, 0, 0));
+    for (const Triangle& t : one.triangles) pair.triangles.emplace_back(of_second[t.x], of_second[t.y], of_second[t.z]);
+    REQUIRE(test::signed_volume(pair) == doctest::Approx(16.0));
+    const Repaired repaired = check_solid(pair, 16.0);
+    CHECK(repaired.report.duplicate_triangles.count == 4);
+    CHECK(repaired.mesh.triangles.size() == 20);
+}
+
+TEST_CASE("vertices cracked apart") {
+    for (const double apart : {0.0, 1e-9}) {
+        CAPTURE(apart);
+        const TriangleMesh whole = torus(24, 12);
+        Random random(7);
+        TriangleMesh soup; // every triangle has its own corners
+        for (const Triangle& t : whole.triangles) {
+            for (int k = 0; k < 3; ++k)
+                soup.positions.push_back(whole.positions[t[k]]
+                                         + apart * (random.uniform_in({glm::dvec3(-1.0), glm::dvec3(1.0)})));
+            const auto n = static_cast<uint32_t>(soup.positions.size());
+            soup.triangles.emplace_back(n - 3, n - 2, n - 1);
+        }
+        const Repaired repaired = check_solid(soup, test::signed_volume(whole), 1e-7);
+        CHECK(repaired.report.welded_vertices.count == soup.positions.size() - whole.positions.size());
+        CHECK(repaired.report.closed_holes.count == 0);
+        RepairSettings equal_only;
+        equal_only.weld_distance = 0.0;
+        const Repaired plain = repair(soup, equal_only);
+        CHECK(plain.report.welded_vertices.count == (apart > 0.0 ? 0 : repaired.report.welded_vertices.count));
+    }
+    // Closed places stay, however close: two spheres that touch in a vertex of each.
+    TriangleMesh spheres = icosphere(2);
+    append(spheres, icosphere(2), spheres.positions[0] * 2.0);
+    CHECK(!repair(spheres).report.changed());
+}
+
+TEST_CASE("solids that share an edge or a vertex come apart") {
+    const TriangleMesh one = plain_cube();
+    TriangleMesh edge = one, vertex = one;
+    const uint32_t by_edge[8] = {6, 7, 8, 9, 10, 11, 12, 13}, by_vertex[8] = {7, 8, 9, 10, 11, 12, 13, 14};
+    for (int v = 2; v < 8; ++v) edge.positions.emplace_back(v & 4 ? 3 : 1, v & 2 ? 3 : 1, v & 1 ? 1 : -1);
+    for (int v = 1; v < 8; ++v) vertex.positions.emplace_back(v & 4 ? 3 : 1, v & 2 ? 3 : 1, v & 1 ? 3 : 1);
+    for (const Triangle& t : one.triangles) {
+        edge.triangles.emplace_back(by_edge[t.x], by_edge[t.y], by_edge[t.z]);
+        vertex.triangles.emplace_back(by_vertex[t.x], by_vertex[t.y], by_vertex[t.z]);
+    }
+    for (const int which : {0, 1, 2, 3}) { // as they are, one, the other, both inside out
+        CAPTURE(which);
+        TriangleMesh a = edge, b = vertex;
+        for (size_t t = 0; t < 24; ++t)
+            if (which & (t < 12 ? 1 : 2)) {
+                turn(a.triangles[t]);
+                turn(b.triangles[t]);
+            }
+        const Repaired apart = check_solid(a, 16.0);
+        CHECK(check_topology(apart.mesh.positions.size(), apart.mesh.triangles).components == 2);
+        CHECK(apart.mesh.positions.size() == 16);
+        CHECK(apart.report.split_edges.count == 1);
+        CHECK(apart.report.split_edges.first == 6);
+        check_sources(a, apart, true);
+        const Repaired touching = check_solid(b, 16.0);
+        CHECK(touching.mesh.positions.size() == 16);
+        CHECK(touching.report.split_vertices.count == 1);
+        CHECK(touching.report.split_vertices.first == 7);
+    }
+    // Two cavities: what is solid around the edge stays together, so they become one.
+    TriangleMesh inverse = edge;
+    for (Triangle& t : inverse.triangles) turn(t);
+    TriangleMesh block = cube(10.0);
+    append(block, inverse);
+    const Repaired cavities = check_solid(block, 1000.0 - 16.0);
+    CHECK(cavities.report.halved_edges.count == 1);
+    CHECK(check_topology(cavities.mesh.positions.size(), cavities.mesh.triangles).components == 2);
+}
+
+TEST_CASE("bow-ties: holes that meet in a vertex") {
+    const TriangleMesh whole = icosphere(2);
+    // Triangles around a vertex, every second one missing.
+    for (uint32_t v = 0; v < 12; ++v) {
+        std::vector<uint32_t> fan;
+        for (uint32_t t = 0; t < whole.triangles.size(); ++t)
+            if (whole.triangles[t].x == v || whole.triangles[t].y == v || whole.triangles[t].z == v) fan.push_back(t);
+        REQUIRE(fan.size() == 5);
+        for (uint32_t mask = 1; mask < 31; ++mask) {
+            std::vector<uint32_t> missing;
+            for (uint32_t k = 0; k < 5; ++k)
+                if (mask >> k & 1) missing.push_back(fan[k]);
+            const TriangleMesh open = without(whole, missing);
+            const Repaired repaired = check_solid(open, test::signed_volume(whole), 0.02);
+            CHECK(repaired.mesh.positions.size() == whole.positions.size());
+        }
+    }
+}
+
+TEST_CASE("an open hemisphere gets a disc") {
+    const TriangleMesh sphere = icosphere(4);
+    TriangleMesh half = sphere;
+    std::erase_if(half.triangles, [&](const Triangle& t) {
+        return std::min({sphere.positions[t.x].y, sphere.positions[t.y].y, sphere.positions[t.z].y}) < -1e-9;
+    });
+    const Repaired repaired = repair(half);
+    check_promises(half, repaired);
+    CHECK(is_manifold(repaired.mesh));
+    CHECK(repaired.report.closed_holes.count == 1);
+    CHECK(test::signed_volume(repaired.mesh) == doctest::Approx(2.0 / 3.0 * std::numbers::pi).epsilon(0.08));
+}
+
+TEST_CASE("a cylinder without lids, and prisms over polygons that are not convex") {
+    std::vector<glm::dvec2> circle;
+    for (int k = 0; k < 5000; ++k)
+        circle.emplace_back(std::cos(k * std::numbers::pi / 2500), std::sin(k * std::numbers::pi / 2500));
+    check_solid(open_prism(circle), area_of(circle), 1e-9);
+    const std::vector<glm::dvec2> l_shape = {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 2}, {0, 2}};
+    check_solid(open_prism(l_shape), 4.0);
+    std::vector<glm::dvec2> star;
+    for (int k = 0; k < 40; ++k) {
+        const double r = k % 2 == 0 ? 1.0 : 0.2, angle = k * std::numbers::pi / 20;
+        star.emplace_back(r * std::cos(angle), r * std::sin(angle));
+    }
+    check_solid(open_prism(star), area_of(star), 1e-9);
+    const std::vector<glm::dvec2> u_shape = {{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
+    CHECK(check_solid(open_prism(u_shape), 7.0).report.closed_holes.count == 2);
+}
+
+TEST_CASE("only rims up to the given length are closed") {
+    const TriangleMesh open = without(plain_cube(), {0, 1, 4});
+    RepairSettings settings;
+    settings.close_holes = 7.5;
+    const Repaired some = repair(open, settings);
+    check_promises(open, some, settings);
+    CHECK(some.report.closed_holes.count + some.report.open_rims.count >= 1);
+    settings.close_holes = 0.0;
+    const Repaired none = repair(open, settings);
+    CHECK(same(none.mesh, open));
+    CHECK(none.report.open_rims.count >= 1);
+    CHECK(describe(none.report).find("left open") != std::string::npos);
+}
+
+TEST_CASE("a rim that is not simple from any side") {
+    // A strip along a trefoil knot, closed to a band: both rims are knots, and any view of a knot crosses itself.
+    for (const uint32_t n : {60u, 120u, 300u, 1000u}) {
+        CAPTURE(n);
+        TriangleMesh band;
+        for (uint32_t k = 0; k < n; ++k) {
+            const double a = 2.0 * std::numbers::pi * k / n;
+            const glm::dvec3 p(std::sin(a) + 2.0 * std::sin(2.0 * a), std::cos(a) - 2.0 * std::cos(2.0 * a),
+                               -std::sin(3.0 * a));
+            band.positions.push_back(p);
+            band.positions.push_back(p * 1.1);
+        }
+        for (uint32_t k = 0; k < n; ++k) {
+            const uint32_t a = 2 * k, b = 2 * ((k + 1) % n);
+            band.triangles.emplace_back(a, b, b + 1);
+            band.triangles.emplace_back(a, b + 1, a + 1);
+        }
+        const Repaired repaired = repair(band);
+        check_promises(band, repaired);
+        CHECK(is_manifold(repaired.mesh));
+        CHECK(repaired.report.closed_holes.count == 2);
+    }
+}
+
+TEST_CASE("a long rim stays open where it is not simple, and is closed where it is") {
+    TriangleMesh band;
+    const uint32_t n = 5000;
+    for (uint32_t k = 0; k < n; ++k) {
+        const double a = 2.0 * std::numbers::pi * k / n;
+        const glm::dvec3 p(std::sin(a) + 2.0 * std::sin(2.0 * a), std::cos(a) - 2.0 * std::cos(2.0 * a),
+                           -std::sin(3.0 * a));
+        band.positions.push_back(p);
+        band.positions.push_back(p * 1.1);
+    }
+    for (uint32_t k = 0; k < n; ++k) {
+        const uint32_t a = 2 * k, b = 2 * ((k + 1) % n);
+        band.triangles.emplace_back(a, b, b + 1);
+        band.triangles.emplace_back(a, b + 1, a + 1);
+    }
+    const Repaired repaired = repair(band);
+    CHECK(same(repaired.mesh, band));
+    CHECK(repaired.report.long_rims.count == 2);
+}
+
+TEST_CASE("triangles that name a vertex twice, and triangles without area") {
+    TriangleMesh mesh = plain_cube();
+    const TriangleMesh cube = mesh;
+    mesh.triangles.insert(mesh.triangles.begin() + 5, {{3, 3, 1}, {2, 2, 2}, {7, 0, 7}});
+    const Repaired repaired = check_solid(mesh, 8.0);
+    CHECK(same(repaired.mesh, cube));
+    CHECK(repaired.report.degenerate_triangles.count == 3);
+    CHECK(repaired.report.degenerate_triangles.first == 5);
+    CHECK(repaired.source_triangle[5] == 8);
+
+    // An edge with a vertex in its middle on one side only: the crack of no width is closed without area.
+    mesh = cube;
+    mesh.positions.emplace_back(1.0, 0.0, 1.0); // between 5 and 7
+    for (Triangle& t : mesh.triangles)
+        if (t == Triangle(4, 7, 5)) t = {4, 7, 8};
+    mesh.triangles.emplace_back(4, 8, 5);
+    const Repaired crack = check_solid(mesh, 8.0);
+    CHECK(crack.report.new_triangles == 1);
+    const Repaired again = repair(crack.mesh);
+    CHECK(again.report.flat_triangles.count == 1);
+}
+
+TEST_CASE("loose triangles go, with fins") {
+    TriangleMesh mesh = plain_cube();
+    const TriangleMesh cube = mesh;
+    mesh.positions.insert(mesh.positions.end(), {{3, 0, 0}, {4, 0, 0}, {3, 1, 0}});
+    mesh.triangles.insert(mesh.triangles.end(), {{8, 9, 10}, {6, 7, 8}});
+    const Repaired repaired = check_solid(mesh, 8.0);
+    CHECK(repaired.report.loose_triangles.count == 2);
+    CHECK(repaired.mesh.triangles == cube.triangles);
+    RepairSettings settings;
+    settings.loose_triangles = false;
+    const Repaired kept = repair(mesh, settings);
+    check_promises(mesh, kept, settings);
+    CHECK(kept.mesh.triangles.size() == mesh.triangles.size());
+}
+
+TEST_CASE("a surface with one side") {
+    TriangleMesh moebius;
+    const uint32_t n = 20;
+    for (uint32_t k = 0; k < n; ++k) {
+        const double a = 2.0 * std::numbers::pi * k / n;
+        for (const double w : {-0.3, 0.3})
+            moebius.positions.emplace_back((1 + w * std::cos(a / 2)) * std::cos(a), w * std::sin(a / 2),
+                                           (1 + w * std::cos(a / 2)) * std::sin(a));
+    }
+    for (uint32_t k = 0; k < n; ++k) {
+        const uint32_t a = 2 * k, b = k + 1 == n ? 1 : 2 * k + 2, c = k + 1 == n ? 0 : 2 * k + 3;
+        moebius.triangles.emplace_back(a, b, c);
+        moebius.triangles.emplace_back(a, c, a + 1);
+    }
+    const Repaired repaired = repair(moebius);
+    check_promises(moebius, repaired);
+    CHECK(repaired.report.misoriented_edges.count > 0);
+}
+
+TEST_CASE("any soup of indices: no crash, no hang, and nothing left to do") {
+    uint64_t closed = 0;
+    for (uint64_t seed = 0; seed < 2000; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        TriangleMesh mesh;
+        const uint64_t vertices = 3 + random.next() % 20, triangles = 1 + random.next() % 60;
+        const bool on_lattice = random.uniform() < 0.5;
+        for (uint64_t v = 0; v < vertices; ++v) {
+            glm::dvec3 p = random.uniform_in({glm::dvec3(0.0), glm::dvec3(3.0)});
+            if (on_lattice) p = glm::floor(p);
+            mesh.positions.push_back(p);
+        }
+        for (uint64_t t = 0; t < triangles; ++t)
+            mesh.triangles.emplace_back(random.next() % vertices, random.next() % vertices, random.next() % vertices);
+        const Repaired repaired = repair(mesh);
+        check_promises(mesh, repaired);
+        closed += check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles).manifold();
+    }
+    MESSAGE(closed << " of 2000 soups became manifolds");
+}
+
+TEST_CASE("large soups take seconds at most") {
+    Random random(1);
+    TriangleMesh mesh;
+    for (int v = 0; v < 3000; ++v) mesh.positions.push_back(random.uniform_in({glm::dvec3(0.0), glm::dvec3(1.0)}));
+    for (int t = 0; t < 20000; ++t)
+        mesh.triangles.emplace_back(random.next() % 3000, random.next() % 3000, random.next() % 3000);
+    const Repaired repaired = repair(mesh);
+    CHECK(repaired.source_triangle.size() == repaired.mesh.triangles.size());
 }
