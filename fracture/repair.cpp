@@ -128,18 +128,21 @@ std::string describe(const RepairReport& report) {
         text += count(report.closed_holes.count, "hole", "holes") + " closed with "
                 + count(report.new_triangles, "triangle", "triangles") + ", the first at vertex "
                 + std::to_string(report.closed_holes.first) + '\n';
+    line(report.new_vertices, "vertex added in the middle of a hole", "vertices added in the middle of holes",
+         "next to vertex");
+    line(report.cut_edges, "edge cut where a surface has one side only", "edges cut where a surface has one side only",
+         "at vertex");
     line(report.split_edges, "edge of more than two triangles split", "edges of more than two triangles split",
          "at vertex");
     line(report.halved_edges, "edge halved to tell it from another", "edges halved to tell them from others",
          "at vertex");
     line(report.split_vertices, "vertex added where parts only touched", "vertices added where parts only touched",
          "a copy of vertex");
-    line(report.open_rims, "hole left open: too long, or nothing fits", "holes left open: too long, or nothing fits",
-         "at vertex");
+    line(report.open_rims, "hole left open: too long", "holes left open: too long", "at vertex");
     line(report.long_rims, "hole left open: more than 4096 edges and not simple from the front",
          "holes left open: more than 4096 edges and not simple from the front", "at vertex");
-    line(report.misoriented_edges, "edge left whose triangles face opposite ways: the surface has one side only",
-         "edges left whose triangles face opposite ways: the surface has one side only", "at vertex");
+    line(report.misoriented_edges, "edge left whose triangles face opposite ways",
+         "edges left whose triangles face opposite ways", "at vertex");
     line(report.crowded_edges, "edge left that more than two triangles use",
          "edges left that more than two triangles use", "at vertex");
     line(report.flat_triangles, "triangle without area left: the surface would be open without it",

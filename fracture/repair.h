@@ -57,11 +57,13 @@ struct RepairReport {
     Change split_edges;      // used by more than two triangles before; the place is their lower end
     Change halved_edges;     // ... and got a vertex in the middle: nothing else told them apart
     Change split_vertices;   // copies made so that each has one fan of triangles; the place is what was copied
+    Change cut_edges;        // of surfaces that have one side only: filled on both sides; the place is their lower end
     Change closed_holes;     // the place is the lowest vertex of a rim
     uint64_t new_triangles = 0;
+    Change new_vertices;     // in the middle of a hole, where nothing else fits; the place is the lowest on its rim
 
     // Left as they are.
-    Change open_rims;       // longer than close_holes, or nothing fits
+    Change open_rims;       // longer than close_holes
     Change long_rims;       // of more than 4096 edges and not simple when seen from the front
     Change misoriented_edges; // of surfaces that have one side only; the place is their lower end
     Change crowded_edges;   // still used by more than two triangles; the place is their lower end
@@ -85,14 +87,16 @@ struct Repaired {
 //  3. drops spare patches;
 //  4. turns triangles so that neighbours agree, the fewer ones in each patch;
 //  5. closes holes: in the plane of the rim where it is simple there, else with the least area (rims of up to 128
-//     edges) or the shortest new edges; never with a triangle that is there already;
+//     edges) or the shortest new edges; never with a triangle that is there already. Where that leaves nothing, around
+//     a new vertex in the middle. A surface with one side only is cut first;
 //  6. turns closed parts outwards, and those inside an odd number of others inwards;
 //  7. where more than two triangles meet in an edge, separates pairs so that what is solid between two triangles stays
 //     together; gives every fan of triangles around a vertex its own copy of it.
 //
-// Vertices keep their indices and places, copies are appended, those that are used no more stay. Triangles keep their
-// order, new ones are appended. A mesh without flaws comes back bit by bit, and so does what came out of a repair. Any
-// input is taken; one that cannot be read comes back as it is. Deterministic. O(T log T), and O(n^2) for a rim of n
+// Vertices keep their indices and places, new ones are appended, those that are used no more stay. Triangles keep their
+// order, new ones are appended. A mesh without flaws comes back bit by bit, and so does what came out of a repair.
+// Whatever can be read becomes a closed manifold, but for rims that the settings leave open and long ones that are not
+// simple; none of this makes sense of a mesh that has none. What cannot be read comes back as it is. Deterministic. O(T log T), and O(n^2) for a rim of n
 // edges.
 [[nodiscard]] Repaired repair(const TriangleMesh& mesh, const RepairSettings& settings = {});
 

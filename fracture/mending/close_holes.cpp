@@ -1,6 +1,7 @@
 // Rims of holes, and what fills them.
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <set>
 
@@ -12,7 +13,8 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// A side that a triangle is missing for: where there is one, it leads from `from` to `to`.
+// A side that a triangle is missing for; the triangle's side would lead from `from` to `to`. Where two triangles
+// disagree for good, as on a Moebius strip, one is missing for each: the surface is cut there and each side is filled.
 struct RimSide {
     uint32_t from, to;
 };
@@ -21,7 +23,6 @@ std::vector<RimSide> rim_sides(const EdgeTable& table) {
     std::vector<RimSide> sides;
     for (size_t e = 0; e < table.size(); ++e) {
         const auto uses = table[e];
-        if (uses.size() % 2 == 0) continue; // two triangles that disagree are no hole
         const int surplus = table.surplus(e);
         const RimSide side = surplus > 0 ? RimSide{uses[0].high, uses[0].low} : RimSide{uses[0].low, uses[0].high};
         sides.insert(sides.end(), static_cast<size_t>(std::abs(surplus)), side);
@@ -72,13 +73,9 @@ class LoopFinder {
     void walk_from(uint32_t start) {
         std::vector<uint32_t> path = {start};
         place_[start] = 0;
-        while (!path.empty()) {
+        while (true) {
             const uint32_t side = choose(path);
-            if (side == no_index) { // a dead end, next to triangles that disagree
-                place_[path.back()] = no_index;
-                path.pop_back();
-                continue;
-            }
+            if (side == no_index) break; // back where it began: as many sides enter a vertex as leave it
             used_[side] = 1;
             const uint32_t to = sides_[side].to;
             if (place_[to] == no_index) {
@@ -91,6 +88,8 @@ class LoopFinder {
             for (auto v = first + 1; v != path.end(); ++v) place_[*v] = no_index;
             path.erase(first + 1, path.end());
         }
+        assert(path.size() == 1);
+        place_[start] = no_index;
     }
 
     // The unused side that leaves the path's end: where there are several, the first one in the hole's sense after the
@@ -149,7 +148,7 @@ class TakenByMesh final : public Taken {
         return find(t) != no_index || new_triangles_.count(sorted_corners(t)) > 0;
     }
     [[nodiscard]] bool edge(uint32_t a, uint32_t b) const override {
-        return table_.joins(a, b) || new_edges_.count({std::min(a, b), std::max(a, b)}) > 0;
+        return table_.find(a, b) != no_index || new_edges_.count({std::min(a, b), std::max(a, b)}) > 0;
     }
 
     // The mesh's triangle of these corners, or no_index.
@@ -181,6 +180,17 @@ double length_of(const TriangleMesh& mesh, const std::vector<uint32_t>& loop) {
     return sum;
 }
 
+// Where no triangles between the corners will do, all of those around a new vertex will.
+uint32_t add_centre(Work& work, const std::vector<uint32_t>& loop) {
+    glm::dvec3 sum(0.0);
+    for (const uint32_t v : loop) sum += work.mesh.positions[v] / static_cast<double>(loop.size());
+    const uint32_t lowest = *std::min_element(loop.begin(), loop.end());
+    const uint32_t centre = work.copy_vertex(lowest);
+    work.mesh.positions[centre] = sum;
+    work.report.new_vertices.add(work.origin[lowest]);
+    return centre;
+}
+
 // Whether the triangle's corners go around as those of the other, which has the same ones.
 bool same_sense(const Triangle& a, const Triangle& b) {
     for (int k = 0; k < 3; ++k)
@@ -197,6 +207,7 @@ bool close_holes(Work& work, const RepairSettings& settings) {
     if (sides.empty()) return false;
     TakenByMesh taken(work.mesh.triangles, table);
     std::vector<uint8_t> loose(work.mesh.triangles.size(), 0);
+    std::vector<uint8_t> is_cut(table.size(), 0);
     bool any_loose = false;
     std::vector<Triangle> fills;
     for (const std::vector<uint32_t>& loop : LoopFinder(work.mesh, std::move(sides)).run()) {
@@ -213,14 +224,24 @@ bool close_holes(Work& work, const RepairSettings& settings) {
             }
         }
         const bool wanted = settings.close_holes > 0.0 && length_of(work.mesh, loop) <= settings.close_holes;
-        const Fill fill = wanted ? fill_loop(work.mesh.positions, loop, taken) : Fill{};
-        if (fill.triangles.empty()) {
+        Fill fill = wanted ? fill_loop(work.mesh.positions, loop, taken) : Fill{};
+        if (!wanted || fill.too_long) {
             (fill.too_long ? work.report.long_rims : work.report.open_rims).add(place);
             continue;
+        }
+        if (fill.triangles.empty()) {
+            const uint32_t centre = add_centre(work, loop);
+            for (size_t k = 0; k < loop.size(); ++k)
+                fill.triangles.emplace_back(loop[k], loop[(k + 1) % loop.size()], centre);
         }
         for (const Triangle& t : fill.triangles) {
             taken.add(t);
             fills.push_back(t);
+        }
+        for (size_t k = 0; k < loop.size(); ++k) {
+            const uint32_t e = table.find(loop[k], loop[(k + 1) % loop.size()]);
+            if (table[e].size() == 2 && !is_cut[e]) work.report.cut_edges.add(work.origin[table[e][0].low]);
+            is_cut[e] = 1;
         }
         work.report.closed_holes.add(place);
         work.report.new_triangles += fill.triangles.size();

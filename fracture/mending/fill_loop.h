@@ -20,7 +20,7 @@ class Taken {
 };
 
 struct Fill {
-    std::vector<Triangle> triangles; // empty: none was found
+    std::vector<Triangle> triangles; // empty: none will do
     bool too_long = false;           // because there are more than 4096 corners
 };
 

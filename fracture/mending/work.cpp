@@ -70,12 +70,12 @@ int EdgeTable::surplus(size_t edge) const {
     return sum;
 }
 
-bool EdgeTable::joins(uint32_t a, uint32_t b) const {
+uint32_t EdgeTable::find(uint32_t a, uint32_t b) const {
     if (a > b) std::swap(a, b);
     const auto at = std::lower_bound(uses_.begin(), uses_.end(), std::pair(a, b), [](const EdgeUse& use, const auto& ends) {
         return std::tie(use.low, use.high) < std::tie(ends.first, ends.second);
     });
-    return at != uses_.end() && at->low == a && at->high == b;
+    return at != uses_.end() && at->low == a && at->high == b ? of_corner_[at->corner] : no_index;
 }
 
 } // namespace brittle::fracture::mending

@@ -47,8 +47,8 @@ class EdgeTable {
     [[nodiscard]] uint32_t of_corner(uint32_t corner) const { return of_corner_[corner]; }
     // How often it is used from low to high, less how often the other way.
     [[nodiscard]] int surplus(size_t edge) const;
-    // Whether any triangle has a side between the two vertices.
-    [[nodiscard]] bool joins(uint32_t a, uint32_t b) const;
+    // The edge between two vertices, or no_index.
+    [[nodiscard]] uint32_t find(uint32_t a, uint32_t b) const;
 
   private:
     std::vector<EdgeUse> uses_;

@@ -566,7 +566,9 @@ TEST_CASE("loose triangles go, with fins") {
     settings.loose_triangles = false;
     const Repaired kept = repair(mesh, settings);
     check_promises(mesh, kept, settings);
-    CHECK(kept.mesh.triangles.size() == mesh.triangles.size());
+    CHECK(is_manifold(kept.mesh));
+    CHECK(kept.report.new_vertices.count == 2);
+    CHECK(kept.report.loose_triangles.count == 0);
 }
 
 TEST_CASE("a surface with one side") {
@@ -585,11 +587,11 @@ TEST_CASE("a surface with one side") {
     }
     const Repaired repaired = repair(moebius);
     check_promises(moebius, repaired);
-    CHECK(repaired.report.misoriented_edges.count > 0);
+    CHECK(is_manifold(repaired.mesh));
+    CHECK(repaired.report.cut_edges.count > 0);
 }
 
-TEST_CASE("any soup of indices: no crash, no hang, and nothing left to do") {
-    uint64_t closed = 0;
+TEST_CASE("any soup of indices becomes a manifold, and nothing is left to do") {
     for (uint64_t seed = 0; seed < 2000; ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -605,9 +607,8 @@ TEST_CASE("any soup of indices: no crash, no hang, and nothing left to do") {
             mesh.triangles.emplace_back(random.next() % vertices, random.next() % vertices, random.next() % vertices);
         const Repaired repaired = repair(mesh);
         check_promises(mesh, repaired);
-        closed += check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles).manifold();
+        CHECK(is_manifold(repaired.mesh));
     }
-    MESSAGE(closed << " of 2000 soups became manifolds");
 }
 
 TEST_CASE("large soups take seconds at most") {
