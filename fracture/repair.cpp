@@ -8,6 +8,7 @@
 #include "fracture/mending/spare_patches.h"
 #include "fracture/mending/steps.h"
 #include "fracture/plane_predicates.h"
+#include "fracture/topology.h"
 
 namespace brittle::fracture {
 namespace {
@@ -44,6 +45,10 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& t) {
 }
 
 bool round(Work& work, const RepairSettings& settings, double weld_distance) {
+    if (check_topology(work.mesh.positions.size(), work.mesh.triangles).manifold()) {
+        const bool dropped = mending::drop_duplicates(work); // a triangle and its back are a manifold
+        return mending::turn_parts(work, settings.cavities) || dropped;
+    }
     bool changed = mending::weld_rims(work, weld_distance);
     changed = mending::drop_degenerate(work) || changed;
     changed = mending::drop_duplicates(work) || changed;
@@ -67,12 +72,11 @@ bool round(Work& work, const RepairSettings& settings, double weld_distance) {
 void count_rest(const Work& work, RepairReport& report) {
     for (uint32_t t = 0; t < work.turned.size(); ++t)
         if (work.turned[t] && work.source[t] != no_index) report.turned_triangles.add(work.source[t]);
-    const mending::EdgeTable table(work.mesh.triangles);
-    for (size_t e = 0; e < table.size(); ++e) {
-        const auto uses = table[e];
-        if (uses.size() > 2) report.crowded_edges.add(work.origin[uses[0].low]);
-        else if (uses.size() == 2 && table.surplus(e) != 0) report.misoriented_edges.add(work.origin[uses[0].low]);
-    }
+    const TopologyReport topology = check_topology(work.mesh.positions.size(), work.mesh.triangles);
+    if (topology.non_manifold_edges > 0)
+        report.crowded_edges.add(work.origin[topology.first_non_manifold_edge->x], topology.non_manifold_edges);
+    if (topology.misoriented_edges > 0)
+        report.misoriented_edges.add(work.origin[topology.first_misoriented_edge->x], topology.misoriented_edges);
     for (uint32_t t = 0; t < work.mesh.triangles.size(); ++t)
         if (work.source[t] != no_index && is_flat(work.mesh, work.mesh.triangles[t])) report.flat_triangles.add(work.source[t]);
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include <glm/geometric.hpp>
@@ -39,24 +40,25 @@ double pseudo_angle(double x, double y) {
     return x < 0.0 ? 2.0 - t : (t < 0.0 ? 4.0 + t : t);
 }
 
+// Of the sides that leave a vertex so many are compared, so that no vertex costs quadratic time.
+constexpr uint32_t most_choices = 16;
+
 // Takes rim sides apart into loops that visit no vertex twice.
 class LoopFinder {
   public:
     LoopFinder(const TriangleMesh& mesh, std::vector<RimSide> sides)
-        : mesh_(mesh), sides_(std::move(sides)), begin_(mesh.positions.size() + 1, 0), used_(sides_.size(), 0),
-          place_(mesh.positions.size(), no_index) {
-        for (const RimSide& side : sides_) ++begin_[side.from + size_t{1}];
-        bool forks = false;
-        for (size_t v = 1; v < begin_.size(); ++v) {
-            forks = forks || begin_[v] > 1;
-            begin_[v] += begin_[v - 1];
-        }
+        : mesh_(mesh), sides_(std::move(sides)), end_(mesh.positions.size(), 0), place_(mesh.positions.size(), no_index) {
+        for (const RimSide& side : sides_) ++end_[side.from];
+        const bool forks = std::any_of(end_.begin(), end_.end(), [](uint32_t count) { return count > 1; });
         if (forks) sum_normals();
+        std::partial_sum(end_.begin(), end_.end(), end_.begin());
+        next_.assign(1, 0);
+        next_.insert(next_.end(), end_.begin(), end_.end());
     }
 
     std::vector<std::vector<uint32_t>> run() {
-        for (uint32_t k = 0; k < sides_.size(); ++k)
-            if (!used_[k]) walk_from(sides_[k].from);
+        for (uint32_t v = 0; v < end_.size(); ++v)
+            while (next_[v] < end_[v]) walk_from(v);
         return std::move(loops_);
     }
 
@@ -74,10 +76,9 @@ class LoopFinder {
         std::vector<uint32_t> path = {start};
         place_[start] = 0;
         while (true) {
-            const uint32_t side = choose(path);
-            if (side == no_index) break; // back where it began: as many sides enter a vertex as leave it
-            used_[side] = 1;
-            const uint32_t to = sides_[side].to;
+            const uint32_t v = path.back();
+            if (next_[v] == end_[v]) break; // back where it began: as many sides enter a vertex as leave it
+            const uint32_t to = take_side(path);
             if (place_[to] == no_index) {
                 place_[to] = static_cast<uint32_t>(path.size());
                 path.push_back(to);
@@ -85,28 +86,30 @@ class LoopFinder {
             }
             const auto first = path.begin() + place_[to];
             loops_.emplace_back(first, path.end());
-            for (auto v = first + 1; v != path.end(); ++v) place_[*v] = no_index;
+            for (auto passed = first + 1; passed != path.end(); ++passed) place_[*passed] = no_index;
             path.erase(first + 1, path.end());
         }
         assert(path.size() == 1);
         place_[start] = no_index;
     }
 
-    // The unused side that leaves the path's end: where there are several, the first one in the hole's sense after the
-    // side that the path came by.
-    [[nodiscard]] uint32_t choose(const std::vector<uint32_t>& path) const {
-        const uint32_t v = path.back();
-        uint32_t best = no_index;
-        double least = 0.0;
-        for (uint32_t k = begin_[v]; k < begin_[v + size_t{1}]; ++k) {
-            if (used_[k]) continue;
-            if (path.size() < 2 || normals_.empty()) return k;
-            const double angle = angle_between(path[path.size() - 2], v, sides_[k].to);
-            if (best != no_index && angle >= least) continue;
-            best = k;
-            least = angle;
+    // Uses up a side that leaves the path's end, and returns where it leads. Where there are several, the first one in
+    // the hole's sense after the side that the path came by.
+    uint32_t take_side(const std::vector<uint32_t>& path) {
+        const uint32_t v = path.back(), first = next_[v], last = std::min(end_[v], first + most_choices);
+        uint32_t best = first;
+        if (path.size() > 1 && last - first > 1) {
+            double least = angle_between(path[path.size() - 2], v, sides_[first].to);
+            for (uint32_t k = first + 1; k < last; ++k) {
+                const double angle = angle_between(path[path.size() - 2], v, sides_[k].to);
+                if (angle >= least) continue;
+                best = k;
+                least = angle;
+            }
         }
-        return best;
+        const auto begin = sides_.begin() + first;
+        std::rotate(begin, sides_.begin() + best, sides_.begin() + best + 1);
+        return sides_[next_[v]++].to;
     }
 
     // Clockwise around the normal at v, from the direction to `from` to that to `to`.
@@ -122,8 +125,8 @@ class LoopFinder {
 
     const TriangleMesh& mesh_;
     std::vector<RimSide> sides_; // by `from`
-    std::vector<uint32_t> begin_;
-    std::vector<uint8_t> used_;
+    std::vector<uint32_t> end_;   // of the sides that leave a vertex
+    std::vector<uint32_t> next_;  // the first of them not yet used
     std::vector<uint32_t> place_; // of a vertex on the path
     std::vector<glm::dvec3> normals_; // only where rims fork
     std::vector<std::vector<uint32_t>> loops_;
