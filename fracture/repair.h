@@ -86,7 +86,7 @@ struct Repaired {
 //     of those with both orientations all, or all but one where the surface would be open without;
 //  3. drops spare patches;
 //  4. turns triangles so that neighbours agree, the fewer ones in each patch;
-//  5. closes holes: in the plane of the rim where it is simple there, else with the least area (rims of up to 128
+//  5. closes holes: in the plane of the rim where it is simple there, else with the least area (rims of up to 64
 //     edges) or the shortest new edges; never with a triangle that is there already. Where that leaves nothing, around
 //     a new vertex in the middle. A surface with one side only is cut first;
 //  6. turns closed parts outwards, and those inside an odd number of others inwards;

@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/mending/fill_in_plane.h"
 #include "fracture/mending/fill_loop.h"
 #include "fracture/mending/steps.h"
 
@@ -56,7 +57,7 @@ class LoopFinder {
         next_.insert(next_.end(), end_.begin(), end_.end());
     }
 
-    std::vector<std::vector<uint32_t>> run() {
+    std::vector<Loop> run() {
         for (uint32_t v = 0; v < end_.size(); ++v)
             while (next_[v] < end_[v]) walk_from(v);
         return std::move(loops_);
@@ -129,7 +130,7 @@ class LoopFinder {
     std::vector<uint32_t> next_;  // the first of them not yet used
     std::vector<uint32_t> place_; // of a vertex on the path
     std::vector<glm::dvec3> normals_; // only where rims fork
-    std::vector<std::vector<uint32_t>> loops_;
+    std::vector<Loop> loops_;
 };
 
 std::array<uint32_t, 3> sorted_corners(const Triangle& t) {
@@ -176,7 +177,7 @@ class TakenByMesh final : public Taken {
     std::set<std::pair<uint32_t, uint32_t>> new_edges_;
 };
 
-double length_of(const TriangleMesh& mesh, const std::vector<uint32_t>& loop) {
+double length_of(const TriangleMesh& mesh, const Loop& loop) {
     double sum = 0.0;
     for (size_t k = 0; k < loop.size(); ++k)
         sum += glm::distance(mesh.positions[loop[k]], mesh.positions[loop[(k + 1) % loop.size()]]);
@@ -184,7 +185,7 @@ double length_of(const TriangleMesh& mesh, const std::vector<uint32_t>& loop) {
 }
 
 // Where no triangles between the corners will do, all of those around a new vertex will.
-uint32_t add_centre(Work& work, const std::vector<uint32_t>& loop) {
+uint32_t add_centre(Work& work, const Loop& loop) {
     glm::dvec3 sum(0.0);
     for (const uint32_t v : loop) sum += work.mesh.positions[v] / static_cast<double>(loop.size());
     const uint32_t lowest = *std::min_element(loop.begin(), loop.end());
@@ -201,57 +202,113 @@ bool same_sense(const Triangle& a, const Triangle& b) {
     return false;
 }
 
-} // namespace
+// One round of filling: what is decided goes into the work at its end, so that indices hold until then.
+class HoleCloser {
+  public:
+    HoleCloser(Work& work, const RepairSettings& settings)
+        : work_(work), settings_(settings), table_(work.mesh.triangles), taken_(work.mesh.triangles, table_),
+          loose_(work.mesh.triangles.size(), 0), is_cut_(table_.size(), 0) {}
 
-bool close_holes(Work& work, const RepairSettings& settings) {
-    const EdgeTable table(work.mesh.triangles);
-    std::vector<RimSide> sides = rim_sides(table);
-    work.report.open_rims = work.report.long_rims = {};
-    if (sides.empty()) return false;
-    TakenByMesh taken(work.mesh.triangles, table);
-    std::vector<uint8_t> loose(work.mesh.triangles.size(), 0);
-    std::vector<uint8_t> is_cut(table.size(), 0);
-    bool any_loose = false;
-    std::vector<Triangle> fills;
-    for (const std::vector<uint32_t>& loop : LoopFinder(work.mesh, std::move(sides)).run()) {
+    bool run(std::vector<RimSide> sides) {
+        const std::vector<Loop> loops = LoopFinder(work_.mesh, std::move(sides)).run();
+        std::vector<uint8_t> done(loops.size(), 0);
+        for (const std::vector<uint32_t>& ring : find_rings(work_.mesh.positions, loops)) fill_ring(loops, ring, done);
+        for (size_t k = 0; k < loops.size(); ++k)
+            if (!done[k] && !drop_loose(loops[k])) fill(loops[k]);
+        if (any_loose_) work_.drop(loose_);
+        for (const Triangle& t : fills_) work_.append(t, no_index, false);
+        return any_loose_ || !fills_.empty();
+    }
+
+  private:
+    [[nodiscard]] bool is_wanted(const Loop& loop) const {
+        return settings_.close_holes > 0.0 && length_of(work_.mesh, loop) <= settings_.close_holes;
+    }
+
+    [[nodiscard]] uint32_t place_of(const Loop& loop) const {
         uint32_t place = no_index;
-        for (const uint32_t v : loop) place = std::min(place, work.origin[v]);
-        if (loop.size() == 3 && settings.loose_triangles) {
-            const Triangle back(loop[0], loop[1], loop[2]);
-            const uint32_t t = taken.find(back);
-            if (t != no_index && !loose[t] && !same_sense(back, work.mesh.triangles[t])) {
-                loose[t] = 1;
-                any_loose = true;
-                work.report.loose_triangles.add(work.source[t]);
-                continue;
-            }
+        for (const uint32_t v : loop) place = std::min(place, work_.origin[v]);
+        return place;
+    }
+
+    void fill_ring(const std::vector<Loop>& loops, const std::vector<uint32_t>& ring, std::vector<uint8_t>& done) {
+        std::vector<Loop> parts;
+        for (const uint32_t k : ring) {
+            if (!is_wanted(loops[k])) return;
+            parts.push_back(loops[k]);
         }
-        const bool wanted = settings.close_holes > 0.0 && length_of(work.mesh, loop) <= settings.close_holes;
-        Fill fill = wanted ? fill_loop(work.mesh.positions, loop, taken) : Fill{};
-        if (!wanted || fill.too_long) {
-            (fill.too_long ? work.report.long_rims : work.report.open_rims).add(place);
-            continue;
+        const std::vector<Triangle> triangles = fill_in_plane(work_.mesh.positions, parts, taken_);
+        if (triangles.empty() || taken_inside(triangles, taken_) > 0) return; // each on its own, then
+        accept(triangles);
+        for (const uint32_t k : ring) {
+            done[k] = 1;
+            count_closed(loops[k]);
+        }
+    }
+
+    bool drop_loose(const Loop& loop) {
+        if (loop.size() != 3 || !settings_.loose_triangles) return false;
+        const Triangle back(loop[0], loop[1], loop[2]);
+        const uint32_t t = taken_.find(back);
+        if (t == no_index || loose_[t] || same_sense(back, work_.mesh.triangles[t])) return false;
+        loose_[t] = 1;
+        any_loose_ = true;
+        work_.report.loose_triangles.add(work_.source[t]);
+        return true;
+    }
+
+    void fill(const Loop& loop) {
+        if (!is_wanted(loop)) {
+            work_.report.open_rims.add(place_of(loop));
+            return;
+        }
+        Fill fill = fill_loop(work_.mesh.positions, loop, taken_);
+        if (fill.too_long) {
+            work_.report.long_rims.add(place_of(loop));
+            return;
         }
         if (fill.triangles.empty()) {
-            const uint32_t centre = add_centre(work, loop);
+            const uint32_t centre = add_centre(work_, loop);
             for (size_t k = 0; k < loop.size(); ++k)
                 fill.triangles.emplace_back(loop[k], loop[(k + 1) % loop.size()], centre);
         }
-        for (const Triangle& t : fill.triangles) {
-            taken.add(t);
-            fills.push_back(t);
-        }
-        for (size_t k = 0; k < loop.size(); ++k) {
-            const uint32_t e = table.find(loop[k], loop[(k + 1) % loop.size()]);
-            if (table[e].size() == 2 && !is_cut[e]) work.report.cut_edges.add(work.origin[table[e][0].low]);
-            is_cut[e] = 1;
-        }
-        work.report.closed_holes.add(place);
-        work.report.new_triangles += fill.triangles.size();
+        accept(fill.triangles);
+        count_closed(loop);
     }
-    if (any_loose) work.drop(loose);
-    for (const Triangle& t : fills) work.append(t, no_index, false);
-    return any_loose || !fills.empty();
+
+    void accept(const std::vector<Triangle>& triangles) {
+        for (const Triangle& t : triangles) {
+            taken_.add(t);
+            fills_.push_back(t);
+        }
+        work_.report.new_triangles += triangles.size();
+    }
+
+    void count_closed(const Loop& loop) {
+        for (size_t k = 0; k < loop.size(); ++k) {
+            const uint32_t e = table_.find(loop[k], loop[(k + 1) % loop.size()]);
+            if (table_[e].size() == 2 && !is_cut_[e]) work_.report.cut_edges.add(work_.origin[table_[e][0].low]);
+            is_cut_[e] = 1;
+        }
+        work_.report.closed_holes.add(place_of(loop));
+    }
+
+    Work& work_;
+    const RepairSettings& settings_;
+    EdgeTable table_;
+    TakenByMesh taken_;
+    std::vector<uint8_t> loose_;  // per triangle
+    std::vector<uint8_t> is_cut_; // per edge: counted
+    bool any_loose_ = false;
+    std::vector<Triangle> fills_;
+};
+
+} // namespace
+
+bool close_holes(Work& work, const RepairSettings& settings) {
+    work.report.open_rims = work.report.long_rims = {};
+    std::vector<RimSide> sides = rim_sides(EdgeTable(work.mesh.triangles));
+    return !sides.empty() && HoleCloser(work, settings).run(std::move(sides));
 }
 
 } // namespace brittle::fracture::mending

@@ -1,6 +1,7 @@
 #include "fracture/repair.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -472,6 +473,30 @@ TEST_CASE("a cylinder without lids, and prisms over polygons that are not convex
     check_solid(open_prism(star), area_of(star), 1e-9);
     const std::vector<glm::dvec2> u_shape = {{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
     CHECK(check_solid(open_prism(u_shape), 7.0).report.closed_holes.count == 2);
+}
+
+TEST_CASE("the ends of a pipe are rings") {
+    std::vector<glm::dvec2> outer, inner;
+    for (int k = 0; k < 60; ++k) {
+        const double angle = k * std::numbers::pi / 30;
+        outer.emplace_back(std::cos(angle), std::sin(angle));
+        if (k % 2 == 0) inner.emplace_back(0.5 * std::cos(angle) + 0.2, 0.5 * std::sin(angle));
+    }
+    TriangleMesh pipe = open_prism(outer), bore = open_prism(inner);
+    for (Triangle& t : bore.triangles) turn(t);
+    append(pipe, bore);
+    Repaired repaired = check_solid(pipe, area_of(outer) - area_of(inner), 1e-9);
+    CHECK(check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles).components == 1);
+    CHECK(repaired.report.closed_holes.count == 4);
+    CHECK(repaired.report.new_triangles == 2 * 90);
+    // The same in a plane that no axis is normal to, inside out, and with a rod in the bore.
+    append(pipe, open_prism({{0.1, -0.1}, {0.3, -0.1}, {0.3, 0.1}, {0.1, 0.1}}));
+    for (Triangle& t : pipe.triangles) turn(t);
+    const glm::dvec3 x = glm::normalize(glm::dvec3(1, 2, 3)), y = glm::normalize(glm::cross(x, glm::dvec3(1, 0, 0)));
+    for (glm::dvec3& p : pipe.positions) p = x * p.x + y * p.y + glm::cross(x, y) * p.z;
+    repaired = check_solid(pipe, area_of(outer) - area_of(inner) + 0.04, 1e-9);
+    CHECK(check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles).components == 2);
+    CHECK(repaired.report.turned_triangles.count == pipe.triangles.size());
 }
 
 TEST_CASE("only rims up to the given length are closed") {
