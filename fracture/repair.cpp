@@ -19,7 +19,8 @@ constexpr double largest_coordinate = 1e50; // m, as fracture() asks
 constexpr uint32_t most_triangles = 1u << 30;
 constexpr double weld_part = 1e-6; // of the diagonal, where no distance is given
 
-// One round nearly always does, and a second finds nothing left. Tangles can take more; none may take forever.
+// One round nearly always does, and a second finds nothing left. Tangles can take more; none may take
+// forever.
 constexpr int most_rounds = 16;
 
 void check_input(const TriangleMesh& mesh, RepairReport& report) {
@@ -52,14 +53,16 @@ bool round(Work& work, const RepairSettings& settings, double weld_distance) {
     bool changed = mending::weld_rims(work, weld_distance);
     changed = mending::drop_degenerate(work) || changed;
     changed = mending::drop_duplicates(work) || changed;
-    // A patch that faces the wrong way as a whole is told from the right one by its surroundings once those agree.
+    // A patch that faces the wrong way as a whole is told from the right one by its surroundings once those
+    // agree.
     if (settings.spare_patches) changed = mending::drop_spare_patches(work) || changed;
     if (mending::orient_neighbours(work)) {
         changed = true;
         if (settings.spare_patches) mending::drop_spare_patches(work);
     }
     changed = mending::close_holes(work, settings) || changed;
-    // What is solid must be known before things are taken apart, and each of what was one may then face as it should.
+    // What is solid must be known before things are taken apart, and each of what was one may then face as it
+    // should.
     changed = mending::turn_parts(work, settings.cavities) || changed;
     if (mending::separate(work)) {
         changed = true;
@@ -74,11 +77,14 @@ void count_rest(const Work& work, RepairReport& report) {
         if (work.turned[t] && work.source[t] != no_index) report.turned_triangles.add(work.source[t]);
     const TopologyReport topology = check_topology(work.mesh.positions.size(), work.mesh.triangles);
     if (topology.non_manifold_edges > 0)
-        report.crowded_edges.add(work.origin[topology.first_non_manifold_edge->x], topology.non_manifold_edges);
+        report.crowded_edges.add(work.origin[topology.first_non_manifold_edge->x],
+                                 topology.non_manifold_edges);
     if (topology.misoriented_edges > 0)
-        report.misoriented_edges.add(work.origin[topology.first_misoriented_edge->x], topology.misoriented_edges);
+        report.misoriented_edges.add(work.origin[topology.first_misoriented_edge->x],
+                                     topology.misoriented_edges);
     for (uint32_t t = 0; t < work.mesh.triangles.size(); ++t)
-        if (work.source[t] != no_index && is_flat(work.mesh, work.mesh.triangles[t])) report.flat_triangles.add(work.source[t]);
+        if (work.source[t] != no_index && is_flat(work.mesh, work.mesh.triangles[t]))
+            report.flat_triangles.add(work.source[t]);
 }
 
 std::string count(uint64_t number, const char* one, const char* many) {
@@ -94,26 +100,29 @@ Repaired repair(const TriangleMesh& mesh, const RepairSettings& settings) {
         const Box box = bounds(mesh);
         const double distance =
             settings.weld_distance >= 0.0 ? settings.weld_distance : weld_part * glm::length(box.size());
-        for (int k = 0; k < most_rounds && round(work, settings, distance); ++k) {}
+        for (int k = 0; k < most_rounds && round(work, settings, distance); ++k) {
+        }
         count_rest(work, work.report);
     }
     return {std::move(work.mesh), std::move(work.source), work.report};
 }
 
 bool RepairReport::changed() const {
-    return welded_vertices.count + degenerate_triangles.count + duplicate_triangles.count + spare_triangles.count
-               + loose_triangles.count + turned_triangles.count + split_vertices.count + halved_edges.count
-               + closed_holes.count
+    return welded_vertices.count + degenerate_triangles.count + duplicate_triangles.count
+               + spare_triangles.count + loose_triangles.count + turned_triangles.count + split_vertices.count
+               + halved_edges.count + closed_holes.count
            > 0;
 }
 
 std::string describe(const RepairReport& report) {
     if (report.too_large) return "not repaired: more than 2^30 triangles or vertices\n";
     std::string text;
-    const auto line = [&](const RepairReport::Change& change, const char* one, const char* many, const char* where) {
+    const auto line = [&](const RepairReport::Change& change, const char* one, const char* many,
+                          const char* where) {
         if (change.count == 0) return;
         text += count(change.count, one, many);
-        if (change.first != no_index) text += std::string(", the first ") + where + " " + std::to_string(change.first);
+        if (change.first != no_index)
+            text += std::string(", the first ") + where + " " + std::to_string(change.first);
         text += '\n';
     };
     line(report.bad_triangles, "triangle names a vertex that is not there: not repaired",
@@ -123,9 +132,10 @@ std::string describe(const RepairReport& report) {
     line(report.welded_vertices, "vertex welded to another", "vertices welded to others", "is vertex");
     line(report.degenerate_triangles, "triangle that named a vertex twice dropped",
          "triangles that named a vertex twice dropped", "is triangle");
-    line(report.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped", "is triangle");
-    line(report.spare_triangles, "triangle that covered another dropped", "triangles that covered others dropped",
+    line(report.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped",
          "is triangle");
+    line(report.spare_triangles, "triangle that covered another dropped",
+         "triangles that covered others dropped", "is triangle");
     line(report.loose_triangles, "loose triangle dropped", "loose triangles dropped", "is triangle");
     line(report.turned_triangles, "triangle turned", "triangles turned", "is triangle");
     if (report.closed_holes.count > 0)
@@ -134,14 +144,14 @@ std::string describe(const RepairReport& report) {
                 + std::to_string(report.closed_holes.first) + '\n';
     line(report.new_vertices, "vertex added in the middle of a hole", "vertices added in the middle of holes",
          "next to vertex");
-    line(report.cut_edges, "edge cut where a surface has one side only", "edges cut where a surface has one side only",
-         "at vertex");
-    line(report.split_edges, "edge of more than two triangles split", "edges of more than two triangles split",
-         "at vertex");
+    line(report.cut_edges, "edge cut where a surface has one side only",
+         "edges cut where a surface has one side only", "at vertex");
+    line(report.split_edges, "edge of more than two triangles split",
+         "edges of more than two triangles split", "at vertex");
     line(report.halved_edges, "edge halved to tell it from another", "edges halved to tell them from others",
          "at vertex");
-    line(report.split_vertices, "vertex added where parts only touched", "vertices added where parts only touched",
-         "a copy of vertex");
+    line(report.split_vertices, "vertex added where parts only touched",
+         "vertices added where parts only touched", "a copy of vertex");
     line(report.open_rims, "hole left open: too long", "holes left open: too long", "at vertex");
     line(report.long_rims, "hole left open: more than 4096 edges and not simple from the front",
          "holes left open: more than 4096 edges and not simple from the front", "at vertex");

@@ -6,7 +6,7 @@
 // vertices at bit-equal positions are welded (weld.h), because files split them at normal and texture seams.
 // Nothing else is changed: units and axes stay as in the file (STL and 3DS are often Z up), materials and
 // textures are not opened, and open or non-manifold meshes are returned as they are: check_topology()
-// (topology.h) says what is wrong, and remove_spare_patches() (repair.h) mends one common flaw.
+// (topology.h) says what is wrong, and repair() (repair.h) mends it where it is asked to.
 #pragma once
 
 #include <filesystem>

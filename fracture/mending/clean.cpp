@@ -30,7 +30,8 @@ std::vector<Group> groups_of(const std::vector<Triangle>& triangles) {
     std::sort(sorted.begin(), sorted.end());
     std::vector<Group> groups;
     for (size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
-        while (end < sorted.size() && std::equal(sorted[end].begin(), sorted[end].begin() + 3, sorted[begin].begin()))
+        while (end < sorted.size()
+               && std::equal(sorted[end].begin(), sorted[end].begin() + 3, sorted[begin].begin()))
             ++end;
         if (end - begin == 1) continue;
         Group group;
@@ -40,9 +41,9 @@ std::vector<Group> groups_of(const std::vector<Triangle>& triangles) {
     return groups;
 }
 
-// What to keep of triangles that are there once in each orientation. A wall between two solids goes with both its sides, but where a
-// surface is there twice, once each way, one of the two has to stay. So groups are judged together that hang together
-// over edges of no other triangles.
+// What to keep of triangles that are there once in each orientation. A wall between two solids goes with both
+// its sides, but where a surface is there twice, once each way, one of the two has to stay. So groups are
+// judged together that hang together over edges of no other triangles.
 class Backs {
   public:
     Backs(const std::vector<Triangle>& triangles, const std::vector<Group>& groups)
@@ -95,8 +96,8 @@ class Backs {
     // Uses of the edge by triangles of no group.
     [[nodiscard]] size_t others(size_t edge) const {
         const auto uses = table_[edge];
-        return static_cast<size_t>(
-            std::count_if(uses.begin(), uses.end(), [&](const EdgeUse& use) { return group_of(use) == no_index; }));
+        return static_cast<size_t>(std::count_if(
+            uses.begin(), uses.end(), [&](const EdgeUse& use) { return group_of(use) == no_index; }));
     }
 
     // The one that agrees best with its neighbours, else the first.
@@ -162,8 +163,8 @@ bool drop_duplicates(Work& work) {
     drop_all_of(copies, [&](uint32_t g, uint32_t t) {
         const auto& own = copies[g].triangles;
         return t == *std::find_if(own.begin(), own.end(), [&](uint32_t other) {
-            return ascends(triangles[other]) == ascends(triangles[t]);
-        });
+                   return ascends(triangles[other]) == ascends(triangles[t]);
+               });
     });
     const std::vector<Group> backs = groups_of(triangles);
     if (backs.empty()) return any;

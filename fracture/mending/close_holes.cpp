@@ -15,8 +15,9 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// A side that a triangle is missing for; the triangle's side would lead from `from` to `to`. Where two triangles
-// disagree for good, as on a Moebius strip, one is missing for each: the surface is cut there and each side is filled.
+// A side that a triangle is missing for; the triangle's side would lead from `from` to `to`. Where two
+// triangles disagree for good, as on a Moebius strip, one is missing for each: the surface is cut there and
+// each side is filled.
 struct RimSide {
     uint32_t from, to;
 };
@@ -26,10 +27,12 @@ std::vector<RimSide> rim_sides(const EdgeTable& table) {
     for (size_t e = 0; e < table.size(); ++e) {
         const auto uses = table[e];
         const int surplus = table.surplus(e);
-        const RimSide side = surplus > 0 ? RimSide{uses[0].high, uses[0].low} : RimSide{uses[0].low, uses[0].high};
+        const RimSide side =
+            surplus > 0 ? RimSide{uses[0].high, uses[0].low} : RimSide{uses[0].low, uses[0].high};
         sides.insert(sides.end(), static_cast<size_t>(std::abs(surplus)), side);
     }
-    std::stable_sort(sides.begin(), sides.end(), [](const RimSide& a, const RimSide& b) { return a.from < b.from; });
+    std::stable_sort(sides.begin(), sides.end(),
+                     [](const RimSide& a, const RimSide& b) { return a.from < b.from; });
     return sides;
 }
 
@@ -48,7 +51,8 @@ constexpr uint32_t most_choices = 16;
 class LoopFinder {
   public:
     LoopFinder(const TriangleMesh& mesh, std::vector<RimSide> sides)
-        : mesh_(mesh), sides_(std::move(sides)), end_(mesh.positions.size(), 0), place_(mesh.positions.size(), no_index) {
+        : mesh_(mesh), sides_(std::move(sides)), end_(mesh.positions.size(), 0),
+          place_(mesh.positions.size(), no_index) {
         for (const RimSide& side : sides_) ++end_[side.from];
         const bool forks = std::any_of(end_.begin(), end_.end(), [](uint32_t count) { return count > 1; });
         if (forks) sum_normals();
@@ -94,8 +98,8 @@ class LoopFinder {
         place_[start] = no_index;
     }
 
-    // Uses up a side that leaves the path's end, and returns where it leads. Where there are several, the first one in
-    // the hole's sense after the side that the path came by.
+    // Uses up a side that leaves the path's end, and returns where it leads. Where there are several, the
+    // first one in the hole's sense after the side that the path came by.
     uint32_t take_side(const std::vector<uint32_t>& path) {
         const uint32_t v = path.back(), first = next_[v], last = std::min(end_[v], first + most_choices);
         uint32_t best = first;
@@ -115,7 +119,8 @@ class LoopFinder {
 
     // Clockwise around the normal at v, from the direction to `from` to that to `to`.
     [[nodiscard]] double angle_between(uint32_t from, uint32_t v, uint32_t to) const {
-        const glm::dvec3 a = mesh_.positions[from] - mesh_.positions[v], b = mesh_.positions[to] - mesh_.positions[v];
+        const glm::dvec3 a = mesh_.positions[from] - mesh_.positions[v],
+                         b = mesh_.positions[to] - mesh_.positions[v];
         const glm::dvec3& n = normals_[v];
         const double size = glm::length(n);
         if (!(size > 0.0)) return 0.0;
@@ -125,10 +130,10 @@ class LoopFinder {
     }
 
     const TriangleMesh& mesh_;
-    std::vector<RimSide> sides_; // by `from`
-    std::vector<uint32_t> end_;   // of the sides that leave a vertex
-    std::vector<uint32_t> next_;  // the first of them not yet used
-    std::vector<uint32_t> place_; // of a vertex on the path
+    std::vector<RimSide> sides_;      // by `from`
+    std::vector<uint32_t> end_;       // of the sides that leave a vertex
+    std::vector<uint32_t> next_;      // the first of them not yet used
+    std::vector<uint32_t> place_;     // of a vertex on the path
     std::vector<glm::dvec3> normals_; // only where rims fork
     std::vector<Loop> loops_;
 };
@@ -144,7 +149,8 @@ class TakenByMesh final : public Taken {
   public:
     TakenByMesh(const std::vector<Triangle>& triangles, const EdgeTable& table) : table_(table) {
         triangles_.reserve(triangles.size());
-        for (uint32_t t = 0; t < triangles.size(); ++t) triangles_.emplace_back(sorted_corners(triangles[t]), t);
+        for (uint32_t t = 0; t < triangles.size(); ++t)
+            triangles_.emplace_back(sorted_corners(triangles[t]), t);
         std::sort(triangles_.begin(), triangles_.end());
     }
 
@@ -212,7 +218,8 @@ class HoleCloser {
     bool run(std::vector<RimSide> sides) {
         const std::vector<Loop> loops = LoopFinder(work_.mesh, std::move(sides)).run();
         std::vector<uint8_t> done(loops.size(), 0);
-        for (const std::vector<uint32_t>& ring : find_rings(work_.mesh.positions, loops)) fill_ring(loops, ring, done);
+        for (const std::vector<uint32_t>& ring : find_rings(work_.mesh.positions, loops))
+            fill_ring(loops, ring, done);
         for (size_t k = 0; k < loops.size(); ++k)
             if (!done[k] && !drop_loose(loops[k])) fill(loops[k]);
         if (any_loose_) work_.drop(loose_);
@@ -231,7 +238,8 @@ class HoleCloser {
         return place;
     }
 
-    void fill_ring(const std::vector<Loop>& loops, const std::vector<uint32_t>& ring, std::vector<uint8_t>& done) {
+    void fill_ring(const std::vector<Loop>& loops, const std::vector<uint32_t>& ring,
+                   std::vector<uint8_t>& done) {
         std::vector<Loop> parts;
         for (const uint32_t k : ring) {
             if (!is_wanted(loops[k])) return;
@@ -287,7 +295,8 @@ class HoleCloser {
     void count_closed(const Loop& loop) {
         for (size_t k = 0; k < loop.size(); ++k) {
             const uint32_t e = table_.find(loop[k], loop[(k + 1) % loop.size()]);
-            if (table_[e].size() == 2 && !is_cut_[e]) work_.report.cut_edges.add(work_.origin[table_[e][0].low]);
+            if (table_[e].size() == 2 && !is_cut_[e])
+                work_.report.cut_edges.add(work_.origin[table_[e][0].low]);
             is_cut_[e] = 1;
         }
         work_.report.closed_holes.add(place_of(loop));

@@ -26,16 +26,16 @@ class PlaneBasis {
     glm::dvec3 origin_, u_, v_;
 };
 
-// Fills an outer loop, the first, and holes in it, which run the other way. Empty where they are not simple as seen along
-// the outer one's normal, or where a triangle is taken. Near-linear time.
-[[nodiscard]] std::vector<Triangle> fill_in_plane(std::span<const glm::dvec3> positions, std::span<const Loop> loops,
-                                                  const Taken& taken);
+// Fills an outer loop, the first, and holes in it, which run the other way. Empty where they are not simple
+// as seen along the outer one's normal, or where a triangle is taken. Near-linear time.
+[[nodiscard]] std::vector<Triangle> fill_in_plane(std::span<const glm::dvec3> positions,
+                                                  std::span<const Loop> loops, const Taken& taken);
 
 // The edges between two of the triangles that are taken.
 [[nodiscard]] uint32_t taken_inside(const std::vector<Triangle>& triangles, const Taken& taken);
 
-// Loops that lie in one plane, as lists of indices: an outer one, then those directly inside of it that run the other way;
-// the ends of a pipe, say. Only lists of two and more.
+// Loops that lie in one plane, as lists of indices: an outer one, then those directly inside of it that run
+// the other way; the ends of a pipe, say. Only lists of two and more.
 [[nodiscard]] std::vector<std::vector<uint32_t>> find_rings(std::span<const glm::dvec3> positions,
                                                             std::span<const Loop> loops);
 

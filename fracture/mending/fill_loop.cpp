@@ -62,7 +62,8 @@ class Filler {
         return {0, glm::length(glm::cross(at(j) - at(i), at(k) - at(i)))};
     }
 
-    // The best of all triangulations, by those of parts of the loop (Klincsek 1980). Sets the number of taken edges.
+    // The best of all triangulations, by those of parts of the loop (Klincsek 1980). Sets the number of taken
+    // edges.
     [[nodiscard]] std::vector<Triangle> of_least_area(uint32_t& taken) const {
         const size_t n = loop_.size();
         std::vector<Cost> cost(n * n); // of the part from i to j, at i n + j
@@ -103,8 +104,10 @@ class Filler {
     [[nodiscard]] std::vector<Triangle> by_ears() const {
         const auto cost_of_ear = [&](size_t i, size_t j, size_t k) {
             Cost cost{0, glm::distance(at(i), at(k))};
-            if (taken_.triangle(of(i, j, k))) cost.taken = impossible;
-            else if (taken_.edge(loop_[i], loop_[k])) cost.taken = 1;
+            if (taken_.triangle(of(i, j, k)))
+                cost.taken = impossible;
+            else if (taken_.edge(loop_[i], loop_[k]))
+                cost.taken = 1;
             return cost;
         };
         std::vector<size_t> ring(loop_.size());
@@ -120,7 +123,8 @@ class Filler {
             triangles.push_back(of(before(ear), ring[ear], after(ear)));
             ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
             cost.erase(cost.begin() + static_cast<std::ptrdiff_t>(ear));
-            const size_t right = ear == ring.size() ? 0 : ear, left = right == 0 ? ring.size() - 1 : right - 1;
+            const size_t right = ear == ring.size() ? 0 : ear,
+                         left = right == 0 ? ring.size() - 1 : right - 1;
             cost[left] = cost_of_ear(before(left), ring[left], after(left));
             cost[right] = cost_of_ear(before(right), ring[right], after(right));
         }

@@ -58,19 +58,21 @@ Agreement across_pairs(const EdgeTable& table, size_t triangles) {
     Agreement agreement(triangles);
     for (size_t e = 0; e < table.size(); ++e) {
         const auto uses = table[e];
-        if (uses.size() == 2) agreement.join(uses[0].corner / 3, uses[1].corner / 3, uses[0].forward == uses[1].forward);
+        if (uses.size() == 2)
+            agreement.join(uses[0].corner / 3, uses[1].corner / 3, uses[0].forward == uses[1].forward);
     }
     return agreement;
 }
 
-// Edges of four triangles and more. Where both directions are used equally often, by parts that only touch there, their
-// relation stays as it is; else solid and void must take turns around the edge.
+// Edges of four triangles and more. Where both directions are used equally often, by parts that only touch
+// there, their relation stays as it is; else solid and void must take turns around the edge.
 void join_across_crowded(const TriangleMesh& mesh, const EdgeTable& table, Agreement& agreement) {
     std::vector<size_t> unequal;
     for (size_t e = 0; e < table.size(); ++e) {
         const auto uses = table[e];
         if (uses.size() < 4 || uses.size() % 2 == 1) continue;
-        if (table.surplus(e) != 0) unequal.push_back(e);
+        if (table.surplus(e) != 0)
+            unequal.push_back(e);
         else
             for (const EdgeUse& use : uses) agreement.join(uses[0].corner / 3, use.corner / 3, false);
     }
@@ -84,10 +86,11 @@ void join_across_crowded(const TriangleMesh& mesh, const EdgeTable& table, Agree
     }
 }
 
-// Turns in each tree those that disagree with more triangles than they agree with; of two halves the one without the
-// first triangle.
+// Turns in each tree those that disagree with more triangles than they agree with; of two halves the one
+// without the first triangle.
 bool turn_fewer(Work& work, Agreement& agreement) {
-    std::vector<int64_t> excess(work.mesh.triangles.size(), 0); // per root: triangles that agree with it, less the others
+    std::vector<int64_t> excess(work.mesh.triangles.size(),
+                                0); // per root: triangles that agree with it, less the others
     for (uint32_t t = 0; t < excess.size(); ++t) {
         const auto [root, opposed] = agreement.find(t);
         excess[root] += opposed ? -1 : 1;
@@ -115,11 +118,13 @@ std::vector<Part> measure(const TriangleMesh& mesh, const std::vector<uint32_t>&
         if (first[part_of[t]] == no_index) first[part_of[t]] = t;
         const Triangle& c = mesh.triangles[t];
         const glm::dvec3& o = mesh.positions[mesh.triangles[first[part_of[t]]].x];
-        const glm::dvec3 a = mesh.positions[c.x] - o, b = mesh.positions[c.y] - o, d = mesh.positions[c.z] - o;
+        const glm::dvec3 a = mesh.positions[c.x] - o, b = mesh.positions[c.y] - o,
+                         d = mesh.positions[c.z] - o;
         part.volume += glm::dot(a, glm::cross(b, d)) / 6.0;
         part.area += glm::length(glm::cross(b - a, d - a)) * 0.5;
     }
-    if (check_topology(mesh.positions.size(), mesh.triangles).closed()) return parts; // ten times as fast as the table
+    if (check_topology(mesh.positions.size(), mesh.triangles).closed())
+        return parts; // ten times as fast as the table
     const EdgeTable table(mesh.triangles);
     for (size_t e = 0; e < table.size(); ++e)
         if (table.surplus(e) != 0) parts[part_of[table[e][0].corner / 3]].closed = false;
@@ -154,7 +159,8 @@ bool turn_parts(Work& work, bool cavities) {
     const double diagonal = glm::length(bounds(mesh).size());
     std::vector<uint8_t> has_volume(count, 0);
     for (size_t k = 0; k < count; ++k)
-        has_volume[k] = parts[k].closed && std::abs(parts[k].volume) > least_volume * parts[k].area * diagonal;
+        has_volume[k] =
+            parts[k].closed && std::abs(parts[k].volume) > least_volume * parts[k].area * diagonal;
     const std::vector<uint32_t> depth = nesting_depths(mesh, part_of, has_volume);
 
     bool any = false;

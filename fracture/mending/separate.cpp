@@ -14,8 +14,8 @@ struct Pair {
     uint32_t a, b; // corners
 };
 
-// Around the edge, solid begins behind a triangle that runs backward and ends at one that runs forward. Where several
-// solids overlap, they pair up like brackets.
+// Around the edge, solid begins behind a triangle that runs backward and ends at one that runs forward. Where
+// several solids overlap, they pair up like brackets.
 void pair_brackets(const TriangleMesh& mesh, std::span<const EdgeUse> uses, std::vector<Pair>& pairs) {
     const std::vector<uint32_t> order = around_edge(mesh, uses);
     std::vector<uint8_t> paired(uses.size(), 0);
@@ -57,8 +57,8 @@ class Separator {
         }
     }
 
-    // A fan is what hangs together over pairs around a vertex. Where all are closed the first keeps the vertex, else the
-    // open ones do: what they need next is a welding or a filling, not a copy.
+    // A fan is what hangs together over pairs around a vertex. Where all are closed the first keeps the
+    // vertex, else the open ones do: what they need next is a welding or a filling, not a copy.
     bool split_fans() {
         const size_t corners = 3 * work_.mesh.triangles.size();
         std::vector<uint32_t> parent(corners);
@@ -74,11 +74,14 @@ class Separator {
             if (is_paired[c]) continue;
             is_open[root_of(parent, c)] = is_open[root_of(parent, next_corner(c))] = 1;
         }
-        std::vector<uint32_t> keeper(work_.mesh.positions.size(), no_index); // the fan that keeps a vertex; or corners for all open ones
+        std::vector<uint32_t> keeper(work_.mesh.positions.size(),
+                                     no_index); // the fan that keeps a vertex; or corners for all open ones
         for (uint32_t c = 0; c < corners; ++c) {
             const uint32_t v = vertex_at(work_.mesh, c), fan = root_of(parent, c);
-            if (is_open[fan]) keeper[v] = static_cast<uint32_t>(corners);
-            else if (keeper[v] == no_index) keeper[v] = fan;
+            if (is_open[fan])
+                keeper[v] = static_cast<uint32_t>(corners);
+            else if (keeper[v] == no_index)
+                keeper[v] = fan;
         }
         std::vector<uint32_t> vertex_of(corners, no_index); // per root
         bool any = false;
@@ -108,8 +111,8 @@ class Separator {
         return {std::min(a, b), std::max(a, b)};
     }
 
-    // Two edges of the surface can have the same ends although each end has one fan: the first keeps them, the others get
-    // a vertex in the middle. A triangle is cut once; what remains is for the next time.
+    // Two edges of the surface can have the same ends although each end has one fan: the first keeps them,
+    // the others get a vertex in the middle. A triangle is cut once; what remains is for the next time.
     bool halve_edges() {
         if (crowded_.empty()) return false;
         std::vector<std::pair<std::pair<uint32_t, uint32_t>, Pair>> by_ends;
@@ -127,7 +130,8 @@ class Separator {
             const auto& [ends, pair] = by_ends[k];
             if (ends != by_ends[k - 1].first || cut[pair.a / 3] || cut[pair.b / 3]) continue;
             const uint32_t middle = work_.copy_vertex(ends.first);
-            work_.mesh.positions[middle] = 0.5 * work_.mesh.positions[ends.first] + 0.5 * work_.mesh.positions[ends.second];
+            work_.mesh.positions[middle] =
+                0.5 * work_.mesh.positions[ends.first] + 0.5 * work_.mesh.positions[ends.second];
             work_.report.halved_edges.add(work_.origin[ends.first]);
             for (const uint32_t corner : {pair.a, pair.b}) {
                 cut[corner / 3] = 1;

@@ -34,8 +34,8 @@ struct EdgeUse {
     bool forward; // from low to high
 };
 
-// The sides of all triangles, those of one undirected edge together: edges ascend by lower end, then higher end, uses
-// by corner.
+// The sides of all triangles, those of one undirected edge together: edges ascend by lower end, then higher
+// end, uses by corner.
 class EdgeTable {
   public:
     explicit EdgeTable(std::span<const Triangle> triangles);
@@ -77,8 +77,10 @@ class EdgeTable {
 inline void unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b) {
     a = root_of(parent, a);
     b = root_of(parent, b);
-    if (a < b) parent[b] = a;
-    else parent[a] = b;
+    if (a < b)
+        parent[b] = a;
+    else
+        parent[a] = b;
 }
 
 } // namespace brittle::fracture::mending
