@@ -17,7 +17,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -27,8 +26,6 @@
 #include "fracture/mesh.h"
 
 namespace brittle::fracture {
-
-inline constexpr uint32_t no_index = std::numeric_limits<uint32_t>::max();
 
 // Where a face comes from.
 struct FaceSource {

@@ -14,6 +14,9 @@ namespace brittle::fracture {
 
 using Triangle = glm::uvec3; // three indices into positions
 
+// Stands for no vertex, triangle or half-edge.
+inline constexpr uint32_t no_index = 0xffffffffu;
+
 struct TriangleMesh {
     std::vector<glm::dvec3> positions;
     std::vector<Triangle> triangles;

@@ -1,179 +1,175 @@
 #include "fracture/repair.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <numeric>
-#include <vector>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/mending/spare_patches.h"
+#include "fracture/mending/steps.h"
+#include "fracture/plane_predicates.h"
+#include "fracture/topology.h"
 
 namespace brittle::fracture {
 namespace {
 
-// An undirected edge and how often it is used in each direction.
-struct Edge {
-    int forward = 0; // from the lower vertex index to the higher
-    int backward = 0;
+using mending::Work;
 
-    [[nodiscard]] bool joins() const { return forward + backward == 2; }
-    [[nodiscard]] bool paired() const { return forward == 1 && backward == 1; }
-};
+constexpr double largest_coordinate = 1e50; // m, as fracture() asks
+constexpr uint32_t most_triangles = 1u << 30;
+constexpr double weld_part = 1e-6; // of the diagonal, where no distance is given
 
-struct EdgeTable {
-    std::vector<Edge> edges;
-    std::vector<uint32_t> of_corner; // the edge from corner k of triangle t to the next one, at 3 t + k
-};
+// One round nearly always does, and a second finds nothing left. Tangles can take more; none may take
+// forever.
+constexpr int most_rounds = 16;
 
-struct Patch {
-    std::vector<uint32_t> triangles;
-    bool misoriented = false;
-};
-
-EdgeTable edge_table(const std::vector<Triangle>& triangles) {
-    // Corners sorted by the ends of their edges, lower end first.
-    struct Use {
-        uint64_t ends;
-        uint32_t corner;
-        bool forward;
-    };
-    std::vector<Use> uses;
-    uses.reserve(triangles.size() * 3);
-    for (const Triangle& t : triangles) {
-        for (int k = 0; k < 3; ++k) {
-            const uint32_t from = t[k];
-            const uint32_t to = t[(k + 1) % 3];
-            const uint64_t ends = uint64_t{std::min(from, to)} << 32 | std::max(from, to);
-            uses.push_back({ends, static_cast<uint32_t>(uses.size()), from < to});
-        }
+void check_input(const TriangleMesh& mesh, RepairReport& report) {
+    report.too_large = mesh.triangles.size() > most_triangles || mesh.positions.size() > most_triangles;
+    if (report.too_large) return;
+    for (uint32_t v = 0; v < mesh.positions.size(); ++v)
+        for (int k = 0; k < 3; ++k)
+            if (!(std::abs(mesh.positions[v][k]) <= largest_coordinate)) {
+                report.bad_vertices.add(v);
+                break;
+            }
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle& c = mesh.triangles[t];
+        if (std::max({c.x, c.y, c.z}) >= mesh.positions.size()) report.bad_triangles.add(t);
     }
-    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.ends < b.ends; });
-
-    EdgeTable table;
-    table.of_corner.resize(uses.size());
-    for (size_t k = 0; k < uses.size(); ++k) {
-        if (k == 0 || uses[k].ends != uses[k - 1].ends) table.edges.emplace_back();
-        Edge& edge = table.edges.back();
-        ++(uses[k].forward ? edge.forward : edge.backward);
-        table.of_corner[uses[k].corner] = static_cast<uint32_t>(table.edges.size() - 1);
-    }
-    return table;
 }
 
-// Connected over edges that are used exactly twice.
-std::vector<Patch> find_patches(size_t triangle_count, const EdgeTable& table) {
-    std::vector<uint32_t> parent(triangle_count);
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](uint32_t t) {
-        while (parent[t] != t) t = parent[t] = parent[parent[t]];
-        return t;
-    };
-    constexpr uint32_t none = ~0u;
-    std::vector<uint32_t> first_triangle(table.edges.size(), none);
-    for (uint32_t corner = 0; corner < table.of_corner.size(); ++corner) {
-        const uint32_t edge = table.of_corner[corner];
-        if (!table.edges[edge].joins()) continue;
-        if (first_triangle[edge] == none) {
-            first_triangle[edge] = corner / 3;
-        } else {
-            const uint32_t a = root(first_triangle[edge]);
-            const uint32_t b = root(corner / 3);
-            parent[std::max(a, b)] = std::min(a, b);
-        }
-    }
-
-    std::vector<Patch> patches;
-    std::vector<uint32_t> patch_of(triangle_count, none);
-    for (uint32_t t = 0; t < triangle_count; ++t) {
-        const uint32_t r = root(t);
-        if (patch_of[r] == none) {
-            patch_of[r] = static_cast<uint32_t>(patches.size());
-            patches.emplace_back();
-        }
-        Patch& patch = patches[patch_of[r]];
-        patch.triangles.push_back(t);
-        for (uint32_t k = 0; k < 3; ++k) {
-            const Edge& edge = table.edges[table.of_corner[3 * t + k]];
-            patch.misoriented = patch.misoriented || (edge.joins() && !edge.paired());
-        }
-    }
-    return patches;
+bool is_flat(const TriangleMesh& mesh, const Triangle& t) {
+    const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+    return orientation(glm::dvec2(a.x, a.y), {b.x, b.y}, {c.x, c.y}) == 0.0
+           && orientation(glm::dvec2(a.y, a.z), {b.y, b.z}, {c.y, c.z}) == 0.0
+           && orientation(glm::dvec2(a.z, a.x), {b.z, b.x}, {c.z, c.x}) == 0.0;
 }
 
-class PatchRemover {
-  public:
-    explicit PatchRemover(const TriangleMesh& mesh) : mesh_(mesh), table_(edge_table(mesh.triangles)) {
-        for (const Edge& edge : table_.edges) joined_.push_back(edge.joins());
+bool round(Work& work, const RepairSettings& settings, double weld_distance) {
+    if (check_topology(work.mesh.positions.size(), work.mesh.triangles).manifold()) {
+        const bool dropped = mending::drop_duplicates(work); // a triangle and its back are a manifold
+        return mending::turn_parts(work, settings.cavities) || dropped;
     }
-
-    Repair run() {
-        std::vector<Patch> patches = find_patches(mesh_.triangles.size(), table_);
-        std::sort(patches.begin(), patches.end(), [](const Patch& a, const Patch& b) {
-            if (a.misoriented != b.misoriented) return a.misoriented;
-            if (a.triangles.size() != b.triangles.size()) return a.triangles.size() < b.triangles.size();
-            return a.triangles.front() > b.triangles.front();
-        });
-        Repair repair{{mesh_.positions, {}}, 0, 0};
-        std::vector<bool> removed(mesh_.triangles.size(), false);
-        for (const Patch& patch : patches) {
-            if (!remove_if_spare(patch)) continue;
-            for (const uint32_t t : patch.triangles) removed[t] = true;
-            repair.removed_triangles += static_cast<uint32_t>(patch.triangles.size());
-            ++repair.removed_patches;
-        }
-        for (size_t t = 0; t < removed.size(); ++t) {
-            if (!removed[t]) repair.mesh.triangles.push_back(mesh_.triangles[t]);
-        }
-        return repair;
+    bool changed = mending::weld_rims(work, weld_distance);
+    changed = mending::drop_degenerate(work) || changed;
+    changed = mending::drop_duplicates(work) || changed;
+    // A patch that faces the wrong way as a whole is told from the right one by its surroundings once those
+    // agree.
+    if (settings.spare_patches) changed = mending::drop_spare_patches(work) || changed;
+    if (mending::orient_neighbours(work)) {
+        changed = true;
+        if (settings.spare_patches) mending::drop_spare_patches(work);
     }
-
-  private:
-    // Takes the patch's uses off the counts, and puts them back where it is not spare.
-    bool remove_if_spare(const Patch& patch) {
-        std::vector<uint32_t> rim; // a rim edge that the patch itself uses twice appears twice
-        for (const uint32_t t : patch.triangles) {
-            for (uint32_t k = 0; k < 3; ++k) {
-                const uint32_t edge = table_.of_corner[3 * t + k];
-                if (!joined_[edge]) rim.push_back(edge);
-            }
-        }
-        std::sort(rim.begin(), rim.end());
-        if (rim.empty() || std::adjacent_find(rim.begin(), rim.end()) != rim.end()) return false;
-
-        const int before = imbalance(rim);
-        count(patch, -1);
-        const bool covered = std::all_of(rim.begin(), rim.end(), [&](uint32_t edge) {
-            return table_.edges[edge].forward > 0 && table_.edges[edge].backward > 0;
-        });
-        if (covered && imbalance(rim) < before) return true;
-        count(patch, +1);
-        return false;
+    changed = mending::close_holes(work, settings) || changed;
+    // What is solid must be known before things are taken apart, and each of what was one may then face as it
+    // should.
+    changed = mending::turn_parts(work, settings.cavities) || changed;
+    if (mending::separate(work)) {
+        changed = true;
+        mending::turn_parts(work, settings.cavities);
     }
+    return changed;
+}
 
-    [[nodiscard]] int imbalance(const std::vector<uint32_t>& rim) const {
-        int sum = 0;
-        for (const uint32_t edge : rim)
-            sum += std::abs(table_.edges[edge].forward - table_.edges[edge].backward);
-        return sum;
-    }
+// Counts what the mesh has in the end.
+void count_rest(const Work& work, RepairReport& report) {
+    for (uint32_t t = 0; t < work.turned.size(); ++t)
+        if (work.turned[t] && work.source[t] != no_index) report.turned_triangles.add(work.source[t]);
+    const TopologyReport topology = check_topology(work.mesh.positions.size(), work.mesh.triangles);
+    if (topology.non_manifold_edges > 0)
+        report.crowded_edges.add(work.origin[topology.first_non_manifold_edge->x],
+                                 topology.non_manifold_edges);
+    if (topology.misoriented_edges > 0)
+        report.misoriented_edges.add(work.origin[topology.first_misoriented_edge->x],
+                                     topology.misoriented_edges);
+    for (uint32_t t = 0; t < work.mesh.triangles.size(); ++t)
+        if (work.source[t] != no_index && is_flat(work.mesh, work.mesh.triangles[t]))
+            report.flat_triangles.add(work.source[t]);
+}
 
-    void count(const Patch& patch, int change) {
-        for (const uint32_t t : patch.triangles) {
-            for (uint32_t k = 0; k < 3; ++k) {
-                Edge& edge = table_.edges[table_.of_corner[3 * t + k]];
-                const Triangle& triangle = mesh_.triangles[t];
-                const bool forward = triangle[static_cast<int>(k)] < triangle[static_cast<int>((k + 1) % 3)];
-                (forward ? edge.forward : edge.backward) += change;
-            }
-        }
-    }
-
-    const TriangleMesh& mesh_;
-    EdgeTable table_;          // its counts are of the triangles not yet removed
-    std::vector<bool> joined_; // the edges inside patches
-};
+std::string count(uint64_t number, const char* one, const char* many) {
+    return std::to_string(number) + " " + (number == 1 ? one : many);
+}
 
 } // namespace
 
+Repaired repair(const TriangleMesh& mesh, const RepairSettings& settings) {
+    Work work(mesh);
+    check_input(mesh, work.report);
+    if (!work.report.too_large && work.report.bad_triangles.count + work.report.bad_vertices.count == 0) {
+        const Box box = bounds(mesh);
+        const double distance =
+            settings.weld_distance >= 0.0 ? settings.weld_distance : weld_part * glm::length(box.size());
+        for (int k = 0; k < most_rounds && round(work, settings, distance); ++k) {
+        }
+        count_rest(work, work.report);
+    }
+    return {std::move(work.mesh), std::move(work.source), work.report};
+}
+
+bool RepairReport::changed() const {
+    return welded_vertices.count + degenerate_triangles.count + duplicate_triangles.count
+               + spare_triangles.count + loose_triangles.count + turned_triangles.count + split_vertices.count
+               + halved_edges.count + closed_holes.count
+           > 0;
+}
+
+std::string describe(const RepairReport& report) {
+    if (report.too_large) return "not repaired: more than 2^30 triangles or vertices\n";
+    std::string text;
+    const auto line = [&](const RepairReport::Change& change, const char* one, const char* many,
+                          const char* where) {
+        if (change.count == 0) return;
+        text += count(change.count, one, many);
+        if (change.first != no_index)
+            text += std::string(", the first ") + where + " " + std::to_string(change.first);
+        text += '\n';
+    };
+    line(report.bad_triangles, "triangle names a vertex that is not there: not repaired",
+         "triangles name vertices that are not there: not repaired", "is triangle");
+    line(report.bad_vertices, "vertex is not finite or beyond 1e50 m: not repaired",
+         "vertices are not finite or beyond 1e50 m: not repaired", "is vertex");
+    line(report.welded_vertices, "vertex welded to another", "vertices welded to others", "is vertex");
+    line(report.degenerate_triangles, "triangle that named a vertex twice dropped",
+         "triangles that named a vertex twice dropped", "is triangle");
+    line(report.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped",
+         "is triangle");
+    line(report.spare_triangles, "triangle that covered another dropped",
+         "triangles that covered others dropped", "is triangle");
+    line(report.loose_triangles, "loose triangle dropped", "loose triangles dropped", "is triangle");
+    line(report.turned_triangles, "triangle turned", "triangles turned", "is triangle");
+    if (report.closed_holes.count > 0)
+        text += count(report.closed_holes.count, "hole", "holes") + " closed with "
+                + count(report.new_triangles, "triangle", "triangles") + ", the first at vertex "
+                + std::to_string(report.closed_holes.first) + '\n';
+    line(report.new_vertices, "vertex added in the middle of a hole", "vertices added in the middle of holes",
+         "next to vertex");
+    line(report.cut_edges, "edge cut where a surface has one side only",
+         "edges cut where a surface has one side only", "at vertex");
+    line(report.split_edges, "edge of more than two triangles split",
+         "edges of more than two triangles split", "at vertex");
+    line(report.halved_edges, "edge halved to tell it from another", "edges halved to tell them from others",
+         "at vertex");
+    line(report.split_vertices, "vertex added where parts only touched",
+         "vertices added where parts only touched", "a copy of vertex");
+    line(report.open_rims, "hole left open: too long", "holes left open: too long", "at vertex");
+    line(report.long_rims, "hole left open: more than 4096 edges and not simple from the front",
+         "holes left open: more than 4096 edges and not simple from the front", "at vertex");
+    line(report.misoriented_edges, "edge left whose triangles face opposite ways",
+         "edges left whose triangles face opposite ways", "at vertex");
+    line(report.crowded_edges, "edge left that more than two triangles use",
+         "edges left that more than two triangles use", "at vertex");
+    line(report.flat_triangles, "triangle without area left: the surface would be open without it",
+         "triangles without area left: the surface would be open without them", "is triangle");
+    return text;
+}
+
 Repair remove_spare_patches(const TriangleMesh& mesh) {
-    return PatchRemover(mesh).run();
+    const mending::SparePatches spare = mending::find_spare_patches(mesh);
+    Repair repair{{mesh.positions, {}}, spare.triangles, spare.patches};
+    for (size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (!spare.is_spare[t]) repair.mesh.triangles.push_back(mesh.triangles[t]);
+    return repair;
 }
 
 } // namespace brittle::fracture
