@@ -27,7 +27,7 @@ struct RepairSettings {
     bool loose_triangles = true;
     // Turns a closed part inwards that lies inside an odd number of others. Otherwise such a part stays as it
     // faces.
-    bool cavities = true;
+    bool cavities = false;
 };
 
 // What was changed, and what is left. Places are indices of the input.
