@@ -9,6 +9,7 @@
 #include "fracture/io/gltf_document.h"
 #include "fracture/io/gltf_looks.h"
 #include "fracture/io/readers.h"
+#include "fracture/io/text_cursor.h"
 
 namespace brittle::fracture {
 namespace gltf {
@@ -49,7 +50,7 @@ class GltfReader {
                                   || name.starts_with("KHR_texture_") || name.starts_with("EXT_texture_")
                                   || name.starts_with("KHR_lights_");
             if (harmless) continue;
-            return malformed("needs the glTF extension " + name
+            return malformed("needs the glTF extension " + printable(name)
                              + ", which is not read; export without compression and extensions");
         }
         return {};
@@ -172,6 +173,9 @@ class GltfReader {
         if (member(primitive, "indices") != nullptr) {
             const Result<Accessor> indices = document_.accessor(unsigned_member(primitive, "indices", std::nullopt), "SCALAR");
             if (!indices) return indices.error();
+            const uint32_t type = indices->component_type;
+            if ((type != 5121 && type != 5123 && type != 5125) || indices->normalized)
+                return malformed("its indices are not unsigned integers");
             for (uint64_t k = 0; k < indices->count; ++k) {
                 const double corner = indices->component(k, 0);
                 if (!(corner >= 0.0 && corner < static_cast<double>(positions->count))) {

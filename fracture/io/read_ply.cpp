@@ -236,7 +236,7 @@ class PlyReader {
 
     Result<void> read_element(const Element& element, Numbers& numbers) {
         const auto place_of = [&](uint64_t k) {
-            return numbers.place(header_size_) + ", " + element.name + " " + std::to_string(k);
+            return numbers.place(header_size_) + ", " + printable(element.name) + " " + std::to_string(k);
         };
         if (element.properties.empty()) return {};
         if (element.name == "face" && companions_.wants_looks()) read_textures();
@@ -278,7 +278,9 @@ class PlyReader {
         const bool is_face = element.name == "face"
                              && (property.name == "vertex_indices" || property.name == "vertex_index");
         const bool is_uv = element.name == "face" && property.name == "texcoord" && companions_.wants_looks();
-        if (!(count >= 0.0) || (is_face && (count < 3.0 || count > most_polygon_corners)))
+        // A face may have more than one such list.
+        const bool is_too_long = count + static_cast<double>(corners_.size()) > most_polygon_corners;
+        if (!(count >= 0.0) || (is_face && (count < 3.0 || is_too_long)))
             return numbers.ended ? cut_short(place())
                                  : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
                                                           + std::to_string(most_polygon_corners));
