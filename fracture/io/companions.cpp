@@ -29,6 +29,7 @@ Result<std::span<const std::byte>> Companions::read(const std::string& name) {
     if (known != files_.end()) return std::span<const std::byte>(known->second);
     Result<std::vector<std::byte>> bytes = read_file(folder_ / file);
     if (!bytes) return bytes.error();
+    size_ += bytes->size();
     return std::span<const std::byte>(files_.emplace(file, std::move(*bytes)).first->second);
 }
 

@@ -189,9 +189,11 @@ class GltfReader {
             corners.resize(positions->count);
             for (uint32_t k = 0; k < corners.size(); ++k) corners[k] = k;
         }
-        if (model_.mesh.positions.size() + positions->count > most_elements
-            || model_.mesh.triangles.size() + corners.size() > most_elements) {
-            return malformed("with it the file holds over 100 million vertices or triangles; simplify the mesh");
+        const uint64_t most = std::min(most_elements, free_elements + elements_per_byte * document_.size());
+        if (model_.mesh.positions.size() + positions->count > most
+            || model_.mesh.triangles.size() + corners.size() > most) {
+            return malformed("with it the file's nodes show over " + std::to_string(most)
+                             + " vertices or triangles, the limit for a file of its size; simplify the mesh");
         }
         Vertices vertices{static_cast<uint32_t>(model_.mesh.positions.size()), world, *positions};
         uint32_t material = no_material;

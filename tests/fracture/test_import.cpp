@@ -186,6 +186,20 @@ TEST_CASE("import: glTF accessors without data, which stand for zeros, are refus
     check_malformed("indices_of_zeros.gltf", "accessors[1] has 99999999 elements but no data");
 }
 
+TEST_CASE("import: one small mesh shown by very many nodes is refused before it fills the memory") {
+    // 4000 vertices of three bytes and a triangle, 16 kB.
+    const std::string zeros(size_t{4} * 4000, 'A');
+    std::string bomb = R"({"asset":{"version":"2.0"},"buffers":[{"uri":"data:;base64,)" + zeros + R"("}],
+        "bufferViews":[{"buffer":0,"byteLength":12000}],
+        "accessors":[{"bufferView":0,"componentType":5120,"count":4000,"type":"VEC3"},
+                     {"bufferView":0,"componentType":5125,"count":3,"type":"SCALAR"}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"nodes":[{"mesh":0})";
+    for (int k = 0; k < 1000; ++k) bomb += R"(,{"mesh":0})";
+    const test::TemporaryFolder folder;
+    write(folder.path() / "bomb.gltf", bomb + "]}");
+    check_refused(folder.path() / "bomb.gltf", Status::malformed_file, "meshes[0].primitives[0]: with it the file's nodes");
+}
+
 TEST_CASE("import: glTF indices are unsigned integers") {
     check_malformed("indices_of_floats.gltf", "meshes[0].primitives[0]: its indices are not unsigned integers");
 }
