@@ -211,7 +211,8 @@ Json parse(const std::filesystem::path& file) {
         json = Json::parse(text, keep);
     } catch (const nlohmann::json::exception& e) {
         // It quotes the last token, which may be the whole file.
-        if (!too_deep) throw Failure(exit_input, file.string() + ": the JSON cannot be read: " + std::string(e.what()).substr(0, 300));
+        const std::string why = std::string(e.what()).substr(0, 300);
+        if (!too_deep) throw Failure(exit_input, file.string() + ": the JSON cannot be read: " + why);
     }
     if (too_deep) throw Failure(exit_input, file.string() + ": nested too deeply for a recipe");
     return json;
