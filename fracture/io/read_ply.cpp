@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -325,6 +326,7 @@ class PlyReader {
     // One material for each texture that a comment names, as MeshLab writes it.
     void read_textures() {
         if (texture_files_.size() > most_textures) texture_files_.resize(most_textures);
+        std::map<const std::byte*, uint32_t> image_at; // the same file may be named again
         for (const std::string& name : texture_files_) {
             Material material{.name = name};
             const auto bytes = companions_.read(name);
@@ -333,8 +335,10 @@ class PlyReader {
                 add_note(model_.notes, "texture: " + (bytes ? quoted(std::string_view(name)) + " is no image that is kept" : bytes.error().message));
             } else {
                 material.base_colour_texture = TextureUse{.texture = static_cast<uint32_t>(model_.textures.size())};
-                model_.textures.push_back({.image = static_cast<uint32_t>(model_.images.size())});
-                model_.images.push_back({name, type, {bytes->begin(), bytes->end()}});
+                const auto next = static_cast<uint32_t>(model_.images.size());
+                const auto [image, is_new_image] = image_at.emplace(bytes->data(), next);
+                model_.textures.push_back({.image = image->second});
+                if (is_new_image) model_.images.push_back({name, type, {bytes->begin(), bytes->end()}});
             }
             model_.materials.push_back(std::move(material));
         }
