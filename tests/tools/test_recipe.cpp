@@ -101,6 +101,18 @@ TEST_CASE("recipe: what is written is read again, to the bit") {
     }
 }
 
+TEST_CASE("recipe: what differs from the material's pattern is written, also where it is as without a material") {
+    const Folder folder;
+    FractureOptions options;
+    use_material("glass", options);
+    REQUIRE(options.pattern.axis != fracture::Pattern{}.axis);
+    options.pattern.axis = fracture::Pattern{}.axis;
+    FractureOptions again;
+    read_recipe(folder.write(recipe_json(options)), again);
+    CHECK(again.pattern.axis == options.pattern.axis);
+    CHECK(again.pattern.jitter == options.pattern.jitter);
+}
+
 TEST_CASE("recipe: what it does not mention stays") {
     const Folder folder;
     FractureOptions options = everything();

@@ -36,8 +36,8 @@ Json vector_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-Json pattern_json(const Pattern& pattern) {
-    const Pattern plain;
+// What differs from the plain pattern, which is the one that reading starts with.
+Json pattern_json(const Pattern& pattern, const Pattern& plain) {
     Json json{{"type", fracture::pattern_names()[static_cast<size_t>(pattern.kind)]},
               {"count", pattern.count},
               {"seed", pattern.seed}};
@@ -69,7 +69,10 @@ Json recipe_object(const FractureOptions& options) {
     Json recipe{{"brittle", version}, {"mesh", options.mesh}};
     if (!options.material.empty()) recipe["material"] = options.material;
     if (options.repair) recipe["repair"] = true;
-    recipe["pattern"] = options.sites_file.empty() ? pattern_json(options.pattern) : points_json(options);
+    FractureOptions plain;
+    if (!options.material.empty()) use_material(options.material, plain);
+    recipe["pattern"] =
+        options.sites_file.empty() ? pattern_json(options.pattern, plain.pattern) : points_json(options);
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
     return recipe;
