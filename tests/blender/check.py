@@ -2,6 +2,8 @@
 #   blender --background --python tests/blender/check.py -- FILE.glb...
 #
 # Lines that begin with "check-blender: " are for people; Blender prints others besides.
+import json
+import struct
 import sys
 import traceback
 
@@ -31,51 +33,61 @@ def edge_complaints(mesh):
     return [f"{count} {what}" for count, what in counts if count], volume
 
 
-def material_complaints(mesh, extras):
-    """Outside and inside are a material each, and each is used."""
-    wanted = [name for name in ("exterior", "interior") if extras[name + "_triangles"] > 0]
-    # Blender numbers materials of the same name: interior.001.
-    found = [m.name.split(".")[0] if m else "none" for m in mesh.materials]
-    if found != wanted:
-        return [f"materials {found} instead of {wanted}"]
-    used = {polygon.material_index for polygon in mesh.polygons}
-    return [f"no face uses the material {name}" for slot, name in enumerate(wanted) if slot not in used]
+def read_document(path):
+    """The JSON of a GLB file."""
+    with open(path, "rb") as file:
+        head = file.read(20)
+        return json.loads(file.read(struct.unpack_from("<I", head, 12)[0]))
+
+
+def material_complaints(mesh, document, node):
+    """Each primitive's material has its slot, and as many faces as the primitive has triangles."""
+    wanted = {}
+    for primitive in document["meshes"][node["mesh"]]["primitives"]:
+        name = document["materials"][primitive["material"]]["name"]
+        wanted[name] = wanted.get(name, 0) + document["accessors"][primitive["indices"]]["count"] // 3
+    slots = [m.name if m else "none" for m in mesh.materials]
+    found = {name: 0 for name in slots}
+    for polygon in mesh.polygons:
+        found[slots[polygon.material_index]] += 1
+    return [] if found == wanted else [f"faces by material are {found} instead of {wanted}"]
 
 
 def check(path):
     """The complaints about a file, and a line that says what was found."""
+    document = read_document(path)
+    # Pieces are the nodes that say their volume; the root has the certificate.
+    extras = {node["name"]: node.get("extras", {}).get("brittle", {}) for node in document["nodes"]}
+    pieces = {node["name"]: node for node in document["nodes"] if "volume" in extras[node["name"]]}
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if bpy.ops.import_scene.gltf(filepath=path) != {"FINISHED"}:
         return ["Blender does not import it"], ""
     complaints = []
-    pieces = 0
-    wanted_pieces = None
+    found = set()
     triangles = 0
     worst = 0.0
     for thing in bpy.data.objects:
-        if "brittle" not in thing:
+        own = thing["brittle"].to_dict() if "brittle" in thing else {}
+        if "certificate" in own and own["certificate"]["pieces"] != len(pieces):
+            complaints.append(f"{len(pieces)} nodes for {own['certificate']['pieces']} pieces")
+        if "volume" not in own:
             continue
-        extras = thing["brittle"].to_dict()
-        if "certificate" in extras:
-            wanted_pieces = extras["certificate"]["pieces"]
-            continue
-        pieces += 1
-        if thing.type != "MESH":
-            complaints.append(f"{thing.name}: is no mesh")
+        found.add(thing.name)
+        if thing.type != "MESH" or thing.name not in pieces:
+            complaints.append(f"{thing.name}: is no mesh, or no piece of the file")
             continue
         triangles += len(thing.data.polygons)
         wrong, volume = edge_complaints(thing.data)
-        error = abs(volume - extras["volume"]) / extras["volume"]
+        error = abs(volume - own["volume"]) / own["volume"]
         worst = max(worst, error)
         if not error <= VOLUME_TOLERANCE:
-            wrong.append(f"volume {volume:.9g} instead of {extras['volume']:.9g}")
-        wrong += material_complaints(thing.data, extras)
+            wrong.append(f"volume {volume:.9g} instead of {own['volume']:.9g}")
+        wrong += material_complaints(thing.data, document, pieces[thing.name])
         complaints += [f"{thing.name}: {what}" for what in wrong]
-    if wanted_pieces is None:
-        complaints.append("no object carries the certificate of a fracture")
-    elif pieces != wanted_pieces:
-        complaints.append(f"{pieces} objects for {wanted_pieces} pieces")
-    return complaints, f"{pieces} pieces, {triangles} triangles, volumes off by {worst:.1e} at most"
+    complaints += [f"{name}: is not among the objects" for name in sorted(pieces.keys() - found)]
+    if not pieces:
+        complaints.append("no node says its volume; only pieces are checked")
+    return complaints, f"{len(found)} pieces, {triangles} triangles, volumes off by {worst:.1e} at most"
 
 
 def what_of(error):
