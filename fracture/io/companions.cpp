@@ -3,26 +3,33 @@
 #include <algorithm>
 
 #include "fracture/io/read_file.h"
+#include "fracture/io/text_cursor.h"
 
 namespace brittle::fracture {
 
 namespace {
 
 constexpr size_t most_notes = 30;
+constexpr size_t longest_name = 1000; // bytes, with its folders
 
 } // namespace
 
 Result<std::span<const std::byte>> Companions::read(const std::string& name) {
+    // Names of files do not hold such letters, and messages would repeat them.
+    const bool is_odd = std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+    if (is_odd || name.size() > longest_name)
+        return Error{Status::malformed_file, quoted(std::string_view(name)) + " is not the name of a file"};
     std::string slashed = name;
     std::replace(slashed.begin(), slashed.end(), '\\', '/');
     const std::filesystem::path file = std::filesystem::path(slashed).lexically_normal();
     const bool is_below = file.is_relative() && !file.empty() && *file.begin() != ".." && file.has_filename();
-    if (!is_below || slashed.find("://") != slashed.npos || slashed.find('\0') != slashed.npos)
-        return Error{Status::malformed_file, "'" + name.substr(0, 80) + "' is not a file below its own folder"};
+    if (!is_below || slashed.find("://") != slashed.npos)
+        return Error{Status::malformed_file, quoted(std::string_view(name)) + " is not a file below its own folder"};
     const auto known = files_.find(file);
     if (known != files_.end()) return std::span<const std::byte>(known->second);
     Result<std::vector<std::byte>> bytes = read_file(folder_ / file);
     if (!bytes) return bytes.error();
+    size_ += bytes->size();
     return std::span<const std::byte>(files_.emplace(file, std::move(*bytes)).first->second);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -27,9 +28,13 @@ class Companions {
     // The content of the file of that name (a path with / or \). Valid as long as this object.
     Result<std::span<const std::byte>> read(const std::string& name);
 
+    // Bytes of all files read.
+    [[nodiscard]] uint64_t size() const { return size_; }
+
   private:
     std::filesystem::path folder_;
     bool without_looks_;
+    uint64_t size_ = 0;
     std::map<std::filesystem::path, std::vector<std::byte>> files_;
 };
 

@@ -59,6 +59,8 @@ std::string percent_decoded(const std::string& text) {
 
 // Sparse accessors are written out; several may show the same buffer view.
 constexpr uint64_t most_sparse_bytes = uint64_t{1} << 30;
+constexpr uint64_t free_sparse_bytes = uint64_t{16} << 20; // in a file of any size, and for each byte of it:
+constexpr uint64_t sparse_bytes_per_byte = 50;
 
 struct Container {
     Bytes json;
@@ -142,7 +144,7 @@ Result<Document> Document::open(Bytes bytes, Companions& companions) {
         return malformed(
             "neither a GLB file nor glTF: the JSON cannot be read; it was cut short or is damaged");
     }
-    return Document(std::move(document), container.binary, companions);
+    return Document(std::move(document), container.binary, companions, bytes.size());
 }
 
 Result<const Json*> Document::element(const char* list, std::optional<uint64_t> index) const {
@@ -230,7 +232,9 @@ Result<void> Document::apply_sparse(const Json& sparse, const std::string& name,
                          + " elements, for which its buffer views are too short");
 
     sparse_bytes_ += accessor.count * element_size;
-    if (sparse_bytes_ > most_sparse_bytes) return malformed("its sparse accessors take over 1 GiB");
+    const uint64_t most = std::min(most_sparse_bytes, free_sparse_bytes + sparse_bytes_per_byte * size());
+    if (sparse_bytes_ > most)
+        return malformed("its sparse accessors take over " + std::to_string(most) + " bytes, the limit for a file of its size");
     std::vector<std::byte>& dense = decoded_.emplace_back(accessor.count * element_size);
     for (uint64_t k = 0; k < accessor.count && !accessor.data.empty(); ++k)
         std::memcpy(dense.data() + k * element_size, accessor.data.data() + k * accessor.stride, element_size);

@@ -25,8 +25,10 @@ namespace brittle::fracture::gltf {
 using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
-// Nodes may show one mesh many times, so a small file can unfold into any number of triangles.
-inline constexpr size_t most_elements = 100'000'000; // vertices, and triangles
+// Nodes may show one mesh many times, so a small file could unfold into any number of vertices and triangles.
+inline constexpr uint64_t most_elements = 100'000'000; // vertices, and triangles
+inline constexpr uint64_t free_elements = 1'000'000;   // so many in a file of any size,
+inline constexpr uint64_t elements_per_byte = 50;      // and these for each byte of it; a mesh shown once has at most 1
 
 [[nodiscard]] Error malformed(const std::string& what);
 [[nodiscard]] std::string name_of(const char* list, uint64_t index);
@@ -112,6 +114,8 @@ class Document {
 
     [[nodiscard]] const Json& json() const { return json_; }
     [[nodiscard]] Companions& companions() const { return *companions_; }
+    // Bytes, of the file and of the files it names that were read so far.
+    [[nodiscard]] uint64_t size() const { return size_ + companions_->size(); }
 
     // The element of a top-level list.
     [[nodiscard]] Result<const Json*> element(const char* list, std::optional<uint64_t> index) const;
@@ -122,8 +126,8 @@ class Document {
     [[nodiscard]] Result<Bytes> bytes_of_uri(const std::string& uri);
 
   private:
-    Document(Json json, Bytes binary_chunk, Companions& companions)
-        : json_(std::move(json)), binary_chunk_(binary_chunk), companions_(&companions) {}
+    Document(Json json, Bytes binary_chunk, Companions& companions, uint64_t size)
+        : json_(std::move(json)), binary_chunk_(binary_chunk), companions_(&companions), size_(size) {}
 
     [[nodiscard]] Result<Bytes> bytes_of_buffer(uint64_t index);
     [[nodiscard]] Result<Bytes> view_of(const Json& owner, const std::string& name);
@@ -133,6 +137,7 @@ class Document {
     Json json_;
     Bytes binary_chunk_;
     Companions* companions_;
+    uint64_t size_;
     std::map<uint64_t, Bytes> buffers_;
     std::map<uint64_t, Accessor> sparse_;
     uint64_t sparse_bytes_ = 0;

@@ -67,8 +67,8 @@ class LookReader {
             return image;
         }
         kept_ += bytes->size();
-        if (kept_ > largest_sum) {
-            add_note(model_.notes, "image " + number + ": the images take over 2 GiB");
+        if (kept_ > copies * document_.size()) {
+            add_note(model_.notes, "image " + number + ": the images show the same bytes too often");
             image.mime_type.clear();
             return image;
         }
@@ -137,7 +137,8 @@ class LookReader {
         return material;
     }
 
-    static constexpr uint64_t largest_sum = uint64_t{2} << 30; // bytes; views may overlap
+    // Images may name the same file or overlapping views; together they take at most so many times what was read.
+    static constexpr uint64_t copies = 4;
 
     Document& document_;
     Model& model_;

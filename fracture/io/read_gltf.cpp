@@ -9,6 +9,7 @@
 #include "fracture/io/gltf_document.h"
 #include "fracture/io/gltf_looks.h"
 #include "fracture/io/readers.h"
+#include "fracture/io/text_cursor.h"
 
 namespace brittle::fracture {
 namespace gltf {
@@ -49,7 +50,7 @@ class GltfReader {
                                   || name.starts_with("KHR_texture_") || name.starts_with("EXT_texture_")
                                   || name.starts_with("KHR_lights_");
             if (harmless) continue;
-            return malformed("needs the glTF extension " + name
+            return malformed("needs the glTF extension " + printable(name)
                              + ", which is not read; export without compression and extensions");
         }
         return {};
@@ -172,6 +173,9 @@ class GltfReader {
         if (member(primitive, "indices") != nullptr) {
             const Result<Accessor> indices = document_.accessor(unsigned_member(primitive, "indices", std::nullopt), "SCALAR");
             if (!indices) return indices.error();
+            const uint32_t type = indices->component_type;
+            if ((type != 5121 && type != 5123 && type != 5125) || indices->normalized)
+                return malformed("its indices are not unsigned integers");
             for (uint64_t k = 0; k < indices->count; ++k) {
                 const double corner = indices->component(k, 0);
                 if (!(corner >= 0.0 && corner < static_cast<double>(positions->count))) {
@@ -185,9 +189,11 @@ class GltfReader {
             corners.resize(positions->count);
             for (uint32_t k = 0; k < corners.size(); ++k) corners[k] = k;
         }
-        if (model_.mesh.positions.size() + positions->count > most_elements
-            || model_.mesh.triangles.size() + corners.size() > most_elements) {
-            return malformed("with it the file holds over 100 million vertices or triangles; simplify the mesh");
+        const uint64_t most = std::min(most_elements, free_elements + elements_per_byte * document_.size());
+        if (model_.mesh.positions.size() + positions->count > most
+            || model_.mesh.triangles.size() + corners.size() > most) {
+            return malformed("with it the file's nodes show over " + std::to_string(most)
+                             + " vertices or triangles, the limit for a file of its size; simplify the mesh");
         }
         Vertices vertices{static_cast<uint32_t>(model_.mesh.positions.size()), world, *positions};
         uint32_t material = no_material;

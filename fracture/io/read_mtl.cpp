@@ -98,8 +98,11 @@ class MtlReader {
                 texture_named_.erase(known);
                 return std::nullopt;
             }
-            model_.textures.push_back({.image = static_cast<uint32_t>(model_.images.size())});
-            model_.images.push_back({std::filesystem::path(name).stem().string(), type, {bytes->begin(), bytes->end()}});
+            const auto next = static_cast<uint32_t>(model_.images.size());
+            const auto [image, is_new_image] = image_at_.emplace(bytes->data(), next);
+            model_.textures.push_back({.image = image->second});
+            if (is_new_image)
+                model_.images.push_back({std::filesystem::path(name).stem().string(), type, {bytes->begin(), bytes->end()}});
         }
         return TextureUse{.texture = known->second, .strength = strength};
     }
@@ -108,6 +111,7 @@ class MtlReader {
     Companions& companions_;
     Model& model_;
     std::map<std::string, uint32_t, std::less<>> texture_named_;
+    std::map<const std::byte*, uint32_t> image_at_; // one file has many names: a.png, ./a.png
     bool has_material_ = false;
 };
 

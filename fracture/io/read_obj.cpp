@@ -153,9 +153,9 @@ class ObjReader {
     }
 
     void read_materials(std::string_view name) {
-        if (!libraries_.emplace(name).second) return; // once is enough
         const auto text = companions_.read(std::string(name));
         if (!text) return add_note(model_.notes, "materials: " + text.error().message);
+        if (!libraries_.emplace(text->data()).second) return; // once is enough, whatever name it is given
         read_mtl({reinterpret_cast<const char*>(text->data()), text->size()}, companions_, model_);
         for (uint32_t m = 0; m < model_.materials.size(); ++m) material_named_.emplace(model_.materials[m].name, m);
     }
@@ -216,7 +216,7 @@ class ObjReader {
     std::vector<glm::vec3> normals_;
     std::vector<glm::vec4> colours_; // of vertices
     std::map<std::string, uint32_t> material_named_;
-    std::set<std::string> libraries_;
+    std::set<const std::byte*> libraries_;
     uint32_t material_ = no_material;
     uint32_t highest_corner_ = 0;
     size_t highest_line_ = 0;

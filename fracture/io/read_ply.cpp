@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -236,7 +237,7 @@ class PlyReader {
 
     Result<void> read_element(const Element& element, Numbers& numbers) {
         const auto place_of = [&](uint64_t k) {
-            return numbers.place(header_size_) + ", " + element.name + " " + std::to_string(k);
+            return numbers.place(header_size_) + ", " + printable(element.name) + " " + std::to_string(k);
         };
         if (element.properties.empty()) return {};
         if (element.name == "face" && companions_.wants_looks()) read_textures();
@@ -278,7 +279,9 @@ class PlyReader {
         const bool is_face = element.name == "face"
                              && (property.name == "vertex_indices" || property.name == "vertex_index");
         const bool is_uv = element.name == "face" && property.name == "texcoord" && companions_.wants_looks();
-        if (!(count >= 0.0) || (is_face && (count < 3.0 || count > most_polygon_corners)))
+        // A face may have more than one such list.
+        const bool is_too_long = count + static_cast<double>(corners_.size()) > most_polygon_corners;
+        if (!(count >= 0.0) || (is_face && (count < 3.0 || is_too_long)))
             return numbers.ended ? cut_short(place())
                                  : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
                                                           + std::to_string(most_polygon_corners));
@@ -323,6 +326,7 @@ class PlyReader {
     // One material for each texture that a comment names, as MeshLab writes it.
     void read_textures() {
         if (texture_files_.size() > most_textures) texture_files_.resize(most_textures);
+        std::map<const std::byte*, uint32_t> image_at; // the same file may be named again
         for (const std::string& name : texture_files_) {
             Material material{.name = name};
             const auto bytes = companions_.read(name);
@@ -331,8 +335,10 @@ class PlyReader {
                 add_note(model_.notes, "texture: " + (bytes ? quoted(std::string_view(name)) + " is no image that is kept" : bytes.error().message));
             } else {
                 material.base_colour_texture = TextureUse{.texture = static_cast<uint32_t>(model_.textures.size())};
-                model_.textures.push_back({.image = static_cast<uint32_t>(model_.images.size())});
-                model_.images.push_back({name, type, {bytes->begin(), bytes->end()}});
+                const auto next = static_cast<uint32_t>(model_.images.size());
+                const auto [image, is_new_image] = image_at.emplace(bytes->data(), next);
+                model_.textures.push_back({.image = image->second});
+                if (is_new_image) model_.images.push_back({name, type, {bytes->begin(), bytes->end()}});
             }
             model_.materials.push_back(std::move(material));
         }

@@ -77,11 +77,15 @@ std::optional<double> parse_number(std::string_view token) {
     return value;
 }
 
-std::string quoted(std::string_view token) {
+std::string printable(std::string_view token) {
     constexpr size_t longest = 40;
-    std::string result = "'";
+    std::string result;
     for (const char c : token.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
-    return result + (token.size() > longest ? "...'" : "'");
+    return result + (token.size() > longest ? "..." : "");
+}
+
+std::string quoted(std::string_view token) {
+    return "'" + printable(token) + "'";
 }
 
 } // namespace brittle::fracture

@@ -39,7 +39,10 @@ class TextCursor {
 // "inf" are numbers, what does not fit a double is infinite or zero.
 [[nodiscard]] std::optional<double> parse_number(std::string_view token);
 
-// The token in quotes for a message, shortened, with bytes that may upset a terminal replaced.
+// The token for a message: shortened, with bytes that may upset a terminal replaced.
+[[nodiscard]] std::string printable(std::string_view token);
+
+// The same in quotes.
 [[nodiscard]] std::string quoted(std::string_view token);
 
 } // namespace brittle::fracture

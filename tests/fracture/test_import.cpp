@@ -1,8 +1,10 @@
 #include "fracture/io/import.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -56,6 +58,26 @@ TriangleMesh import_valid(const fs::path& file) {
     if (!result) FAIL(result.error().message);
     return std::move(*result);
 }
+
+// The most memory that this process has held since its peak was forgotten, in bytes; 0 where /proc does not say.
+uint64_t peak_memory() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::strtoull(line.c_str() + 6, nullptr, 10) * 1024;
+    return 0;
+}
+
+void forget_peak_memory() {
+    std::ofstream("/proc/self/clear_refs") << 5;
+}
+
+// Sanitizers keep what is freed for a while.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr uint64_t most_memory_growth = UINT64_MAX;
+#else
+constexpr uint64_t most_memory_growth = uint64_t{16} << 20; // bytes, over all the damaged files of a kind
+#endif
+constexpr double longest_reading = 2.0; // seconds of processor time, as other tests may run too
 
 } // namespace
 
@@ -159,21 +181,52 @@ TEST_CASE("import: JSON of a million brackets and a chain of 100,000 nodes do no
     check_refused(folder.path() / "chain.gltf", Status::empty_mesh, "no triangles");
 }
 
+TEST_CASE("import: glTF accessors without data, which stand for zeros, are refused before they fill the memory") {
+    check_malformed("accessor_of_zeros.gltf", "accessors[0] has 99999999 elements but no data");
+    check_malformed("indices_of_zeros.gltf", "accessors[1] has 99999999 elements but no data");
+}
+
 TEST_CASE("import: one small mesh shown by very many nodes is refused before it fills the memory") {
-    const std::string cube = content_of(meshes / "cube_bytes.gltf");
-    const std::string node = R"({"mesh":0})";
-    const size_t at = cube.find(node);
-    REQUIRE(at != std::string::npos);
-    // Zeros without a buffer: 99,999,999 corners a node.
-    std::string bomb =
-        R"({"asset":{"version":"2.0"},"accessors":[{"count":99999999,"componentType":5126,"type":"VEC3"},
-        {"count":3,"componentType":5125,"type":"SCALAR"}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0}}]}],"nodes":[)";
-    bomb += R"({"mesh":1},)";
-    for (int k = 0; k < 1000; ++k) bomb += node + ",";
+    // 4000 vertices of three bytes and a triangle, 16 kB.
+    const std::string zeros(size_t{4} * 4000, 'A');
+    std::string bomb = R"({"asset":{"version":"2.0"},"buffers":[{"uri":"data:;base64,)" + zeros + R"("}],
+        "bufferViews":[{"buffer":0,"byteLength":12000}],
+        "accessors":[{"bufferView":0,"componentType":5120,"count":4000,"type":"VEC3"},
+                     {"bufferView":0,"componentType":5125,"count":3,"type":"SCALAR"}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"nodes":[{"mesh":0})";
+    for (int k = 0; k < 1000; ++k) bomb += R"(,{"mesh":0})";
     const test::TemporaryFolder folder;
-    write(folder.path() / "bomb.gltf", bomb + node + "]}");
-    check_refused(folder.path() / "bomb.gltf", Status::malformed_file, "meshes[1]");
+    write(folder.path() / "bomb.gltf", bomb + "]}");
+    check_refused(folder.path() / "bomb.gltf", Status::malformed_file, "meshes[0].primitives[0]: with it the file's nodes");
+}
+
+TEST_CASE("import: glTF indices are unsigned integers") {
+    check_malformed("indices_of_floats.gltf", "meshes[0].primitives[0]: its indices are not unsigned integers");
+}
+
+TEST_CASE("import: a PLY face of many lists has no more corners than any other") {
+    const test::TemporaryFolder folder;
+    std::string lists = "ply\nformat ascii 1.0\nelement vertex 3\nproperty int x\nproperty int y\nproperty int z\n"
+                        "element face 1\n";
+    for (int k = 0; k < 2; ++k) lists += "property list int int vertex_indices\n";
+    lists += "end_header\n0 0 0\n1 0 0\n0 1 0\n";
+    for (int k = 0; k < 2; ++k) {
+        lists += "4000";
+        for (int corner = 0; corner < 4000; ++corner) (lists += ' ') += std::to_string(corner % 3);
+        lists += '\n';
+    }
+    write(folder.path() / "lists.ply", lists);
+    check_refused(folder.path() / "lists.ply", Status::malformed_file, "face 0: a list of 4000");
+}
+
+TEST_CASE("import: what a terminal would obey does not get into messages") {
+    for (const char* name : {"escape_in_element.ply", "escape_in_extension.gltf", "escape_in_buffer_name.gltf"}) {
+        CAPTURE(name);
+        const Result<TriangleMesh> result = import_mesh(meshes / name);
+        REQUIRE(!result);
+        CHECK(result.error().message.find("[31m") != std::string::npos);
+        CHECK(result.error().message.find('\x1b') == std::string::npos);
+    }
 }
 
 TEST_CASE("import: damaged PLY files are refused with line or byte, and element") {
@@ -300,18 +353,21 @@ TEST_CASE("import: the models of glmark2") {
     CHECK(cat.triangles.size() == 14348);
 }
 
-TEST_CASE("import: readers given files with random bytes changed, cut or repeated never crash or name "
-          "missing vertices") {
+TEST_CASE("import: readers given files with random bytes changed, cut or repeated never crash, hang, "
+          "fill the memory or name missing vertices") {
     Random random(1);
     const char* const wanted = std::getenv("BRITTLE_DAMAGED_FILES"); // of each kind; HACKING.md
     const int rounds = wanted ? std::atoi(wanted) : 2000;
-    for (const char* name :
+    for (const std::string name :
          {"spelled_oddly.obj", "cube_binary.stl", "cube_text.stl", "cube.glb", "mirrored.gltf", "cube.3ds",
           "cube_text.ply", "cube_little.ply", "cube_big.ply", "cube.off", "crate.glb", "crate.obj", "crate.mtl"}) {
         CAPTURE(name);
         const std::string original = content_of(meshes / name);
         REQUIRE(!original.empty());
         uint32_t read_well = 0;
+        double slowest = 0.0; // seconds
+        forget_peak_memory();
+        const uint64_t memory_before = peak_memory();
         for (int round = 0; round < rounds; ++round) {
             CAPTURE(round);
             std::string damaged = original;
@@ -350,7 +406,9 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
                 read_well += !model.materials.empty();
                 continue;
             }
+            const std::clock_t begin = std::clock();
             const Result<Model> result = read_model(extension, bytes, companions);
+            slowest = std::max(slowest, static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
             if (!result) {
                 CHECK(!result.error().message.empty());
                 continue;
@@ -368,5 +426,11 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
             for (const uint32_t m : result->material_of) REQUIRE((m == no_material || m < result->materials.size()));
         }
         CHECK(read_well > 0); // else the damage is too coarse to reach the insides
+        CHECK(slowest < longest_reading);
+        const uint64_t growth = peak_memory() - memory_before;
+        CHECK(growth < most_memory_growth);
+        if (wanted)
+            MESSAGE(name, ": ", rounds, " files, ", read_well, " read, slowest ", slowest * 1e3, " ms, memory grew by ",
+                    growth / 1024, " KiB");
     }
 }

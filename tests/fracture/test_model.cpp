@@ -383,6 +383,39 @@ TEST_CASE("model: a sparse accessor moves the vertices that it names") {
     CHECK(refused.error().message.find("sparse index") != std::string::npos);
 }
 
+TEST_CASE("model: an image that a file names often is not copied each time") {
+    const test::TemporaryFolder folder;
+    const std::string png = "\x89PNG\r\n\x1a\n" + std::string(100'000, '.');
+    std::ofstream(folder.path() / "a.png", std::ios::binary) << png;
+    const auto content = [](const char* name) {
+        std::ifstream stream(meshes / name, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(stream), {});
+    };
+    std::string materials, comments, images, path;
+    for (int k = 0; k < 50; ++k) {
+        materials += "newmtl m" + std::to_string(k) + "\nmap_Kd " + path + "a.png\n";
+        comments += "comment TextureFile " + path + "a.png\n";
+        images += (k > 0 ? "," : "") + (R"({"uri":")" + path + R"(a.png"})");
+        path += "./";
+    }
+    std::string ply = content("cube_text.ply"), gltf = content("cube_bytes.gltf");
+    ply.insert(ply.find("element vertex"), comments);
+    gltf.insert(1, R"("images":[)" + images + "],");
+    std::ofstream(folder.path() / "m.mtl") << materials;
+    std::ofstream(folder.path() / "a.obj") << "mtllib m.mtl\nmtllib ./m.mtl\n" << content("cube.obj");
+    std::ofstream(folder.path() / "a.ply") << ply;
+    std::ofstream(folder.path() / "a.gltf") << gltf;
+    for (const char* name : {"a.obj", "a.ply", "a.gltf"}) {
+        CAPTURE(std::string(name));
+        const Model model = imported(folder.path() / name);
+        size_t sum = 0;
+        for (const Image& image : model.images) sum += image.bytes.size();
+        CHECK(sum >= png.size());
+        CHECK(sum <= 4 * (png.size() + 10'000));
+        if (std::string_view(name) != "a.gltf") CHECK(model.materials.size() <= 51); // one more that the cube names
+    }
+}
+
 TEST_CASE("model: another mesh keeps the looks of the triangles it was made from") {
     Model model = imported(meshes / "crate.glb");
     const Model before = model;

@@ -102,6 +102,18 @@ TEST_CASE("recipe: what is written is read again, to the bit") {
     }
 }
 
+TEST_CASE("recipe: what differs from the material's pattern is written, also where it is as without a material") {
+    const Folder folder;
+    FractureOptions options;
+    use_material("glass", options);
+    REQUIRE(options.pattern.axis != fracture::Pattern{}.axis);
+    options.pattern.axis = fracture::Pattern{}.axis;
+    FractureOptions again;
+    read_recipe(folder.write(recipe_json(options)), again);
+    CHECK(again.pattern.axis == options.pattern.axis);
+    CHECK(again.pattern.jitter == options.pattern.jitter);
+}
+
 TEST_CASE("recipe: what it does not mention stays") {
     const Folder folder;
     FractureOptions options = everything();
@@ -160,7 +172,24 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says("[1]", "expected an object");
     says("{", "the JSON cannot be read");
     says(std::string(100'000, '['), "nested too deeply");
+    // Brackets in text do not count.
+    const std::string deep = R"(, "repair": )" + std::string(100'000, '[') + std::string(100'000, ']') + "}";
+    says(R"({"brittle": 1, "mesh": ")" + std::string(200'000, ']') + "\"" + deep, "nested too deeply");
     says(std::string(size_t{2} << 20, ' '), "more than 1 MiB");
+}
+
+TEST_CASE("recipe: messages hold nothing that a terminal would obey, and do not quote a whole file") {
+    const std::string escape = R"(\u001b[31m)";
+    for (const std::string& text :
+         {R"({"brittle": 1, ")" + escape + R"(": 1})", R"({"brittle": 1, "algorithm": ")" + escape + R"("})",
+          R"({"brittle": 1, "pattern": {"type": ")" + escape + R"("}})",
+          R"({"brittle": 1, ")" + std::string(100'000, 'x') + R"(": 1})", "{\"" + std::string(100'000, 'x')}) {
+        const std::string message = message_of(text);
+        CAPTURE(message);
+        CHECK(message.size() > 10);
+        CHECK(message.size() < 1000);
+        CHECK(message.find('\x1b') == std::string::npos);
+    }
 }
 
 TEST_CASE("recipe: the schema knows the keys that are written and read, and no others") {

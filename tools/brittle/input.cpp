@@ -9,6 +9,7 @@
 
 #include "fracture/certificate.h"
 #include "fracture/io/import.h"
+#include "fracture/io/text_cursor.h"
 #include "fracture/repair.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
@@ -96,7 +97,7 @@ void use_material(const std::string& name, FractureOptions& options) {
     if (!preset) {
         std::string known;
         for (const auto& p : physics::material_presets()) known.append(known.empty() ? "" : ", ").append(p.name);
-        throw Failure(exit_usage, "there is no material '" + name + "'; there are: " + known);
+        throw Failure(exit_usage, "there is no material " + fracture::quoted(std::string_view(name)) + "; there are: " + known);
     }
     options.material = name;
     options.pattern.kind = preset->pattern.kind;

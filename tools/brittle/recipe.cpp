@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fracture/io/atomic_file.h"
+#include "fracture/io/text_cursor.h"
 #include "tools/brittle/failure.h"
 
 namespace brittle::tools {
@@ -22,13 +23,21 @@ using fracture::Pattern;
 constexpr int version = 1;
 constexpr std::string_view shape_prefix = "shape:";
 constexpr size_t longest_recipe = size_t{1} << 20; // bytes
+constexpr int deepest_recipe = 64;                 // brackets; writing JSON recurses over them
+
+// A value for a message: short, without what a terminal would obey.
+std::string shown(const Json& value) {
+    constexpr size_t longest = 60;
+    const std::string text = value.dump();
+    return text.size() > longest ? text.substr(0, longest - 3) + "..." : text;
+}
 
 Json vector_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-Json pattern_json(const Pattern& pattern) {
-    const Pattern plain;
+// What differs from the plain pattern, which is the one that reading starts with.
+Json pattern_json(const Pattern& pattern, const Pattern& plain) {
     Json json{{"type", fracture::pattern_names()[static_cast<size_t>(pattern.kind)]},
               {"count", pattern.count},
               {"seed", pattern.seed}};
@@ -61,7 +70,10 @@ Json recipe_object(const FractureOptions& options) {
     Json recipe{{"brittle", version}, {"mesh", options.mesh}};
     if (!options.material.empty()) recipe["material"] = options.material;
     if (options.repair) recipe["repair"] = true;
-    recipe["pattern"] = options.sites_file.empty() ? pattern_json(options.pattern) : points_json(options);
+    FractureOptions plain;
+    if (!options.material.empty()) use_material(options.material, plain);
+    recipe["pattern"] =
+        options.sites_file.empty() ? pattern_json(options.pattern, plain.pattern) : points_json(options);
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
     return recipe;
@@ -129,9 +141,7 @@ class Reader {
     }
 
     [[noreturn]] void fail(const std::string& key, const std::string& expected, const Json& found) const {
-        std::string text = found.dump();
-        if (text.size() > 60) text = text.substr(0, 57) + "...";
-        throw failure(key, "expected " + expected + ", found " + text);
+        throw failure(key, "expected " + expected + ", found " + shown(found));
     }
 
     void refuse_unknown_keys() const {
@@ -139,7 +149,7 @@ class Reader {
             if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
             std::string list;
             for (const std::string& known : known_) list += (list.empty() ? "" : ", ") + known;
-            throw failure(key, "unknown key; there are: " + list);
+            throw failure(fracture::printable(key), "unknown key; there are: " + list);
         }
     }
 
@@ -167,7 +177,7 @@ void read_pattern(Reader& reader, FractureOptions& options) {
     if (at == names.end()) {
         std::string list;
         for (const std::string_view name : names) list.append(name).append(", ");
-        throw reader.failure("type", "there is no pattern \"" + type + "\"; there are: " + list + "points");
+        throw reader.failure("type", "there is no pattern " + shown(type) + "; there are: " + list + "points");
     }
     options.sites_file.clear();
     Pattern& pattern = options.pattern;
@@ -196,18 +206,21 @@ Json parse(const std::filesystem::path& file) {
     std::string text;
     for (char c = 0; text.size() <= longest_recipe && stream.get(c);) text.push_back(c);
     if (text.size() > longest_recipe) throw Failure(exit_input, file.string() + ": a recipe of more than 1 MiB is none");
-    // The library recurses; nothing in a recipe is nested deeper than a point of a line.
-    int depth = 0, deepest = 0;
-    for (const char c : text) {
-        depth += c == '[' || c == '{' ? 1 : (c == ']' || c == '}' ? -1 : 0);
-        deepest = std::max(deepest, depth);
-    }
-    if (deepest > 100) throw Failure(exit_input, file.string() + ": nested too deeply for a recipe");
+    bool too_deep = false;
+    const auto keep = [&](int depth, Json::parse_event_t, Json&) {
+        too_deep = too_deep || depth > deepest_recipe;
+        return depth <= deepest_recipe;
+    };
+    Json json;
     try {
-        return Json::parse(text);
+        json = Json::parse(text, keep);
     } catch (const nlohmann::json::exception& e) {
-        throw Failure(exit_input, file.string() + ": the JSON cannot be read: " + e.what());
+        // It quotes the last token, which may be the whole file.
+        const std::string why = std::string(e.what()).substr(0, 300);
+        if (!too_deep) throw Failure(exit_input, file.string() + ": the JSON cannot be read: " + why);
     }
+    if (too_deep) throw Failure(exit_input, file.string() + ": nested too deeply for a recipe");
+    return json;
 }
 
 } // namespace
@@ -249,7 +262,7 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
     std::string algorithm = fracture::to_string(options.algorithm);
     reader.text("algorithm", algorithm);
     if (algorithm != "exact" && algorithm != "sequential")
-        throw reader.failure("algorithm", "expected \"exact\" or \"sequential\", found \"" + algorithm + "\"");
+        throw reader.failure("algorithm", "expected \"exact\" or \"sequential\", found " + shown(algorithm));
     options.algorithm = algorithm == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
     reader.number("min_volume", options.min_volume, 0.0, 1e90);
     reader.refuse_unknown_keys();

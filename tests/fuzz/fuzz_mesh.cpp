@@ -1,0 +1,78 @@
+// One reader of mesh files, the one of FUZZ_FORMAT.
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string_view>
+
+#include "fracture/io/readers.h"
+#include "fracture/io/weld.h"
+#include "tests/fuzz/oracle.h"
+
+using namespace brittle;
+using namespace brittle::fracture;
+
+namespace {
+
+constexpr std::string_view format = FUZZ_FORMAT;
+
+Result<Model> read(std::span<const std::byte> bytes) {
+    Companions companions(BRITTLE_CORPUS "/meshes"); // the files that an input may name
+    if constexpr (format != "mtl") return read_model("." FUZZ_FORMAT, bytes, companions);
+    Model model;
+    read_mtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, companions, model);
+    return model;
+}
+
+void check_indices(const TriangleMesh& mesh) {
+    for (const Triangle& t : mesh.triangles)
+        fuzz::require(std::max({t.x, t.y, t.z}) < mesh.positions.size(),
+                      "a triangle names a vertex that is not there");
+}
+
+// Lists of looks are whole or empty, and nothing names what is not there.
+void check_looks(const Model& model) {
+    const size_t triangles = model.mesh.triangles.size();
+    const auto check_size = [](size_t size, size_t whole) {
+        fuzz::require(size == 0 || size == whole, "a list of looks is too long or too short");
+    };
+    for (const auto& set : model.uv) check_size(set.size(), 3 * triangles);
+    check_size(model.normals.size(), 3 * triangles);
+    check_size(model.colours.size(), 3 * triangles);
+    check_size(model.material_of.size(), triangles);
+    for (const uint32_t m : model.material_of)
+        fuzz::require(m == no_material || m < model.materials.size(), "a triangle names no material");
+    for (const Material& m : model.materials) {
+        for (const auto& use : {m.base_colour_texture, m.metallic_roughness_texture, m.normal_texture,
+                                m.occlusion_texture, m.emissive_texture}) {
+            fuzz::require(!use || (use->texture < model.textures.size() && use->uv_set < model.uv.size()),
+                          "a material names no texture");
+        }
+    }
+    for (const Texture& t : model.textures)
+        fuzz::require(!t.image || *t.image < model.images.size(), "a texture names no image");
+    for (const std::string& note : model.notes) fuzz::check_message(note);
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+    const fuzz::TimeGuard guard;
+    const Result<Model> model = read(std::as_bytes(std::span(data, size)));
+    if (!model) {
+        fuzz::check_message(model.error().message);
+        return 0;
+    }
+    const TriangleMesh& mesh = model->mesh;
+    check_indices(mesh);
+    check_looks(*model);
+    // A vertex or a corner takes a byte at the least, but nodes of glTF may show one mesh many times.
+    if (format != "gltf") {
+        fuzz::require(mesh.positions.size() <= size && mesh.triangles.size() <= size,
+                      "more comes out than goes in");
+    }
+    const bool finite = std::all_of(mesh.positions.begin(), mesh.positions.end(), [](const glm::dvec3& p) {
+        return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    });
+    if (finite) check_indices(weld(mesh)); // as import_model does
+    return 0;
+}
