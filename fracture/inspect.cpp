@@ -200,12 +200,12 @@ std::string verdict(const Inspection& i) {
         case Status::empty_mesh: return "refuses it: there are no triangles.";
         case Status::invalid_mesh:
             return "refuses it: an index or a coordinate is out of range, or a triangle names a vertex twice.";
-        case Status::not_closed: return "refuses it: the surface has holes. Close them in a modelling program.";
+        case Status::not_closed: return "refuses it: the surface has holes. brittle repair closes them.";
         case Status::non_manifold:
-            return "refuses it: more than two triangles share an edge. --repair helps where patches are doubled; else "
-                   "separate the parts that touch there.";
-        case Status::not_oriented: return "refuses it: neighbouring triangles face opposite ways. Unify their normals.";
-        case Status::inside_out: return "refuses it: it faces inwards. Flip all triangles.";
+            return "refuses it: more than two triangles share an edge. brittle repair drops what is double and separates "
+                   "parts that touch.";
+        case Status::not_oriented: return "refuses it: neighbouring triangles face opposite ways. brittle repair turns them.";
+        case Status::inside_out: return "refuses it: it faces inwards. brittle repair turns it.";
         case Status::no_volume: return "refuses it: it encloses nothing.";
         default: return std::string("refuses it: ") + to_string(*i.refusal) + ".";
         }

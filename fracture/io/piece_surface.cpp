@@ -5,6 +5,7 @@
 #include <cstring>
 #include <unordered_map>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "fracture/attributes.h"
@@ -159,7 +160,7 @@ class PartBuilder {
         for (size_t k = 0; k < 3; ++k) {
             for (size_t set = 0; set < 2; ++set)
                 if (!source_->uv[set].empty()) corners[k].uv[set] = mix(source_->uv[set], k);
-            if (!source_->colours.empty()) corners[k].colour = mix(source_->colours, k);
+            if (!source_->colours.empty()) corners[k].colour = glm::clamp(mix(source_->colours, k), 0.0f, 1.0f);
             if (source_->normals.empty()) continue;
             const glm::vec3 normal = mix(source_->normals, k);
             const float length = glm::length(normal);

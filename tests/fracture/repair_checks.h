@@ -60,13 +60,18 @@ inline void check_promises(const TriangleMesh& input, const Repaired& repaired,
 }
 
 // The repair of a mesh is a closed manifold of that volume.
-inline Repaired check_solid(const TriangleMesh& input, double volume, double tolerance = 1e-12) {
-    const Repaired repaired = repair(input);
+inline Repaired check_solid(const TriangleMesh& input, double volume, const RepairSettings& settings,
+                            double tolerance = 1e-12) {
+    const Repaired repaired = repair(input, settings);
     check_promises(input, repaired);
     INFO(describe(repaired.report));
     CHECK(is_manifold(repaired.mesh));
     CHECK(signed_volume(repaired.mesh) == doctest::Approx(volume).epsilon(tolerance));
     return repaired;
+}
+
+inline Repaired check_solid(const TriangleMesh& input, double volume, double tolerance = 1e-12) {
+    return check_solid(input, volume, {}, tolerance);
 }
 
 // Triangles that are there still lie where their sources did, turned or not.

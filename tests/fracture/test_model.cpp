@@ -170,6 +170,8 @@ TEST_CASE("model: pieces in a GLB file keep what the source looks like") {
     CHECK(back.textures[0].wrap_s == 33648);
     CHECK(check_paint(back, 0, planks) > 100);
     CHECK(check_paint(back, 1, lid) > 30);
+    for (const glm::vec4& colour : back.colours)
+        for (int k = 0; k < 4; ++k) CHECK((colour[k] >= 0.0f && colour[k] <= 1.0f)); // no rounding beyond
     // Smooth where it was smooth: normals of the knob's parts differ within triangles, of the crate's they do not.
     bool smooth_knob = false, flat_crate = true;
     for (size_t t = 0; t < back.mesh.triangles.size(); ++t) {

@@ -161,7 +161,7 @@ TEST_CASE("a mesh whose surface is doubled in places is refused with the way out
     const Outcome repaired = brittle(folder, command + " --repair");
     INFO(repaired.output);
     CHECK(repaired.exit_code == 0);
-    CHECK(has(repaired, "removed 1 triangles in 1 patches"));
+    CHECK(has(repaired, "1 duplicate triangle dropped"));
 }
 
 TEST_CASE("a bad line in a site file is named") {
@@ -333,6 +333,33 @@ TEST_CASE("sites of a file are fitted, turned, scaled and moved") {
     CHECK(pieces(" --move-sites -5,0,0") == 2);
     CHECK(pieces(" --fit-sites --scale-sites 0.5 --turn-sites 0,0,90 --move-sites 0,0.9,0") == 2);
     CHECK(pieces(" --fit-sites --turn-sites 0,0,90 --move-sites 0,1.1,0") == 1);
+}
+
+TEST_CASE("repair mends what fracture refuses, says what it did, and keeps what it looks like") {
+    const Folder folder;
+    // The crate without its floor: the hole gets a new one.
+    std::string crate = read(BRITTLE_CORPUS "/meshes/crate.obj");
+    crate.erase(crate.find("usemtl iron"));
+    write(folder / "open.obj", crate);
+    fs::copy(BRITTLE_CORPUS "/meshes/crate.mtl", folder / "crate.mtl");
+    fs::copy(BRITTLE_CORPUS "/meshes/crate planks.png", folder / "crate planks.png");
+    CHECK(brittle(folder, "inspect " + (folder / "open.obj")).exit_code == 4);
+    const Outcome repaired = brittle(folder, "repair " + (folder / "open.obj") + " -o " + (folder / "whole.glb"));
+    CHECK(repaired.exit_code == 0);
+    CHECK(has(repaired, "1 hole closed with 2 triangles"));
+    CHECK(has(repaired, "takes it as it is"));
+    const std::string glb = read(folder / "whole.glb");
+    for (const char* kept : {"planks", "painted lid", "exterior", "image/png"}) CHECK(glb.find(kept) != std::string::npos);
+    const Outcome at_once =
+        brittle(folder, "fracture " + (folder / "open.obj") + " --repair -n 5 -o " + (folder / "pieces.glb"));
+    CHECK(at_once.exit_code == 0);
+    CHECK(has(at_once, "every one closed"));
+    const Outcome left = brittle(folder, "repair --close-holes 1 " + (folder / "open.obj") + " -o " + (folder / "left.stl"));
+    CHECK(left.exit_code == 4);
+    CHECK(has(left, "1 hole left open: too long"));
+    const Outcome sound = brittle(folder, "repair shape:torus -o " + (folder / "torus.ply"));
+    CHECK(sound.exit_code == 0);
+    CHECK(has(sound, "nothing to repair"));
 }
 
 TEST_CASE("inspect marks what it found in a file and a picture") {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "fracture/repair.h"
 #include "tools/brittle/input.h"
 
 namespace brittle::tools {
@@ -61,8 +62,15 @@ struct InspectCommand {
     ViewOptions view;    // of the picture
 };
 
-// Returns exit_mesh where fracture would refuse the mesh.
+struct RepairCommand {
+    std::string mesh;
+    std::string output; // its ending says the format
+    fracture::RepairSettings settings;
+};
+
+// Both return exit_mesh where fracture would refuse the mesh, the second for what was written.
 int run_inspect(const InspectCommand& command);
+int run_repair(const RepairCommand& command);
 int run_fracture(const FractureCommand& command);
 int run_render(const RenderCommand& command);
 int run_demo(const DemoCommand& command);

@@ -48,24 +48,23 @@ std::string mesh_name(const std::string& mesh) {
     return std::filesystem::path(mesh).stem().string();
 }
 
-// Removes patches that double the surface. Says what it did, on standard error.
-void repair(fracture::TriangleMesh& mesh, const std::string& name) {
-    fracture::Repair repair = fracture::remove_spare_patches(mesh);
-    std::fprintf(stderr, "brittle: %s: removed %u triangles in %u patches that doubled the surface\n", name.c_str(),
-                 repair.removed_triangles, repair.removed_patches);
-    mesh = std::move(repair.mesh);
+// Says what it did, on standard error.
+void repair(fracture::Model& model, const std::string& name) {
+    fracture::Repaired repaired = fracture::repair(model.mesh);
+    const std::string report = fracture::describe(repaired.report);
+    std::fprintf(stderr, "brittle: %s: %s", name.c_str(), report.empty() ? "nothing to repair\n" : ("repaired\n" + report).c_str());
+    if (repaired.report.changed()) fracture::replace_mesh(model, std::move(repaired.mesh), repaired.source_triangle);
 }
 
 // Points to --repair where it would help, before fracture() refuses the mesh.
 void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name) {
     const auto report = fracture::check_topology(mesh.positions.size(), mesh.triangles);
     if (report.closed()) return;
-    const fracture::Repair repair = fracture::remove_spare_patches(mesh);
-    if (!fracture::check_topology(repair.mesh.positions.size(), repair.mesh.triangles).closed()) return;
-    throw Failure(exit_mesh, name + ": " + fracture::describe(report) + ". Add --repair: it removes " +
-                                 std::to_string(repair.removed_triangles) + " triangles in " +
-                                 std::to_string(repair.removed_patches) +
-                                 " patches that double the surface, and the mesh is then closed");
+    const fracture::Repaired repaired = fracture::repair(mesh);
+    const auto after = fracture::check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles);
+    if (!after.closed() || repaired.mesh.triangles.empty()) return;
+    throw Failure(exit_mesh, name + ": " + fracture::describe(report) + ". Add --repair, and this is done:\n" +
+                                 fracture::describe(repaired.report) + "The mesh is then closed");
 }
 
 } // namespace
@@ -112,7 +111,7 @@ Input load_input(const FractureOptions& options, bool with_looks) {
     Input input = load_mesh_only(options.mesh, with_looks);
     if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
     if (options.repair) {
-        repair(input.model.mesh, input.name);
+        repair(input.model, input.name);
     } else {
         suggest_repair(input.model.mesh, input.name);
     }

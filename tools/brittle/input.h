@@ -20,7 +20,7 @@ struct FractureOptions {
     bool fit_sites = false;    // --fit-sites: moves and scales them onto the mesh's box, before the placement
     fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
     std::string save_recipe;   // --save-recipe: where load_input() writes all this; or empty
-    bool repair = false;    // --repair: remove patches that double the surface, and say so
+    bool repair = false;    // --repair: fracture::repair() first, and say what it did
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
     double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
     uint32_t threads = 0;    // 0: one a core

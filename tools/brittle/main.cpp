@@ -103,7 +103,7 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
         ->check(CLI::PositiveNumber);
     add_vector("--move-sites", options.sites_placement.move, "Move them, metres");
     command.add_flag("--repair", options.repair,
-                     "First remove patches that double the surface, a common flaw of models; says what it removed");
+                     "First mend the mesh as `brittle repair` does; says what was done");
     const auto set_algorithm = [&options](const std::string& name) {
         options.algorithm = name == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
     };
@@ -148,6 +148,16 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
                      "Run under the Vulkan validation layer; fail if it has something to say");
 }
 
+// What is wrong, or nothing.
+std::string has_exportable_ending(const std::string& file) {
+    const auto& known = fracture::exportable_extensions();
+    const std::string ending = std::filesystem::path(file).extension().string();
+    if (std::find(known.begin(), known.end(), ending) != known.end()) return {};
+    std::string list;
+    for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
+    return "'" + file + "' does not end with one of " + list;
+}
+
 void add_commands(CLI::App& app, std::function<int()>& run) {
     static FractureCommand fracture_command;
     auto* fracture = app.add_subcommand("fracture", "Break a mesh and write the pieces: GLB, OBJ, PLY or STL");
@@ -155,14 +165,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     fracture->add_option("-o,--output", fracture_command.output,
                          "The file to write; its ending says the format: .glb, .obj (with .mtl), .ply or .stl")
         ->required()
-        ->check([](const std::string& file) {
-            const auto& known = fracture::exportable_extensions();
-            const std::string ending = std::filesystem::path(file).extension().string();
-            if (std::find(known.begin(), known.end(), ending) != known.end()) return std::string();
-            std::string list;
-            for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
-            return "'" + file + "' does not end with one of " + list;
-        })
+        ->check(has_exportable_ending)
         ->type_name("FILE");
     fracture->add_flag("--per-piece", fracture_command.per_piece, "A file for each piece: FILE_000, FILE_001, ...");
     fracture->add_option("--hulls", fracture_command.hulls,
@@ -191,6 +194,23 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     add_view_options(*inspect, inspect_command.view);
     inspect->footer("Ends with 0 where the mesh can be fractured, with 4 where it cannot.");
     inspect->callback([&run] { run = [] { return run_inspect(inspect_command); }; });
+
+    static RepairCommand repair_command;
+    auto* repair = app.add_subcommand("repair", "Mend a mesh: weld cracks, drop what is double, turn, close holes, split");
+    repair->add_option("mesh", repair_command.mesh, mesh_help())->required()->type_name("MESH");
+    repair->add_option("-o,--output", repair_command.output, "The file to write: .glb, .obj, .ply or .stl")
+        ->required()
+        ->check(has_exportable_ending)
+        ->type_name("FILE");
+    repair->add_option("--weld", repair_command.settings.weld_distance,
+                       "Metres; vertices on the rims of holes this close become one. A millionth of the size if not given")
+        ->check(CLI::NonNegativeNumber);
+    repair->add_option("--close-holes", repair_command.settings.close_holes, "Metres; only rims up to this length are closed")
+        ->check(CLI::NonNegativeNumber);
+    repair->add_flag("--cavities", repair_command.settings.cavities,
+                     "A part wholly inside another becomes a cavity of it, whichever way it faces");
+    repair->footer("Ends with 0 where the result can be fractured, with 4 where it cannot. A sound mesh is not changed.");
+    repair->callback([&run] { run = [] { return run_repair(repair_command); }; });
 
     static RenderCommand render_command;
     auto* render = app.add_subcommand("render", "Break a mesh, let it fall and write pictures; needs no display");

@@ -223,9 +223,13 @@ std::string cell_complaint_before_merging(const Case& c) {
     return cut ? cell_complaint(c, *cut) : std::string(); // or solids that touch in a vertex
 }
 
-std::string inside_out_complaint(const Fragments& f) {
+// Crumbs may be as small as their rounding.
+std::string inside_out_complaint(const Case& c, const Fragments& f) {
+    const Box box = bounds(c.mesh);
+    const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+    const double extent = std::max({furthest.x, furthest.y, furthest.z});
     for (const Piece& piece : f.pieces)
-        if (!(piece.mass.volume > 0.0))
+        if (!(piece.mass.volume > -64 * 0x1p-53 * extent * piece.mass.area))
             return "site " + std::to_string(piece.site) + format(": a piece has volume %g", piece.mass.volume);
     return {};
 }
@@ -294,7 +298,7 @@ std::string complaint(const Case& c) {
     if (std::string wrong = cap_complaint(c, f); !wrong.empty()) return wrong;
     if (std::string wrong = cell_complaint_before_merging(c); !wrong.empty()) return wrong;
     if (c.simple) {
-        if (std::string wrong = inside_out_complaint(f); !wrong.empty()) return wrong;
+        if (std::string wrong = inside_out_complaint(c, f); !wrong.empty()) return wrong;
         if (c.groups.empty() && c.min_volume == 0.0)
             if (std::string wrong = cell_complaint(c, f); !wrong.empty()) return wrong;
     }
