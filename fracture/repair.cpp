@@ -48,7 +48,8 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& t) {
 bool round(Work& work, const RepairSettings& settings, double weld_distance) {
     if (check_topology(work.mesh.positions.size(), work.mesh.triangles).manifold()) {
         const bool dropped = mending::drop_duplicates(work); // a triangle and its back are a manifold
-        return mending::turn_parts(work, settings.cavities) || dropped;
+        const bool turned = mending::turn_parts(work, settings.cavities);
+        return (settings.covered_parts && mending::drop_covered(work)) || turned || dropped;
     }
     bool changed = mending::weld_rims(work, weld_distance);
     changed = mending::drop_degenerate(work) || changed;
@@ -109,7 +110,7 @@ Repaired repair(const TriangleMesh& mesh, const RepairSettings& settings) {
 
 bool RepairReport::changed() const {
     return welded_vertices.count + degenerate_triangles.count + duplicate_triangles.count
-               + spare_triangles.count + loose_triangles.count + turned_triangles.count + split_vertices.count
+               + spare_triangles.count + loose_triangles.count + covered_parts.count + turned_triangles.count + split_vertices.count
                + halved_edges.count + closed_holes.count
            > 0;
 }
@@ -137,6 +138,7 @@ std::string describe(const RepairReport& report) {
     line(report.spare_triangles, "triangle that covered another dropped",
          "triangles that covered others dropped", "is triangle");
     line(report.loose_triangles, "loose triangle dropped", "loose triangles dropped", "is triangle");
+    line(report.covered_parts, "part inside another dropped", "parts inside others dropped", "begins with triangle");
     line(report.turned_triangles, "triangle turned", "triangles turned", "is triangle");
     if (report.closed_holes.count > 0)
         text += count(report.closed_holes.count, "hole", "holes") + " closed with "

@@ -28,6 +28,9 @@ struct RepairSettings {
     // Turns a closed part inwards that lies inside an odd number of others. Otherwise such a part stays as it
     // faces.
     bool cavities = false;
+    // Drops closed parts that have solid on both sides, or on neither: of two solids, one wholly inside the other, the
+    // outer one is left, and space counts once. Parts that pass through others stay. For up to 1000 parts.
+    bool covered_parts = false;
 };
 
 // What was changed, and what is left. Places are indices of the input.
@@ -54,6 +57,7 @@ struct RepairReport {
     Change spare_triangles;      // dropped, see remove_spare_patches()
     uint64_t spare_patches = 0;
     Change loose_triangles;  // dropped
+    Change covered_parts;    // dropped; the place is their first triangle
     Change turned_triangles; // their corners are named the other way around
     Change closed_holes;     // each rim counts; the place is its lowest vertex
     uint64_t new_triangles = 0;
@@ -96,6 +100,7 @@ struct Repaired {
 //  6. Closed parts are turned outwards, those inside an odd number of others inwards.
 //  7. Where more than two triangles meet in an edge, pairs of them are separated, so that what is solid
 //     between two stays together. Every fan of triangles around a vertex gets its own copy of it.
+//  8. Parts that others cover are dropped, where that is asked for.
 // This is repeated until nothing changes, which is nearly always at once.
 //
 // Vertices keep their indices and places, new ones are appended, those that are used no more stay. Triangles

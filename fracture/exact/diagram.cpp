@@ -11,9 +11,9 @@ namespace {
 
 constexpr uint32_t kLeastCells = 4;
 
-// Below this ratio of the determinant to its permanent a position has lost eight digits: it is then rounded
-// from the exact one.
-constexpr double kWellConditioned = 1e-8;
+// Below this ratio of the determinant to its permanent a position has lost two digits: it is then rounded from the exact
+// one. Lost digits would move it off its planes, which in a thin solid bends the caps that meet there.
+constexpr double kWellConditioned = 1e-2;
 
 void exclusive_sum(std::vector<uint32_t>& counts) {
     uint32_t sum = 0;

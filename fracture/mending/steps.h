@@ -28,6 +28,10 @@ bool close_holes(Work& work, const RepairSettings& settings);
 // Turns closed parts outwards, cavities inwards.
 bool turn_parts(Work& work, bool cavities);
 
+// Drops parts that pass through no other and have solid on both sides, or on neither, by the turns of the others around
+// them: of two solids one inside the other the outer one is left.
+bool drop_covered(Work& work);
+
 // Separates what only touches.
 bool separate(Work& work);
 

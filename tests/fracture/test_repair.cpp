@@ -159,6 +159,31 @@ TEST_CASE("where it is asked for, a cavity faces inwards, and what lies in it ou
     CHECK(!repair(nested).report.changed());
 }
 
+TEST_CASE("where it is asked for, parts that others cover go") {
+    RepairSettings settings;
+    settings.covered_parts = true;
+    const TriangleMesh outer = icosphere(2, 2.0);
+    TriangleMesh mesh = outer;
+    append(mesh, icosphere(1, 0.5));                              // solid in solid
+    append(mesh, icosphere(1, 0.2));                              // in both
+    append(mesh, icosphere(1, 0.3), glm::dvec3(1.2, 0.0, 0.0));   // beside them
+    const Repaired solid = check_solid(mesh, test::signed_volume(outer), settings);
+    CHECK(solid.mesh.triangles == outer.triangles);
+    CHECK(solid.report.covered_parts.count == 3);
+    CHECK(solid.report.covered_parts.first == outer.triangles.size());
+    CHECK_FALSE(repair(mesh).report.changed());
+
+    TriangleMesh hollow = hollow_sphere(2);
+    append(hollow, icosphere(1, 0.3)); // a ball in the cavity bounds what is solid
+    CHECK_FALSE(repair(hollow, settings).report.changed());
+    TriangleMesh crossing = cube();
+    append(crossing, cube(), glm::dvec3(0.5));
+    append(crossing, icosphere(1, 0.1)); // inside both
+    const Repaired crossed = repair(crossing, settings);
+    CHECK(crossed.report.covered_parts.count == 1);
+    CHECK(crossed.mesh.triangles.size() == 24);
+}
+
 TEST_CASE("triangles that are there twice") {
     const TriangleMesh whole = torus(12, 8);
     const double volume = test::signed_volume(whole);

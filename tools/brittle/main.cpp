@@ -209,6 +209,8 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->check(CLI::NonNegativeNumber);
     repair->add_flag("--cavities", repair_command.settings.cavities,
                      "A part wholly inside another becomes a cavity of it, whichever way it faces");
+    repair->add_flag("--overlaps", repair_command.settings.covered_parts,
+                     "Parts wholly inside others go, so that space counts once; parts that cross stay");
     repair->footer("Ends with 0 where the result can be fractured, with 4 where it cannot. A sound mesh is not changed.");
     repair->callback([&run] { run = [] { return run_repair(repair_command); }; });
 
