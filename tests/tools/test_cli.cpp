@@ -362,6 +362,21 @@ TEST_CASE("repair mends what fracture refuses, says what it did, and keeps what 
     CHECK(has(sound, "nothing to repair"));
 }
 
+TEST_CASE("the pieces are the same wherever they are classified, and auto says where") {
+    const Folder folder;
+    const auto hash = [&](const std::string& where) {
+        const Outcome outcome = brittle(folder, "fracture shape:torus -n 40 --classify " + where + " --report " + (folder / "r.json")
+                                                    + " -o " + (folder / "a.glb"));
+        CHECK(outcome.exit_code == 0);
+        CHECK(has(outcome, "classification on the") == (where != "cpu"));
+        if (where == "auto") CHECK(has(outcome, "the fracture takes"));
+        return nlohmann::json::parse(read(folder / "r.json"))["hash"].get<std::string>();
+    };
+    const std::string on_cpu = hash("cpu");
+    CHECK(hash("gpu") == on_cpu);
+    CHECK(hash("auto") == on_cpu);
+}
+
 TEST_CASE("inspect marks what it found in a file and a picture") {
     const Folder folder;
     write(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");

@@ -8,12 +8,14 @@
 #include "fracture/io/import.h"
 #include "physics/hull.h"
 #include "physics/material.h"
+#include "tools/brittle/classify_choice.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/interrupt.h"
 #include "tools/brittle/progress.h"
 #include "tools/brittle/recipe.h"
 #include "tools/brittle/report.h"
+#include "tools/brittle/view.h"
 
 namespace brittle::tools {
 
@@ -66,9 +68,18 @@ int run_fracture(const FractureCommand& command) {
     const Input input = load_input(command.fracture, true);
     for (const std::string& note : input.model.notes)
         std::fprintf(stderr, "brittle: %s: %s\n", input.name.c_str(), note.c_str());
+    const ClassifyPath path = classify_path(command.classify);
+    std::unique_ptr<engine::Device> device;
+    ClassifyChoice choice;
+    if (path != ClassifyPath::cpu) {
+        device = open_device({});
+        choice = choose_classifier(path, *device, input, command.fracture);
+        std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
+    }
     const Broken broken = [&] {
         Progress progress("fracturing " + input.name);
-        return break_input(input, command.fracture, [&](double share) { progress.update(share); });
+        return break_input(input, command.fracture, [&](double share) { progress.update(share); },
+                           choice.classifier.get());
     }();
 
     const std::string recipe = recipe_json(command.fracture);

@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "engine/core/bitmap.h"
+#include "tools/brittle/classify_choice.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/picture_name.h"
@@ -40,8 +41,12 @@ int run_render(const RenderCommand& command) {
     const auto renderer = must(engine::Renderer::create(*device));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);
     if (!command.whole) {
+        const ClassifyChoice choice =
+            choose_classifier(classify_path(command.classify), *device, input, command.fracture);
+        if (command.classify != "cpu") std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
         Progress progress("fracturing " + input.name);
-        const Broken broken = break_input(input, command.fracture, [&](double share) { progress.update(share); });
+        const Broken broken = break_input(
+            input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
         stage.shatter(broken.fragments);
     }
     if (command.sites) stage.show_sites(input.sites);

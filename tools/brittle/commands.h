@@ -23,6 +23,7 @@ struct FractureCommand {
     std::string hulls;       // "godot" or "unreal": how collision hulls are named; empty: none
     bool rigid_bodies = false;
     double density = 0.0;    // kg/m^3, of rigid_bodies; 0: the material's
+    std::string classify = "cpu"; // auto, cpu or gpu
     std::string interior_texture; // an image for the cuts; empty: none
     std::string report;      // empty: none
 };
@@ -34,6 +35,7 @@ struct RenderCommand {
     uint32_t frames = 120; // of 1/60 s simulated time, after the first picture
     uint32_t every = 10;   // write each so many-th frame
     bool whole = false;    // the unbroken mesh
+    std::string classify = "cpu"; // auto, cpu or gpu
     float explode = 0.0f;  // draw the pieces moved apart by this share of their distance to the middle
     bool sites = false;    // show the sites as spheres
     bool hulls = false;    // show the collision hulls as lines
@@ -42,6 +44,7 @@ struct RenderCommand {
 struct DemoCommand {
     FractureOptions fracture;
     ViewOptions view;
+    std::string classify = "auto"; // auto, cpu or gpu
 };
 
 struct ProfileCommand {

@@ -148,6 +148,16 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
                      "Run under the Vulkan validation layer; fail if it has something to say");
 }
 
+void add_classify_option(CLI::App& command, std::string& where) {
+    command
+        .add_option("--classify", where,
+                    "Where vertices and triangles are classified: cpu, gpu (the Vulkan device, even if that is a CPU), or "
+                    "auto: whichever a few trials find faster. Never changes the result")
+        ->check(CLI::IsMember({"auto", "cpu", "gpu"}))
+        ->type_name("WHERE")
+        ->capture_default_str();
+}
+
 // What is wrong, or nothing.
 std::string has_exportable_ending(const std::string& file) {
     const auto& known = fracture::exportable_extensions();
@@ -179,6 +189,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     fracture->add_option("--interior-texture", fracture_command.interior_texture,
                          "An image for the cuts, repeated every metre (PNG or JPEG)")
         ->type_name("FILE");
+    add_classify_option(*fracture, fracture_command.classify);
     fracture->add_option("--report", fracture_command.report, "Also write counts, proof and times as JSON")
         ->type_name("FILE.json");
     fracture->callback([&run] { run = [] { return run_fracture(fracture_command); }; });
@@ -233,6 +244,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->capture_default_str();
     render->add_flag("--show-sites", render_command.sites, "Draw the sites as red spheres");
     render->add_flag("--show-hulls", render_command.hulls, "Draw the collision hulls as red lines");
+    add_classify_option(*render, render_command.classify);
     add_view_options(*render, render_command.view);
     render->callback([&run] { run = [] { return run_render(render_command); }; });
 
