@@ -17,6 +17,8 @@ namespace brittle::engine {
 
 namespace {
 
+// Younger than the headers of Vulkan 1.3.239; its types and functions are those of VK_EXT_calibrated_timestamps.
+constexpr const char* khr_calibrated_timestamps = "VK_KHR_calibrated_timestamps";
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 
 // LeakSanitizer cannot name what a driver leaked once the loader has unloaded it. Keep both libraries mapped,
@@ -350,8 +352,11 @@ void Device::create_device() {
     for (const NeededFeature& feature : needed_features) feature.member(features) = VK_TRUE;
 
     std::vector<const char*> extensions;
-    can_present_ = can_present_ && lists(device_extensions(physical_), VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    const std::vector<VkExtensionProperties> offered = device_extensions(physical_);
+    can_present_ = can_present_ && lists(offered, VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     if (can_present_) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    const char* const clock_extension = find_clock_extension(offered);
+    if (clock_extension) extensions.push_back(clock_extension);
 
     const float priority = 1.0f;
     const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -367,6 +372,11 @@ void Device::create_device() {
     check(vkCreateDevice(physical_, &info, nullptr, &device_), "create a Vulkan device");
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+    if (clock_extension) {
+        const bool is_khr = std::strcmp(clock_extension, khr_calibrated_timestamps) == 0;
+        match_clocks_ = reinterpret_cast<PFN_vkGetCalibratedTimestampsEXT>(vkGetDeviceProcAddr(
+            device_, is_khr ? "vkGetCalibratedTimestampsKHR" : "vkGetCalibratedTimestampsEXT"));
+    }
 
     if (debug_utils_) {
         set_name_ =
@@ -376,6 +386,35 @@ void Device::create_device() {
         end_label_ =
             instance_function<PFN_vkCmdEndDebugUtilsLabelEXT>(instance_, "vkCmdEndDebugUtilsLabelEXT");
     }
+}
+
+const char* Device::find_clock_extension(const std::vector<VkExtensionProperties>& offered) const {
+    if (!limits_.timestampComputeAndGraphics) return nullptr;
+    const bool is_ext = lists(offered, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME);
+    if (!is_ext && !lists(offered, khr_calibrated_timestamps)) return nullptr;
+    const auto list = instance_function<PFN_vkGetPhysicalDeviceCalibrateableTimeDomainsEXT>(
+        instance_, is_ext ? "vkGetPhysicalDeviceCalibrateableTimeDomainsEXT"
+                          : "vkGetPhysicalDeviceCalibrateableTimeDomainsKHR");
+    if (!list) return nullptr;
+    uint32_t count = 0;
+    list(physical_, &count, nullptr);
+    std::vector<VkTimeDomainEXT> domains(count);
+    list(physical_, &count, domains.data());
+    for (const VkTimeDomainEXT needed : {VK_TIME_DOMAIN_DEVICE_EXT, VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT})
+        if (std::find(domains.begin(), domains.end(), needed) == domains.end()) return nullptr;
+    return is_ext ? VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME : khr_calibrated_timestamps;
+}
+
+std::optional<ClockMatch> Device::match_clocks() const {
+    if (!match_clocks_) return std::nullopt;
+    constexpr VkStructureType type = VK_STRUCTURE_TYPE_CALIBRATED_TIMESTAMP_INFO_EXT;
+    // steady_clock is CLOCK_MONOTONIC in every library for Linux.
+    const VkCalibratedTimestampInfoEXT clocks[] = {{.sType = type, .timeDomain = VK_TIME_DOMAIN_DEVICE_EXT},
+                                                   {.sType = type, .timeDomain = VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT}};
+    uint64_t now[2] = {};
+    uint64_t deviation = 0;
+    if (match_clocks_(device_, 2, clocks, now, &deviation) != VK_SUCCESS) return std::nullopt;
+    return ClockMatch{now[0], static_cast<int64_t>(now[1]), static_cast<double>(limits_.timestampPeriod)};
 }
 
 Device::~Device() {

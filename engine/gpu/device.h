@@ -16,6 +16,7 @@
 #include <vulkan/vulkan.h>
 
 #include "engine/core/result.h"
+#include "engine/gpu/clock_match.h"
 
 namespace brittle::engine {
 
@@ -70,6 +71,12 @@ class Device {
     [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return limits_; }
     [[nodiscard]] bool can_present() const { return can_present_; } // surface and swapchain extensions are on
 
+    // Whether the driver tells its timestamps and steady_clock at one moment (VK_EXT_calibrated_timestamps, or
+    // the KHR extension of the same content).
+    [[nodiscard]] bool has_common_clock() const { return match_clocks_ != nullptr; }
+    // Both clocks now; nothing without has_common_clock(). Takes microseconds.
+    [[nodiscard]] std::optional<ClockMatch> match_clocks() const;
+
     // Labels what profilers and validation messages show; does nothing without validation.
     void set_name(VkObjectType type, uint64_t handle, const char* name) const;
     void begin_label(VkCommandBuffer commands, const char* name) const;
@@ -85,6 +92,8 @@ class Device {
     Device() = default;
     Result<void> create_instance(bool validation);
     void create_device();
+    // The extension for match_clocks() to be asked for; null without one.
+    [[nodiscard]] const char* find_clock_extension(const std::vector<VkExtensionProperties>& offered) const;
 
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
@@ -97,6 +106,7 @@ class Device {
     PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
     PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
     PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
+    PFN_vkGetCalibratedTimestampsEXT match_clocks_ = nullptr;
     DeviceInfo info_;
     VkPhysicalDeviceLimits limits_{};
     VkPhysicalDeviceMemoryProperties memory_{};

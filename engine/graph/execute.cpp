@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 
 #include "engine/gpu/check.h"
 #include "engine/gpu/memory.h"
@@ -251,9 +252,12 @@ std::vector<PassTime> GraphExecutor::collect_times() {
                                 stamps.size() * sizeof(uint64_t), stamps.data(), sizeof(uint64_t),
                                 VK_QUERY_RESULT_64_BIT),
           "read timestamps");
+    const auto period = static_cast<double>(device_.limits().timestampPeriod);
+    const std::chrono::nanoseconds now = std::chrono::steady_clock::now().time_since_epoch();
+    const ClockMatch match = device_.match_clocks().value_or(ClockMatch{stamps.back(), now.count(), period});
     for (size_t i = 0; i < timed_.size(); ++i) {
         const auto ticks = static_cast<double>(stamps[2 * i + 1] - stamps[2 * i]);
-        times.push_back({timed_[i], ticks * static_cast<double>(device_.limits().timestampPeriod) * 1e-6});
+        times.push_back({timed_[i], ticks * period * 1e-6, match.host(stamps[2 * i])});
     }
     return times;
 }

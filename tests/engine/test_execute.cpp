@@ -1,5 +1,6 @@
 // The execute half of the frame graph: plans of transfers, whose results can be read back.
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 
 #include <doctest/doctest.h>
@@ -25,6 +26,12 @@ void run(GraphExecutor& executor, const Device& device, FrameGraph&& graph, cons
     executor.record(*plan, external, commands.buffer());
     commands.submit({}, VK_NULL_HANDLE);
     commands.wait();
+}
+
+constexpr int64_t most_deviation = 1'000'000; // ns, between the clocks of host and device
+
+int64_t now() {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 // Fills a chain of transients, each copied from the one before, and ends in `result`: with aliasing memory, a
@@ -94,6 +101,7 @@ TEST_CASE("values pass through transients that share memory, in graphs that chan
             FrameGraph graph;
             External external;
             copy_chain(graph, external, result, ++value, links);
+            const int64_t before = now();
             run(executor, *device, std::move(graph), external);
             const std::span<uint32_t> words = result.mapped_as<uint32_t>(0, size / 4);
             CHECK(std::ranges::all_of(words, [&](uint32_t word) { return word == value; }));
@@ -101,6 +109,9 @@ TEST_CASE("values pass through transients that share memory, in graphs that chan
                 const std::vector<PassTime> times = executor.collect_times();
                 REQUIRE(times.size() == static_cast<size_t>(links) + 1);
                 CHECK(times[0].name == "fill");
+                for (size_t i = 1; i < times.size(); ++i) CHECK(times[i].begin >= times[i - 1].begin);
+                CHECK(times.back().begin <= now() + most_deviation);
+                if (device->has_common_clock()) CHECK(times[0].begin >= before - most_deviation);
             }
         }
     }

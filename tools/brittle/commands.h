@@ -6,6 +6,7 @@
 
 #include "fracture/repair.h"
 #include "tools/brittle/input.h"
+#include "tools/brittle/profile/scenario.h"
 
 namespace brittle::tools {
 
@@ -50,11 +51,14 @@ struct DemoCommand {
 struct ProfileCommand {
     FractureOptions fracture;
     ViewOptions view;
-    uint32_t repeats = 9;
-    bool classify_on_device = false; // --classify gpu
-    uint32_t frames = 60; // 0: the fracture alone, without a device
+    ProfilePlan plan;       // --scenarios, and what of it the command line outdoes
+    ScenarioGroup lists;    // --meshes, --counts, --classify
     bool json = false;
-    std::string output; // where the JSON goes besides; empty: nowhere
+    std::string output;     // where the JSON goes besides; empty: nowhere
+    std::string csv;        // likewise
+    std::string trace;      // a time line; empty: none
+    std::string compare;    // a profile to compare with; empty: none
+    double threshold = 1.1; // a ratio of medians above this is slower
 };
 
 struct InspectCommand {
@@ -77,6 +81,7 @@ int run_repair(const RepairCommand& command);
 int run_fracture(const FractureCommand& command);
 int run_render(const RenderCommand& command);
 int run_demo(const DemoCommand& command);
+// Returns exit_slower where --compare finds something slower.
 int run_profile(const ProfileCommand& command);
 
 } // namespace brittle::tools

@@ -31,6 +31,7 @@ constexpr const char* description =
 constexpr const char* exit_codes_help =
     "Exit codes: 0 success, 1 failure, 2 wrong command line, 3 input file missing or damaged,\n"
     "            4 mesh or sites cannot be fractured, 5 output not written, 6 no Vulkan device or no display,\n"
+    "            7 slower than before (profile --compare),\n"
     "            130 interrupted (Ctrl+C); nothing half-written is left";
 
 std::string mesh_help() {
@@ -168,6 +169,68 @@ std::string has_exportable_ending(const std::string& file) {
     return "'" + file + "' does not end with one of " + list;
 }
 
+void add_profile(CLI::App& app, std::function<int()>& run) {
+    static ProfileCommand command;
+    ProfilePlan& plan = command.plan;
+    auto* profile = app.add_subcommand(
+        "profile", "Measure fractures and the frames around them; compare with an earlier run; write a time line");
+    // First, so that options on the command line outdo it.
+    profile
+        ->add_option_function<std::string>(
+            "--scenarios", [&plan](const std::string& file) { read_profile_plan(file, plan); },
+            "What to measure, from a file (assets/profile.schema.json); for what it leaves open the command line is asked")
+        ->type_name("FILE.json");
+    add_fracture_options(*profile, command.fracture);
+    profile->add_option("--meshes", command.lists.meshes, "Several meshes instead of MESH")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->excludes("mesh")
+        ->type_name("MESH,MESH,...");
+    profile->add_option("--counts", command.lists.counts, "Several numbers of sites instead of --pieces")
+        ->check(CLI::Range(1u, 1'000'000u))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->excludes("--pieces")
+        ->excludes("--piece-size")
+        ->type_name("N,N,...");
+    profile
+        ->add_option("--classify", command.lists.classify,
+                     "Where vertices and triangles are classified: cpu, gpu (the Vulkan device, even if that is a CPU) "
+                     "or both")
+        ->check(CLI::IsMember({"cpu", "gpu"}))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("WHERE,...")
+        ->default_str("cpu");
+    profile->add_option("--warm-up", plan.warm_up, "Fractures before those that are measured")
+        ->check(CLI::Range(0u, 10'000u))
+        ->capture_default_str();
+    profile->add_option("--repeats", plan.repeats, "Measured fractures")
+        ->check(CLI::Range(1u, 10'000u))
+        ->capture_default_str();
+    profile
+        ->add_option("--frames", plan.frames,
+                     "Measured frames before the fracture and as many after it; 0 for none, without a device")
+        ->check(CLI::Range(0u, 100'000u))
+        ->capture_default_str();
+    profile->add_flag("--json", command.json, "Print JSON instead of a table");
+    profile->add_option("-o,--output", command.output, "Also write the JSON to FILE")->type_name("FILE.json");
+    profile->add_option("--csv", command.csv, "Also write a line a phase")->type_name("FILE.csv");
+    profile->add_option("--trace", command.trace, "Also write a time line that Perfetto (ui.perfetto.dev) shows")
+        ->type_name("FILE.json");
+    auto* compare = profile->add_option("--compare", command.compare, "Compare with a profile that -o wrote earlier")
+                        ->type_name("OLD.json");
+    profile
+        ->add_option("--threshold", command.threshold,
+                     "What --compare calls slower: this many times the old median, and above the old 95th percentile")
+        ->check(CLI::Range(1.0, 1000.0))
+        ->needs(compare)
+        ->capture_default_str();
+    add_view_options(*profile, command.view);
+    profile->footer("Ends with 7 where --compare finds a fracture's total, or the frames before or after it, slower.");
+    profile->callback([&run] { run = [] { return run_profile(command); }; });
+}
+
 void add_commands(CLI::App& app, std::function<int()>& run) {
     static FractureCommand fracture_command;
     auto* fracture = app.add_subcommand("fracture", "Break a mesh and write the pieces: GLB, OBJ, PLY or STL");
@@ -256,26 +319,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     add_view_options(*demo, demo_command.view);
     demo->callback([&run] { run = [] { return run_demo(demo_command); }; });
 
-    static ProfileCommand profile_command;
-    auto* profile = app.add_subcommand("profile", "Measure the fracture and the frames around it: median and p95");
-    add_fracture_options(*profile, profile_command.fracture);
-    profile->add_option("--repeats", profile_command.repeats, "Measured fractures, after one to warm up")
-        ->check(CLI::Range(1u, 10'000u))
-        ->capture_default_str();
-    profile->add_option("--frames", profile_command.frames, "Measured frames before and after the fracture; 0 for none, without a device")
-        ->check(CLI::Range(0u, 100'000u))
-        ->capture_default_str();
-    profile
-        ->add_option_function<std::string>(
-            "--classify", [](const std::string& where) { profile_command.classify_on_device = where == "gpu"; },
-            "Where vertices and triangles are classified: cpu, or gpu (the Vulkan device, even if that is a CPU)")
-        ->check(CLI::IsMember({"cpu", "gpu"}))
-        ->type_name("WHERE")
-        ->default_str("cpu");
-    profile->add_flag("--json", profile_command.json, "Print JSON instead of a table");
-    profile->add_option("-o,--output", profile_command.output, "Also write the JSON to FILE")->type_name("FILE.json");
-    add_view_options(*profile, profile_command.view);
-    profile->callback([&run] { run = [] { return run_profile(profile_command); }; });
+    add_profile(app, run);
 }
 
 int run(int argc, char** argv) {

@@ -1,8 +1,6 @@
 #include "tools/brittle/recipe.h"
 
 #include <algorithm>
-#include <cmath>
-#include <fstream>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -12,6 +10,7 @@
 #include "fracture/io/atomic_file.h"
 #include "fracture/io/text_cursor.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/json_reader.h"
 
 namespace brittle::tools {
 
@@ -23,14 +22,6 @@ using fracture::Pattern;
 constexpr int version = 1;
 constexpr std::string_view shape_prefix = "shape:";
 constexpr size_t longest_recipe = size_t{1} << 20; // bytes
-constexpr int deepest_recipe = 64;                 // brackets; writing JSON recurses over them
-
-// A value for a message: short, without what a terminal would obey.
-std::string shown(const Json& value) {
-    constexpr size_t longest = 60;
-    const std::string text = value.dump();
-    return text.size() > longest ? text.substr(0, longest - 3) + "..." : text;
-}
 
 Json vector_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
@@ -79,88 +70,7 @@ Json recipe_object(const FractureOptions& options) {
     return recipe;
 }
 
-// One object of the recipe. Keys that nobody asked for are unknown.
-class Reader {
-  public:
-    Reader(const std::filesystem::path& file, const Json& json, std::string path)
-        : file_(file), json_(json), path_(std::move(path)) {
-        if (!json.is_object()) fail("", "an object { }", json);
-    }
-
-    [[nodiscard]] Failure failure(const std::string& key, const std::string& what) const {
-        return {exit_input, file_.string() + ": " + path_ + (key.empty() ? "" : "/" + key) + ": " + what};
-    }
-
-    // The value of a key, or null.
-    const Json* find(const std::string& key) {
-        known_.push_back(key);
-        const auto at = json_.find(key);
-        return at == json_.end() ? nullptr : &*at;
-    }
-
-    void number(const std::string& key, double& target, double low, double high) {
-        const Json* value = find(key);
-        if (!value) return;
-        if (!value->is_number() || !(value->get<double>() >= low) || !(value->get<double>() <= high))
-            fail(key, "a number from " + Json(low).dump() + " to " + Json(high).dump(), *value);
-        target = value->get<double>();
-    }
-
-    template<class Whole>
-    void whole(const std::string& key, Whole& target, uint64_t low, uint64_t high) {
-        const Json* value = find(key);
-        if (!value) return;
-        if (!value->is_number_unsigned() || value->get<uint64_t>() < low || value->get<uint64_t>() > high)
-            fail(key, "a whole number from " + std::to_string(low) + " to " + std::to_string(high), *value);
-        target = static_cast<Whole>(value->get<uint64_t>());
-    }
-
-    void flag(const std::string& key, bool& target) {
-        const Json* value = find(key);
-        if (!value) return;
-        if (!value->is_boolean()) fail(key, "true or false", *value);
-        target = value->get<bool>();
-    }
-
-    void text(const std::string& key, std::string& target) {
-        const Json* value = find(key);
-        if (!value) return;
-        if (!value->is_string()) fail(key, "text in quotes", *value);
-        target = value->get<std::string>();
-    }
-
-    void vector(const std::string& key, glm::dvec3& target) {
-        if (const Json* value = find(key)) target = vector_of(key, *value);
-    }
-
-    [[nodiscard]] glm::dvec3 vector_of(const std::string& key, const Json& value) const {
-        const auto is_number = [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); };
-        if (!value.is_array() || value.size() != 3 || !std::all_of(value.begin(), value.end(), is_number))
-            fail(key, "three numbers [x, y, z]", value);
-        return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
-    }
-
-    [[noreturn]] void fail(const std::string& key, const std::string& expected, const Json& found) const {
-        throw failure(key, "expected " + expected + ", found " + shown(found));
-    }
-
-    void refuse_unknown_keys() const {
-        for (const auto& [key, value] : json_.items()) {
-            if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-            std::string list;
-            for (const std::string& known : known_) list += (list.empty() ? "" : ", ") + known;
-            throw failure(fracture::printable(key), "unknown key; there are: " + list);
-        }
-    }
-
-  private:
-    const std::filesystem::path& file_;
-    const Json& json_;
-    std::string path_;
-    std::vector<std::string> known_;
-};
-
-void read_pattern(Reader& reader, FractureOptions& options) {
+void read_pattern(JsonReader& reader, FractureOptions& options) {
     const auto names = fracture::pattern_names();
     std::string type(names[static_cast<size_t>(options.pattern.kind)]);
     reader.text("type", type);
@@ -200,29 +110,6 @@ void read_pattern(Reader& reader, FractureOptions& options) {
     }
 }
 
-Json parse(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Failure(exit_input, file.string() + ": the recipe cannot be read");
-    std::string text;
-    for (char c = 0; text.size() <= longest_recipe && stream.get(c);) text.push_back(c);
-    if (text.size() > longest_recipe) throw Failure(exit_input, file.string() + ": a recipe of more than 1 MiB is none");
-    bool too_deep = false;
-    const auto keep = [&](int depth, Json::parse_event_t, Json&) {
-        too_deep = too_deep || depth > deepest_recipe;
-        return depth <= deepest_recipe;
-    };
-    Json json;
-    try {
-        json = Json::parse(text, keep);
-    } catch (const nlohmann::json::exception& e) {
-        // It quotes the last token, which may be the whole file.
-        const std::string why = std::string(e.what()).substr(0, 300);
-        if (!too_deep) throw Failure(exit_input, file.string() + ": the JSON cannot be read: " + why);
-    }
-    if (too_deep) throw Failure(exit_input, file.string() + ": nested too deeply for a recipe");
-    return json;
-}
-
 } // namespace
 
 std::string recipe_json(const FractureOptions& options) {
@@ -230,8 +117,8 @@ std::string recipe_json(const FractureOptions& options) {
 }
 
 void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
-    const Json json = parse(file);
-    Reader reader(file, json, "");
+    const Json json = read_json_file(file, "recipe", longest_recipe);
+    JsonReader reader(file, json, "");
     int written_for = 0;
     reader.whole("brittle", written_for, 0, INT32_MAX);
     if (written_for != version)
@@ -254,7 +141,7 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
         }
     }
     if (const Json* pattern = reader.find("pattern")) {
-        Reader inner(file, *pattern, "/pattern");
+        JsonReader inner(file, *pattern, "/pattern");
         read_pattern(inner, options);
         inner.refuse_unknown_keys();
         from_here(options.sites_file);

@@ -1,7 +1,6 @@
 #include "tools/brittle/statistics.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace brittle::tools {
 
@@ -9,9 +8,10 @@ Statistics statistics(std::vector<double> samples) {
     if (samples.empty()) return {};
     std::sort(samples.begin(), samples.end());
     const size_t n = samples.size();
-    const auto rank = static_cast<size_t>(std::ceil(0.95 * static_cast<double>(n)));
+    const auto percentile = [&](size_t percent) { return samples[(n * percent + 99) / 100 - 1]; };
     return {.median = (samples[(n - 1) / 2] + samples[n / 2]) / 2.0,
-            .p95 = samples[rank - 1],
+            .p95 = percentile(95),
+            .p99 = percentile(99),
             .max = samples.back()};
 }
 

@@ -1,0 +1,16 @@
+# Writes HEADER with the commit of SOURCE, each time something is built; the header changes only with the commit.
+set(commit "")
+if(GIT)
+    execute_process(COMMAND ${GIT} describe --always --dirty WORKING_DIRECTORY ${SOURCE}
+        OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+endif()
+if(NOT commit MATCHES "^[-_.A-Za-z0-9]+$")
+    set(commit "unknown")
+endif()
+set(text "#define BRITTLE_COMMIT \"${commit}\"\n")
+if(EXISTS ${HEADER})
+    file(READ ${HEADER} old)
+endif()
+if(NOT text STREQUAL "${old}")
+    file(WRITE ${HEADER} "${text}")
+endif()

@@ -1,0 +1,14 @@
+// A profile as comma-separated values, for spreadsheets and scripts (RFC 4180, with plain line ends).
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace brittle::tools {
+
+// The column names, then a line a phase: scenario,mesh,triangles,sites,pieces,classify,group,phase,median_ms,p95_ms,
+// p99_ms,max_ms,samples. `group` is "fracture" or "frames whole" and so on.
+[[nodiscard]] std::string profile_csv(const nlohmann::ordered_json& profile);
+
+} // namespace brittle::tools

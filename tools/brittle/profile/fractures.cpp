@@ -1,0 +1,46 @@
+#include "tools/brittle/profile/fractures.h"
+
+#include <cmath>
+
+#include "tools/brittle/failure.h"
+#include "tools/brittle/profile/passes.h"
+#include "tools/brittle/progress.h"
+
+namespace brittle::tools {
+
+FractureTimes measure_fractures(const Scenario& scenario, const Input& input, const ProfilePlan& plan,
+                                engine::GpuClassifier* classifier, Trace* trace) {
+    FractureTimes times;
+    Progress progress("fracturing " + scenario.name);
+    const uint32_t runs = plan.warm_up + plan.repeats;
+    for (uint32_t run = 0; run < runs; ++run) {
+        const int64_t begin = trace_clock();
+        const Broken broken = break_input(input, scenario.fracture, {}, classifier);
+        check_classifier(classifier);
+        progress.update(static_cast<double>(run + 1) / runs);
+        if (run == 0) times.first_milliseconds = broken.milliseconds;
+        times.certificate = broken.certificate;
+        if (trace) trace_fracture(*trace, Track::main, 1, begin, broken, classifier);
+        if (run < plan.warm_up) continue;
+        for (const fracture::Milliseconds& t : broken.fragments.timings) times.series.add(t.phase, t.milliseconds);
+        times.series.add("total", broken.milliseconds);
+        if (classifier) add_passes(times.series, classifier->timings());
+    }
+    return times;
+}
+
+void trace_fracture(Trace& trace, Track track, int depth, int64_t begin, const Broken& broken,
+                    const engine::GpuClassifier* classifier) {
+    trace.add(track, depth, "fracture", begin, begin + std::llround(broken.milliseconds * 1e6));
+    // Phases follow one another; what little lies between them comes at the end.
+    std::vector<Trace::Step> steps;
+    for (const fracture::Milliseconds& t : broken.fragments.timings) steps.push_back({t.phase, t.milliseconds});
+    trace.add_steps(track, depth + 1, steps, begin);
+    if (classifier) trace_passes(trace, Track::classifier, classifier->timings());
+}
+
+void check_classifier(const engine::GpuClassifier* classifier) {
+    if (classifier && !classifier->error().empty()) throw Failure(exit_environment, classifier->error());
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,91 @@
+#include "tools/brittle/profile/measure.h"
+
+#include <filesystem>
+
+#include "tools/brittle/failure.h"
+#include "tools/brittle/profile/frames.h"
+#include "tools/brittle/profile/fractures.h"
+#include "tools/brittle/recipe.h"
+#include "tools/brittle/stage.h"
+#include "tools/brittle/view.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// With files by their names alone: where they lie is nobody's business.
+Json recipe_without_folders(FractureOptions options) {
+    for (std::string* file : {&options.mesh, &options.sites_file}) {
+        if (!file->starts_with("shape:")) *file = std::filesystem::path(*file).filename().string();
+    }
+    return Json::parse(recipe_json(options));
+}
+
+} // namespace
+
+Profiler::Profiler(const ProfilePlan& plan, const ViewOptions& view, Trace* trace)
+    : plan_(plan), view_(view), trace_(trace) {}
+
+engine::GpuClassifier* Profiler::classifier_for(const Scenario& scenario) {
+    if (!scenario.classify_on_device) return nullptr;
+    if (!compute_device_) compute_device_ = open_device(view_);
+    if (!classifier_) classifier_ = must(engine::GpuClassifier::create(*compute_device_));
+    return classifier_.get();
+}
+
+engine::Renderer& Profiler::renderer() {
+    if (!render_device_) render_device_ = open_device(view_);
+    if (!renderer_) {
+        renderer_ = must(engine::Renderer::create(*render_device_));
+        must(renderer_->warm_up());
+    }
+    return *renderer_;
+}
+
+Json Profiler::measure(const Scenario& scenario) {
+    const Input input = placed_on_stage(load_input(scenario.fracture));
+    engine::GpuClassifier* const classifier = classifier_for(scenario);
+    const int64_t begin = trace_clock();
+    const FractureTimes times = measure_fractures(scenario, input, plan_, classifier, trace_);
+    Json json{{"name", scenario.name},
+              {"mesh", input.name},
+              {"triangles", input.model.mesh.triangles.size()},
+              {"sites", input.sites.size()},
+              {"pieces", times.certificate.pieces},
+              {"closed", times.certificate.closed},
+              {"classify", scenario.classify_on_device ? "gpu" : "cpu"},
+              {"recipe", recipe_without_folders(scenario.fracture)},
+              {"import", input.import_milliseconds},
+              {"first", times.first_milliseconds},
+              {"fracture", times.series.json()}};
+    if (plan_.frames > 0) {
+        const FrameTimes frames =
+            measure_frames(scenario, input, plan_.frames, view_, renderer(), classifier, trace_);
+        json["frames"] = {{"whole", frames.whole.json()},
+                          {"breaking", frames.breaking.json()},
+                          {"taking over", frames.taking_over.json()},
+                          {"falling", frames.falling.json()}};
+        json["frame_series"] = {{"milliseconds", frames.milliseconds},
+                                {"breaking_from", frames.breaking_from},
+                                {"fracture_frame", frames.fracture_frame}};
+    }
+    if (trace_) trace_->add(Track::main, 0, scenario.name, begin, trace_clock());
+    return json;
+}
+
+Json Profiler::device() const {
+    const engine::Device* device = render_device_ ? render_device_.get() : compute_device_.get();
+    if (!device) return Json::object();
+    return {{"device", device->info().name},
+            {"driver", device->info().driver},
+            {"common_clock", device->has_common_clock()}};
+}
+
+void Profiler::check() const {
+    for (const auto* device : {compute_device_.get(), render_device_.get()})
+        if (device) check_validation(*device);
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,133 @@
+#include "tools/brittle/profile/scenario.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <string_view>
+
+#include "fracture/io/text_cursor.h"
+#include "tools/brittle/failure.h"
+#include "tools/brittle/json_reader.h"
+#include "tools/brittle/recipe.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int version = 1;
+constexpr std::string_view shape_prefix = "shape:";
+constexpr size_t longest_plan = size_t{1} << 20; // bytes
+
+// The elements of a list that is not empty; none without the key.
+std::vector<Json> list_of(JsonReader& reader, const std::string& key) {
+    const Json* value = reader.find(key);
+    if (!value) return {};
+    if (!value->is_array() || value->empty()) reader.fail(key, "a list [ ] with something in it", *value);
+    return {value->begin(), value->end()};
+}
+
+ScenarioGroup read_group(JsonReader& reader, const std::filesystem::path& folder) {
+    const auto from_here = [&](const std::string& path) {
+        return path.starts_with(shape_prefix) ? path : (folder / path).lexically_normal().string();
+    };
+    ScenarioGroup group;
+    reader.text("name", group.name);
+    reader.text("recipe", group.recipe);
+    if (!group.recipe.empty()) group.recipe = from_here(group.recipe);
+    for (const Json& mesh : list_of(reader, "meshes")) {
+        if (!mesh.is_string()) reader.fail("meshes", "text in quotes", mesh);
+        group.meshes.push_back(from_here(mesh.get<std::string>()));
+    }
+    for (const Json& count : list_of(reader, "counts"))
+        group.counts.push_back(static_cast<uint32_t>(reader.whole_of("counts", count, 1, 1'000'000)));
+    for (const Json& where : list_of(reader, "classify")) {
+        if (where != "cpu" && where != "gpu") reader.fail("classify", "\"cpu\" or \"gpu\"", where);
+        group.classify.push_back(where.get<std::string>());
+    }
+    reader.refuse_unknown_keys();
+    return group;
+}
+
+std::string stem(const std::string& file) {
+    if (file.starts_with(shape_prefix)) return file.substr(shape_prefix.size());
+    return std::filesystem::path(file).stem().string();
+}
+
+std::string sites_name(const FractureOptions& options) {
+    if (!options.sites_file.empty()) return stem(options.sites_file);
+    if (options.pattern.piece_size <= 0.0) return std::to_string(options.pattern.count);
+    char text[32];
+    std::snprintf(text, sizeof text, "%gm", options.pattern.piece_size);
+    return text;
+}
+
+Scenario make_scenario(const ScenarioGroup& group, FractureOptions options, const std::string& classify) {
+    if (options.mesh.empty())
+        throw Failure(exit_usage, "no mesh to profile: give MESH, --meshes A,B or a recipe that names one");
+    const std::string name = (group.name.empty() ? "" : group.name + " ") + stem(options.mesh) + " "
+                             + sites_name(options) + " " + classify;
+    return {name, std::move(options), classify == "gpu"};
+}
+
+} // namespace
+
+void read_profile_plan(const std::filesystem::path& file, ProfilePlan& plan) {
+    const Json json = read_json_file(file, "profile's plan", longest_plan);
+    JsonReader reader(file, json, "");
+    int written_for = 0;
+    reader.whole("brittle_profile", written_for, 0, INT32_MAX);
+    if (written_for != version)
+        throw reader.failure("brittle_profile", "expected the plan's version, which is " + std::to_string(version));
+    reader.whole("warm_up", plan.warm_up, 0, 10'000);
+    reader.whole("repeats", plan.repeats, 1, 10'000);
+    reader.whole("frames", plan.frames, 0, 100'000);
+    const std::vector<Json> groups = list_of(reader, "scenarios");
+    if (groups.empty()) throw reader.failure("scenarios", "expected a list [ ] of scenarios, found none");
+    plan.groups.clear();
+    for (size_t i = 0; i < groups.size(); ++i) {
+        JsonReader inner(file, groups[i], "/scenarios/" + std::to_string(i));
+        plan.groups.push_back(read_group(inner, file.parent_path()));
+    }
+    reader.refuse_unknown_keys();
+}
+
+std::vector<Scenario> make_scenarios(const ProfilePlan& plan, const ScenarioGroup& lists, const FractureOptions& base) {
+    std::vector<Scenario> scenarios;
+    const std::vector<ScenarioGroup> groups = plan.groups.empty() ? std::vector{lists} : plan.groups;
+    for (const ScenarioGroup& group : groups) {
+        FractureOptions options = base;
+        if (!group.recipe.empty()) read_recipe(group.recipe, options);
+        std::vector<std::string> meshes = group.meshes.empty() ? lists.meshes : group.meshes;
+        std::vector<uint32_t> counts = group.counts.empty() ? lists.counts : group.counts;
+        std::vector<std::string> classify = group.classify.empty() ? lists.classify : group.classify;
+        if (meshes.empty()) meshes = {options.mesh};
+        if (classify.empty()) classify = {"cpu"};
+        if (!counts.empty() && !options.sites_file.empty())
+            throw Failure(exit_usage, "counts need a pattern that makes so many sites, but the sites are those of "
+                                          + fracture::quoted(options.sites_file) + "; leave out one of the two");
+        if (counts.empty()) {
+            counts = {options.pattern.count};
+        } else {
+            options.pattern.piece_size = 0.0; // the counts take its place
+        }
+        for (const std::string& mesh : meshes) {
+            options.mesh = mesh;
+            for (const uint32_t count : counts) {
+                options.pattern.count = count;
+                for (const std::string& where : classify) scenarios.push_back(make_scenario(group, options, where));
+            }
+        }
+    }
+    for (auto at = scenarios.begin(); at != scenarios.end(); ++at) {
+        const auto same = [&](const Scenario& other) { return other.name == at->name; };
+        if (std::any_of(scenarios.begin(), at, same))
+            throw Failure(exit_usage, "two scenarios are named '" + at->name + "'; leave out one, or write them into a "
+                                      "file for --scenarios, where a \"name\" tells them apart");
+    }
+    if (scenarios.size() > 1 && !base.save_recipe.empty())
+        throw Failure(exit_usage, "--save-recipe is for one scenario, and there are " + std::to_string(scenarios.size()));
+    return scenarios;
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,59 @@
+// A time line for Perfetto (https://ui.perfetto.dev) or chrome://tracing: slices of the main thread, of the thread that
+// breaks the mesh, and of the devices that draw and classify, on one clock.
+//
+//     Trace trace;
+//     trace.add(Track::main, 0, "frame", begin, end);        // nanoseconds of std::chrono::steady_clock
+//     trace.add(Track::main, 1, "physics", begin, middle);
+//     write(trace.json({{"device", "..."}}));
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace brittle::tools {
+
+// Now, in nanoseconds of steady_clock.
+[[nodiscard]] inline int64_t trace_clock() {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+enum class Track { main = 1, worker, device, classifier };
+
+class Trace {
+  public:
+    // A slice of time. `depth` is 0 for what stands alone; a slice of depth d + 1 belongs to the one of depth d that it
+    // begins in.
+    void add(Track track, int depth, const std::string& name, int64_t begin, int64_t end);
+    // Slices one after the other from `begin`, each so many milliseconds long.
+    struct Step {
+        std::string name;
+        double milliseconds = 0.0;
+    };
+    void add_steps(Track track, int depth, const std::vector<Step>& steps, int64_t begin);
+    // A moment, across all tracks.
+    void mark(const std::string& name, int64_t at);
+
+    // The Trace Event Format's JSON object, times in microseconds from the first slice's begin. Where clocks disagree by a
+    // rounding, slices are cut so that they nest in the one above and follow the one before. `metadata` becomes otherData.
+    [[nodiscard]] nlohmann::ordered_json json(const nlohmann::ordered_json& metadata) const;
+
+  private:
+    struct Slice {
+        Track track;
+        int depth;
+        std::string name;
+        int64_t begin, end; // ns
+    };
+    struct Mark {
+        std::string name;
+        int64_t at; // ns
+    };
+    std::vector<Slice> slices_;
+    std::vector<Mark> marks_;
+};
+
+} // namespace brittle::tools
