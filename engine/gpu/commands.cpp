@@ -72,10 +72,11 @@ void CommandSlot::wait() {
     if (!pending_) return;
     const VkResult result = wait_for_fence();
     if (result == VK_TIMEOUT)
-        throw VulkanFailure{{Status::device_lost, "the device hangs: it did not finish a frame within "
-                                                      + std::to_string(longest_wait / 1'000'000'000)
-                                                      + " s. Start again; if it happens again, draw smaller"
-                                                        " pictures, update the driver or choose another device."}};
+        throw VulkanFailure{
+            {Status::device_lost, "the device hangs: it did not finish a frame within "
+                                      + std::to_string(longest_wait / 1'000'000'000)
+                                      + " s. Start again; if it happens again, draw smaller"
+                                        " pictures, update the driver or choose another device."}};
     check(result, "wait for a frame");
     pending_ = false;
 }

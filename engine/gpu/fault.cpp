@@ -74,8 +74,9 @@ VkResult FaultInjector::next(Call kind) {
     return order.result;
 }
 
-// Where the call is made all the same. A present that fails has still waited for its semaphore. The device that
-// only seems lost is at work, and its objects may not go before it is done. A suboptimal image is an image.
+// Where the call is made all the same. A present that fails has still waited for its semaphore. The device
+// that only seems lost is at work, and its objects may not go before it is done. A suboptimal image is an
+// image.
 bool FaultInjector::goes_through(Call kind, VkResult fault) {
     return kind == Call::present || (kind == Call::wait && fault == VK_ERROR_DEVICE_LOST)
            || fault == VK_SUBOPTIMAL_KHR;

@@ -1,5 +1,5 @@
-// What the engine answers when the machine fails it. The failures are made to order (engine/gpu/fault.h); those
-// of windows are in test_present.cpp, those of the whole program in tests/tools.
+// What the engine answers when the machine fails it. The failures are made to order (engine/gpu/fault.h);
+// those of windows are in test_present.cpp, those of the whole program in tests/tools.
 #include <algorithm>
 #include <array>
 #include <new>
