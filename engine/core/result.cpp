@@ -12,6 +12,8 @@ const char* to_string(Status status) {
         return "missing_feature";
     case Status::no_display:
         return "no_display";
+    case Status::device_lost:
+        return "device_lost";
     case Status::device_failure:
         return "device_failure";
     case Status::out_of_memory:

@@ -23,7 +23,8 @@ enum class Status {
     no_device,        // no device, or none that matches what was asked for
     missing_feature,  // the device lacks a feature that Brittle needs
     no_display,       // no window system to open a window on
-    device_failure,   // the device was lost, or a Vulkan call failed
+    device_lost,      // the device was lost or hangs: no object made from it works any more
+    device_failure,   // a Vulkan call failed
     out_of_memory,    // host or device memory ran out
     invalid_argument, // an argument outside its documented range
     file_error        // a file could not be read or written

@@ -89,6 +89,7 @@ void Window::set_title(const std::string& title) {
 }
 
 glm::uvec2 Window::framebuffer_size() const {
+    if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) return {0, 0}; // X11 keeps the size that it had
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     return {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};

@@ -45,12 +45,43 @@ const char* to_string(VkResult result) {
     }
 }
 
+namespace {
+
+Status status_of(VkResult result) {
+    switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+        return Status::out_of_memory;
+    case VK_ERROR_DEVICE_LOST:
+        return Status::device_lost;
+    default:
+        return Status::device_failure;
+    }
+}
+
+// What the reader can do about it.
+const char* advice_on(VkResult result) {
+    switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+        return ". Close other programs, or use a smaller mesh or fewer pieces.";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+        return ". Close other programs that use the device, use a smaller mesh, fewer pieces or a smaller"
+               " picture, or another device.";
+    case VK_ERROR_DEVICE_LOST:
+        return ". Its driver gave up on it, or it was removed: start again. If it happens again, update the"
+               " driver or choose another device.";
+    default:
+        return "";
+    }
+}
+
+} // namespace
+
 void check(VkResult result, const char* doing) {
     if (result >= 0) return;
-    const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
-    throw VulkanFailure{{memory ? Status::out_of_memory : Status::device_failure,
-                         std::string("cannot ") + doing + ": " + to_string(result) + " (VkResult "
-                             + std::to_string(static_cast<int>(result)) + ")"}};
+    throw VulkanFailure{{status_of(result), std::string("cannot ") + doing + ": " + to_string(result)
+                                                + " (VkResult " + std::to_string(static_cast<int>(result))
+                                                + ")" + advice_on(result)}};
 }
 
 } // namespace brittle::engine

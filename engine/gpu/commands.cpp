@@ -1,6 +1,7 @@
 #include "engine/gpu/commands.h"
 
 #include <cassert>
+#include <string>
 
 #include "engine/gpu/check.h"
 #include "engine/gpu/device.h"
@@ -31,7 +32,7 @@ CommandSlot::~CommandSlot() {
 }
 
 void CommandSlot::destroy() {
-    if (pending_) vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX);
+    if (pending_) (void)wait_for_fence(); // nobody is left to hear of a failure
     vkDestroyFence(device_.handle(), fence_, nullptr);
     vkDestroyCommandPool(device_.handle(), pool_, nullptr);
 }
@@ -62,14 +63,27 @@ void CommandSlot::submit(Wait wait, VkSemaphore signal) {
                              .signalSemaphoreInfoCount = signal ? 1u : 0u,
                              .pSignalSemaphoreInfos = &signalled};
     check(vkResetFences(device_.handle(), 1, &fence_), "reset a fence");
-    check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "submit a frame");
+    check(device_.attempt(Call::submit, [&] { return vkQueueSubmit2(device_.queue(), 1, &info, fence_); }),
+          "submit a frame");
     pending_ = true;
 }
 
 void CommandSlot::wait() {
     if (!pending_) return;
-    check(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "wait for a frame");
+    const VkResult result = wait_for_fence();
+    if (result == VK_TIMEOUT)
+        throw VulkanFailure{
+            {Status::device_lost, "the device hangs: it did not finish a frame within "
+                                      + std::to_string(longest_wait / 1'000'000'000)
+                                      + " s. Start again; if it happens again, draw smaller"
+                                        " pictures, update the driver or choose another device."}};
+    check(result, "wait for a frame");
     pending_ = false;
+}
+
+VkResult CommandSlot::wait_for_fence() const {
+    return device_.attempt(
+        Call::wait, [&] { return vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, longest_wait); });
 }
 
 } // namespace brittle::engine

@@ -14,7 +14,7 @@ class Device;
 class CommandSlot {
   public:
     explicit CommandSlot(const Device& device);
-    ~CommandSlot(); // waits for what was submitted
+    ~CommandSlot(); // waits for what was submitted, longest_wait at most (device.h)
     CommandSlot(const CommandSlot&) = delete;
     CommandSlot& operator=(const CommandSlot&) = delete;
 
@@ -28,11 +28,12 @@ class CommandSlot {
     };
     void submit(Wait wait, VkSemaphore signal);
 
-    // Returns at once when nothing is pending.
+    // Returns at once when nothing is pending. Throws device_lost after longest_wait.
     void wait();
 
   private:
     void destroy();
+    [[nodiscard]] VkResult wait_for_fence() const;
 
     const Device& device_;
     VkCommandPool pool_ = VK_NULL_HANDLE;

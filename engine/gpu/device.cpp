@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <span>
@@ -34,7 +35,13 @@ void prepare_loader() {
 #endif
 }
 
-bool lists(const std::vector<VkExtensionProperties>& extensions, const char* name) {
+bool hides(const FaultInjector* faults, const char* name) {
+    return faults && faults->hides(name);
+}
+
+bool lists(const std::vector<VkExtensionProperties>& extensions, const char* name,
+           const FaultInjector* faults) {
+    if (hides(faults, name)) return false;
     return std::any_of(extensions.begin(), extensions.end(),
                        [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
@@ -57,7 +64,8 @@ std::vector<VkExtensionProperties> device_extensions(VkPhysicalDevice device) {
     return extensions;
 }
 
-bool validation_available() {
+bool validation_available(const FaultInjector* faults) {
+    if (hides(faults, validation_layer)) return false;
     uint32_t count = 0;
     vkEnumerateInstanceLayerProperties(&count, nullptr);
     std::vector<VkLayerProperties> layers(count);
@@ -111,7 +119,8 @@ constexpr NeededFeature needed_features[] = {
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
 };
 
-std::string find_problem(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties) {
+std::string find_problem(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties,
+                         const FaultInjector* faults) {
     if (properties.apiVersion < VK_API_VERSION_1_3)
         return "its driver offers Vulkan " + std::to_string(VK_API_VERSION_MAJOR(properties.apiVersion)) + "."
                + std::to_string(VK_API_VERSION_MINOR(properties.apiVersion)) + ", Brittle needs 1.3";
@@ -120,7 +129,8 @@ std::string find_problem(VkPhysicalDevice device, const VkPhysicalDeviceProperti
     vkGetPhysicalDeviceFeatures2(device, &features.all);
     std::string missing;
     for (const NeededFeature& feature : needed_features)
-        if (!feature.member(features)) missing += (missing.empty() ? "" : ", ") + std::string(feature.name);
+        if (!feature.member(features) || hides(faults, feature.name))
+            missing += (missing.empty() ? "" : ", ") + std::string(feature.name);
     return missing.empty() ? "" : "it lacks the feature " + missing;
 }
 
@@ -139,7 +149,7 @@ DeviceKind kind_of(VkPhysicalDeviceType type) {
     }
 }
 
-DeviceInfo describe(VkPhysicalDevice device, uint32_t index) {
+DeviceInfo describe(VkPhysicalDevice device, uint32_t index, const FaultInjector* faults) {
     VkPhysicalDeviceProperties basic;
     vkGetPhysicalDeviceProperties(device, &basic);
     DeviceInfo info{index, basic.deviceName, kind_of(basic.deviceType), {}, {}};
@@ -151,13 +161,14 @@ DeviceInfo describe(VkPhysicalDevice device, uint32_t index) {
         vkGetPhysicalDeviceProperties2(device, &properties);
         info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
     }
-    info.problem = find_problem(device, basic);
+    info.problem = find_problem(device, basic, faults);
     return info;
 }
 
-std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices) {
+std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices,
+                                     const FaultInjector* faults) {
     std::vector<DeviceInfo> infos;
-    for (uint32_t i = 0; i < devices.size(); ++i) infos.push_back(describe(devices[i], i));
+    for (uint32_t i = 0; i < devices.size(); ++i) infos.push_back(describe(devices[i], i, faults));
     return infos;
 }
 
@@ -172,6 +183,17 @@ std::string table_of(const std::vector<DeviceInfo>& infos) {
     for (const DeviceInfo& info : infos)
         text += "\n  " + std::to_string(info.index) + "  " + info.name + " (" + to_string(info.kind) + ")"
                 + (info.problem.empty() ? "" : ": unusable, " + info.problem);
+    return text;
+}
+
+// What to install, and which variables keep the Vulkan loader from what is installed.
+std::string how_to_get_one() {
+    std::string text = " Install a driver: on Debian, `apt install mesa-vulkan-drivers` has drivers for most GPUs"
+                       " and one for the CPU.";
+    for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
+        if (const char* value = std::getenv(name))
+            text += std::string(" The variable ") + name + "=" + value
+                    + " restricts the drivers that are looked for; unset it.";
     return text;
 }
 
@@ -204,8 +226,9 @@ Result<uint32_t> choose(const std::vector<DeviceInfo>& infos, const std::string&
     const std::string which = wanted.empty() || wanted == "auto"
                                   ? "no usable Vulkan device"
                                   : "no usable Vulkan device matches \"" + select + "\"";
-    return Error{Status::no_device,
-                 which + ". The devices are:" + (infos.empty() ? " none" : table_of(infos))};
+    if (infos.empty())
+        return Error{Status::no_device, which + ": the drivers that are installed find none." + how_to_get_one()};
+    return Error{Status::no_device, which + ". The devices are:" + table_of(infos)};
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
@@ -233,9 +256,7 @@ Function instance_function(VkInstance instance, const char* name) {
 
 Error no_driver(VkResult result) {
     return {Status::no_driver,
-            std::string("no Vulkan driver was found (") + to_string(result)
-                + "). Install one: on Debian, `apt install mesa-vulkan-drivers` has drivers for"
-                  " most GPUs and one for the CPU."};
+            std::string("no Vulkan driver was found (") + to_string(result) + ")." + how_to_get_one()};
 }
 
 } // namespace
@@ -266,7 +287,7 @@ Result<std::vector<DeviceInfo>> list_devices() {
     VkInstance instance = VK_NULL_HANDLE;
     const VkResult result = vkCreateInstance(&info, nullptr, &instance);
     if (result != VK_SUCCESS) return no_driver(result);
-    std::vector<DeviceInfo> infos = describe_all(physical_devices(instance));
+    std::vector<DeviceInfo> infos = describe_all(physical_devices(instance), nullptr);
     vkDestroyInstance(instance, nullptr);
     return infos;
 }
@@ -275,10 +296,11 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
     prepare_loader();
     return guarded([&]() -> Result<std::unique_ptr<Device>> {
         std::unique_ptr<Device> device(new Device);
+        device->faults_ = options.faults;
         if (Result<void> made = device->create_instance(options.validation); !made) return made.error();
 
         const std::vector<VkPhysicalDevice> devices = physical_devices(device->instance_);
-        const std::vector<DeviceInfo> infos = describe_all(devices);
+        const std::vector<DeviceInfo> infos = describe_all(devices, options.faults);
         Result<uint32_t> index = choose(infos, options.select);
         if (!index) return index.error();
         device->physical_ = devices[*index];
@@ -289,7 +311,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
 }
 
 Result<void> Device::create_instance(bool validation) {
-    if (validation && !validation_available())
+    if (validation && !validation_available(faults_))
         return Error{
             Status::missing_feature,
             "the Vulkan validation layer is not installed: on Debian, `apt install vulkan-validationlayers`"};
@@ -298,10 +320,10 @@ Result<void> Device::create_instance(bool validation) {
     // here.
     const std::vector<VkExtensionProperties> offered = instance_extensions(nullptr);
     std::vector<const char*> extensions;
-    if (lists(offered, "VK_KHR_surface"))
+    if (lists(offered, "VK_KHR_surface", faults_))
         for (const char* name :
              {"VK_KHR_surface", "VK_KHR_xcb_surface", "VK_KHR_xlib_surface", "VK_KHR_wayland_surface"})
-            if (lists(offered, name)) extensions.push_back(name);
+            if (lists(offered, name, faults_)) extensions.push_back(name);
     can_present_ = !extensions.empty();
 
     const VkValidationFeatureEnableEXT enables[] = {
@@ -353,7 +375,7 @@ void Device::create_device() {
 
     std::vector<const char*> extensions;
     const std::vector<VkExtensionProperties> offered = device_extensions(physical_);
-    can_present_ = can_present_ && lists(offered, VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    can_present_ = can_present_ && lists(offered, VK_KHR_SWAPCHAIN_EXTENSION_NAME, faults_);
     if (can_present_) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     const char* const clock_extension = find_clock_extension(offered);
     if (clock_extension) extensions.push_back(clock_extension);
@@ -369,7 +391,11 @@ void Device::create_device() {
                                   .pQueueCreateInfos = &queue,
                                   .enabledExtensionCount = static_cast<uint32_t>(extensions.size()),
                                   .ppEnabledExtensionNames = extensions.data()};
-    check(vkCreateDevice(physical_, &info, nullptr, &device_), "create a Vulkan device");
+    const std::string doing = "start the Vulkan device " + info_.name;
+    check(attempt(Call::create_device, [&] { return vkCreateDevice(physical_, &info, nullptr, &device_); }),
+          doing.c_str());
+    const VkFenceCreateInfo fence{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    check(vkCreateFence(device_, &fence, nullptr, &idle_), "create a fence");
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
     if (clock_extension) {
@@ -390,8 +416,8 @@ void Device::create_device() {
 
 const char* Device::find_clock_extension(const std::vector<VkExtensionProperties>& offered) const {
     if (!limits_.timestampComputeAndGraphics) return nullptr;
-    const bool is_ext = lists(offered, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME);
-    if (!is_ext && !lists(offered, khr_calibrated_timestamps)) return nullptr;
+    const bool is_ext = lists(offered, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME, faults_);
+    if (!is_ext && !lists(offered, khr_calibrated_timestamps, faults_)) return nullptr;
     const auto list = instance_function<PFN_vkGetPhysicalDeviceCalibrateableTimeDomainsEXT>(
         instance_, is_ext ? "vkGetPhysicalDeviceCalibrateableTimeDomainsEXT"
                           : "vkGetPhysicalDeviceCalibrateableTimeDomainsKHR");
@@ -418,6 +444,7 @@ std::optional<ClockMatch> Device::match_clocks() const {
 }
 
 Device::~Device() {
+    if (idle_) vkDestroyFence(device_, idle_, nullptr);
     if (device_) vkDestroyDevice(device_, nullptr);
     if (messenger_)
         instance_function<PFN_vkDestroyDebugUtilsMessengerEXT>(instance_, "vkDestroyDebugUtilsMessengerEXT")(
@@ -445,8 +472,17 @@ void Device::end_label(VkCommandBuffer commands) const {
 }
 
 void Device::wait_idle() const {
-    // A lost device fails here, and will again, with a message, in the next call that uses it.
-    vkDeviceWaitIdle(device_);
+    // A lost device fails here, and will again, with a message, in the next call that uses it. By a fence
+    // first, since vkDeviceWaitIdle(), which waits for presentation too, would wait for ever where a device
+    // hangs.
+    if (hangs_ || vkResetFences(device_, 1, &idle_) != VK_SUCCESS) return;
+    if (vkQueueSubmit2(queue_, 0, nullptr, idle_) != VK_SUCCESS) return;
+    hangs_ = vkWaitForFences(device_, 1, &idle_, VK_TRUE, longest_wait) == VK_TIMEOUT;
+    if (!hangs_) vkDeviceWaitIdle(device_);
+}
+
+uint64_t Device::heap_size(uint32_t memory_type) const {
+    return memory_.memoryHeaps[memory_.memoryTypes[memory_type].heapIndex].size;
 }
 
 std::optional<uint32_t> Device::find_memory_type(uint32_t allowed, VkMemoryPropertyFlags flags) const {

@@ -17,6 +17,7 @@
 
 #include "engine/core/result.h"
 #include "engine/gpu/clock_match.h"
+#include "engine/gpu/fault.h"
 
 namespace brittle::engine {
 
@@ -40,10 +41,16 @@ struct DeviceOptions {
     // Turns on the Khronos validation layer with synchronization validation. Each message is printed to
     // stderr and kept for validation_messages(). Fails with missing_feature when the layer is not installed.
     bool validation = false;
+    // For tests: makes calls fail on demand (fault.h). Must outlive the device.
+    FaultInjector* faults = nullptr;
 };
 
 // All devices, usable or not. Fails with no_driver when there is no Vulkan driver at all.
 [[nodiscard]] Result<std::vector<DeviceInfo>> list_devices();
+
+// Nanoseconds. A device that is still busy after that hangs. Drivers give up much earlier, after some ten
+// seconds, and report a lost device; a CPU device may draw a large picture for a good part of it.
+inline constexpr uint64_t longest_wait = 60'000'000'000;
 
 class Device {
   public:
@@ -82,11 +89,20 @@ class Device {
     void begin_label(VkCommandBuffer commands, const char* name) const;
     void end_label(VkCommandBuffer commands) const;
 
+    // Until the device has nothing to do, is lost, or hangs (longest_wait).
     void wait_idle() const;
+
+    // Makes a Vulkan call that can be told to fail.
+    template<class Function>
+    VkResult attempt(Call kind, Function&& call) const {
+        return faults_ ? faults_->attempt(kind, call) : call();
+    }
 
     // The first memory type among those `allowed` (bits, as in VkMemoryRequirements) that has all `flags`.
     [[nodiscard]] std::optional<uint32_t> find_memory_type(uint32_t allowed,
                                                            VkMemoryPropertyFlags flags) const;
+    // In bytes, of the heap that a memory type's allocations come from.
+    [[nodiscard]] uint64_t heap_size(uint32_t memory_type) const;
 
   private:
     Device() = default;
@@ -101,6 +117,9 @@ class Device {
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
     uint32_t queue_family_ = 0;
+    VkFence idle_ = VK_NULL_HANDLE; // of wait_idle()
+    mutable bool hangs_ = false;    // wait_idle() gave up once
+    FaultInjector* faults_ = nullptr;
     bool can_present_ = false;
     bool debug_utils_ = false;
     PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;

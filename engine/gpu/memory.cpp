@@ -43,7 +43,12 @@ VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t all
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size, .memoryTypeIndex = *type};
     VkDeviceMemory memory = VK_NULL_HANDLE;
     const std::string doing = "allocate " + std::to_string(size) + " bytes of device memory";
-    check(vkAllocateMemory(device.handle(), &info, nullptr, &memory), doing.c_str());
+    // Some drivers promise more than there is.
+    check(size > device.heap_size(*type)
+              ? VK_ERROR_OUT_OF_DEVICE_MEMORY
+              : device.attempt(Call::allocate,
+                               [&] { return vkAllocateMemory(device.handle(), &info, nullptr, &memory); }),
+          doing.c_str());
     return memory;
 }
 
@@ -81,7 +86,11 @@ DeviceBuffer::DeviceBuffer(const Device& device, const char* name, uint64_t size
     check(vkBindBufferMemory(device.handle(), made.buffer_, made.memory_, 0), "bind a buffer's memory");
     if (kind != MemoryKind::device) {
         void* mapped = nullptr;
-        check(vkMapMemory(device.handle(), made.memory_, 0, VK_WHOLE_SIZE, 0, &mapped),
+        check(device.attempt(Call::map,
+                             [&] {
+                                 return vkMapMemory(device.handle(), made.memory_, 0, VK_WHOLE_SIZE, 0,
+                                                    &mapped);
+                             }),
               "map a buffer's memory");
         made.mapped_ = static_cast<std::byte*>(mapped);
     }

@@ -12,33 +12,75 @@
 
 namespace brittle::engine {
 
-Swapchain::Swapchain(const Device& device, const Window& window, bool vsync)
-    : device_(device), vsync_(vsync) {
+namespace {
+
+// Nanoseconds to wait for an image that the window system has.
+constexpr uint64_t longest_acquire = 1'000'000'000;
+
+constexpr const char* other_ways =
+    ". Choose another device, or draw the same pictures into files by `brittle render`.";
+
+VkSemaphore create_semaphore(VkDevice device) {
+    const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+    VkSemaphore semaphore = VK_NULL_HANDLE;
+    check(vkCreateSemaphore(device, &info, nullptr, &semaphore), "create a semaphore");
+    return semaphore;
+}
+
+} // namespace
+
+VkExtent2D choose_extent(const VkSurfaceCapabilitiesKHR& can, glm::uvec2 framebuffer_size) {
+    if (can.currentExtent.width != UINT32_MAX) return can.currentExtent;
+    // The surface takes the size from the swapchain. Where it is hidden, min and max may both be zero.
+    return {std::clamp(framebuffer_size.x, can.minImageExtent.width, can.maxImageExtent.width),
+            std::clamp(framebuffer_size.y, can.minImageExtent.height, can.maxImageExtent.height)};
+}
+
+VkPresentModeKHR choose_present_mode(std::span<const VkPresentModeKHR> offered, bool vsync) {
+    if (!vsync)
+        for (VkPresentModeKHR wanted : {VK_PRESENT_MODE_MAILBOX_KHR, VK_PRESENT_MODE_IMMEDIATE_KHR})
+            if (std::ranges::find(offered, wanted) != offered.end()) return wanted;
+    return VK_PRESENT_MODE_FIFO_KHR;
+}
+
+Swapchain::Swapchain(const Device& device, const Window& window, bool vsync, uint32_t frames)
+    : device_(device), window_(window), vsync_(vsync), frames_(frames) {
     if (!device.can_present())
-        throw VulkanFailure{{Status::missing_feature, "the Vulkan device " + device.info().name
-                                                          + " cannot show anything in a window"}};
-    check(glfwCreateWindowSurface(device.instance(), window.handle(), nullptr, &surface_),
-          "create a Vulkan surface for the window");
+        throw VulkanFailure{
+            {Status::missing_feature,
+             "the Vulkan device " + device.info().name + " cannot show anything in a window" + other_ways}};
     try {
-        VkBool32 supported = VK_FALSE;
-        check(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface_,
-                                                   &supported),
-              "ask whether the device can present to the window");
-        if (!supported)
-            throw VulkanFailure{{Status::missing_feature, "the Vulkan device " + device.info().name
-                                                              + " cannot present to this window"}};
+        make_surface();
         choose_format();
     } catch (...) {
-        vkDestroySurfaceKHR(device.instance(), surface_, nullptr);
+        destroy_surface();
         throw;
     }
 }
 
 Swapchain::~Swapchain() {
     device_.wait_idle();
+    destroy_surface();
+}
+
+void Swapchain::make_surface() {
+    check(glfwCreateWindowSurface(device_.instance(), window_.handle(), nullptr, &surface_),
+          "create a Vulkan surface for the window");
+    VkBool32 supported = VK_FALSE;
+    check(vkGetPhysicalDeviceSurfaceSupportKHR(device_.physical(), device_.queue_family(), surface_,
+                                               &supported),
+          "ask whether the device can present to the window");
+    if (!supported)
+        throw VulkanFailure{{Status::missing_feature, "the Vulkan device " + device_.info().name
+                                                          + " cannot present to this window" + other_ways}};
+}
+
+void Swapchain::destroy_surface() {
     destroy_images();
     if (swapchain_) vkDestroySwapchainKHR(device_.handle(), swapchain_, nullptr);
-    vkDestroySurfaceKHR(device_.instance(), surface_, nullptr);
+    if (surface_) vkDestroySurfaceKHR(device_.instance(), surface_, nullptr);
+    swapchain_ = VK_NULL_HANDLE;
+    surface_ = VK_NULL_HANDLE;
 }
 
 void Swapchain::choose_format() {
@@ -60,22 +102,27 @@ void Swapchain::choose_format() {
 }
 
 bool Swapchain::fit(glm::uvec2 framebuffer_size) {
-    if (!stale_ && framebuffer_size == made_for_) return false;
-    device_.wait_idle();
-    make(framebuffer_size);
-    return true;
+    if (stale_ || held_ || framebuffer_size != made_for_) {
+        device_.wait_idle();
+        if (surface_lost_) {
+            destroy_surface();
+            make_surface(); // of the same window, hence with the same formats
+            surface_lost_ = false;
+        }
+        make(framebuffer_size);
+    }
+    return fresh_;
 }
 
 void Swapchain::make(glm::uvec2 framebuffer_size) {
     VkSurfaceCapabilitiesKHR can;
     check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), surface_, &can),
           "ask for the window's capabilities");
-    extent_ = can.currentExtent;
-    if (extent_.width == UINT32_MAX) // the surface takes the size from the swapchain
-        extent_ = {std::clamp(framebuffer_size.x, can.minImageExtent.width, can.maxImageExtent.width),
-                   std::clamp(framebuffer_size.y, can.minImageExtent.height, can.maxImageExtent.height)};
+    extent_ = choose_extent(can, framebuffer_size);
     made_for_ = framebuffer_size;
     destroy_images();
+    held_ = false;
+    fresh_ = true;
     stale_ = true; // until all is made; a window can also shrink to nothing between the two questions
     if (extent_.width == 0 || extent_.height == 0) return;
 
@@ -85,11 +132,6 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
     std::vector<VkPresentModeKHR> modes(count);
     check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, &count, modes.data()),
           "list the window's present modes");
-    VkPresentModeKHR mode = VK_PRESENT_MODE_FIFO_KHR; // the one that every driver has
-    if (!vsync_)
-        for (VkPresentModeKHR wanted : {VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR})
-            if (std::ranges::find(modes, wanted) != modes.end()) mode = wanted;
-
     const VkCompositeAlphaFlagBitsKHR alpha = can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                                                   ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                                                   : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
@@ -106,12 +148,16 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
                                         .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
                                         .preTransform = can.currentTransform,
                                         .compositeAlpha = alpha,
-                                        .presentMode = mode,
+                                        .presentMode = choose_present_mode(modes, vsync_),
                                         .clipped = VK_TRUE,
                                         .oldSwapchain = old};
-    const VkResult result = vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_);
-    if (result != VK_SUCCESS) swapchain_ = VK_NULL_HANDLE;
+    swapchain_ = VK_NULL_HANDLE;
+    const VkResult result = device_.attempt(Call::create_swapchain, [&] {
+        return vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_);
+    });
     if (old) vkDestroySwapchainKHR(device_.handle(), old, nullptr);
+    if (result < 0) swapchain_ = VK_NULL_HANDLE;
+    if (mends(result)) return;
     check(result, "create a swapchain");
 
     check(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, nullptr),
@@ -121,32 +167,49 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
           "list the swapchain's images");
     for (VkImage image : images_) {
         views_.push_back(create_view(device_.handle(), image, surface_format_.format));
-        const VkSemaphoreCreateInfo semaphore{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-        VkSemaphore made = VK_NULL_HANDLE;
-        check(vkCreateSemaphore(device_.handle(), &semaphore, nullptr, &made), "create a semaphore");
-        finished_.push_back(made);
+        finished_.push_back(create_semaphore(device_.handle()));
     }
+    for (uint32_t frame = 0; frame < frames_; ++frame)
+        acquired_.push_back(create_semaphore(device_.handle()));
     stale_ = false;
 }
 
 void Swapchain::destroy_images() {
     for (VkImageView view : views_) vkDestroyImageView(device_.handle(), view, nullptr);
     for (VkSemaphore semaphore : finished_) vkDestroySemaphore(device_.handle(), semaphore, nullptr);
+    for (VkSemaphore semaphore : acquired_) vkDestroySemaphore(device_.handle(), semaphore, nullptr);
     images_.clear();
     views_.clear();
     finished_.clear();
+    acquired_.clear();
 }
 
-std::optional<uint32_t> Swapchain::acquire(VkSemaphore semaphore) {
+// Whether the next fit() makes good what a call reported.
+bool Swapchain::mends(VkResult result) {
+    switch (result) {
+    case VK_ERROR_SURFACE_LOST_KHR:
+        surface_lost_ = true;
+        [[fallthrough]];
+    case VK_ERROR_OUT_OF_DATE_KHR:
+        stale_ = true;
+        return true;
+    default:
+        return false;
+    }
+}
+
+std::optional<uint32_t> Swapchain::acquire(uint32_t frame) {
     if (stale_) return std::nullopt;
     uint32_t image = 0;
-    const VkResult result =
-        vkAcquireNextImageKHR(device_.handle(), swapchain_, UINT64_MAX, semaphore, VK_NULL_HANDLE, &image);
-    if (result == VK_ERROR_OUT_OF_DATE_KHR) {
-        stale_ = true;
-        return std::nullopt;
-    }
-    check(result, "acquire a swapchain image"); // suboptimal is a success: fit() sees a new size by itself
+    const VkResult result = device_.attempt(Call::acquire, [&] {
+        return vkAcquireNextImageKHR(device_.handle(), swapchain_, longest_acquire, acquired_[frame],
+                                     VK_NULL_HANDLE, &image);
+    });
+    if (mends(result) || result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
+    check(result, "acquire a swapchain image");
+    suboptimal_ = result == VK_SUBOPTIMAL_KHR; // a success: the frame is drawn first
+    fresh_ = false;
+    held_ = true;
     return image;
 }
 
@@ -157,12 +220,14 @@ void Swapchain::present(uint32_t image) {
                                 .swapchainCount = 1,
                                 .pSwapchains = &swapchain_,
                                 .pImageIndices = &image};
-    const VkResult result = vkQueuePresentKHR(device_.queue(), &info);
-    if (result == VK_ERROR_OUT_OF_DATE_KHR) {
-        stale_ = true;
-        return;
-    }
-    check(result, "present a frame");
+    const VkResult result =
+        device_.attempt(Call::present, [&] { return vkQueuePresentKHR(device_.queue(), &info); });
+    if (!mends(result)) check(result, "present a frame");
+    held_ = false;
+    // Made again once: a system that calls each swapchain suboptimal is drawn to all the same.
+    suboptimal_ = suboptimal_ || result == VK_SUBOPTIMAL_KHR;
+    if (suboptimal_ && !remade_suboptimal_) stale_ = true;
+    remade_suboptimal_ = suboptimal_;
 }
 
 } // namespace brittle::engine

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -20,20 +21,27 @@ class Window;
 // Each frame: fit() to the window, acquire(), submit, present(). Some systems never say that a swapchain is
 // out of date after a resize, hence fit() compares sizes itself, before an image is acquired, when nothing
 // has to be undone.
+//
+// What the window system does to it (out of date, suboptimal, a surface lost) is mended by the next fit().
+// So is a frame that failed between acquire() and present(): its image and semaphore are thrown away.
 class Swapchain {
   public:
-    Swapchain(const Device& device, const Window& window, bool vsync);
+    // `frames`: how many frames are in flight.
+    Swapchain(const Device& device, const Window& window, bool vsync, uint32_t frames);
     ~Swapchain();
     Swapchain(const Swapchain&) = delete;
     Swapchain& operator=(const Swapchain&) = delete;
 
-    // Remakes the swapchain if the window's size changed or the system wants it, waiting for the device; true
-    // if it did. The size must not be zero.
+    // Remakes the swapchain if the window's size changed or the system wants it, waiting for the device. True
+    // until an image of the new ones is acquired, so that what is made for them is made again if that fails.
+    // The size must not be zero.
     bool fit(glm::uvec2 framebuffer_size);
 
-    // The next image, ready once `semaphore` is signalled; none when the swapchain must be fitted again
-    // first.
-    [[nodiscard]] std::optional<uint32_t> acquire(VkSemaphore semaphore);
+    // The next image, ready once acquired(frame) is signalled, where `frame` is below the constructor's and
+    // the device is done with its last turn. None when the swapchain must be fitted again first, or when the
+    // window system keeps all images for a second, as some do for a hidden window.
+    [[nodiscard]] std::optional<uint32_t> acquire(uint32_t frame);
+    [[nodiscard]] VkSemaphore acquired(uint32_t frame) const { return acquired_[frame]; }
     // The semaphore that the frame's submission signals for present(): one an image, since only acquiring an
     // image again proves that its previous presentation has waited.
     [[nodiscard]] VkSemaphore finished(uint32_t image) const { return finished_[image]; }
@@ -45,23 +53,41 @@ class Swapchain {
     [[nodiscard]] const std::vector<VkImageView>& views() const { return views_; }
 
   private:
+    void make_surface();
+    void destroy_surface();
     void choose_format();
     void make(glm::uvec2 framebuffer_size);
     void destroy_images();
+    [[nodiscard]] bool mends(VkResult result);
 
     const Device& device_;
+    const Window& window_;
     bool vsync_;
+    uint32_t frames_;
     VkSurfaceKHR surface_ = VK_NULL_HANDLE;
     VkSurfaceFormatKHR surface_format_{};
     Format format_ = Format::bgra8_unorm;
     VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
     VkExtent2D extent_{};
     glm::uvec2 made_for_{
-        0}; // the framebuffer size at the time; the surface may have insisted on another extent
-    bool stale_ = true;
+        0};              // the framebuffer size at the time; the surface may have insisted on another extent
+    bool stale_ = true;  // to be made again
+    bool fresh_ = false; // no image was acquired since it was made
+    bool held_ = false;  // an image is acquired and not presented
+    bool surface_lost_ = false;      // to be made again with its surface
+    bool suboptimal_ = false;        // as the last acquire() or present() said
+    bool remade_suboptimal_ = false; // making it again did not help: leave it at that
     std::vector<VkImage> images_;
     std::vector<VkImageView> views_;
-    std::vector<VkSemaphore> finished_;
+    std::vector<VkSemaphore> finished_; // by image
+    std::vector<VkSemaphore> acquired_; // by frame in flight
 };
+
+// The extent that the surface insists on, or the window's size within what it allows; zero in a side where
+// there is nothing to draw into now.
+[[nodiscard]] VkExtent2D choose_extent(const VkSurfaceCapabilitiesKHR& can, glm::uvec2 framebuffer_size);
+
+// With vsync FIFO, which every driver has; without it the first offered of mailbox and immediate, else FIFO.
+[[nodiscard]] VkPresentModeKHR choose_present_mode(std::span<const VkPresentModeKHR> offered, bool vsync);
 
 } // namespace brittle::engine

@@ -118,6 +118,15 @@ void GraphExecutor::prepare_transients(const Plan& plan) {
     if (same) return;
 
     destroy_transients();
+    try {
+        create_transients(plan);
+    } catch (...) {
+        destroy_transients(); // half of them would pass for all of them next time
+        throw;
+    }
+}
+
+void GraphExecutor::create_transients(const Plan& plan) {
     for (const Plan::Heap& heap : plan.heaps) {
         heaps_.push_back(allocate_memory(device_, heap.size, 1u << heap.memory_class, MemoryKind::device));
         heap_descs_.push_back(heap);

@@ -92,6 +92,7 @@ class GraphExecutor {
     };
 
     void prepare_transients(const Plan& plan);
+    void create_transients(const Plan& plan);
     void destroy_transients();
     void prepare_queries(size_t passes);
     void put_barriers(const std::vector<Plan::Barrier>& barriers, const PassContext& context) const;

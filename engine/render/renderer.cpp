@@ -26,32 +26,15 @@ constexpr uint32_t frames_in_flight = 2;
 constexpr uint32_t least_shadow_size = 64;
 constexpr uint32_t most_shadow_size = 8192;
 
-class Semaphore {
-  public:
-    explicit Semaphore(const Device& device) : device_(device.handle()) {
-        const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-        check(vkCreateSemaphore(device_, &info, nullptr, &semaphore_), "create a semaphore");
-    }
-    ~Semaphore() { vkDestroySemaphore(device_, semaphore_, nullptr); }
-    Semaphore(const Semaphore&) = delete;
-    Semaphore& operator=(const Semaphore&) = delete;
-    [[nodiscard]] VkSemaphore handle() const { return semaphore_; }
-
-  private:
-    VkDevice device_;
-    VkSemaphore semaphore_ = VK_NULL_HANDLE;
-};
-
 // What one frame in flight has to itself. The CPU writes its buffers while the device reads another slot's.
 struct FrameSlot {
     FrameSlot(const Device& device, const FrameLayout& layout)
-        : executor(device), acquired(device), set(layout.allocate()),
+        : executor(device), set(layout.allocate()),
           uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                    MemoryKind::upload),
           commands(device) {}
 
     GraphExecutor executor;
-    Semaphore acquired; // a swapchain image is ready
     VkDescriptorSet set;
     DeviceBuffer uniforms;
     DeviceBuffer poses;
@@ -280,12 +263,13 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
 bool Renderer::State::draw_in_window(const Scene& scene, const std::function<void()>& draw_ui) {
     const glm::uvec2 size = window->framebuffer_size();
     if (size.x == 0 || size.y == 0) return false;
+    const uint32_t turn = frame_number % frames_in_flight;
     FrameSlot& slot = next_slot();
     // Twice at most: a window that changes faster than that gets its frame next time.
     std::optional<uint32_t> image;
     for (int attempt = 0; attempt < 2 && !image; ++attempt) {
         if (swapchain->fit(size)) ui->fit(*swapchain);
-        image = swapchain->acquire(slot.acquired.handle());
+        image = swapchain->acquire(turn);
     }
     if (!image) return false;
 
@@ -300,7 +284,7 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     declare_scene(frame, target.format);
     ui->declare(frame, *image);
     record(frame, slot);
-    slot.commands.submit({slot.acquired.handle(), to_vulkan(Access::acquired).stages},
+    slot.commands.submit({swapchain->acquired(turn), to_vulkan(Access::acquired).stages},
                          swapchain->finished(*image));
     shadow_kept = true;
     swapchain->present(*image);
@@ -355,7 +339,7 @@ Result<void> Renderer::attach(Window& window) {
     return guarded([&]() -> Result<void> {
         if (state_->window)
             return Error{Status::invalid_argument, "the renderer already draws into a window"};
-        auto swapchain = std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync);
+        auto swapchain = std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
         state_->ui = std::make_unique<UiPass>(state_->device, window, *swapchain);
         state_->swapchain = std::move(swapchain);
         state_->window = &window;

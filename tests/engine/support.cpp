@@ -11,13 +11,13 @@
 
 namespace brittle::engine::test {
 
-std::unique_ptr<Device> make_device() {
+std::unique_ptr<Device> make_device(FaultInjector* faults) {
     const char* select = std::getenv("BRITTLE_TEST_DEVICE");
     Result<std::unique_ptr<Device>> device =
-        Device::create({.select = select ? select : "", .validation = true});
+        Device::create({.select = select ? select : "", .validation = true, .faults = faults});
     if (!device && device.error().status == Status::missing_feature) {
         std::printf("without validation: %s\n", device.error().message.c_str());
-        device = Device::create({.select = select ? select : ""});
+        device = Device::create({.select = select ? select : "", .faults = faults});
     }
     if (device) return *std::move(device);
     std::printf("skipped: %s\n", device.error().message.c_str());

@@ -18,7 +18,7 @@ namespace brittle::engine::test {
 // The device that tests run on, with validation where the layer is installed: BRITTLE_TEST_DEVICE, as in
 // DeviceOptions::select, or the automatic choice. Null, with "skipped: ..." printed for ctest to count, if
 // there is none.
-[[nodiscard]] std::unique_ptr<Device> make_device();
+[[nodiscard]] std::unique_ptr<Device> make_device(FaultInjector* faults = nullptr);
 
 struct Shape {
     std::vector<glm::vec3> positions;

@@ -31,7 +31,8 @@ ExitCode exit_code(engine::Status status) {
     case Status::no_driver:
     case Status::no_device:
     case Status::missing_feature:
-    case Status::no_display: return exit_environment;
+    case Status::no_display:
+    case Status::device_lost: return exit_environment;
     case Status::invalid_argument: return exit_usage;
     case Status::file_error: return exit_output;
     case Status::device_failure:

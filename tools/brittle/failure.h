@@ -21,7 +21,7 @@ enum ExitCode {
     exit_input = 3,      // an input file is missing, unreadable or damaged
     exit_mesh = 4,       // the mesh or the sites cannot be fractured
     exit_output = 5,     // an output could not be written; an old file is left as it was
-    exit_environment = 6, // no Vulkan device, no display
+    exit_environment = 6, // no Vulkan device, a lost one, no display
     exit_slower = 7,      // `profile --compare` found something slower
     exit_interrupted = 130 // by Ctrl+C; nothing half-written is left
 };

@@ -1,0 +1,85 @@
+#include "engine/gpu/fault.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+namespace brittle::engine {
+
+namespace {
+
+constexpr std::array<std::string_view, call_kinds> call_names{
+    "create_device", "allocate", "map", "submit", "wait", "create_swapchain", "acquire", "present"};
+
+// Takes what stands before the next separator off the front of `text`.
+std::string_view take(std::string_view& text, char separator) {
+    const size_t end = text.find(separator);
+    const std::string_view word = text.substr(0, end);
+    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+    return word;
+}
+
+template<class Number>
+bool read_number(std::string_view word, Number& number) {
+    const char* end = word.data() + word.size();
+    const auto read = std::from_chars(word.data(), end, number);
+    return read.ec == std::errc() && read.ptr == end;
+}
+
+} // namespace
+
+void FaultInjector::fail(Call kind, VkResult result, uint32_t n, uint32_t times) {
+    Order& order = orders_[static_cast<size_t>(kind)];
+    order.result = result;
+    order.first = order.seen + n;
+    order.last = times - 1 > std::numeric_limits<uint32_t>::max() - order.first
+                     ? std::numeric_limits<uint32_t>::max()
+                     : order.first + (times - 1);
+}
+
+bool FaultInjector::hides(std::string_view name) const {
+    return std::ranges::find(hidden_, name) != hidden_.end();
+}
+
+Result<void> FaultInjector::plan(std::string_view text) {
+    while (!text.empty()) {
+        const std::string_view order = take(text, ',');
+        std::string_view rest = order;
+        const std::string_view kind = take(rest, ':');
+        if (kind == "hide" && !rest.empty()) {
+            hide(std::string(rest));
+            continue;
+        }
+        const auto name = std::ranges::find(call_names, kind);
+        int result = 0;
+        uint32_t n = 0, times = 1;
+        if (name == call_names.end() || !read_number(take(rest, ':'), result)
+            || !read_number(take(rest, ':'), n) || n == 0
+            || (!rest.empty() && (!read_number(rest, times) || times == 0)))
+            return Error{Status::invalid_argument,
+                         "cannot read the fault \"" + std::string(order)
+                             + "\": it must be KIND:RESULT:N, KIND:RESULT:N:TIMES or hide:NAME"};
+        fail(static_cast<Call>(name - call_names.begin()), static_cast<VkResult>(result), n, times);
+    }
+    return {};
+}
+
+VkResult FaultInjector::next(Call kind) {
+    Order& order = orders_[static_cast<size_t>(kind)];
+    ++order.seen;
+    const bool device_call = kind >= Call::submit;
+    if (lost_ && device_call) return VK_ERROR_DEVICE_LOST;
+    if (order.seen < order.first || order.seen > order.last) return VK_SUCCESS;
+    lost_ = lost_ || (device_call && order.result == VK_ERROR_DEVICE_LOST);
+    return order.result;
+}
+
+// Where the call is made all the same. A present that fails has still waited for its semaphore. The device
+// that only seems lost is at work, and its objects may not go before it is done. A suboptimal image is an
+// image.
+bool FaultInjector::goes_through(Call kind, VkResult fault) {
+    return kind == Call::present || (kind == Call::wait && fault == VK_ERROR_DEVICE_LOST)
+           || fault == VK_SUBOPTIMAL_KHR;
+}
+
+} // namespace brittle::engine

@@ -1,0 +1,333 @@
+// What the engine answers when the machine fails it. The failures are made to order (engine/gpu/fault.h);
+// those of windows are in test_present.cpp, those of the whole program in tests/tools.
+#include <algorithm>
+#include <array>
+#include <new>
+
+#include <doctest/doctest.h>
+
+#include "engine/compute/gpu_classifier.h"
+#include "fracture/fracture.h"
+#include "fracture/shapes.h"
+#include "support.h"
+
+using namespace brittle::engine;
+using namespace brittle::engine::test;
+
+namespace {
+
+constexpr glm::uvec2 small{96, 64};
+
+bool has(const Error& error, const std::string& text) {
+    return error.message.find(text) != std::string::npos;
+}
+
+// A renderer on a device that can be told to fail, and silence of the validation layer at the end of both.
+struct Fixture {
+    FaultInjector faults;
+    std::unique_ptr<Device> device = make_device(&faults);
+    std::unique_ptr<Renderer> renderer;
+    KnownScene known;
+
+    Fixture() {
+        if (!device) return;
+        Result<std::unique_ptr<Renderer>> made =
+            Renderer::create(*device, {.quality = {.shadow_size = 128, .soft_shadows = false}});
+        REQUIRE(made);
+        renderer = *std::move(made);
+    }
+    ~Fixture() {
+        if (!device) return;
+        const auto messages = device->share_validation_messages();
+        renderer.reset();
+        device.reset();
+        CHECK(messages->empty());
+    }
+    explicit operator bool() const { return renderer != nullptr; }
+
+    Bitmap draw() const {
+        Result<Bitmap> image = renderer->render(known.scene, small);
+        REQUIRE(image);
+        return *std::move(image);
+    }
+};
+
+} // namespace
+
+TEST_CASE("faults strike the calls that they are ordered for, and no others") {
+    FaultInjector faults;
+    int made = 0;
+    const auto call = [&](Call kind) {
+        return faults.attempt(kind, [&] {
+            ++made;
+            return VK_SUCCESS;
+        });
+    };
+    faults.fail(Call::allocate, VK_ERROR_OUT_OF_DEVICE_MEMORY, 2, 2);
+    CHECK(call(Call::allocate) == VK_SUCCESS);
+    CHECK(call(Call::map) == VK_SUCCESS);
+    CHECK(call(Call::allocate) == VK_ERROR_OUT_OF_DEVICE_MEMORY);
+    CHECK(call(Call::allocate) == VK_ERROR_OUT_OF_DEVICE_MEMORY);
+    CHECK(call(Call::allocate) == VK_SUCCESS);
+    CHECK(made == 3);
+    CHECK(faults.count(Call::allocate) == 4);
+
+    // Presenting is done all the same, and so is what brings a suboptimal image.
+    faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR);
+    faults.fail(Call::acquire, VK_SUBOPTIMAL_KHR);
+    CHECK(call(Call::present) == VK_ERROR_OUT_OF_DATE_KHR);
+    CHECK(call(Call::acquire) == VK_SUBOPTIMAL_KHR);
+    CHECK(made == 5);
+
+    faults.fail(Call::submit, VK_ERROR_DEVICE_LOST);
+    CHECK(call(Call::submit) == VK_ERROR_DEVICE_LOST);
+    CHECK(made == 5);
+    CHECK(call(Call::submit) == VK_ERROR_DEVICE_LOST); // for good
+    CHECK(call(Call::acquire) == VK_ERROR_DEVICE_LOST);
+    CHECK(made == 5);
+    CHECK(call(Call::wait) == VK_ERROR_DEVICE_LOST);
+    CHECK(made == 6);
+}
+
+TEST_CASE("a plan of faults is read, and one that is none is refused with its words") {
+    FaultInjector faults;
+    REQUIRE(faults.plan("allocate:-2:3:2,hide:multiDrawIndirect,submit:-4:1"));
+    CHECK(faults.hides("multiDrawIndirect"));
+    CHECK_FALSE(faults.hides("drawIndirectFirstInstance"));
+    const auto allocate = [&] { return faults.attempt(Call::allocate, [] { return VK_SUCCESS; }); };
+    CHECK(allocate() == VK_SUCCESS);
+    CHECK(allocate() == VK_SUCCESS);
+    CHECK(allocate() == VK_ERROR_OUT_OF_DEVICE_MEMORY);
+    CHECK(allocate() == VK_ERROR_OUT_OF_DEVICE_MEMORY);
+    CHECK(allocate() == VK_SUCCESS);
+    REQUIRE(faults.plan(""));
+    for (const char* bad : {"explode:-4:1", "submit", "submit:-4", "submit:-4:0", "submit:lost:1",
+                            "submit:-4:1:0", "submit:-4:1:2:3", "hide:", "submit:-4:99999999999"}) {
+        CAPTURE(bad);
+        const Result<void> read = faults.plan(bad);
+        REQUIRE_FALSE(read);
+        CHECK(read.error().status == Status::invalid_argument);
+        CHECK(has(read.error(), bad));
+    }
+}
+
+TEST_CASE("a feature that the device lacks is named, by the automatic choice and by index") {
+    FaultInjector faults;
+    const std::unique_ptr<Device> whole = make_device();
+    if (!whole) return;
+    faults.hide("multiDrawIndirect");
+    faults.hide("synchronization2");
+    for (const std::string& select : {std::string(), std::to_string(whole->info().index)}) {
+        const Result<std::unique_ptr<Device>> device = Device::create({.select = select, .faults = &faults});
+        REQUIRE_FALSE(device);
+        CHECK(device.error().status == (select.empty() ? Status::no_device : Status::missing_feature));
+        CHECK(has(device.error(), "it lacks the feature multiDrawIndirect, synchronization2"));
+        CHECK(has(device.error(), whole->info().name));
+    }
+}
+
+TEST_CASE("without the validation layer, asking for it says what to install") {
+    FaultInjector faults;
+    if (!make_device()) return;
+    faults.hide("VK_LAYER_KHRONOS_validation");
+    const Result<std::unique_ptr<Device>> device = Device::create({.validation = true, .faults = &faults});
+    REQUIRE_FALSE(device);
+    CHECK(device.error().status == Status::missing_feature);
+    CHECK(has(device.error(), "vulkan-validationlayers"));
+}
+
+TEST_CASE("a device without surfaces or swapchains still draws pictures") {
+    for (const char* extension : {"VK_KHR_surface", "VK_KHR_swapchain"}) {
+        FaultInjector faults;
+        faults.hide(extension);
+        const std::unique_ptr<Device> device = make_device(&faults);
+        if (!device) return;
+        CHECK_FALSE(device->can_present());
+        Result<std::unique_ptr<Renderer>> renderer = Renderer::create(*device);
+        REQUIRE(renderer);
+        CHECK((*renderer)->render({}, small));
+        CHECK(device->validation_messages().empty());
+    }
+}
+
+TEST_CASE("a device that does not start is named with the reason") {
+    const std::unique_ptr<Device> whole = make_device();
+    if (!whole) return;
+    const struct {
+        VkResult result;
+        Status status;
+    } cases[] = {{VK_ERROR_INITIALIZATION_FAILED, Status::device_failure},
+                 {VK_ERROR_DEVICE_LOST, Status::device_lost},
+                 {VK_ERROR_TOO_MANY_OBJECTS, Status::device_failure},
+                 {VK_ERROR_OUT_OF_HOST_MEMORY, Status::out_of_memory},
+                 {VK_ERROR_OUT_OF_DEVICE_MEMORY, Status::out_of_memory}};
+    for (const auto& [result, status] : cases) {
+        FaultInjector faults;
+        faults.fail(Call::create_device, result);
+        const Result<std::unique_ptr<Device>> device =
+            Device::create({.select = whole->info().name, .faults = &faults});
+        REQUIRE_FALSE(device);
+        CHECK(device.error().status == status);
+        CHECK(has(device.error(), whole->info().name));
+        CHECK(Device::create({.select = whole->info().name, .faults = &faults})); // it was only that once
+    }
+}
+
+TEST_CASE("memory that runs out at any allocation of a renderer is an error, and the next one succeeds") {
+    FaultInjector faults;
+    const std::unique_ptr<Device> device = make_device(&faults);
+    if (!device) return;
+    const RendererSettings settings{.quality = {.shadow_size = 128, .soft_shadows = false}};
+    for (const VkResult result : {VK_ERROR_OUT_OF_DEVICE_MEMORY, VK_ERROR_OUT_OF_HOST_MEMORY})
+        for (const Call kind : {Call::allocate, Call::map}) {
+            for (uint32_t n = 1;; ++n) {
+                const uint32_t before = faults.count(kind);
+                faults.fail(kind, result, n);
+                const Result<std::unique_ptr<Renderer>> made = Renderer::create(*device, settings);
+                if (made) {
+                    CHECK(n > 1);
+                    CHECK(faults.count(kind) == before + n - 1);
+                    break;
+                }
+                CHECK(made.error().status == Status::out_of_memory);
+                CHECK(has(made.error(), kind == Call::map ? "map" : "bytes"));
+                CHECK(has(made.error(), "Close other programs"));
+            }
+            faults.fail(kind, VK_SUCCESS);
+        }
+    CHECK(device->validation_messages().empty());
+}
+
+TEST_CASE("memory that runs out in set_pieces names the size, and the old pieces stay") {
+    Fixture f;
+    if (!f) return;
+    REQUIRE(f.renderer->set_pieces(f.known.pieces()));
+    const Bitmap before = f.draw();
+    const Shape ball = icosphere(1.0f, 4);
+    const PieceMesh piece = ball.piece(7);
+    int refused = 0;
+    for (uint32_t n = 1;; ++n, ++refused) {
+        f.faults.fail(Call::allocate, VK_ERROR_OUT_OF_DEVICE_MEMORY, n);
+        const Result<void> set = f.renderer->set_pieces({&piece, 1});
+        f.faults.fail(Call::allocate, VK_SUCCESS);
+        if (set) break;
+        CHECK(set.error().status == Status::out_of_memory);
+        CHECK(has(set.error(), " bytes of device memory"));
+        if (n == 1) CHECK(has(set.error(), std::to_string(ball.positions.size() * sizeof(glm::vec3))));
+        CHECK(f.renderer->body_count() == 4);
+        CHECK(f.draw().pixels == before.pixels);
+    }
+    CHECK(refused == 5); // four arenas and the staging buffer
+    CHECK(f.renderer->body_count() == 8);
+}
+
+TEST_CASE("memory that runs out while drawing fails that frame only") {
+    Fixture f;
+    if (!f) return;
+    REQUIRE(f.renderer->set_pieces(f.known.pieces()));
+    const Bitmap before = f.draw();
+    (void)f.draw(); // both frame slots have their buffers now
+    const glm::uvec2 larger{200, 150};
+    for (const Call kind : {Call::allocate, Call::map, Call::submit}) {
+        for (uint32_t n = 1;; ++n) {
+            f.faults.fail(kind, VK_ERROR_OUT_OF_DEVICE_MEMORY, n);
+            const Result<Bitmap> image = f.renderer->render(f.known.scene, larger);
+            f.faults.fail(kind, VK_SUCCESS);
+            if (image) break;
+            CHECK(image.error().status == Status::out_of_memory);
+            CHECK(f.draw().pixels == before.pixels);
+            REQUIRE(n < 20);
+        }
+    }
+}
+
+TEST_CASE("an exhausted host memory in a callback fails that frame only") {
+    Fixture f;
+    if (!f) return;
+    REQUIRE(f.renderer->set_pieces(f.known.pieces()));
+    const Bitmap before = f.draw();
+    Scene scene = f.known.scene;
+    scene.write_poses = [](std::span<BodyPose>) { throw std::bad_alloc(); };
+    const Result<Bitmap> image = f.renderer->render(scene, small);
+    REQUIRE_FALSE(image);
+    CHECK(image.error().status == Status::out_of_memory);
+    CHECK(f.draw().pixels == before.pixels);
+}
+
+TEST_CASE("a lost device is reported by whatever meets it, and all can be destroyed") {
+    for (const Call kind : {Call::submit, Call::wait}) {
+        Fixture f;
+        if (!f) return;
+        REQUIRE(f.renderer->set_pieces(f.known.pieces()));
+        (void)f.draw();
+        f.faults.fail(kind, VK_ERROR_DEVICE_LOST);
+        const Result<Bitmap> image = f.renderer->render(f.known.scene, small);
+        REQUIRE_FALSE(image);
+        CHECK(image.error().status == Status::device_lost);
+        CHECK(has(image.error(), "the device was lost"));
+        CHECK(has(image.error(), "start again"));
+        for (int again = 0; again < 3; ++again) {
+            const Result<Bitmap> next = f.renderer->render(f.known.scene, small);
+            REQUIRE_FALSE(next);
+            CHECK(next.error().status == Status::device_lost);
+        }
+        const Result<void> set = f.renderer->set_pieces(f.known.pieces());
+        REQUIRE_FALSE(set);
+        CHECK(set.error().status == Status::device_lost);
+        CHECK(f.renderer->body_count() == 4);
+        CHECK_FALSE(f.renderer->warm_up());
+    }
+}
+
+TEST_CASE("a device that is lost while pieces are copied to it keeps nothing alive") {
+    Fixture f;
+    if (!f) return;
+    f.faults.fail(Call::wait, VK_ERROR_DEVICE_LOST);
+    const Result<void> set = f.renderer->set_pieces(f.known.pieces());
+    REQUIRE_FALSE(set);
+    CHECK(set.error().status == Status::device_lost);
+    CHECK(f.renderer->body_count() == 0);
+}
+
+TEST_CASE("a device that hangs is reported like a lost one, with the time that it was given") {
+    Fixture f;
+    if (!f) return;
+    REQUIRE(f.renderer->set_pieces(f.known.pieces()));
+    f.faults.fail(Call::wait, VK_TIMEOUT);
+    const Result<Bitmap> image = f.renderer->render(f.known.scene, small);
+    REQUIRE_FALSE(image);
+    CHECK(image.error().status == Status::device_lost);
+    CHECK(has(image.error(), "hangs"));
+    CHECK(has(image.error(), " s."));
+}
+
+TEST_CASE("a device that fails while it classifies leaves the fracture to the CPU, with the same pieces") {
+    FaultInjector faults;
+    const std::unique_ptr<Device> device = make_device(&faults);
+    if (!device) return;
+    Result<std::unique_ptr<GpuClassifier>> classifier = GpuClassifier::create(*device);
+    REQUIRE(classifier);
+    const auto mesh = brittle::fracture::icosphere(3);
+    const std::vector<glm::dvec3> sites{{0.5, 0.1, 0.2}, {-0.5, 0.2, 0.1}, {0.1, -0.6, 0.3}};
+    const auto positions = [&](brittle::fracture::Classifier* by) {
+        const auto broken = brittle::fracture::fracture(mesh, sites, {.classifier = by});
+        REQUIRE(broken);
+        return broken->positions;
+    };
+    const auto expected = positions(nullptr);
+    CHECK(positions(classifier->get()) == expected);
+    const struct {
+        Call kind;
+        VkResult result;
+    } cases[] = {{Call::submit, VK_ERROR_OUT_OF_DEVICE_MEMORY},
+                 {Call::submit, VK_ERROR_DEVICE_LOST},
+                 {Call::wait, VK_ERROR_DEVICE_LOST}};
+    for (const auto& [kind, result] : cases) {
+        faults.fail(kind, result);
+        CHECK(positions(classifier->get()) == expected);
+        CHECK_FALSE((*classifier)->error().empty());
+    }
+    const auto messages = device->share_validation_messages();
+    classifier->reset();
+    CHECK(messages->empty());
+}

@@ -1,0 +1,282 @@
+// Drawing into a window while the window system misbehaves. Needs a display: run by tests/with_display.
+#include <array>
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include <doctest/doctest.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "engine/core/window.h"
+#include "engine/gpu/swapchain.h"
+#include "support.h"
+
+using namespace brittle::engine;
+using namespace brittle::engine::test;
+
+namespace {
+
+// A window with the known scene, on a device that can be told to fail, and silence of the validation layer at
+// the end.
+struct Fixture {
+    FaultInjector faults;
+    std::unique_ptr<Window> window;
+    std::unique_ptr<Device> device;
+    std::unique_ptr<Renderer> renderer;
+    KnownScene known;
+
+    Fixture() {
+        Result<std::unique_ptr<Window>> opened =
+            Window::create({.title = "faults", .width = 120, .height = 90});
+        REQUIRE(opened);
+        window = *std::move(opened);
+        device = make_device(&faults);
+        if (!device) return;
+        Result<std::unique_ptr<Renderer>> made = Renderer::create(
+            *device, {.quality = {.shadow_size = 128, .soft_shadows = false}, .vsync = false});
+        REQUIRE(made);
+        renderer = *std::move(made);
+        REQUIRE(renderer->set_pieces(known.pieces()));
+    }
+    ~Fixture() {
+        if (!device) return;
+        const auto messages = device->share_validation_messages();
+        renderer.reset();
+        device.reset();
+        CHECK(messages->empty());
+    }
+    explicit operator bool() const { return renderer != nullptr; }
+
+    Result<bool> present() {
+        window->poll();
+        return renderer->present(known.scene, [] {});
+    }
+    void show(int frames = 4) {
+        for (int i = 0; i < frames; ++i) {
+            const Result<bool> shown = present();
+            REQUIRE(shown);
+            CHECK(*shown);
+        }
+    }
+    void attach() { REQUIRE(renderer->attach(*window)); }
+    bool wait_until(const std::function<bool()>& true_now) {
+        for (int i = 0; i < 500; ++i) {
+            window->poll();
+            if (true_now()) return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        return false;
+    }
+};
+
+} // namespace
+
+TEST_CASE("the extent is the surface's, or the window's within its limits, or nothing") {
+    VkSurfaceCapabilitiesKHR can{};
+    const auto is = [&](glm::uvec2 window, uint32_t width, uint32_t height) {
+        const VkExtent2D extent = choose_extent(can, window);
+        return extent.width == width && extent.height == height;
+    };
+    can.currentExtent = {300, 200};
+    CHECK(is({640, 480}, 300, 200));
+    can.currentExtent = {0, 0}; // minimised, on Windows
+    CHECK(is({640, 480}, 0, 0));
+    can.currentExtent = {UINT32_MAX, UINT32_MAX};
+    can.minImageExtent = {16, 16};
+    can.maxImageExtent = {1000, 1000};
+    CHECK(is({640, 480}, 640, 480));
+    CHECK(is({2000, 1}, 1000, 16));
+    can.minImageExtent = can.maxImageExtent = {0, 0};
+    CHECK(is({640, 480}, 0, 0));
+}
+
+TEST_CASE("a present mode that is not offered is replaced by FIFO") {
+    constexpr std::array all{VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR,
+                             VK_PRESENT_MODE_FIFO_KHR, VK_PRESENT_MODE_FIFO_RELAXED_KHR};
+    CHECK(choose_present_mode(all, true) == VK_PRESENT_MODE_FIFO_KHR);
+    CHECK(choose_present_mode(all, false) == VK_PRESENT_MODE_MAILBOX_KHR);
+    CHECK(choose_present_mode(std::span(all).first(1), false) == VK_PRESENT_MODE_IMMEDIATE_KHR);
+    CHECK(choose_present_mode(std::span(all).subspan(2), false) == VK_PRESENT_MODE_FIFO_KHR);
+    CHECK(choose_present_mode({}, false) == VK_PRESENT_MODE_FIFO_KHR); // a driver that breaks its promise
+}
+
+TEST_CASE("a device without swapchains is refused for a window, with the way out") {
+    Fixture f;
+    if (!f) return;
+    FaultInjector faults;
+    faults.hide("VK_KHR_swapchain");
+    const std::unique_ptr<Device> device = make_device(&faults);
+    Result<std::unique_ptr<Renderer>> renderer = Renderer::create(*device);
+    REQUIRE(renderer);
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        const Result<void> attached = (*renderer)->attach(*f.window);
+        REQUIRE_FALSE(attached);
+        CHECK(attached.error().status == Status::missing_feature);
+        CHECK(attached.error().message.find("brittle render") != std::string::npos);
+    }
+    CHECK((*renderer)->render({}, {40, 30})); // it draws pictures all the same
+}
+
+TEST_CASE("a swapchain that is out of date is made again, and the frame is shown") {
+    Fixture f;
+    if (!f) return;
+    f.attach();
+    f.show();
+    const uint32_t made = f.faults.count(Call::create_swapchain);
+    f.faults.fail(Call::acquire, VK_ERROR_OUT_OF_DATE_KHR);
+    f.show(1);
+    CHECK(f.faults.count(Call::create_swapchain) == made + 1);
+    f.show();
+    f.faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR);
+    f.show();
+    CHECK(f.faults.count(Call::create_swapchain) == made + 2);
+    // Twice in a frame: nothing is shown this time, and the next time it is.
+    f.faults.fail(Call::acquire, VK_ERROR_OUT_OF_DATE_KHR, 1, 2);
+    const Result<bool> shown = f.present();
+    REQUIRE(shown);
+    CHECK_FALSE(*shown);
+    f.show();
+}
+
+TEST_CASE("a suboptimal swapchain is shown and made again, but not for ever") {
+    Fixture f;
+    if (!f) return;
+    f.attach();
+    f.show();
+    for (const Call kind : {Call::acquire, Call::present}) {
+        const uint32_t made = f.faults.count(Call::create_swapchain);
+        f.faults.fail(kind, VK_SUBOPTIMAL_KHR);
+        f.show();
+        CHECK(f.faults.count(Call::create_swapchain) == made + 1);
+        f.faults.fail(kind, VK_SUBOPTIMAL_KHR, 1, 10);
+        f.show(10);
+        CHECK(f.faults.count(Call::create_swapchain) == made + 2);
+        f.show();
+    }
+}
+
+TEST_CASE("a lost surface is made again") {
+    Fixture f;
+    if (!f) return;
+    f.attach();
+    f.show();
+    for (const Call kind : {Call::acquire, Call::present, Call::create_swapchain}) {
+        f.faults.fail(kind, VK_ERROR_SURFACE_LOST_KHR);
+        if (kind == Call::create_swapchain) f.faults.fail(Call::acquire, VK_ERROR_OUT_OF_DATE_KHR);
+        (void)f.present();
+        f.show();
+    }
+}
+
+TEST_CASE("a window system that keeps its images costs that frame only") {
+    Fixture f;
+    if (!f) return;
+    f.attach();
+    f.show();
+    f.faults.fail(Call::acquire, VK_TIMEOUT, 1, 2);
+    const Result<bool> shown = f.present();
+    REQUIRE(shown);
+    CHECK_FALSE(*shown);
+    f.show();
+}
+
+TEST_CASE("memory that runs out at any call of a frame is an error, and the next frame is shown") {
+    Fixture f;
+    if (!f) return;
+    f.attach();
+    for (const VkResult result : {VK_ERROR_OUT_OF_DEVICE_MEMORY, VK_ERROR_OUT_OF_HOST_MEMORY})
+        for (const Call kind :
+             {Call::create_swapchain, Call::acquire, Call::submit, Call::present, Call::allocate}) {
+            f.show();
+            CAPTURE(static_cast<int>(kind));
+            f.faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR); // the swapchain is made again, too
+            f.show(1);
+            if (kind == Call::allocate) { // for which the pieces must be new
+                f.faults.fail(kind, result);
+                const Result<void> set = f.renderer->set_pieces(f.known.pieces());
+                REQUIRE_FALSE(set);
+                CHECK(set.error().status == Status::out_of_memory);
+                continue;
+            }
+            f.faults.fail(kind, result);
+            const Result<bool> shown = f.present();
+            REQUIRE_FALSE(shown);
+            CHECK(shown.error().status == Status::out_of_memory);
+        }
+    f.show();
+}
+
+TEST_CASE("a window cannot be attached without memory, and can with it") {
+    Fixture f;
+    if (!f) return;
+    f.faults.fail(Call::submit, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+    const Result<void> attached = f.renderer->attach(*f.window);
+    REQUIRE_FALSE(attached);
+    CHECK(attached.error().status == Status::out_of_memory);
+    f.attach();
+    f.show();
+}
+
+TEST_CASE("a device that is lost under a window is reported, and all can be destroyed") {
+    for (const Call kind : {Call::acquire, Call::submit, Call::wait, Call::present}) {
+        Fixture f;
+        if (!f) return;
+        f.attach();
+        f.show();
+        f.faults.fail(kind, VK_ERROR_DEVICE_LOST);
+        for (int again = 0; again < 3; ++again) {
+            const Result<bool> shown = f.present();
+            REQUIRE_FALSE(shown);
+            CHECK(shown.error().status == Status::device_lost);
+        }
+    }
+}
+
+TEST_CASE("a device that hangs under a window is reported, and all can be destroyed") {
+    Fixture f;
+    if (!f) return;
+    f.attach();
+    f.show();
+    f.faults.fail(Call::wait, VK_TIMEOUT);
+    const Result<bool> shown = f.present();
+    REQUIRE_FALSE(shown);
+    CHECK(shown.error().status == Status::device_lost);
+}
+
+TEST_CASE("a minimised window shows nothing, and comes back") {
+    Fixture f;
+    if (!f) return;
+    f.attach();
+    f.show();
+    for (int round = 0; round < 3; ++round) {
+        glfwIconifyWindow(f.window->handle());
+        REQUIRE(f.wait_until([&] { return f.window->framebuffer_size() == glm::uvec2(0); }));
+        const uint32_t presented = f.faults.count(Call::present);
+        const Result<bool> shown = f.present();
+        REQUIRE(shown);
+        CHECK_FALSE(*shown);
+        CHECK(f.faults.count(Call::present) == presented);
+        glfwRestoreWindow(f.window->handle());
+        REQUIRE(f.wait_until([&] { return f.window->framebuffer_size() != glm::uvec2(0); }));
+        f.show();
+    }
+}
+
+TEST_CASE("a window that is resized before every frame is drawn into at each size") {
+    Fixture f;
+    if (!f) return;
+    f.attach();
+    int shown = 0;
+    for (int i = 0; i < 60; ++i) {
+        glfwSetWindowSize(f.window->handle(), 60 + 37 * i % 200, 50 + 53 * i % 150);
+        const Result<bool> done = f.present();
+        REQUIRE(done);
+        shown += *done;
+    }
+    CHECK(shown > 30);
+    glfwSetWindowSize(f.window->handle(), 1, 1);
+    REQUIRE(f.wait_until([&] { return f.window->framebuffer_size() == glm::uvec2(1); }));
+    f.show();
+}
