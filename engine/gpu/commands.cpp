@@ -63,7 +63,7 @@ void CommandSlot::submit(Wait wait, VkSemaphore signal) {
                              .signalSemaphoreInfoCount = signal ? 1u : 0u,
                              .pSignalSemaphoreInfos = &signalled};
     check(vkResetFences(device_.handle(), 1, &fence_), "reset a fence");
-    check(device_.attempt(Call::submit, [&] { return vkQueueSubmit2(device_.queue(), 1, &info, fence_); }),
+    check(device_.attempt(Call::submit, [&] { return device_.with_queue([&](VkQueue queue) { return vkQueueSubmit2(queue, 1, &info, fence_); }); }),
           "submit a frame");
     pending_ = true;
 }

@@ -476,9 +476,11 @@ void Device::wait_idle() const {
     // first, since vkDeviceWaitIdle(), which waits for presentation too, would wait for ever where a device
     // hangs.
     if (hangs_ || vkResetFences(device_, 1, &idle_) != VK_SUCCESS) return;
-    if (vkQueueSubmit2(queue_, 0, nullptr, idle_) != VK_SUCCESS) return;
-    hangs_ = vkWaitForFences(device_, 1, &idle_, VK_TRUE, longest_wait) == VK_TIMEOUT;
-    if (!hangs_) vkDeviceWaitIdle(device_);
+    with_queue([&](VkQueue queue) {
+        if (vkQueueSubmit2(queue, 0, nullptr, idle_) != VK_SUCCESS) return;
+        hangs_ = vkWaitForFences(device_, 1, &idle_, VK_TRUE, longest_wait) == VK_TIMEOUT;
+        if (!hangs_) vkDeviceWaitIdle(device_);
+    });
 }
 
 uint64_t Device::heap_size(uint32_t memory_type) const {

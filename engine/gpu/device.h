@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -73,7 +74,12 @@ class Device {
     [[nodiscard]] VkInstance instance() const { return instance_; }
     [[nodiscard]] VkPhysicalDevice physical() const { return physical_; }
     [[nodiscard]] VkDevice handle() const { return device_; }
-    [[nodiscard]] VkQueue queue() const { return queue_; }
+    // Calls use(queue) while no other thread uses the queue.
+    template<class Use>
+    auto with_queue(const Use& use) const {
+        const std::lock_guard lock(queue_mutex_);
+        return use(queue_);
+    }
     [[nodiscard]] uint32_t queue_family() const { return queue_family_; }
     [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return limits_; }
     [[nodiscard]] bool can_present() const { return can_present_; } // surface and swapchain extensions are on
@@ -116,6 +122,7 @@ class Device {
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
+    mutable std::mutex queue_mutex_;
     uint32_t queue_family_ = 0;
     VkFence idle_ = VK_NULL_HANDLE; // of wait_idle()
     mutable bool hangs_ = false;    // wait_idle() gave up once

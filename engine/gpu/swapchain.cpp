@@ -221,7 +221,7 @@ void Swapchain::present(uint32_t image) {
                                 .pSwapchains = &swapchain_,
                                 .pImageIndices = &image};
     const VkResult result =
-        device_.attempt(Call::present, [&] { return vkQueuePresentKHR(device_.queue(), &info); });
+        device_.attempt(Call::present, [&] { return device_.with_queue([&](VkQueue queue) { return vkQueuePresentKHR(queue, &info); }); });
     if (!mends(result)) check(result, "present a frame");
     held_ = false;
     // Made again once: a system that calls each swapchain suboptimal is drawn to all the same.

@@ -78,7 +78,7 @@ void UiPass::start_imgui(const Window& window) {
     info.PhysicalDevice = device_.physical();
     info.Device = device_.handle();
     info.QueueFamily = device_.queue_family();
-    info.Queue = device_.queue();
+    device_.with_queue([&](VkQueue queue) { info.Queue = queue; }); // which it uses while it starts only
     info.DescriptorPool = pool_;
     info.MinImageCount = 2;
     info.ImageCount = 3; // of its vertex buffers in turn; more than the frames in flight

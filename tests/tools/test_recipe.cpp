@@ -74,6 +74,8 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
+    options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .cells = true,
+                       .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
     return options;
 }
 
@@ -199,6 +201,10 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
     for (const auto& [key, value] : all["pattern"].items())
         CHECK(schema["properties"]["pattern"]["properties"].contains(key));
     for (const auto& [key, value] : schema["properties"].items()) CHECK(all.contains(key));
+    for (const auto& [key, value] : schema["properties"]["picture"]["properties"].items())
+        CHECK(all["picture"].contains(key));
+    for (const auto& [key, value] : all["picture"].items())
+        CHECK(schema["properties"]["picture"]["properties"].contains(key));
     const auto of_points = nlohmann::json::parse(recipe_json(points()))["pattern"];
     for (const auto& [key, value] : of_points.items())
         CHECK(schema["properties"]["pattern"]["properties"].contains(key));

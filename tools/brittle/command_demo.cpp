@@ -9,6 +9,7 @@
 #include <imgui.h>
 
 #include "engine/core/window.h"
+#include "tools/brittle/classify_choice.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/stage.h"
@@ -40,9 +41,9 @@ constexpr std::array key_help{
 // The windowed demo: its state, its keys, its overlay. The fracture runs on a worker, so the window never waits.
 class Demo {
   public:
-    Demo(const DemoCommand& command, const Input& input, engine::Device& device, engine::Window& window,
-         engine::Renderer& renderer)
-        : command_(command), input_(input), device_(device), window_(window), renderer_(renderer),
+    Demo(const DemoCommand& command, const Input& input, const ClassifyChoice& choice, engine::Device& device,
+         engine::Window& window, engine::Renderer& renderer)
+        : command_(command), input_(input), choice_(choice), device_(device), window_(window), renderer_(renderer),
           stage_(renderer, input.model.mesh, command.fracture.material) {
         const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
         orbit_ = engine::OrbitCamera::around(stage_view(stage_.home_bounds()), aspect);
@@ -93,7 +94,8 @@ class Demo {
 
     void start_breaking() {
         if (breaking_.valid() || stage_.broken()) return;
-        breaking_ = std::async(std::launch::async, [this] { return break_input(input_, command_.fracture); });
+        breaking_ = std::async(std::launch::async,
+                               [this] { return break_input(input_, command_.fracture, {}, choice_.classifier.get()); });
     }
 
     // Puts the pieces on the stage when the worker is done with them.
@@ -151,6 +153,7 @@ class Demo {
 
     const DemoCommand& command_;
     const Input& input_;
+    const ClassifyChoice& choice_;
     engine::Device& device_;
     engine::Window& window_;
     engine::Renderer& renderer_;
@@ -174,9 +177,12 @@ int run_demo(const DemoCommand& command) {
     const Input input = placed_on_stage(load_input(command.fracture));
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     {
+        const ClassifyChoice choice =
+            choose_classifier(classify_path(command.classify), *device, input, command.fracture);
+        std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
         const auto renderer = must(engine::Renderer::create(*device));
         must(renderer->attach(*window));
-        Demo(command, input, *device, *window, *renderer).run();
+        Demo(command, input, choice, *device, *window, *renderer).run();
     }
     check_validation(*device);
     return exit_success;

@@ -33,13 +33,8 @@ struct RenderCommand {
     FractureOptions fracture;
     ViewOptions view;
     std::string output = "frame_%04d.png";
-    uint32_t frames = 120; // of 1/60 s simulated time, after the first picture
-    uint32_t every = 10;   // write each so many-th frame
-    bool whole = false;    // the unbroken mesh
+    uint32_t every = 10; // write each so many-th frame
     std::string classify = "cpu"; // auto, cpu or gpu
-    float explode = 0.0f;  // draw the pieces moved apart by this share of their distance to the middle
-    bool sites = false;    // show the sites as spheres
-    bool hulls = false;    // show the collision hulls as lines
 };
 
 struct DemoCommand {

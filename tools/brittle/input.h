@@ -9,6 +9,7 @@
 #include "fracture/fracture.h"
 #include "fracture/io/model.h"
 #include "fracture/pattern.h"
+#include "tools/brittle/picture.h"
 
 namespace brittle::tools {
 
@@ -24,6 +25,7 @@ struct FractureOptions {
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
     double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
     uint32_t threads = 0;    // 0: one a core
+    PictureOptions picture;  // what `brittle render` shows
 };
 
 // A mesh and the sites to break it by.

@@ -51,7 +51,15 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
         ->type_name("FILE.json");
     command.add_option("--save-recipe", options.save_recipe, "Also write mesh and options as a recipe")
         ->type_name("FILE.json");
-    command.add_option("mesh", options.mesh, mesh_help())->type_name("MESH");
+    command
+        .add_option_function<std::string>(
+            "mesh",
+            [&options](const std::string& mesh) {
+                if (mesh.ends_with(".json")) read_recipe(mesh, options);
+                else options.mesh = mesh;
+            },
+            mesh_help() + ", or a recipe (.json)")
+        ->type_name("MESH");
     fracture::Pattern& pattern = options.pattern;
     auto* count = command.add_option("-n,--pieces", pattern.count,
                                      "Number of Voronoi sites; those outside the solid give no piece")
@@ -291,7 +299,8 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     static RenderCommand render_command;
     auto* render = app.add_subcommand("render", "Break a mesh, let it fall and write pictures; needs no display");
     add_fracture_options(*render, render_command.fracture);
-    render->add_option("--frames", render_command.frames, "Frames to simulate after the first picture, 60 a second")
+    PictureOptions& picture = render_command.fracture.picture;
+    render->add_option("--frames", picture.frames, "Frames to simulate after the first picture, 60 a second")
         ->check(CLI::Range(0u, 100'000u))
         ->capture_default_str();
     render->add_option("--every", render_command.every, "Write every so many-th frame")
@@ -300,13 +309,22 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     render->add_option("-o,--output", render_command.output, "Where to: %04d stands for the frame's number")
         ->type_name("FILE_%04d.png")
         ->capture_default_str();
-    render->add_flag("--whole", render_command.whole, "Draw the unbroken mesh at rest");
-    render->add_option("--explode", render_command.explode,
+    render->add_flag("--whole", picture.whole, "Draw the unbroken mesh at rest");
+    render->add_option("--planes", picture.planes, "Only cut the cell of the first site out, by so many of its planes");
+    render->add_option("--explode", picture.explode,
                        "Draw the pieces moved apart, by this share of their distance to the middle")
         ->check(CLI::Range(0.0f, 10.0f))
         ->capture_default_str();
-    render->add_flag("--show-sites", render_command.sites, "Draw the sites as red spheres");
-    render->add_flag("--show-hulls", render_command.hulls, "Draw the collision hulls as red lines");
+    render->add_flag("--show-sites", picture.sites, "Draw the sites as red spheres");
+    render->add_flag("--show-hulls", picture.hulls, "Draw the collision hulls as red lines");
+    render->add_flag("--show-cells", picture.cells, "Draw the edges of the Voronoi cells as blue lines");
+    render->add_option("--azimuth", picture.azimuth, "Degrees of the camera, from +Z towards +X")->capture_default_str();
+    render->add_option("--elevation", picture.elevation, "Degrees of the camera above the ground")
+        ->check(CLI::Range(-89.0f, 89.0f))
+        ->capture_default_str();
+    render->add_option("--distance", picture.distance, "Of the camera; 1 shows the mesh, the ground and some room")
+        ->check(CLI::Range(0.1f, 10.0f))
+        ->capture_default_str();
     add_classify_option(*render, render_command.classify);
     add_view_options(*render, render_command.view);
     render->callback([&run] { run = [] { return run_render(render_command); }; });
@@ -316,6 +334,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     demo_command.fracture.mesh = "shape:animal";
     add_fracture_options(*demo, demo_command.fracture);
     demo->get_option("mesh")->capture_default_str();
+    add_classify_option(*demo, demo_command.classify);
     add_view_options(*demo, demo_command.view);
     demo->callback([&run] { run = [] { return run_demo(demo_command); }; });
 

@@ -57,6 +57,23 @@ Json points_json(const FractureOptions& options) {
     return json;
 }
 
+// What differs from the defaults.
+Json picture_json(const PictureOptions& picture) {
+    const PictureOptions plain;
+    Json json = Json::object();
+    if (picture.frames != plain.frames) json["frames"] = picture.frames;
+    if (picture.whole) json["whole"] = true;
+    if (picture.planes != plain.planes) json["planes"] = picture.planes;
+    if (picture.explode != plain.explode) json["explode"] = picture.explode;
+    if (picture.sites) json["sites"] = true;
+    if (picture.hulls) json["hulls"] = true;
+    if (picture.cells) json["cells"] = true;
+    if (picture.azimuth != plain.azimuth) json["azimuth"] = picture.azimuth;
+    if (picture.elevation != plain.elevation) json["elevation"] = picture.elevation;
+    if (picture.distance != plain.distance) json["distance"] = picture.distance;
+    return json;
+}
+
 Json recipe_object(const FractureOptions& options) {
     Json recipe{{"brittle", version}, {"mesh", options.mesh}};
     if (!options.material.empty()) recipe["material"] = options.material;
@@ -67,6 +84,7 @@ Json recipe_object(const FractureOptions& options) {
         options.sites_file.empty() ? pattern_json(options.pattern, plain.pattern) : points_json(options);
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
+    if (const Json picture = picture_json(options.picture); !picture.empty()) recipe["picture"] = picture;
     return recipe;
 }
 
@@ -110,6 +128,24 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
     }
 }
 
+void read_picture(JsonReader& reader, PictureOptions& picture) {
+    const auto number = [&](const char* key, float& target, double low, double high) {
+        double value = target;
+        reader.number(key, value, low, high);
+        target = static_cast<float>(value);
+    };
+    reader.whole("frames", picture.frames, 0, 100'000);
+    reader.flag("whole", picture.whole);
+    reader.whole("planes", picture.planes, 0, 1'000'000);
+    number("explode", picture.explode, 0.0, 10.0);
+    reader.flag("sites", picture.sites);
+    reader.flag("hulls", picture.hulls);
+    reader.flag("cells", picture.cells);
+    number("azimuth", picture.azimuth, -360.0, 360.0);
+    number("elevation", picture.elevation, -89.0, 89.0);
+    number("distance", picture.distance, 0.1, 10.0);
+}
+
 } // namespace
 
 std::string recipe_json(const FractureOptions& options) {
@@ -145,6 +181,11 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
         read_pattern(inner, options);
         inner.refuse_unknown_keys();
         from_here(options.sites_file);
+    }
+    if (const Json* picture = reader.find("picture")) {
+        JsonReader inner(file, *picture, "/picture");
+        read_picture(inner, options.picture);
+        inner.refuse_unknown_keys();
     }
     std::string algorithm = fracture::to_string(options.algorithm);
     reader.text("algorithm", algorithm);
