@@ -52,7 +52,7 @@ Json trace_metadata(const Json& profile) {
     Json metadata = profile["environment"];
     if (!metadata.contains("common_clock")) return metadata;
     metadata["device_clock"] = metadata["common_clock"].get<bool>()
-                                   ? "calibrated against the host's monotonic clock (VK_EXT_calibrated_timestamps)"
+                                   ? "calibrated against the host's monotonic clock (VK_EXT_ or VK_KHR_calibrated_timestamps)"
                                    : "not calibrated: each frame's last pass is shown as ending when the host had waited "
                                      "for it and read its time";
     return metadata;

@@ -144,10 +144,9 @@ Comparison compare_profiles(const Json& before, const Json& after, double thresh
         in_common = true;
         note_differences(name + ": ", *old, scenario, {"triangles", "sites", "pieces", "recipe"}, out.notes);
         compare_rows(name, "fracture", (*old)["fracture"], scenario["fracture"], out);
-        for (const auto& [group, rows] : part(scenario, "frames").items()) {
-            const Json frames = part(*old, "frames");
-            if (frames.contains(group)) compare_rows(name, "frames " + group, frames[group], rows, out);
-        }
+        const Json frames = part(scenario, "frames"), old_frames = part(*old, "frames");
+        for (const auto& [group, rows] : frames.items())
+            if (old_frames.contains(group)) compare_rows(name, "frames " + group, old_frames[group], rows, out);
     }
     for (const Json& scenario : before["scenarios"])
         if (!find_scenario(after, scenario["name"]))
