@@ -314,7 +314,7 @@ TEST_CASE("profile compares with an earlier run: alike, slower, and what is no p
     auto profile = nlohmann::ordered_json::parse(read(old));
     const auto set = [&](double milliseconds) {
         for (auto& [phase, row] : profile["scenarios"][0]["fracture"].items())
-            for (const char* key : {"median", "p95"}) row[key] = milliseconds;
+            for (const char* key : {"min", "median"}) row[key] = milliseconds;
         write(old, profile.dump());
     };
     set(1e9);

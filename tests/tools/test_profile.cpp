@@ -66,8 +66,9 @@ std::string plan_message(const std::string& text) {
     });
 }
 
-Json row(double median, double p95, int samples = 9) {
-    return {{"median", median}, {"p95", p95}, {"p99", p95}, {"max", p95}, {"samples", samples}};
+Json row(double least, double median, int samples = 9) {
+    return {{"min", least},     {"median", median},    {"p95", 2.0 * median},
+            {"p99", 2.0 * median}, {"max", 2.0 * median}, {"samples", samples}};
 }
 
 Json profile_of(const Json& total, const Json& frame, const std::string& name = "bunny 100 cpu") {
@@ -126,10 +127,12 @@ TEST_CASE("profile: one mesh and one count are one scenario") {
 
 TEST_CASE("profile: a plan's groups take the place of the lists, which stand in for what a group leaves out") {
     const Folder folder;
-    (void)folder.write("glass.json", R"({"brittle": 1, "mesh": "pane.obj", "pattern": {"type": "radial", "count": 30}})");
+    (void)folder.write("glass.json",
+                       R"({"brittle": 1, "mesh": "pane.obj", "pattern": {"type": "radial", "count": 30}})");
     ProfilePlan plan;
     read_profile_plan(folder.write("plan.json", R"({"brittle_profile": 1, "repeats": 3, "warm_up": 0, "scenarios": [
-        {"meshes": ["shape:cube", "b.obj"], "counts": [4]}, {"name": "glass", "recipe": "glass.json", "classify": ["gpu"]}]})"),
+        {"meshes": ["shape:cube", "b.obj"], "counts": [4]},
+        {"name": "glass", "recipe": "glass.json", "classify": ["gpu"]}]})"),
                       plan);
     CHECK(plan.repeats == 3);
     CHECK(plan.warm_up == 0);
@@ -155,7 +158,8 @@ TEST_CASE("profile: scenarios that cannot be are refused") {
     base.mesh = "shape:cube";
     ScenarioGroup lists;
     lists.counts = {10, 10};
-    has(message_of(exit_usage, [&] { (void)make_scenarios({}, lists, base); }), "two scenarios are named 'cube 10 cpu'");
+    has(message_of(exit_usage, [&] { (void)make_scenarios({}, lists, base); }),
+        "two scenarios are named 'cube 10 cpu'");
     lists.counts = {10, 20};
     base.save_recipe = "r.json";
     has(message_of(exit_usage, [&] { (void)make_scenarios({}, lists, base); }), "--save-recipe");
@@ -168,11 +172,13 @@ TEST_CASE("profile: what is wrong with a plan is said with its place") {
     has(plan_message(R"({"brittle_profile": 1})"), "/scenarios");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": []})"), "with something in it");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [3]})"), "/scenarios/0: expected an object");
-    has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"counts": [0]}]})"), "/scenarios/0/counts: expected a whole");
+    has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"counts": [0]}]})"),
+        "/scenarios/0/counts: expected a whole");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"counts": 5}]})"), "a list [ ]");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"classify": ["tpu"]}]})"), "\"cpu\" or \"gpu\"");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"meshes": [1]}]})"), "text in quotes");
-    has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"mesh": "a"}]})"), "unknown key; there are: name, recipe, meshes");
+    has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"mesh": "a"}]})"),
+        "unknown key; there are: name, recipe, meshes");
     has(plan_message(R"({"brittle_profile": 1, "repeats": 0, "scenarios": [{}]})"), "/repeats");
     has(plan_message(R"({"brittle_profile": 1, "loops": 1, "scenarios": [{}]})"), "/loops: unknown key");
     has(plan_message("[1"), "cannot be read");
@@ -195,10 +201,11 @@ TEST_CASE("profile: the plans in assets/ are read, and the schema knows their ke
             for (const auto& [key, value] : group.items()) CHECK(group_keys.contains(key));
     }
     // And no key more than the reader does.
-    for (const auto& [key, value] : keys.items()) CHECK(plan_message("{\"brittle_profile\": 1, \"" + key
-        + "\": null, \"scenarios\": [{}]}").find("unknown key") == std::string::npos);
-    for (const auto& [key, value] : group_keys.items()) CHECK(plan_message("{\"brittle_profile\": 1, \"scenarios\": [{\"" + key
-        + "\": null}]}").find("unknown key") == std::string::npos);
+    const auto is_known = [](const std::string& text) {
+        return plan_message("{\"brittle_profile\": 1, " + text).find("unknown key") == std::string::npos;
+    };
+    for (const auto& [key, value] : keys.items()) CHECK(is_known("\"" + key + "\": null, \"scenarios\": [{}]}"));
+    for (const auto& [key, value] : group_keys.items()) CHECK(is_known("\"scenarios\": [{\"" + key + "\": null}]}"));
 }
 
 TEST_CASE("profile: a series keeps the order of its names") {
@@ -282,38 +289,38 @@ TEST_CASE("profile: CSV has a line a phase, and quotes what needs it") {
         lines.push_back(cells);
     }
     REQUIRE(lines.size() == 5); // columns; clip, total; the frame falling and taking over
-    for (const auto& line : lines) CHECK(line.size() == 13);
+    for (const auto& line : lines) CHECK(line.size() == 14);
     CHECK(lines[0][0] == "scenario");
     CHECK(lines[2][0] == "a \"b\", c");
     CHECK(lines[2][7] == "total");
     CHECK(std::stod(lines[2][8]) == 1.5);
     CHECK(lines[3][6] == "frames falling");
-    CHECK(lines[3][12] == "9");
+    CHECK(lines[3][13] == "9");
 }
 
-TEST_CASE("profile: what is beyond the threshold and beyond the old 95th percentile is slower") {
-    const Comparison same = compared(row(10.0, 11.0), row(10.5, 11.0));
+TEST_CASE("profile: what is beyond the threshold in median and minimum is slower") {
+    const Comparison same = compared(row(9.0, 10.0), row(12.0, 10.5));
     CHECK_FALSE(same.slower);
     CHECK(verdict_of(same, "fracture", "total") == Verdict::same);
     CHECK(same.notes.empty());
 
-    const Comparison slower = compared(row(10.0, 11.0), row(11.5, 12.0));
+    const Comparison slower = compared(row(9.0, 10.0), row(10.0, 11.5));
     CHECK(slower.slower);
     CHECK(verdict_of(slower, "fracture", "total") == Verdict::slower);
     CHECK(verdict_of(slower, "fracture", "clip") == Verdict::slower);
-    CHECK_FALSE(compared(row(10.0, 11.0), row(11.5, 12.0), 1.2).slower);
+    CHECK_FALSE(compared(row(9.0, 10.0), row(10.0, 11.5), 1.2).slower);
 
-    const Comparison noise = compared(row(10.0, 14.0), row(12.0, 15.0));
+    const Comparison noise = compared(row(9.0, 10.0), row(9.1, 20.0));
     CHECK_FALSE(noise.slower);
     CHECK(verdict_of(noise, "fracture", "total") == Verdict::noise);
 
-    const Comparison faster = compared(row(10.0, 11.0), row(5.0, 6.0));
-    CHECK(verdict_of(faster, "fracture", "total") == Verdict::faster);
-    CHECK(verdict_of(compared(row(10.0, 11.0), row(5.0, 20.0)), "fracture", "total") == Verdict::noise);
+    CHECK(verdict_of(compared(row(9.0, 10.0), row(4.0, 5.0)), "fracture", "total") == Verdict::faster);
+    CHECK(verdict_of(compared(row(9.0, 10.0), row(9.0, 9.2)), "fracture", "total") == Verdict::same);
+    CHECK(verdict_of(compared(row(4.0, 10.0), row(4.0, 5.0)), "fracture", "total") == Verdict::noise);
 }
 
 TEST_CASE("profile: few samples and single phases decide nothing") {
-    const Comparison few = compared(row(10.0, 11.0, 4), row(100.0, 110.0, 9));
+    const Comparison few = compared(row(9.0, 10.0, 4), row(90.0, 100.0, 9));
     CHECK_FALSE(few.slower);
     CHECK(verdict_of(few, "fracture", "total") == Verdict::few);
     CHECK(verdict_of(few, "frames taking over", "frame") == Verdict::few);
@@ -361,8 +368,8 @@ TEST_CASE("profile: a file that is no profile is refused before it is compared w
     bad["scenarios"][0]["fracture"]["total"].erase("median");
     has(message(bad), "/scenarios/0/fracture/total/median: missing");
     bad = good;
-    bad["scenarios"][0]["frames"]["falling"]["frame"]["p95"] = "fast";
-    has(message(bad), "/frames/falling/frame/p95: expected a number");
+    bad["scenarios"][0]["frames"]["falling"]["frame"]["min"] = "fast";
+    has(message(bad), "/frames/falling/frame/min: expected a number");
     bad = good;
     bad["scenarios"][0].erase("fracture");
     has(message(bad), "/scenarios/0/fracture: missing");
