@@ -255,8 +255,11 @@ TEST_CASE("profile measures the fracture without a device and prints JSON") {
     INFO(outcome.output);
     REQUIRE(outcome.exit_code == 0);
     const auto profile = nlohmann::json::parse(outcome.output);
-    CHECK(profile["fracture"]["total"]["samples"] == 3);
-    CHECK(profile["fracture"]["total"]["median"].get<double>() > 0.0);
+    const auto& scenario = profile["scenarios"][0];
+    CHECK(scenario["name"] == "icosphere 5 cpu");
+    CHECK(scenario["fracture"]["total"]["samples"] == 3);
+    CHECK(scenario["fracture"]["total"]["median"].get<double>() > 0.0);
+    CHECK_FALSE(profile["environment"].contains("device"));
     CHECK(profile == nlohmann::json::parse(read(folder / "p.json")));
     CHECK(has(brittle(folder, "profile shape:cube -n 3 --repeats 1 --frames 0"), "median"));
 }
@@ -268,8 +271,96 @@ TEST_CASE("profile measures frames before and after the fracture") {
     if (no_vulkan(outcome)) return;
     REQUIRE(outcome.exit_code == 0);
     const auto profile = nlohmann::json::parse(outcome.output);
-    CHECK(profile["frames"]["whole"]["frame"]["samples"] == 2);
-    CHECK(profile["frames"]["falling"]["physics"]["samples"] == 2);
+    const auto& scenario = profile["scenarios"][0];
+    CHECK(scenario["frames"]["whole"]["frame"]["samples"] == 2);
+    CHECK(scenario["frames"]["falling"]["physics"]["samples"] == 2);
+    CHECK(scenario["frames"]["taking over"]["bodies and upload"]["samples"] == 1);
+    CHECK(profile["environment"].contains("driver"));
+    const auto& series = scenario["frame_series"];
+    const auto begun = series["breaking_from"].get<size_t>(), broken = series["fracture_frame"].get<size_t>();
+    CHECK(begun == 2);
+    CHECK(broken > begun);
+    CHECK(series["milliseconds"].size() == broken + 3);
+}
+
+TEST_CASE("profile measures lists of meshes and counts, on both sides, and writes CSV and a time line") {
+    const Folder folder;
+    const Outcome outcome = brittle(folder, "profile --meshes shape:cube,shape:icosphere --counts 3,4 --classify cpu,gpu "
+                                            "--warm-up 0 --repeats 1 --frames 1 --size 64x48 --validation --csv "
+                                                + (folder / "p.csv") + " --trace " + (folder / "t.json"));
+    INFO(outcome.output);
+    if (no_vulkan(outcome)) return;
+    REQUIRE(outcome.exit_code == 0);
+    for (const char* name : {"cube 3 cpu", "cube 4 gpu", "icosphere 4 gpu", "medians"}) CHECK(has(outcome, name));
+    CHECK(read(folder / "p.csv").starts_with("scenario,"));
+    const auto trace = nlohmann::json::parse(read(folder / "t.json"));
+    CHECK(trace["otherData"].contains("device_clock"));
+    size_t scenarios = 0, passes = 0;
+    for (const auto& event : trace["traceEvents"]) {
+        if (event["ph"] != "X") continue;
+        CHECK(event["ts"].get<double>() >= 0.0);
+        CHECK(event["dur"].get<double>() >= 0.0);
+        scenarios += event["name"] == "cube 3 cpu" || event["name"] == "icosphere 4 gpu";
+        passes += event["name"] == "classify vertices" || event["name"] == "shade";
+    }
+    CHECK(scenarios == 2);
+    CHECK(passes > 0);
+}
+
+TEST_CASE("profile compares with an earlier run: alike, slower, and what is no profile") {
+    const Folder folder;
+    const std::string command = "profile shape:cube -n 4 --repeats 5 --frames 0 ", old = folder / "old.json";
+    REQUIRE(brittle(folder, command + "-o " + old).exit_code == 0);
+    auto profile = nlohmann::ordered_json::parse(read(old));
+    const auto set = [&](double milliseconds) {
+        for (auto& [phase, row] : profile["scenarios"][0]["fracture"].items())
+            for (const char* key : {"min", "median"}) row[key] = milliseconds;
+        write(old, profile.dump());
+    };
+    set(1e9);
+    const Outcome faster = brittle(folder, command + "--compare " + old);
+    CHECK(faster.exit_code == 0);
+    CHECK(has(faster, "nothing is slower"));
+    CHECK(has(faster, "faster"));
+    set(1e-9);
+    const Outcome slower = brittle(folder, command + "--json --compare " + old + " --threshold 2");
+    CHECK(slower.exit_code == 7);
+    CHECK(nlohmann::json::parse(slower.output)["comparison"]["slower"] == true);
+    write(old, "{}");
+    const Outcome none = brittle(folder, command + "--compare " + old);
+    CHECK(none.exit_code == 3);
+    CHECK(has(none, "no profile"));
+    CHECK(brittle(folder, command + "--compare " + (folder / "missing.json")).exit_code == 3);
+}
+
+TEST_CASE("what profile cannot do is refused before any work") {
+    const Folder folder;
+    const auto refused = [&](const std::string& arguments, int code, const std::string& words) {
+        const Outcome outcome = brittle(folder, "profile " + arguments);
+        INFO(arguments, ": ", outcome.output);
+        CHECK(outcome.exit_code == code);
+        CHECK(has(outcome, words));
+    };
+    refused("--frames 0", 2, "--meshes");
+    refused("shape:cube --meshes shape:torus", 2, "--meshes");
+    refused("shape:cube --counts 3 -n 4", 2, "--counts");
+    refused("shape:cube --counts 3,x", 2, "--counts");
+    refused("shape:cube --counts 3,3", 2, "two scenarios");
+    refused("shape:cube --classify tpu", 2, "--classify");
+    refused("shape:cube --threshold 2", 2, "--compare");
+    refused("shape:cube --compare a.json --threshold 0.5", 2, "--threshold");
+    refused("--scenarios " + (folder / "none.json"), 3, "none.json");
+    write(folder / "plan.json", R"({"brittle_profile": 1, "scenarios": [{"counts": [0]}]})");
+    refused("--scenarios " + (folder / "plan.json"), 3, "/scenarios/0/counts");
+    write(folder / "plan.json", R"({"brittle_profile": 1, "frames": 0, "warm_up": 0, "repeats": 50,
+        "scenarios": [{"meshes": ["shape:cube"], "counts": [2, 3]}]})");
+    const Outcome planned = brittle(folder, "profile --json --repeats 1 --scenarios " + (folder / "plan.json"));
+    REQUIRE(planned.exit_code == 0);
+    const auto profile = nlohmann::json::parse(planned.output);
+    CHECK(profile["scenarios"].size() == 2);
+    CHECK(profile["settings"]["warm_up"] == 0);
+    CHECK(profile["settings"]["repeats"] == 1); // the command line outdoes the file
+    refused("shape:cube -n 2 --repeats 1 --frames 0 --csv " + (folder / "no/such.csv"), 5, "no/such");
 }
 
 TEST_CASE("Ctrl+C ends a long command and leaves no half-written file") {

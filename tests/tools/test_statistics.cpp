@@ -7,6 +7,7 @@ using brittle::tools::statistics;
 
 TEST_CASE("no sample gives zeros") {
     const Statistics s = statistics({});
+    CHECK(s.min == 0.0);
     CHECK(s.median == 0.0);
     CHECK(s.p95 == 0.0);
     CHECK(s.p99 == 0.0);
@@ -15,6 +16,7 @@ TEST_CASE("no sample gives zeros") {
 
 TEST_CASE("one sample is its own median, percentile and maximum") {
     const Statistics s = statistics({4.0});
+    CHECK(s.min == 4.0);
     CHECK(s.median == 4.0);
     CHECK(s.p95 == 4.0);
     CHECK(s.p99 == 4.0);
@@ -32,6 +34,7 @@ TEST_CASE("the 95th and 99th percentile are the nearest rank") {
     const Statistics s = statistics(samples);
     CHECK(s.p95 == 95.0);
     CHECK(s.p99 == 99.0);
+    CHECK(s.min == 1.0);
     CHECK(s.max == 100.0);
     CHECK(statistics({1.0, 2.0, 3.0}).p95 == 3.0);
     CHECK(statistics({1.0, 2.0, 3.0}).p99 == 3.0);

@@ -51,10 +51,11 @@ Json measure(const ProfileCommand& command, const std::vector<Scenario>& scenari
 Json trace_metadata(const Json& profile) {
     Json metadata = profile["environment"];
     if (!metadata.contains("common_clock")) return metadata;
-    metadata["device_clock"] = metadata["common_clock"].get<bool>()
-                                   ? "calibrated against the host's monotonic clock (VK_EXT_calibrated_timestamps)"
-                                   : "not calibrated: each frame's last pass is shown as ending when the host had waited "
-                                     "for it and read its time";
+    metadata["device_clock"] =
+        metadata["common_clock"].get<bool>()
+            ? "calibrated against the host's monotonic clock (VK_EXT_ or VK_KHR_calibrated_timestamps)"
+            : "not calibrated: the last pass of each submission is shown as ending when the host had waited for it and "
+              "read its time";
     return metadata;
 }
 

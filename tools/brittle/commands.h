@@ -53,7 +53,7 @@ struct ProfileCommand {
     std::string csv;        // likewise
     std::string trace;      // a time line; empty: none
     std::string compare;    // a profile to compare with; empty: none
-    double threshold = 1.1; // a ratio of medians above this is slower
+    double threshold = 1.1; // ratios of medians and minima above this are slower
 };
 
 struct InspectCommand {

@@ -53,7 +53,8 @@ JsonReader::JsonReader(const std::filesystem::path& file, const Json& json, std:
 }
 
 Failure JsonReader::failure(const std::string& key, const std::string& what) const {
-    return {exit_input, file_.string() + ": " + path_ + (key.empty() ? "" : "/" + key) + ": " + what};
+    const std::string place = path_ + (key.empty() ? "" : "/" + key);
+    return {exit_input, file_.string() + ": " + (place.empty() ? "" : place + ": ") + what};
 }
 
 void JsonReader::fail(const std::string& key, const std::string& expected, const Json& found) const {

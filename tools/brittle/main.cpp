@@ -230,7 +230,7 @@ void add_profile(CLI::App& app, std::function<int()>& run) {
                         ->type_name("OLD.json");
     profile
         ->add_option("--threshold", command.threshold,
-                     "What --compare calls slower: this many times the old median, and above the old 95th percentile")
+                     "What --compare calls slower: median and minimum more than this many times the old ones")
         ->check(CLI::Range(1.0, 1000.0))
         ->needs(compare)
         ->capture_default_str();

@@ -6,14 +6,15 @@
 namespace brittle::tools {
 
 struct Statistics {
+    double min = 0.0;
     double median = 0.0;
     double p95 = 0.0;
     double p99 = 0.0;
     double max = 0.0;
 };
 
-// Median (the mean of the middle two for an even count), 95th and 99th percentile (nearest rank: the maximum of fewer
-// than 20 or 100 samples) and maximum; zeros for no sample.
+// Minimum, median (the mean of the middle two for an even count), 95th and 99th percentile (nearest rank: the maximum of
+// fewer than 20 or 100 samples) and maximum; zeros for no sample.
 [[nodiscard]] Statistics statistics(std::vector<double> samples);
 
 } // namespace brittle::tools

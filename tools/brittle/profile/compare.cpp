@@ -17,12 +17,12 @@ constexpr int version = 1;
 constexpr size_t longest_profile = size_t{256} << 20; // bytes
 constexpr uint64_t least_samples = 5;                 // on either side, for a verdict
 
-// Throws where rows are not {phase: {median, p95, ..., samples}, ...}.
+// Throws where rows are not {phase: {min, median, ..., samples}, ...}.
 void check_rows(const std::filesystem::path& file, const Json& rows, const std::string& path) {
     JsonReader reader(file, rows, path);
     for (const auto& [phase, row] : rows.items()) {
         JsonReader inner(file, row, path + "/" + phase);
-        for (const char* key : {"median", "p95"}) {
+        for (const char* key : {"min", "median"}) {
             double value = -1.0;
             inner.number(key, value, 0.0, 1e15);
             if (value < 0.0) throw inner.failure(key, "missing");
@@ -47,14 +47,18 @@ void check_scenario(const std::filesystem::path& file, const Json& scenario, con
     for (const auto& [group, rows] : frames->items()) check_rows(file, rows, path + "/frames/" + group);
 }
 
-Verdict verdict_of(const Json& before, const Json& after, double ratio, double threshold) {
-    const auto value = [](const Json& row, const char* key) { return row[key].get<double>(); };
+double ratio_of(const Json& before, const Json& after, const char* key) {
+    const double a = before[key].get<double>(), b = after[key].get<double>();
+    if (a > 0.0) return b / a;
+    return b > 0.0 ? std::numeric_limits<double>::infinity() : 1.0;
+}
+
+Verdict verdict_of(const Json& before, const Json& after, double threshold) {
     if (std::min(before["samples"].get<uint64_t>(), after["samples"].get<uint64_t>()) < least_samples)
         return Verdict::few;
-    if (ratio > threshold)
-        return value(after, "median") > value(before, "p95") ? Verdict::slower : Verdict::noise;
-    if (ratio < 1.0 / threshold)
-        return value(before, "median") > value(after, "p95") ? Verdict::faster : Verdict::noise;
+    const double median = ratio_of(before, after, "median"), least = ratio_of(before, after, "min");
+    if (median > threshold) return least > threshold ? Verdict::slower : Verdict::noise;
+    if (median < 1.0 / threshold) return least < 1.0 / threshold ? Verdict::faster : Verdict::noise;
     return Verdict::same;
 }
 
@@ -69,12 +73,8 @@ void compare_rows(const std::string& scenario, const std::string& group, const J
         p.phase = phase;
         p.before = (*old)["median"].get<double>();
         p.after = row["median"].get<double>();
-        if (p.before > 0.0) {
-            p.ratio = p.after / p.before;
-        } else if (p.after > 0.0) {
-            p.ratio = std::numeric_limits<double>::infinity();
-        }
-        p.verdict = verdict_of(*old, row, p.ratio, out.threshold);
+        p.ratio = ratio_of(*old, row, "median");
+        p.verdict = verdict_of(*old, row, out.threshold);
         p.decides = (group == "fracture" && phase == "total")
                     || ((group == "frames whole" || group == "frames falling") && phase == "frame");
         out.slower = out.slower || (p.decides && p.verdict == Verdict::slower);
@@ -144,10 +144,9 @@ Comparison compare_profiles(const Json& before, const Json& after, double thresh
         in_common = true;
         note_differences(name + ": ", *old, scenario, {"triangles", "sites", "pieces", "recipe"}, out.notes);
         compare_rows(name, "fracture", (*old)["fracture"], scenario["fracture"], out);
-        for (const auto& [group, rows] : part(scenario, "frames").items()) {
-            const Json frames = part(*old, "frames");
-            if (frames.contains(group)) compare_rows(name, "frames " + group, frames[group], rows, out);
-        }
+        const Json frames = part(scenario, "frames"), old_frames = part(*old, "frames");
+        for (const auto& [group, rows] : frames.items())
+            if (old_frames.contains(group)) compare_rows(name, "frames " + group, old_frames[group], rows, out);
     }
     for (const Json& scenario : before["scenarios"])
         if (!find_scenario(after, scenario["name"]))
@@ -164,13 +163,15 @@ void print_comparison(const Comparison& comparison) {
         const std::string title = p.scenario + ", " + p.group;
         if (title != group) std::printf("\n%-36s %10s %10s %10s\n", title.c_str(), "before", "after", "ratio");
         group = title;
-        const char* word = p.verdict == Verdict::same ? "" : p.verdict == Verdict::few ? "too few to tell" : to_string(p.verdict);
+        const char* word = to_string(p.verdict);
+        if (p.verdict == Verdict::same) word = "";
+        if (p.verdict == Verdict::few) word = "too few to tell";
         std::printf("%c %-34s %10.2f %10.2f %10.2f  %s\n", p.decides ? '*' : ' ', p.phase.c_str(), p.before, p.after,
                     p.ratio, word);
     }
     std::printf("\n");
     for (const std::string& note : comparison.notes) std::printf("note: %s\n", note.c_str());
-    std::printf("%s by more than a factor of %.2f and beyond the old 95th percentile (rows marked * decide)\n",
+    std::printf("%s by more than a factor of %.2f, in median and minimum (rows marked * decide)\n",
                 comparison.slower ? "SLOWER" : "nothing is slower", comparison.threshold);
 }
 

@@ -1,10 +1,10 @@
 // Two profiles side by side: did something become slower?
 //
-// Scenarios are the same where their names are. A phase is `slower` where its median is more than `threshold` times the
-// old one and above the old 95th percentile: what the old run saw itself now and then is `noise`. It is `faster` the
-// other way round. Fewer than five samples on either side tell nothing (`few`). Only the fracture's total and the frames
-// before and after it decide; the phases say where it comes from. Compare runs of one machine that has nothing else to
-// do: what slows a whole run down looks like slower code.
+// Scenarios are the same where their names are. A phase is `slower` where both its median and its minimum are more than
+// `threshold` times the old ones: slower code is slower every time, while other work on the machine spares the luckiest
+// sample. Where the median alone is, it is `noise`. `faster` is the other way round. Fewer than five samples on either
+// side tell nothing (`few`). Only the fracture's total and the frames before and after it decide; the phases say where
+// it comes from. Still, compare runs of one machine that has nothing else to do.
 #pragma once
 
 #include <filesystem>

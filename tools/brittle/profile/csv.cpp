@@ -21,7 +21,7 @@ std::string cell(const Json& value) {
 void add_rows(std::string& csv, const std::string& scenario, const std::string& group, const Json& rows) {
     for (const auto& [phase, s] : rows.items()) {
         csv += scenario + cell(group) + "," + cell(phase);
-        for (const char* key : {"median", "p95", "p99", "max", "samples"}) csv += "," + cell(s[key]);
+        for (const char* key : {"min", "median", "p95", "p99", "max", "samples"}) csv += "," + cell(s[key]);
         csv += "\n";
     }
 }
@@ -29,7 +29,8 @@ void add_rows(std::string& csv, const std::string& scenario, const std::string& 
 } // namespace
 
 std::string profile_csv(const Json& profile) {
-    std::string csv = "scenario,mesh,triangles,sites,pieces,classify,group,phase,median_ms,p95_ms,p99_ms,max_ms,samples\n";
+    std::string csv = "scenario,mesh,triangles,sites,pieces,classify,group,phase,"
+                      "min_ms,median_ms,p95_ms,p99_ms,max_ms,samples\n";
     for (const Json& scenario : profile["scenarios"]) {
         std::string front;
         for (const char* key : {"name", "mesh", "triangles", "sites", "pieces", "classify"})

@@ -23,7 +23,8 @@ std::string processor_name() {
 std::string system_name() {
     utsname names{};
     if (uname(&names) != 0) return "unknown";
-    return std::string(names.sysname) + " " + names.release + " " + names.machine;
+    const std::string release = names.release; // what follows the numbers is the builder's
+    return std::string(names.sysname) + " " + release.substr(0, release.find('-')) + " " + names.machine;
 }
 
 std::string compiler_name() {

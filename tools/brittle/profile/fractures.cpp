@@ -1,5 +1,6 @@
 #include "tools/brittle/profile/fractures.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tools/brittle/failure.h"
@@ -22,7 +23,12 @@ FractureTimes measure_fractures(const Scenario& scenario, const Input& input, co
         times.certificate = broken.certificate;
         if (trace) trace_fracture(*trace, Track::main, 1, begin, broken, classifier);
         if (run < plan.warm_up) continue;
-        for (const fracture::Milliseconds& t : broken.fragments.timings) times.series.add(t.phase, t.milliseconds);
+        double named = 0.0;
+        for (const fracture::Milliseconds& t : broken.fragments.timings) {
+            times.series.add(t.phase, t.milliseconds);
+            named += t.milliseconds;
+        }
+        times.series.add("rest", std::max(0.0, broken.milliseconds - named));
         times.series.add("total", broken.milliseconds);
         if (classifier) add_passes(times.series, classifier->timings());
     }

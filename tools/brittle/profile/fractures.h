@@ -10,7 +10,7 @@
 namespace brittle::tools {
 
 struct FractureTimes {
-    Series series; // each phase, total, and each pass of the classifier
+    Series series; // each phase, rest (checks, and giving memory back), total, and each pass of the classifier
     double first_milliseconds = 0.0; // of the very first one, before any warm-up
     fracture::Certificate certificate;
 };

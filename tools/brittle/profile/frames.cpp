@@ -25,8 +25,10 @@ double milliseconds_between(int64_t begin, int64_t end) {
 
 class Frames {
   public:
-    Frames(const Scenario& scenario, const Input& input, const ViewOptions& view, engine::Renderer& renderer, Trace* trace)
-        : view_(view), renderer_(renderer), trace_(trace), stage_(renderer, input.model.mesh, scenario.fracture.material) {
+    Frames(const Scenario& scenario, const Input& input, const ViewOptions& view, engine::Renderer& renderer,
+           Trace* trace)
+        : view_(view), renderer_(renderer), trace_(trace),
+          stage_(renderer, input.model.mesh, scenario.fracture.material) {
         const float aspect = static_cast<float>(view.width) / static_cast<float>(view.height);
         camera_ = engine::look_at_bounds(stage_view(stage_.home_bounds()), 0.55f, 0.3f, aspect);
     }

@@ -15,7 +15,7 @@
 namespace brittle::tools {
 
 struct FrameTimes {
-    // Each of them: frame, physics, scene, draw (with reading back) and the passes; taking over also "bodies and upload".
+    // Each: frame, physics, scene, draw (with reading back) and the passes; taking over also "bodies and upload".
     Series whole;       // the unbroken mesh at rest; the first frame, which draws the shadow, left out
     Series breaking;    // while the other thread works
     Series taking_over; // one frame
@@ -25,8 +25,8 @@ struct FrameTimes {
     size_t fracture_frame = 0;        // and of the one that takes over
 };
 
-// So many frames before and after. `classifier` belongs to another device than the renderer; it and `trace` may be null.
-// Throws a Failure.
+// So many frames before and after. `classifier` belongs to another device than the renderer; it and `trace` may be
+// null. Throws a Failure.
 [[nodiscard]] FrameTimes measure_frames(const Scenario& scenario, const Input& input, uint32_t frames,
                                         const ViewOptions& view, engine::Renderer& renderer,
                                         engine::GpuClassifier* classifier, Trace* trace);

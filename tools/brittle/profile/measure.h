@@ -23,8 +23,8 @@ class Profiler {
     Profiler(const ProfilePlan& plan, const ViewOptions& view, Trace* trace);
 
     // Keys: name, mesh, triangles, sites, pieces, closed, classify, recipe; import and first (ms: reading the mesh, and
-    // the fracture before any warm-up); fracture {phase: statistics of ms, ..., total, pass NAME, ...}. With frames
-    // also
+    // the fracture before any warm-up); fracture {phase: statistics of ms, ..., rest, total, pass NAME, ...}.
+    // With frames also
     //   frames {whole, breaking, taking over, falling: {frame, physics, scene, draw, pass NAME, ...}}
     //   frame_series {milliseconds [of each frame], breaking_from, fracture_frame}, the last two indices of frames: the
     //   first beside which the mesh is being broken, as in the demo by another thread, and the one that takes its

@@ -126,7 +126,7 @@ std::vector<Scenario> make_scenarios(const ProfilePlan& plan, const ScenarioGrou
                                       "file for --scenarios, where a \"name\" tells them apart");
     }
     if (scenarios.size() > 1 && !base.save_recipe.empty())
-        throw Failure(exit_usage, "--save-recipe is for one scenario, and there are " + std::to_string(scenarios.size()));
+        throw Failure(exit_usage, "--save-recipe is for one scenario; these are " + std::to_string(scenarios.size()));
     return scenarios;
 }
 

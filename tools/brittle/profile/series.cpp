@@ -15,8 +15,8 @@ nlohmann::ordered_json Series::json() const {
     auto out = nlohmann::ordered_json::object();
     for (const auto& [name, samples] : series_) {
         const Statistics s = statistics(samples);
-        out[name] = {
-            {"median", s.median}, {"p95", s.p95}, {"p99", s.p99}, {"max", s.max}, {"samples", samples.size()}};
+        out[name] = {{"min", s.min}, {"median", s.median}, {"p95", s.p95},
+                     {"p99", s.p99}, {"max", s.max},       {"samples", samples.size()}};
     }
     return out;
 }

@@ -13,7 +13,7 @@ class Series {
   public:
     void add(const std::string& name, double milliseconds);
 
-    // {name: {median, p95, p99, max, samples}, ...}
+    // {name: {min, median, p95, p99, max, samples}, ...}
     [[nodiscard]] nlohmann::ordered_json json() const;
 
   private:
