@@ -17,25 +17,18 @@ namespace {
 
 constexpr double frame_seconds = 1.0 / 60.0;
 
-void check_output(const RenderCommand& command) {
-    const PictureOptions& picture = command.fracture.picture;
-    if (is_numbered(command.output)) return;
-    if (!is_plain(command.output)) {
-        throw Failure(exit_usage, "--output '" + command.output +
-                                      "' is no file name: put %04d where the frame's number is to go, or no % at all");
-    }
-    if (!picture.whole && picture.frames >= command.every) {
-        throw Failure(exit_usage, "--output '" + command.output +
-                                      "' names one file for several pictures: put %04d where the frame's number is to "
-                                      "go, e.g. frame_%04d.png, or give --frames 0 for one picture");
-    }
+void check_output(const std::string& output) {
+    if (is_numbered(output) || is_plain(output)) return;
+    throw Failure(exit_usage, "--output '" + output +
+                                  "' is no file name: put %04d where the frame's number is to go, or no % at all for "
+                                  "one picture of the end");
 }
 
 } // namespace
 
 int run_render(const RenderCommand& command) {
     const PictureOptions& picture = command.fracture.picture;
-    check_output(command);
+    check_output(command.output);
     catch_interrupts();
     const Input input = placed_on_stage(load_input(command.fracture));
     const std::unique_ptr<engine::Device> device = open_device(command.view);
@@ -66,7 +59,7 @@ int run_render(const RenderCommand& command) {
     for (uint32_t frame = 0; frame <= frames; ++frame) {
         throw_if_interrupted();
         if (frame > 0) stage.advance(frame_seconds);
-        if (frame % command.every != 0) continue;
+        if (is_numbered(command.output) ? frame % command.every != 0 : frame != frames) continue;
         engine::Scene scene = stage.scene();
         scene.camera = camera;
         const engine::Bitmap image = must(renderer->render(scene, {command.view.width, command.view.height}));

@@ -306,7 +306,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     render->add_option("--every", render_command.every, "Write every so many-th frame")
         ->check(CLI::Range(1u, 100'000u))
         ->capture_default_str();
-    render->add_option("-o,--output", render_command.output, "Where to: %04d stands for the frame's number")
+    render->add_option("-o,--output", render_command.output, "Where to: %04d stands for the frame's number; without it one picture is written, of the last frame")
         ->type_name("FILE_%04d.png")
         ->capture_default_str();
     render->add_flag("--whole", picture.whole, "Draw the unbroken mesh at rest");

@@ -1,0 +1,42 @@
+// Every scene under assets/scenes against its golden in tests/images/scenes: the last picture that `brittle render` makes of
+// it. tools/update-goldens rewrites them; look at them then.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include "engine/core/bitmap.h"
+#include "tests/engine/support.h"
+
+namespace fs = std::filesystem;
+using namespace brittle::engine;
+using namespace brittle::engine::test;
+
+TEST_CASE("every scene looks as it did") {
+    std::string folder = (fs::temp_directory_path() / "brittle-scenes-XXXXXX").string();
+    REQUIRE(mkdtemp(folder.data()) != nullptr);
+    std::vector<fs::path> scenes;
+    for (const auto& entry : fs::directory_iterator(BRITTLE_ASSETS "/scenes"))
+        if (entry.path().extension() == ".json") scenes.push_back(entry.path());
+    std::sort(scenes.begin(), scenes.end());
+    REQUIRE(scenes.size() >= 9);
+    for (const fs::path& scene : scenes) {
+        const std::string name = scene.stem().string();
+        CAPTURE(name);
+        const std::string file = folder + "/" + name + ".png";
+        const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene.string()
+                                    + " --size 480x300 --device cpu --validation -o " + file + " > " + folder + "/log 2>&1";
+        REQUIRE(std::system(command.c_str()) == 0);
+        const auto image = read_png(file);
+        REQUIRE(image);
+        // Falling pieces differ in their last bits with the compiler's options, and with them a pixel here and there.
+        const GoldenCheck check = check_golden(*image, name, {.ignore = 3, .channel = 255, .fraction = 0.005},
+                                               golden_folder() + "/scenes");
+        CHECK_MESSAGE(check.passed, check.message);
+    }
+    fs::remove_all(folder);
+}
