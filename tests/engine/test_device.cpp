@@ -83,3 +83,21 @@ TEST_CASE("validation hears a mistake, and a leak when the device goes") {
     CHECK(messages->size() > before);
 #endif
 }
+
+TEST_CASE("a match of clocks carries timestamps over in both directions") {
+    const ClockMatch match{.ticks = 1'000, .nanoseconds = 5'000, .period = 40.0};
+    CHECK(match.host(1'000) == 5'000);
+    CHECK(match.host(1'010) == 5'400);
+    CHECK(match.host(990) == 4'600);
+}
+
+TEST_CASE("both clocks are read together, and neither runs backwards") {
+    const std::unique_ptr<Device> device = make_device();
+    if (!device) return;
+    const std::optional<ClockMatch> first = device->match_clocks(), second = device->match_clocks();
+    CHECK(first.has_value() == device->has_common_clock());
+    if (!first || !second) return;
+    CHECK(second->ticks >= first->ticks);
+    CHECK(second->nanoseconds >= first->nanoseconds);
+    CHECK(device->validation_messages().empty());
+}

@@ -37,9 +37,9 @@ class Trace {
     // A moment, across all tracks.
     void mark(const std::string& name, int64_t at);
 
-    // The Trace Event Format's JSON object, times in microseconds from the first slice's begin. Where clocks disagree
-    // by a rounding, slices are cut so that they nest in the one above and follow the one before. `metadata` becomes
-    // otherData.
+    // The Trace Event Format's JSON object, times in microseconds from the first begin, to an eighth. Where clocks
+    // disagree by a rounding, slices are cut so that they nest in the one above and follow the one before. `metadata`
+    // becomes otherData.
     [[nodiscard]] nlohmann::ordered_json json(const nlohmann::ordered_json& metadata) const;
 
   private:
