@@ -25,8 +25,9 @@ constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 // LeakSanitizer cannot name what a driver leaked once the loader has unloaded it. Keep both libraries mapped,
 // so that the few bytes that lavapipe and the layer leave behind at exit stay reachable or can be suppressed
 // by name.
-// Before the first instance is made. Mesa's device-select layer, which only reorders devices, asks the Wayland server
-// which one is in use, and libwayland prints an error where there is no server: DeviceOptions::select chooses here.
+// Before the first instance is made. Mesa's device-select layer, which only reorders devices, asks the
+// Wayland server which one is in use, and libwayland prints an error where there is no server:
+// DeviceOptions::select chooses here.
 void prepare_loader() {
     setenv("NODEVICE_SELECT", "1", 0);
 #if defined(__SANITIZE_ADDRESS__)
@@ -188,8 +189,9 @@ std::string table_of(const std::vector<DeviceInfo>& infos) {
 
 // What to install, and which variables keep the Vulkan loader from what is installed.
 std::string how_to_get_one() {
-    std::string text = " Install a driver: on Debian, `apt install mesa-vulkan-drivers` has drivers for most GPUs"
-                       " and one for the CPU.";
+    std::string text =
+        " Install a driver: on Debian, `apt install mesa-vulkan-drivers` has drivers for most GPUs"
+        " and one for the CPU.";
     for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
         if (const char* value = std::getenv(name))
             text += std::string(" The variable ") + name + "=" + value
@@ -227,7 +229,8 @@ Result<uint32_t> choose(const std::vector<DeviceInfo>& infos, const std::string&
                                   ? "no usable Vulkan device"
                                   : "no usable Vulkan device matches \"" + select + "\"";
     if (infos.empty())
-        return Error{Status::no_device, which + ": the drivers that are installed find none." + how_to_get_one()};
+        return Error{Status::no_device,
+                     which + ": the drivers that are installed find none." + how_to_get_one()};
     return Error{Status::no_device, which + ". The devices are:" + table_of(infos)};
 }
 
@@ -254,9 +257,15 @@ Function instance_function(VkInstance instance, const char* name) {
     return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
 }
 
+// The loader says that memory ran out where the only driver file is damaged.
+bool says_no_driver(VkResult result) {
+    return result == VK_ERROR_INCOMPATIBLE_DRIVER || result == VK_ERROR_INITIALIZATION_FAILED
+           || result == VK_ERROR_OUT_OF_HOST_MEMORY;
+}
+
 Error no_driver(VkResult result) {
-    return {Status::no_driver,
-            std::string("no Vulkan driver was found (") + to_string(result) + ")." + how_to_get_one()};
+    return {Status::no_driver, std::string("no Vulkan driver was found, or it is damaged (the loader says: ")
+                                   + to_string(result) + ")." + how_to_get_one()};
 }
 
 } // namespace
@@ -351,7 +360,7 @@ Result<void> Device::create_instance(bool validation) {
                                     .enabledExtensionCount = static_cast<uint32_t>(extensions.size()),
                                     .ppEnabledExtensionNames = extensions.data()};
     const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
-    if (result == VK_ERROR_INCOMPATIBLE_DRIVER) return no_driver(result);
+    if (says_no_driver(result)) return no_driver(result);
     check(result, "create a Vulkan instance");
 
     debug_utils_ = validation;

@@ -28,7 +28,8 @@ inline constexpr size_t call_kinds = 8;
 class FaultInjector {
   public:
     // The n-th call of the kind from now on, counted from 1, returns `result`, and so do the `times - 1`
-    // after it. One order a kind; a new one replaces it. Like a real device, one that was lost stays lost.
+    // after it. One order a kind; a new one replaces it, and VK_SUCCESS takes it back. Like a real device, one
+    // that was lost stays lost.
     void fail(Call kind, VkResult result, uint32_t n = 1, uint32_t times = 1);
 
     // Device::create() finds no feature, instance extension, device extension or layer of this name.

@@ -19,6 +19,9 @@
 // good and that the device reads in place, a slice for each of the two frames in flight. render() waits for
 // its image.
 //
+// Where memory runs out, the call fails and the next one may succeed. After device_lost all calls fail so:
+// destroy what was made from the device, and start again.
+//
 // Pixels are reproducible: the same scene gives the same bytes on the same device and driver. There is no
 // dithering, no noise and no history. Shaders write sRGB themselves into UNORM targets, because a window's
 // sRGB formats would encode the user interface's colours twice.
@@ -76,7 +79,7 @@ class Renderer {
 
     // Replaces all pieces. Copies what it needs before it returns; waits for the frames in flight. No piece
     // at all is fine. Fails with invalid_argument on an index out of range or more exterior triangles than
-    // triangles, with the piece's number, and then keeps the old pieces.
+    // triangles, with the piece's number, or with out_of_memory, and then keeps the old pieces.
     [[nodiscard]] Result<void> set_pieces(std::span<const PieceMesh> pieces);
     [[nodiscard]] uint32_t body_count() const; // one more than the largest PieceMesh::body; 0 without pieces
 

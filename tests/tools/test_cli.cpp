@@ -223,6 +223,73 @@ TEST_CASE("an unknown device is refused with the list of those there are") {
         brittle(folder, "render shape:cube --whole --device no-such-device -o " + folder / "a.png");
     INFO(outcome.output);
     CHECK(outcome.exit_code == 6);
+    CHECK((has(outcome, "The devices are:") || has(outcome, "apt install")));
+}
+
+TEST_CASE("without a driver, or with a damaged one, commands that draw say so and the others work") {
+    const Folder folder;
+    write(folder / "garbage.json", "{ not a driver");
+    write(folder / "empty.json", "");
+    write(folder / "no_library.json", R"({"file_format_version": "1.0.0",
+        "ICD": {"library_path": "/nowhere/libnone.so", "api_version": "1.3.0"}})");
+    write(folder / "other.json", R"({"file_format_version": "1.0.0",
+        "ICD": {"library_path": "libc.so.6", "api_version": "1.3.0"}})");
+    for (const char* name : {"missing.json", "garbage.json", "empty.json", "no_library.json", "other.json"})
+        for (const std::string variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) {
+            const std::string environment = "env -u VK_DRIVER_FILES -u VK_ICD_FILENAMES " + variable + "=" + (folder / name);
+            for (const std::string& command : {"render shape:cube --whole -o " + (folder / "a.png"),
+                                              "inspect shape:cube --picture " + (folder / "a.png"),
+                                              std::string("profile shape:cube -n 3 --repeats 1 --frames 2")}) {
+                const Outcome outcome = brittle(folder, command, environment);
+                INFO(variable, " ", name, ": ", outcome.output);
+                CHECK(outcome.exit_code == 6);
+                CHECK(has(outcome, "no Vulkan driver was found"));
+                CHECK(has(outcome, "mesa-vulkan-drivers"));
+                CHECK(has(outcome, variable + "=" + (folder / name)));
+            }
+            CHECK(brittle(folder, "fracture shape:cube -n 3 -o " + (folder / "a.glb"), environment).exit_code == 0);
+        }
+    CHECK_FALSE(fs::exists(folder / "a.png"));
+}
+
+TEST_CASE("what a device fails at is said, with an exit code, and leaves no half-written file") {
+    const Folder folder;
+    const std::string picture = folder / "f_%02d.png";
+    const auto render = [&](const std::string& faults) {
+        return brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 1 --validation -o " + picture,
+                       "BRITTLE_FAULTS=" + faults);
+    };
+    if (no_vulkan(render(""))) return;
+    for (const char* i : {"0", "1", "2", "3", "4", "5", "6"}) fs::remove(folder / ("f_0" + std::string(i) + ".png"));
+    const struct {
+        const char* faults;
+        int exit_code;
+        const char* said;
+    } cases[] = {{"submit:-4:1", 6, "the device was lost"},
+                 {"wait:2:1", 6, "the device hangs"},
+                 {"create_device:-3:1", 1, "cannot start the Vulkan device"},
+                 {"hide:dynamicRendering", 6, "it lacks the feature dynamicRendering"},
+                 {"hide:VK_LAYER_KHRONOS_validation", 6, "vulkan-validationlayers"},
+                 {"allocate:-2:1", 1, "bytes of device memory: out of device memory"},
+                 {"map:-1:1", 1, "out of host memory"},
+                 {"nonsense", 2, "nonsense"}};
+    for (const auto& [faults, exit_code, said] : cases) {
+        const Outcome outcome = render(faults);
+        INFO(faults, ": ", outcome.output);
+        CHECK(outcome.exit_code == exit_code);
+        CHECK(has(outcome, said));
+        CHECK_FALSE(has(outcome, "vulkan validation:"));
+        CHECK(folder.files() == 0);
+    }
+    // In the middle: pictures that are there are whole.
+    const Outcome lost = render("submit:-4:8");
+    INFO(lost.output);
+    CHECK(lost.exit_code == 6);
+    CHECK_FALSE(has(lost, "vulkan validation:"));
+    CHECK(folder.files() > 0);
+    CHECK(folder.files() < 7);
+    for (size_t i = 0; i < folder.files(); ++i)
+        CHECK(read(folder / ("f_0" + std::to_string(i) + ".png")).ends_with("IEND\xae\x42\x60\x82"));
 }
 
 TEST_CASE("render writes a picture for every so many-th frame") {

@@ -1,4 +1,5 @@
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <future>
 #include <optional>
@@ -50,6 +51,10 @@ class Demo {
         show_title();
     }
 
+    ~Demo() { closing_ = true; } // and `breaking_` waits for the worker, which stops for it
+    Demo(const Demo&) = delete;
+    Demo& operator=(const Demo&) = delete;
+
     void run() {
         must(renderer_.warm_up());
         Clock::time_point last = Clock::now();
@@ -94,8 +99,9 @@ class Demo {
 
     void start_breaking() {
         if (breaking_.valid() || stage_.broken()) return;
-        breaking_ = std::async(std::launch::async,
-                               [this] { return break_input(input_, command_.fracture, {}, choice_.classifier.get()); });
+        breaking_ = std::async(std::launch::async, [this] {
+            return break_input(input_, command_.fracture, {}, choice_.classifier.get(), [this] { return closing_.load(); });
+        });
     }
 
     // Puts the pieces on the stage when the worker is done with them.
@@ -159,6 +165,7 @@ class Demo {
     engine::Renderer& renderer_;
     Stage stage_;
     engine::OrbitCamera orbit_;
+    std::atomic<bool> closing_ = false; // the worker reads it
     std::future<Broken> breaking_;
     std::optional<Pieces> pieces_;
     double smoothed_seconds_ = 1.0 / 60.0;

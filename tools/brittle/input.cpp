@@ -134,7 +134,8 @@ Input load_input(const FractureOptions& options, bool with_looks) {
 }
 
 Broken break_input(const Input& input, const FractureOptions& options,
-                   const std::function<void(double)>& progress, fracture::Classifier* classifier) {
+                   const std::function<void(double)>& progress, fracture::Classifier* classifier,
+                   const std::function<bool()>& cancelled) {
     const fracture::Settings settings{.algorithm = options.algorithm,
                                       .threads = options.threads,
                                       .groups = input.groups,
@@ -142,7 +143,7 @@ Broken break_input(const Input& input, const FractureOptions& options,
                                       .min_volume = options.min_volume,
                                       .classifier = classifier,
                                       .progress = progress,
-                                      .cancelled = is_interrupted};
+                                      .cancelled = [&] { return is_interrupted() || (cancelled && cancelled()); }};
     const Stopwatch stopwatch;
     Broken broken;
     broken.fragments = must(fracture::fracture(input.model.mesh, input.sites, settings));

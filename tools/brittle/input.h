@@ -54,9 +54,11 @@ void use_material(const std::string& name, FractureOptions& options);
 
 [[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
 
-// Fractures with `progress` called and `classifier` asked as in fracture::Settings.
+// Fractures with `progress` called, `classifier` asked and `cancelled` watched as in fracture::Settings; Ctrl+C cancels
+// in any case.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
                                  const std::function<void(double)>& progress = {},
-                                 fracture::Classifier* classifier = nullptr);
+                                 fracture::Classifier* classifier = nullptr,
+                                 const std::function<bool()>& cancelled = {});
 
 } // namespace brittle::tools

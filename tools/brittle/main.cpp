@@ -30,8 +30,8 @@ constexpr const char* description =
 
 constexpr const char* exit_codes_help =
     "Exit codes: 0 success, 1 failure, 2 wrong command line, 3 input file missing or damaged,\n"
-    "            4 mesh or sites cannot be fractured, 5 output not written, 6 no Vulkan device or no display,\n"
-    "            7 slower than before (profile --compare),\n"
+    "            4 mesh or sites cannot be fractured, 5 output not written, 6 no Vulkan device, a lost one\n"
+    "            or no display, 7 slower than before (profile --compare),\n"
     "            130 interrupted (Ctrl+C); nothing half-written is left";
 
 std::string mesh_help() {

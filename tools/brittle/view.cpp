@@ -1,11 +1,19 @@
 #include "tools/brittle/view.h"
 
+#include <cstdlib>
+
 #include "tools/brittle/failure.h"
 
 namespace brittle::tools {
 
 std::unique_ptr<engine::Device> open_device(const ViewOptions& view) {
-    return must(engine::Device::create({.select = view.device, .validation = view.validation}));
+    engine::DeviceOptions options{.select = view.device, .validation = view.validation};
+    static engine::FaultInjector faults; // outlives every device
+    if (const char* plan = std::getenv("BRITTLE_FAULTS")) {
+        must(faults.plan(plan));
+        options.faults = &faults;
+    }
+    return must(engine::Device::create(options));
 }
 
 engine::Bounds stage_view(const engine::Bounds& mesh) {

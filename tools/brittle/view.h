@@ -9,6 +9,7 @@
 
 namespace brittle::tools {
 
+// With the failures that the variable BRITTLE_FAULTS orders, for tests (engine/gpu/fault.h).
 [[nodiscard]] std::unique_ptr<engine::Device> open_device(const ViewOptions& view);
 
 // Around the unbroken mesh, the ground below it and some room for pieces to spread: what the camera looks at.
