@@ -69,7 +69,7 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
         .lineWidth = 1.0f};
     const VkPipelineMultisampleStateCreateInfo samples{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+        .rasterizationSamples = static_cast<VkSampleCountFlagBits>(desc.samples)};
     const VkPipelineDepthStencilStateCreateInfo depth{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = VK_TRUE,
@@ -125,11 +125,16 @@ Pipeline::~Pipeline() {
 }
 
 void begin_rendering(VkCommandBuffer commands, const Rendering& rendering) {
-    const VkRenderingAttachmentInfo colour{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-                                           .imageView = rendering.colour,
-                                           .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-                                           .loadOp = rendering.colour_load,
-                                           .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
+    const bool resolve = rendering.resolve != VK_NULL_HANDLE;
+    const VkRenderingAttachmentInfo colour{
+        .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+        .imageView = rendering.colour,
+        .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+        .resolveMode = resolve ? VK_RESOLVE_MODE_AVERAGE_BIT : VK_RESOLVE_MODE_NONE,
+        .resolveImageView = rendering.resolve,
+        .resolveImageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+        .loadOp = rendering.colour_load,
+        .storeOp = resolve ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE};
     const VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                           .imageView = rendering.depth,
                                           .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,

@@ -187,6 +187,20 @@ shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shado
         .background_bottom = {look.background_bottom, 0.0f}};
 }
 
+void Frame::write_colour(PassBuilder& pass, Access access, bool last) {
+    Image& drawn = samples.valid() ? samples : colour;
+    drawn = pass.write(drawn, access);
+    if (samples.valid() && last) colour = pass.write(colour, Access::resolve_attachment);
+}
+
+Rendering Frame::colour_rendering(const PassContext& context, VkAttachmentLoadOp load, bool last) const {
+    return {.extent = context.extent(colour),
+            .colour = context.view(samples.valid() ? samples : colour),
+            .colour_load = load,
+            .resolve = samples.valid() && last ? context.view(colour) : VK_NULL_HANDLE,
+            .depth = context.view(depth)};
+}
+
 void read_pieces(const Frame& frame, PassBuilder& pass) {
     pass.read(frame.poses, Access::storage_read_vertex);
     pass.read(frame.draw_data, Access::storage_read_vertex);

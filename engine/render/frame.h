@@ -10,6 +10,7 @@
 #include <glm/vec2.hpp>
 #include <vulkan/vulkan.h>
 
+#include "engine/gpu/pipeline.h"
 #include "engine/graph/execute.h"
 #include "engine/render/piece_arena.h"
 #include "engine/render/renderer.h"
@@ -61,10 +62,22 @@ struct Frame {
     Buffer uniforms, poses, vertices, indices, draw_data, commands;
     Buffer lines, spheres; // valid if the scene has any
     Image shadow;
-    // Targets.
-    Image colour, depth;
+    // Targets. Without multisampling `samples` names nothing, and `colour` is drawn into itself.
+    Image colour, depth, samples;
 
+    // For the passes that draw into the target: the last of them resolves the samples.
+    void write_colour(PassBuilder& pass, Access access, bool last);
+    [[nodiscard]] Rendering colour_rendering(const PassContext& context, VkAttachmentLoadOp load,
+                                             bool last) const;
+
+    [[nodiscard]] bool draws_marks() const { return lines.valid() || spheres.valid(); }
     [[nodiscard]] bool draws_pieces() const { return scene.pieces_visible && pieces.draws() != 0; }
+};
+
+// What pipelines that draw into the target must know of it.
+struct TargetFormat {
+    VkFormat colour;
+    uint32_t samples;
 };
 
 // What the shaders are told about a scene.

@@ -12,7 +12,7 @@ namespace brittle::engine {
 
 class MarksPass {
   public:
-    MarksPass(const Device& device, VkPipelineLayout layout, VkFormat colour);
+    MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target);
 
     // Up to two passes: what the pieces hide, then what is on top of them. Adds to frame.colour.
     void declare(Frame& frame) const;
@@ -22,7 +22,7 @@ class MarksPass {
         bool lines;
         bool spheres;
     };
-    void declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load) const;
+    void declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load, bool last) const;
 
     Pipeline spheres_;
     Pipeline lines_;

@@ -68,6 +68,26 @@ void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint6
     buffer = DeviceBuffer(device, name, size + size / 2, usage, MemoryKind::upload);
 }
 
+// Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
+// rates: 4 samples double the time of a frame there, 16 taps add half.
+Result<Quality> choose(Quality quality, const Device& device) {
+    const bool cpu = device.is_cpu();
+    if (!quality.shadow_size) quality.shadow_size = cpu ? 1024 : 2048;
+    if (!quality.soft_shadows) quality.soft_shadows = !cpu;
+    if (!quality.samples) quality.samples = cpu ? 1 : 4;
+
+    const uint32_t size = *quality.shadow_size;
+    if (size < least_shadow_size || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
+        return Error{Status::invalid_argument,
+                     "a shadow map of " + std::to_string(size) + " texels a side is out of range, which is "
+                         + std::to_string(least_shadow_size) + " to " + std::to_string(most_shadow_size)};
+    // Other numbers are for some devices and formats only; these two are for all.
+    if (*quality.samples != 1 && *quality.samples != 4)
+        return Error{Status::invalid_argument,
+                     std::to_string(*quality.samples) + " samples a pixel cannot be had: 1 or 4 can"};
+    return quality;
+}
+
 struct Passes {
     ShadowPass shadow;
     ShadePass shade;
@@ -83,16 +103,17 @@ struct Target {
 } // namespace
 
 struct Renderer::State {
-    State(Device& device_, const RendererSettings& settings_, bool soft, uint32_t size)
-        : device(device_), settings(settings_), soft_shadows(soft), shadow_size(size),
-          layout(device_, frames_in_flight),
-          shadow_map(device_, "shadow map", {size, size}, VK_FORMAT_D32_SFLOAT,
+    State(Device& device_, const RendererSettings& settings_)
+        : device(device_), settings(settings_), layout(device_, frames_in_flight),
+          shadow_map(device_, "shadow map", {shadow_size(), shadow_size()}, VK_FORMAT_D32_SFLOAT,
                      VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT),
           pieces(device_) {
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
     }
     ~State() { device.wait_idle(); }
 
+    [[nodiscard]] const Quality& quality() const { return settings.quality; }
+    [[nodiscard]] uint32_t shadow_size() const { return *quality().shadow_size; }
     Passes& passes_for(Format format);
     FrameSlot& next_slot();
     Frame begin_frame(FrameSlot& slot, const Scene& scene, const Target& target);
@@ -105,9 +126,7 @@ struct Renderer::State {
     bool draw_in_window(const Scene& scene, const std::function<void()>& ui);
 
     Device& device;
-    RendererSettings settings;
-    bool soft_shadows;
-    uint32_t shadow_size;
+    RendererSettings settings; // every member of the quality is set
     FrameLayout layout;
     DeviceImage shadow_map;
     bool shadow_kept = false; // the map holds the shadows of the frame before
@@ -129,11 +148,11 @@ Passes& Renderer::State::passes_for(Format format) {
     const auto found = passes.find(format);
     if (found != passes.end()) return found->second;
     const VkPipelineLayout pipeline_layout = layout.pipeline_layout();
-    const VkFormat vulkan_format = to_vulkan(format);
+    const TargetFormat target{to_vulkan(format), *quality().samples};
     return passes
         .emplace(format, Passes{ShadowPass(device, pipeline_layout),
-                                ShadePass(device, pipeline_layout, vulkan_format, soft_shadows),
-                                MarksPass(device, pipeline_layout, vulkan_format)})
+                                ShadePass(device, pipeline_layout, target, *quality().soft_shadows),
+                                MarksPass(device, pipeline_layout, target)})
         .first->second;
 }
 
@@ -147,7 +166,7 @@ FrameSlot& Renderer::State::next_slot() {
 }
 
 void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
-    const shared::FrameData data = frame_data(scene, {extent.width, extent.height}, shadow_size);
+    const shared::FrameData data = frame_data(scene, {extent.width, extent.height}, shadow_size());
     std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
 
     const uint32_t bodies = pieces.bodies();
@@ -211,12 +230,17 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
     import_slot(frame, slot);
     import_pieces(frame);
     frame.shadow = frame.graph.import_image(
-        "shadow map", {.width = shadow_size, .height = shadow_size, .format = Format::d32_float},
+        "shadow map", {.width = shadow_size(), .height = shadow_size(), .format = Format::d32_float},
         {.initial = shadow_kept ? AccessSet(Access::sampled_fragment) : AccessSet(),
          .final = Access::sampled_fragment,
          .external = frame.external.add(shadow_map.handle(), shadow_map.view())});
-    frame.depth = frame.graph.create_image(
-        "depth", {.width = target.extent.width, .height = target.extent.height, .format = Format::d32_float});
+    ImageDesc desc{.width = target.extent.width,
+                   .height = target.extent.height,
+                   .format = Format::d32_float,
+                   .samples = *quality().samples};
+    frame.depth = frame.graph.create_image("depth", desc);
+    desc.format = target.format;
+    if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
     return frame;
 }
 
@@ -313,16 +337,15 @@ Renderer::~Renderer() = default;
 
 Result<std::unique_ptr<Renderer>> Renderer::create(Device& device, const RendererSettings& settings) {
     return guarded([&]() -> Result<std::unique_ptr<Renderer>> {
-        const uint32_t size = settings.quality.shadow_size.value_or(device.is_cpu() ? 1024 : 2048);
-        if (size < least_shadow_size
-            || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
-            return Error{Status::invalid_argument, "a shadow map of " + std::to_string(size)
-                                                       + " texels a side is out of range, which is "
-                                                       + std::to_string(least_shadow_size) + " to "
-                                                       + std::to_string(most_shadow_size)};
-        const bool soft = settings.quality.soft_shadows.value_or(!device.is_cpu());
-        return std::unique_ptr<Renderer>(new Renderer(std::make_unique<State>(device, settings, soft, size)));
+        Result<Quality> quality = choose(settings.quality, device);
+        if (!quality) return quality.error();
+        return std::unique_ptr<Renderer>(
+            new Renderer(std::make_unique<State>(device, RendererSettings{*quality, settings.vsync})));
     });
+}
+
+const Quality& Renderer::quality() const {
+    return state_->quality();
 }
 
 Result<void> Renderer::set_pieces(std::span<const PieceMesh> pieces) {

@@ -50,6 +50,7 @@ struct Quality {
     std::optional<uint32_t>
         shadow_size{};                  // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
     std::optional<bool> soft_shadows{}; // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
+    std::optional<uint32_t> samples{};  // a pixel, 1 or 4; automatic: 1 on a CPU, 4 on a GPU
 };
 
 struct RendererSettings {
@@ -73,6 +74,8 @@ class Renderer {
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
+
+    [[nodiscard]] const Quality& quality() const; // as chosen: every member is set
 
     // Replaces all pieces. Copies what it needs before it returns; waits for the frames in flight. No piece
     // at all is fine. Fails with invalid_argument on an index out of range or more exterior triangles than

@@ -9,7 +9,8 @@
 
 namespace brittle::engine {
 
-ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, VkFormat colour, bool soft_shadows) {
+ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
+                     bool soft_shadows) {
     const VkBool32 soft = soft_shadows;
     const VkSpecializationMapEntry entry{shared::constant_soft_shadows, 0, sizeof soft};
     const VkSpecializationInfo constants{1, &entry, sizeof soft, &soft};
@@ -22,14 +23,16 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, VkFormat col
                                 .fragment = piece_frag,
                                 .bindings = {&binding, 1},
                                 .attributes = {&attribute, 1},
-                                .colour = colour,
+                                .colour = target.colour,
+                                .samples = target.samples,
                                 .constants = &constants});
     // From below there is no ground: a camera under it still sees the pieces.
     ground_ = Pipeline(device, {.name = "ground",
                                 .layout = layout,
                                 .vertex = ground_vert,
                                 .fragment = ground_frag,
-                                .colour = colour,
+                                .colour = target.colour,
+                                .samples = target.samples,
                                 .constants = &constants});
     background_ = Pipeline(device, {.name = "background",
                                     .layout = layout,
@@ -37,7 +40,8 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, VkFormat col
                                     .fragment = background_frag,
                                     .cull = VK_CULL_MODE_NONE,
                                     .depth_write = false,
-                                    .colour = colour,
+                                    .colour = target.colour,
+                                    .samples = target.samples,
                                     .constants = &constants});
 }
 
@@ -48,17 +52,16 @@ void ShadePass::declare(Frame& frame) const {
             if (frame.draws_pieces()) read_pieces(frame, pass);
             pass.read(frame.uniforms, Access::uniform_read);
             pass.read(frame.shadow, Access::sampled_fragment);
-            frame.colour = pass.write(frame.colour, Access::colour_attachment);
+            frame.write_colour(pass, Access::colour_attachment, !frame.draws_marks());
             frame.depth = pass.write(frame.depth, Access::depth_attachment);
         },
         [this, &frame](PassContext& context) {
             const VkCommandBuffer commands = context.commands;
-            begin_rendering(commands,
-                            {.extent = context.extent(frame.colour),
-                             .colour = context.view(frame.colour),
-                             .colour_load = VK_ATTACHMENT_LOAD_OP_DONT_CARE, // the background covers the rest
-                             .depth = context.view(frame.depth),
-                             .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
+            // The background covers what nothing else does.
+            Rendering rendering =
+                frame.colour_rendering(context, VK_ATTACHMENT_LOAD_OP_DONT_CARE, !frame.draws_marks());
+            rendering.depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR;
+            begin_rendering(commands, rendering);
             if (frame.draws_pieces()) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pieces_.handle());
                 draw_pieces(frame, context);

@@ -10,7 +10,7 @@ namespace brittle::engine {
 
 class ShadePass {
   public:
-    ShadePass(const Device& device, VkPipelineLayout layout, VkFormat colour, bool soft_shadows);
+    ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, bool soft_shadows);
     void declare(Frame& frame) const; // replaces frame.colour's and frame.depth's contents
 
   private:

@@ -35,8 +35,9 @@ void check_picture(const char* name, const Quality& quality, const std::function
     CHECK(device->validation_messages().empty());
 }
 
-constexpr Quality plain{.shadow_size = 1024, .soft_shadows = false};
-constexpr Quality soft{.shadow_size = 1024, .soft_shadows = true};
+constexpr Quality plain{.shadow_size = 1024, .soft_shadows = false, .samples = 1};
+constexpr Quality soft{.shadow_size = 1024, .soft_shadows = true, .samples = 1};
+constexpr Quality four_samples{.shadow_size = 1024, .soft_shadows = false, .samples = 4};
 
 } // namespace
 
@@ -56,4 +57,8 @@ TEST_CASE("soft shadows look as they did") {
         scene.lines = {};
         scene.spheres = {};
     });
+}
+
+TEST_CASE("smoothed edges look as they did") {
+    check_picture("four_samples", four_samples, [](Scene&) {});
 }
