@@ -20,5 +20,6 @@ vec3 flat_normal() {
 void main() {
     vec3 normal = flat_normal();
     float height = from_eye.y + frame.eye.y - frame.ground.w;
-    colour = display(shade(albedo, normal, sun_visibility(from_eye, normal), height));
+    colour = display(
+        shade(albedo, normal, sun_visibility(from_eye, normal), height, sky_visibility(from_eye)));
 }

@@ -72,8 +72,8 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
         .rasterizationSamples = static_cast<VkSampleCountFlagBits>(desc.samples)};
     const VkPipelineDepthStencilStateCreateInfo depth{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = desc.depth_write,
+        .depthTestEnable = desc.depth,
+        .depthWriteEnable = desc.depth && desc.depth_write,
         .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
     const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xf};
     const bool has_colour = desc.colour != VK_FORMAT_UNDEFINED;
@@ -89,7 +89,8 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
     const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
                                                   .colorAttachmentCount = has_colour ? 1u : 0u,
                                                   .pColorAttachmentFormats = &desc.colour,
-                                                  .depthAttachmentFormat = VK_FORMAT_D32_SFLOAT};
+                                                  .depthAttachmentFormat = desc.depth ? VK_FORMAT_D32_SFLOAT
+                                                                                      : VK_FORMAT_UNDEFINED};
     const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                             .pNext = &rendering,
                                             .stageCount = static_cast<uint32_t>(stages.size()),

@@ -27,6 +27,7 @@ struct PipelineDesc {
     std::span<const VkVertexInputAttributeDescription> attributes{};
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     VkCullModeFlags cull = VK_CULL_MODE_BACK_BIT;
+    bool depth = true;                               // there is a depth attachment
     bool depth_write = true;                         // tested with less-or-equal in any case
     VkFormat colour = VK_FORMAT_UNDEFINED;           // undefined: no colour attachment
     uint32_t samples = 1;                            // of every attachment

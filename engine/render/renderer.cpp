@@ -14,6 +14,7 @@
 #include "engine/graph/access_vulkan.h"
 #include "engine/render/frame.h"
 #include "engine/render/marks_pass.h"
+#include "engine/render/occlusion_pass.h"
 #include "engine/render/shade_pass.h"
 #include "engine/render/shadow_pass.h"
 #include "engine/render/ui_pass.h"
@@ -45,14 +46,15 @@ class Semaphore {
 // What one frame in flight has to itself. The CPU writes its buffers while the device reads another slot's.
 struct FrameSlot {
     FrameSlot(const Device& device, const FrameLayout& layout)
-        : executor(device), acquired(device), set(layout.allocate()),
+        : executor(device), acquired(device), set(layout.allocate_frame()),
+          depth_set(layout.allocate_image()), occlusion_set(layout.allocate_image()),
           uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                    MemoryKind::upload),
           commands(device) {}
 
     GraphExecutor executor;
     Semaphore acquired; // a swapchain image is ready
-    VkDescriptorSet set;
+    VkDescriptorSet set, depth_set, occlusion_set;
     DeviceBuffer uniforms;
     DeviceBuffer poses;
     DeviceBuffer lines;
@@ -75,6 +77,7 @@ Result<Quality> choose(Quality quality, const Device& device) {
     if (!quality.shadow_size) quality.shadow_size = cpu ? 1024 : 2048;
     if (!quality.soft_shadows) quality.soft_shadows = !cpu;
     if (!quality.samples) quality.samples = cpu ? 1 : 4;
+    if (!quality.ambient_occlusion) quality.ambient_occlusion = !cpu;
 
     const uint32_t size = *quality.shadow_size;
     if (size < least_shadow_size || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
@@ -90,6 +93,7 @@ Result<Quality> choose(Quality quality, const Device& device) {
 
 struct Passes {
     ShadowPass shadow;
+    std::optional<OcclusionPass> occlusion; // if the quality has it
     ShadePass shade;
     MarksPass marks;
 };
@@ -104,7 +108,7 @@ struct Target {
 
 struct Renderer::State {
     State(Device& device_, const RendererSettings& settings_)
-        : device(device_), settings(settings_), layout(device_, frames_in_flight),
+        : device(device_), settings(settings_), layout(device_, frames_in_flight, 2 * frames_in_flight),
           shadow_map(device_, "shadow map", {shadow_size(), shadow_size()}, VK_FORMAT_D32_SFLOAT,
                      VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT),
           pieces(device_) {
@@ -120,7 +124,7 @@ struct Renderer::State {
     void import_slot(Frame& frame, FrameSlot& slot);
     void import_pieces(Frame& frame);
     void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
-    void declare_scene(Frame& frame, Format format);
+    void declare_scene(Frame& frame, const Target& target);
     void record(Frame& frame, FrameSlot& slot);
     Bitmap draw_off_screen(const Scene& scene, const Target& target);
     bool draw_in_window(const Scene& scene, const std::function<void()>& ui);
@@ -149,9 +153,11 @@ Passes& Renderer::State::passes_for(Format format) {
     if (found != passes.end()) return found->second;
     const VkPipelineLayout pipeline_layout = layout.pipeline_layout();
     const TargetFormat target{to_vulkan(format), *quality().samples};
+    std::optional<OcclusionPass> occlusion;
+    if (*quality().ambient_occlusion) occlusion.emplace(device, pipeline_layout);
     return passes
-        .emplace(format, Passes{ShadowPass(device, pipeline_layout),
-                                ShadePass(device, pipeline_layout, target, *quality().soft_shadows),
+        .emplace(format, Passes{ShadowPass(device, pipeline_layout), std::move(occlusion),
+                                ShadePass(device, pipeline_layout, target, quality()),
                                 MarksPass(device, pipeline_layout, target)})
         .first->second;
 }
@@ -224,8 +230,10 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
     Frame frame{.scene = scene,
                 .pieces = pieces,
                 .most_draws = std::max(device.limits().maxDrawIndirectCount, 1u),
-                .layout = layout.pipeline_layout(),
-                .set = slot.set};
+                .layout = layout,
+                .set = slot.set,
+                .depth_set = slot.depth_set,
+                .occlusion_set = slot.occlusion_set};
     if (frame.draws_pieces()) frame.stats = {pieces.pieces(), pieces.draws(), 0, pieces.triangles(), false};
     import_slot(frame, slot);
     import_pieces(frame);
@@ -244,9 +252,10 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
     return frame;
 }
 
-void Renderer::State::declare_scene(Frame& frame, Format format) {
-    const Passes& p = passes_for(format);
+void Renderer::State::declare_scene(Frame& frame, const Target& target) {
+    const Passes& p = passes_for(target.format);
     if (frame.scene.moved || !shadow_kept) p.shadow.declare(frame);
+    if (p.occlusion) p.occlusion->declare(frame, target.extent);
     p.shade.declare(frame);
     p.marks.declare(frame);
 }
@@ -256,8 +265,8 @@ void Renderer::State::record(Frame& frame, FrameSlot& slot) {
     if (!plan)
         throw VulkanFailure{{Status::invalid_argument, "a bug in the frame graph: " + plan.error().message}};
     slot.commands.begin();
-    vkCmdBindDescriptorSets(slot.commands.buffer(), VK_PIPELINE_BIND_POINT_GRAPHICS, frame.layout, 0, 1,
-                            &frame.set, 0, nullptr);
+    vkCmdBindDescriptorSets(slot.commands.buffer(), VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(),
+                            0, 1, &frame.set, 0, nullptr);
     slot.executor.record(*plan, frame.external, slot.commands.buffer());
     stats = frame.stats;
     dot = to_dot(*plan);
@@ -276,7 +285,7 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
     Buffer pixels = frame.graph.import_buffer(
         "readback", {readback.size()},
         {.initial = {}, .final = Access::host_read, .external = frame.external.add(readback.handle())});
-    declare_scene(frame, target.format);
+    declare_scene(frame, target);
     frame.graph.add_pass(
         "read back", PassKind::transfer,
         [&](PassBuilder& pass) {
@@ -321,7 +330,7 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
         {.initial = Access::acquired,
          .final = Access::present,
          .external = frame.external.add(swapchain->images()[*image], swapchain->views()[*image])});
-    declare_scene(frame, target.format);
+    declare_scene(frame, target);
     ui->declare(frame, *image);
     record(frame, slot);
     slot.commands.submit({slot.acquired.handle(), to_vulkan(Access::acquired).stages},

@@ -14,10 +14,10 @@
 // notices by itself that the window was resized or minimised. A Window must outlive the renderer attached to
 // it, a Device every renderer made from it.
 //
-// Each frame is a frame graph declared anew: shadow (left out where it can be kept), shade, marks, then read
-// back, or UI and present. Body poses need no pass: the caller writes them into memory that is mapped for
-// good and that the device reads in place, a slice for each of the two frames in flight. render() waits for
-// its image.
+// Each frame is a frame graph declared anew: shadow (left out where it can be kept), occlusion, shade, marks,
+// then read back, or UI and present. Body poses need no pass: the caller writes them into memory that is
+// mapped for good and that the device reads in place, a slice for each of the two frames in flight. render()
+// waits for its image.
 //
 // Pixels are reproducible: the same scene gives the same bytes on the same device and driver. There is no
 // dithering, no noise and no history. Shaders write sRGB themselves into UNORM targets, because a window's
@@ -51,6 +51,9 @@ struct Quality {
         shadow_size{};                  // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
     std::optional<bool> soft_shadows{}; // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
     std::optional<uint32_t> samples{};  // a pixel, 1 or 4; automatic: 1 on a CPU, 4 on a GPU
+    // Darkens gaps, and the ground under what stands on it, by a search in the depth image; automatic: on a
+    // GPU only.
+    std::optional<bool> ambient_occlusion{};
 };
 
 struct RendererSettings {

@@ -68,6 +68,7 @@ struct Look {
     glm::vec3 sun{1.00f, 0.93f, 0.83f};       // its light
     glm::vec3 sky{0.36f, 0.40f, 0.47f};       // light from above
     glm::vec3 bounce{0.17f, 0.145f, 0.125f};  // light from below
+    float exposure = 1.0f;                    // multiplies all light before the filmic curve
 };
 
 struct Scene {

@@ -10,10 +10,12 @@
 namespace brittle::engine {
 
 ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
-                     bool soft_shadows) {
-    const VkBool32 soft = soft_shadows;
-    const VkSpecializationMapEntry entry{shared::constant_soft_shadows, 0, sizeof soft};
-    const VkSpecializationInfo constants{1, &entry, sizeof soft, &soft};
+                     const Quality& quality) {
+    const VkBool32 values[] = {*quality.soft_shadows, *quality.ambient_occlusion};
+    const VkSpecializationMapEntry entries[] = {
+        {shared::constant_soft_shadows, 0, sizeof(VkBool32)},
+        {shared::constant_ambient_occlusion, sizeof(VkBool32), sizeof(VkBool32)}};
+    const VkSpecializationInfo constants{2, entries, sizeof values, values};
 
     const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
@@ -52,6 +54,7 @@ void ShadePass::declare(Frame& frame) const {
             if (frame.draws_pieces()) read_pieces(frame, pass);
             pass.read(frame.uniforms, Access::uniform_read);
             pass.read(frame.shadow, Access::sampled_fragment);
+            if (frame.occlusion.valid()) pass.read(frame.occlusion, Access::sampled_fragment);
             frame.write_colour(pass, Access::colour_attachment, !frame.draws_marks());
             frame.depth = pass.write(frame.depth, Access::depth_attachment);
         },
@@ -62,6 +65,9 @@ void ShadePass::declare(Frame& frame) const {
                 frame.colour_rendering(context, VK_ATTACHMENT_LOAD_OP_DONT_CARE, !frame.draws_marks());
             rendering.depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR;
             begin_rendering(commands, rendering);
+            // Some image must be bound where shaders name one, though without occlusion they do not read it.
+            frame.bind_image(context, frame.occlusion_set,
+                             frame.occlusion.valid() ? frame.occlusion : frame.shadow);
             if (frame.draws_pieces()) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pieces_.handle());
                 draw_pieces(frame, context);

@@ -10,7 +10,8 @@ namespace brittle::engine {
 
 class ShadePass {
   public:
-    ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, bool soft_shadows);
+    ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
+              const Quality& quality);
     void declare(Frame& frame) const; // replaces frame.colour's and frame.depth's contents
 
   private:

@@ -17,7 +17,10 @@ struct Fixture {
     std::unique_ptr<Device> device = make_device();
     std::unique_ptr<Renderer> renderer;
 
-    explicit Fixture(const Quality& quality = {.shadow_size = 512, .soft_shadows = false, .samples = 1}) {
+    explicit Fixture(const Quality& quality = {.shadow_size = 512,
+                                               .soft_shadows = false,
+                                               .samples = 1,
+                                               .ambient_occlusion = false}) {
         if (!device) return;
         Result<std::unique_ptr<Renderer>> made = Renderer::create(*device, {.quality = quality});
         REQUIRE(made);

@@ -9,8 +9,11 @@ using namespace brittle::engine::test;
 
 namespace {
 
-constexpr Quality plain{.shadow_size = 512, .soft_shadows = false, .samples = 1};
-constexpr Quality smooth_edges{.shadow_size = 512, .soft_shadows = false, .samples = 4};
+constexpr Quality plain{.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false};
+constexpr Quality shaded_gaps{
+    .shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = true};
+constexpr Quality smooth_edges{
+    .shadow_size = 512, .soft_shadows = false, .samples = 4, .ambient_occlusion = false};
 
 // Each pixel the mean of `factor` squared.
 Bitmap shrunk(const Bitmap& large, uint32_t factor) {
@@ -44,6 +47,7 @@ TEST_CASE("quality is chosen by the device where it is left open") {
     CHECK(chosen.shadow_size == (cpu ? 1024u : 2048u));
     CHECK(chosen.soft_shadows == !cpu);
     CHECK(chosen.samples == (cpu ? 1u : 4u));
+    CHECK(chosen.ambient_occlusion == !cpu);
     const Fixture given(smooth_edges);
     CHECK(given.renderer->quality().samples == 4u);
     CHECK(given.renderer->quality().shadow_size == 512u);
@@ -95,4 +99,79 @@ TEST_CASE("samples are resolved whichever pass is the last to draw") {
                 CHECK(mean_difference(a, b) < 6.0);
             }
     CHECK(four.draw(known.scene).pixels == four.draw(known.scene).pixels);
+}
+
+TEST_CASE("ambient occlusion darkens the ground at a box's foot, and nothing in the open") {
+    const Fixture off(plain), on(shaded_gaps);
+    if (!off) return;
+    const Shape cube = box(glm::vec3(0.5f));
+    const PieceMesh piece = cube.piece(0);
+    Scene scene{.camera = {{0.0f, 1.5f, 5.0f}, {0.0f, 0.3f, 0.0f}, 0.6f},
+                .bounds = {{-0.5f, 0.0f, -0.5f}, {0.5f, 1.0f, 0.5f}}};
+    scene.write_poses = [](std::span<BodyPose> poses) { poses[0].position = {0.0f, 0.5f, 0.0f}; };
+    REQUIRE(off.renderer->set_pieces({&piece, 1}));
+    REQUIRE(on.renderer->set_pieces({&piece, 1}));
+    const glm::uvec2 size{192, 128};
+    const Bitmap without = off.draw(scene, size), with = on.draw(scene, size);
+    const auto darker = [&](uint32_t x, uint32_t y) {
+        return int{without.at(x, y)[1]} - int{with.at(x, y)[1]};
+    };
+    // Down the middle column: sky, the box, its foot, the ground before it.
+    uint32_t foot = size.y - 1;
+    int most = 0;
+    for (uint32_t y = size.y / 2; y < size.y; ++y)
+        if (darker(size.x / 2, y) > most) {
+            most = darker(size.x / 2, y);
+            foot = y;
+        }
+    CHECK(most >= 8);
+    CHECK(foot > size.y / 2);
+    CHECK(foot < size.y - 20);
+    CHECK(darker(size.x / 2, 2) == 0);
+    CHECK(std::abs(darker(size.x / 2, size.y - 2)) <= 2); // far in front of the box
+    CHECK(std::abs(darker(8, size.y / 2 + 10)) <= 2);     // far beside it
+    CHECK(on.draw(scene, size).pixels == with.pixels);
+    scene.ground = false;
+    scene.pieces_visible = false;
+    CHECK(on.draw(scene, size).pixels == off.draw(scene, size).pixels);
+}
+
+TEST_CASE("exposure multiplies light") {
+    const Fixture f;
+    if (!f) return;
+    KnownScene known;
+    REQUIRE(f.renderer->set_pieces(known.pieces()));
+    double before = 0.0;
+    for (const float exposure : {0.0f, 0.5f, 1.0f, 2.0f}) {
+        known.scene.look.exposure = exposure;
+        const Bitmap image = f.draw(known.scene);
+        double sum = 0.0;
+        for (const uint8_t value : image.pixels) sum += value;
+        CHECK(sum > before);
+        before = sum;
+    }
+}
+
+TEST_CASE("the shadow map covers everything within the bounds") {
+    const Fixture f;
+    if (!f) return;
+    // Two boxes at opposite ends of a long scene, seen from above; each must have its shadow at its side.
+    const Shape cube = box(glm::vec3(0.5f));
+    const PieceMesh pieces[] = {cube.piece(0), cube.piece(1)};
+    REQUIRE(f.renderer->set_pieces(pieces));
+    Scene scene{.camera = {{0.0f, 40.0f, 0.01f}, {0.0f, 0.0f, 0.0f}, 0.6f},
+                .bounds = {{-10.5f, 0.0f, -0.5f}, {10.5f, 1.0f, 0.5f}}};
+    scene.write_poses = [](std::span<BodyPose> poses) {
+        poses[0].position = {-10.0f, 0.5f, 0.0f};
+        poses[1].position = {10.0f, 0.5f, 0.0f};
+    };
+    scene.look.to_light = {-1.0f, 1.0f, 0.0f}; // a metre of shadow on the right of each
+    const glm::uvec2 size{256, 128};
+    const Bitmap image = f.draw(scene, size);
+    // 40 m up, 0.6 rad: 128 pixels are 24.7 m.
+    const auto column = [&](float x) { return static_cast<uint32_t>(128.0f + x * 128.0f / 24.75f); };
+    const uint8_t lit = image.at(column(0.0f), 64)[1];
+    CHECK(image.at(column(-9.0f), 64)[1] < lit - 20);
+    CHECK(image.at(column(11.0f), 64)[1] < lit - 20);
+    CHECK(image.at(column(-11.2f), 64)[1] == lit);
 }

@@ -364,8 +364,9 @@ TEST_CASE("warming up leaves no trace") {
 TEST_CASE("two renderers share a device") {
     const Fixture f;
     if (!f) return;
-    Result<std::unique_ptr<Renderer>> other =
-        Renderer::create(*f.device, {.quality = {.shadow_size = 512, .soft_shadows = false, .samples = 1}});
+    Result<std::unique_ptr<Renderer>> other = Renderer::create(
+        *f.device,
+        {.quality = {.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false}});
     REQUIRE(other);
     const KnownScene known;
     REQUIRE(f.renderer->set_pieces(known.pieces()));
