@@ -22,8 +22,9 @@ constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 // LeakSanitizer cannot name what a driver leaked once the loader has unloaded it. Keep both libraries mapped,
 // so that the few bytes that lavapipe and the layer leave behind at exit stay reachable or can be suppressed
 // by name.
-// Before the first instance is made. Mesa's device-select layer, which only reorders devices, asks the Wayland server
-// which one is in use, and libwayland prints an error where there is no server: DeviceOptions::select chooses here.
+// Before the first instance is made. Mesa's device-select layer, which only reorders devices, asks the
+// Wayland server which one is in use, and libwayland prints an error where there is no server:
+// DeviceOptions::select chooses here.
 void prepare_loader() {
     setenv("NODEVICE_SELECT", "1", 0);
 #if defined(__SANITIZE_ADDRESS__)
@@ -348,6 +349,10 @@ void Device::create_device() {
 
     Features features;
     for (const NeededFeature& feature : needed_features) feature.member(features) = VK_TRUE;
+    VkPhysicalDeviceFeatures offered;
+    vkGetPhysicalDeviceFeatures(physical_, &offered);
+    line_mode_ = offered.fillModeNonSolid;
+    features.all.features.fillModeNonSolid = offered.fillModeNonSolid;
 
     std::vector<const char*> extensions;
     can_present_ = can_present_ && lists(device_extensions(physical_), VK_KHR_SWAPCHAIN_EXTENSION_NAME);

@@ -64,6 +64,7 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
         .scissorCount = 1};
     const VkPipelineRasterizationStateCreateInfo raster{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+        .polygonMode = desc.fill,
         .cullMode = desc.cull,
         .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
         .lineWidth = 1.0f};

@@ -26,6 +26,7 @@ struct PipelineDesc {
     std::span<const VkVertexInputBindingDescription> bindings{};
     std::span<const VkVertexInputAttributeDescription> attributes{};
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkPolygonMode fill = VK_POLYGON_MODE_FILL;
     VkCullModeFlags cull = VK_CULL_MODE_BACK_BIT;
     bool depth = true;                               // there is a depth attachment
     bool depth_write = true;                         // tested with less-or-equal in any case

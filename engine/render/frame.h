@@ -65,8 +65,8 @@ struct Frame {
     VkDescriptorSet depth_set, occlusion_set; // for set 1, unused so far
     FrameStats stats;
 
-    // Imports. The four of the arena are valid only if it holds a draw.
-    Buffer uniforms, poses, vertices, indices, draw_data, commands;
+    // Imports. Those of the arena are valid only if it holds a draw.
+    Buffer uniforms, poses, vertices, normals, indices, draw_data, commands;
     Buffer lines, spheres; // valid if the scene has any
     Image shadow;
     // Targets. Without multisampling `samples` names nothing, and `colour` is drawn into itself.

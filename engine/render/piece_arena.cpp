@@ -9,12 +9,14 @@
 
 #include "engine/gpu/device.h"
 #include "engine/graph/upload.h"
+#include "engine/render/smooth_normals.h"
 #include "shaders/shared.h"
 
 namespace brittle::engine {
 
 struct PieceArena::Arrays {
     std::vector<glm::vec3> vertices;
+    std::vector<glm::vec3> normals;
     std::vector<uint32_t> indices;
     std::vector<shared::DrawData> draws;
     std::vector<VkDrawIndexedIndirectCommand> commands;
@@ -63,6 +65,8 @@ PieceArena::PieceArena(const Device& device, const Arrays& arrays)
       triangles_(arrays.indices.size() / 3),
       vertices_(arena(device, "piece vertices", bytes_of(arrays.vertices).size(),
                       VK_BUFFER_USAGE_VERTEX_BUFFER_BIT)),
+      normals_(
+          arena(device, "piece normals", bytes_of(arrays.normals).size(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT)),
       indices_(
           arena(device, "piece indices", bytes_of(arrays.indices).size(), VK_BUFFER_USAGE_INDEX_BUFFER_BIT)),
       draw_data_(
@@ -70,6 +74,7 @@ PieceArena::PieceArena(const Device& device, const Arrays& arrays)
       commands_(arena(device, "draw commands", bytes_of(arrays.commands).size(),
                       VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT)) {
     const Upload uploads[] = {{&vertices_, bytes_of(arrays.vertices), Access::vertex_read},
+                              {&normals_, bytes_of(arrays.normals), Access::vertex_read},
                               {&indices_, bytes_of(arrays.indices), Access::index_read},
                               {&draw_data_, bytes_of(arrays.draws), Access::storage_read_vertex},
                               {&commands_, bytes_of(arrays.commands), Access::indirect_read}};
@@ -82,7 +87,7 @@ Result<PieceArena> PieceArena::create(const Device& device, std::span<const Piec
     size_t vertices = 0, triangles = 0;
     for (size_t i = 0; i < pieces.size(); ++i) {
         if (Result<void> valid = check_piece(i, pieces[i], most_bodies); !valid) return valid.error();
-        vertices += pieces[i].positions.size();
+        vertices += pieces[i].positions.size() + 3 * size_t{pieces[i].exterior_triangles}; // split at most so
         triangles += pieces[i].triangles.size();
     }
     // Vertex offsets are signed 32 bits, first indices unsigned 32 bits.
@@ -93,7 +98,6 @@ Result<PieceArena> PieceArena::create(const Device& device, std::span<const Piec
                                                    + " triangles: too many to address"};
 
     Arrays arrays;
-    arrays.vertices.reserve(vertices);
     arrays.indices.reserve(3 * triangles);
     arrays.pieces = static_cast<uint32_t>(pieces.size());
     for (const PieceMesh& piece : pieces) {
@@ -107,9 +111,13 @@ Result<PieceArena> PieceArena::create(const Device& device, std::span<const Piec
             for (const glm::uvec3& corner : range)
                 arrays.indices.insert(arrays.indices.end(), {corner.x, corner.y, corner.z});
         };
-        add_range(piece.triangles.first(piece.exterior_triangles), shared::material_exterior);
+        const SmoothSurface exterior =
+            smooth_normals(piece.positions, piece.triangles.first(piece.exterior_triangles));
+        add_range(exterior.triangles, shared::material_exterior);
         add_range(piece.triangles.subspan(piece.exterior_triangles), shared::material_interior);
         arrays.vertices.insert(arrays.vertices.end(), piece.positions.begin(), piece.positions.end());
+        for (const uint32_t vertex : exterior.copies) arrays.vertices.push_back(piece.positions[vertex]);
+        arrays.normals.insert(arrays.normals.end(), exterior.normals.begin(), exterior.normals.end());
         arrays.bodies = std::max(arrays.bodies, piece.body + 1);
     }
     return PieceArena(device, arrays);

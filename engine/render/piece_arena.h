@@ -30,8 +30,9 @@ class PieceArena {
     [[nodiscard]] uint32_t draws() const { return draws_; }
     [[nodiscard]] uint64_t triangles() const { return triangles_; }
 
-    [[nodiscard]] const DeviceBuffer& vertices() const { return vertices_; }   // glm::vec3
-    [[nodiscard]] const DeviceBuffer& indices() const { return indices_; }     // uint32_t
+    [[nodiscard]] const DeviceBuffer& vertices() const { return vertices_; } // glm::vec3
+    [[nodiscard]] const DeviceBuffer& normals() const { return normals_; }   // glm::vec3, for smooth shading
+    [[nodiscard]] const DeviceBuffer& indices() const { return indices_; }   // uint32_t
     [[nodiscard]] const DeviceBuffer& draw_data() const { return draw_data_; } // shared::DrawData
     [[nodiscard]] const DeviceBuffer& commands() const { return commands_; }   // VkDrawIndexedIndirectCommand
 
@@ -44,6 +45,7 @@ class PieceArena {
     uint32_t draws_ = 0;
     uint64_t triangles_ = 0;
     DeviceBuffer vertices_;
+    DeviceBuffer normals_;
     DeviceBuffer indices_;
     DeviceBuffer draw_data_;
     DeviceBuffer commands_;

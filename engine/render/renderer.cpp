@@ -220,6 +220,7 @@ void Renderer::State::import_pieces(Frame& frame) {
     };
     if (pieces.draws() == 0) return;
     frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
+    frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
     frame.indices = import("piece indices", pieces.indices(), Access::index_read);
     frame.draw_data = import("draw data", pieces.draw_data(), Access::storage_read_vertex);
     frame.commands = import("draw commands", pieces.commands(), Access::indirect_read);

@@ -87,6 +87,8 @@ struct Scene {
     std::span<const Sphere> spheres{}; // the Voronoi sites
     bool spheres_on_top = false;
     bool pieces_visible = true; // false leaves lines and spheres alone on the ground
+    bool smooth = false;        // round exteriors: normals are interpolated but for creases. False: facets
+    bool wireframe = false;     // edges of triangles over the pieces; needs Device::has_line_mode()
     bool ground = true;
     float ground_height = 0.0f; // y of the ground plane
 

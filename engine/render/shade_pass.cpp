@@ -4,8 +4,13 @@
 #include "compiled/background_vert.h"
 #include "compiled/ground_frag.h"
 #include "compiled/ground_vert.h"
+#include "compiled/line_frag.h"
+#include "compiled/piece_edges_vert.h"
 #include "compiled/piece_frag.h"
+#include "compiled/piece_smooth_frag.h"
+#include "compiled/piece_smooth_vert.h"
 #include "compiled/piece_vert.h"
+#include "engine/gpu/device.h"
 
 namespace brittle::engine {
 
@@ -28,6 +33,29 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const Target
                                 .colour = target.colour,
                                 .samples = target.samples,
                                 .constants = &constants});
+    const VkVertexInputBindingDescription smooth_bindings[] = {
+        binding, {1, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}};
+    const VkVertexInputAttributeDescription smooth_attributes[] = {attribute,
+                                                                   {1, 1, VK_FORMAT_R32G32B32_SFLOAT, 0}};
+    smooth_pieces_ = Pipeline(device, {.name = "smooth pieces",
+                                       .layout = layout,
+                                       .vertex = piece_smooth_vert,
+                                       .fragment = piece_smooth_frag,
+                                       .bindings = smooth_bindings,
+                                       .attributes = smooth_attributes,
+                                       .colour = target.colour,
+                                       .samples = target.samples,
+                                       .constants = &constants});
+    if (device.has_line_mode())
+        edges_ = Pipeline(device, {.name = "edges of pieces",
+                                   .layout = layout,
+                                   .vertex = piece_edges_vert,
+                                   .fragment = line_frag,
+                                   .bindings = {&binding, 1},
+                                   .attributes = {&attribute, 1},
+                                   .fill = VK_POLYGON_MODE_LINE,
+                                   .colour = target.colour,
+                                   .samples = target.samples});
     // From below there is no ground: a camera under it still sees the pieces.
     ground_ = Pipeline(device, {.name = "ground",
                                 .layout = layout,
@@ -52,6 +80,7 @@ void ShadePass::declare(Frame& frame) const {
         "shade", PassKind::graphics,
         [&](PassBuilder& pass) {
             if (frame.draws_pieces()) read_pieces(frame, pass);
+            if (frame.draws_pieces() && frame.scene.smooth) pass.read(frame.normals, Access::vertex_read);
             pass.read(frame.uniforms, Access::uniform_read);
             pass.read(frame.shadow, Access::sampled_fragment);
             if (frame.occlusion.valid()) pass.read(frame.occlusion, Access::sampled_fragment);
@@ -69,8 +98,19 @@ void ShadePass::declare(Frame& frame) const {
             frame.bind_image(context, frame.occlusion_set,
                              frame.occlusion.valid() ? frame.occlusion : frame.shadow);
             if (frame.draws_pieces()) {
-                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pieces_.handle());
+                const bool smooth = frame.scene.smooth;
+                if (smooth) {
+                    const VkBuffer normals = context.buffer(frame.normals);
+                    const VkDeviceSize start = 0;
+                    vkCmdBindVertexBuffers(commands, 1, 1, &normals, &start);
+                }
+                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
+                                  smooth ? smooth_pieces_.handle() : pieces_.handle());
                 draw_pieces(frame, context);
+                if (frame.scene.wireframe && edges_.handle()) {
+                    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, edges_.handle());
+                    draw_pieces(frame, context);
+                }
             }
             if (frame.scene.ground) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.handle());

@@ -16,6 +16,8 @@ class ShadePass {
 
   private:
     Pipeline pieces_;
+    Pipeline smooth_pieces_;
+    Pipeline edges_; // none where the device cannot draw triangles as lines
     Pipeline ground_;
     Pipeline background_;
 };

@@ -82,3 +82,8 @@ TEST_CASE("the known scene looks as it did at its best") {
         scene.spheres = {};
     });
 }
+
+TEST_CASE("smooth shading and the wireframe look as they did") {
+    check_picture("smooth", plain, [](Scene& scene) { scene.smooth = true; });
+    check_picture("wireframe", four_samples(), [](Scene& scene) { scene.wireframe = true; });
+}
