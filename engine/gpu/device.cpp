@@ -102,7 +102,6 @@ struct NeededFeature {
 };
 
 constexpr NeededFeature needed_features[] = {
-    {"multiDrawIndirect", [](Features& f) -> VkBool32& { return f.all.features.multiDrawIndirect; }},
     {"drawIndirectFirstInstance",
      [](Features& f) -> VkBool32& { return f.all.features.drawIndirectFirstInstance; }},
     {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
@@ -353,6 +352,8 @@ void Device::create_device() {
     vkGetPhysicalDeviceFeatures(physical_, &offered);
     line_mode_ = offered.fillModeNonSolid;
     features.all.features.fillModeNonSolid = offered.fillModeNonSolid;
+    multi_draw_ = offered.multiDrawIndirect;
+    features.all.features.multiDrawIndirect = offered.multiDrawIndirect;
 
     std::vector<const char*> extensions;
     can_present_ = can_present_ && lists(device_extensions(physical_), VK_KHR_SWAPCHAIN_EXTENSION_NAME);

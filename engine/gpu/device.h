@@ -69,7 +69,8 @@ class Device {
     [[nodiscard]] uint32_t queue_family() const { return queue_family_; }
     [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return limits_; }
     // Optional features, on where the device has them.
-    [[nodiscard]] bool has_line_mode() const { return line_mode_; } // fillModeNonSolid
+    [[nodiscard]] bool has_multi_draw() const { return multi_draw_; } // multiDrawIndirect
+    [[nodiscard]] bool has_line_mode() const { return line_mode_; }   // fillModeNonSolid
     [[nodiscard]] bool can_present() const { return can_present_; } // surface and swapchain extensions are on
 
     // Labels what profilers and validation messages show; does nothing without validation.
@@ -95,6 +96,7 @@ class Device {
     VkQueue queue_ = VK_NULL_HANDLE;
     uint32_t queue_family_ = 0;
     bool can_present_ = false;
+    bool multi_draw_ = false;
     bool line_mode_ = false;
     bool debug_utils_ = false;
     PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;

@@ -43,11 +43,18 @@ void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
     const VkSamplerCreateInfo plain{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
     check(vkCreateSampler(device_.handle(), &plain, nullptr, &image_sampler_), "create a sampler");
 
-    constexpr VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    constexpr VkShaderStageFlags compute = VK_SHADER_STAGE_COMPUTE_BIT;
+    constexpr VkShaderStageFlags vertex = VK_SHADER_STAGE_VERTEX_BIT | compute;
+    constexpr VkShaderStageFlags all = VK_SHADER_STAGE_FRAGMENT_BIT | vertex;
+    constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     const VkDescriptorSetLayoutBinding bindings[] = {
-        {shared::binding_frame, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, both, nullptr},
-        {shared::binding_poses, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
-        {shared::binding_draws, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
+        {shared::binding_frame, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, all, nullptr},
+        {shared::binding_poses, storage, 1, vertex, nullptr},
+        {shared::binding_draws, storage, 1, vertex, nullptr},
+        {shared::binding_commands, storage, 1, compute, nullptr},
+        {shared::binding_culled_for_camera, storage, 1, compute, nullptr},
+        {shared::binding_culled_for_light, storage, 1, compute, nullptr},
+        {shared::binding_drawn, storage, 1, compute, nullptr},
         {shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT,
          &shadow_sampler_}};
     const VkDescriptorSetLayoutCreateInfo set_layout{
@@ -70,7 +77,7 @@ void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
 
     const VkDescriptorPoolSize sizes[] = {
         {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frame_sets},
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2 * frame_sets},
+        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 6 * frame_sets},
         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, frame_sets + image_sets}};
     const VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                           .maxSets = frame_sets + image_sets,
@@ -110,6 +117,10 @@ void FrameLayout::update(VkDescriptorSet set, const Bindings& bindings) const {
     const VkDescriptorBufferInfo frame{bindings.frame, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo poses{bindings.poses, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo draws{bindings.draws, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo commands{bindings.commands, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo for_camera{bindings.culled_for_camera, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo for_light{bindings.culled_for_light, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo drawn{bindings.drawn, 0, VK_WHOLE_SIZE};
     const VkDescriptorImageInfo shadow{VK_NULL_HANDLE, bindings.shadow, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
     const auto write = [set](uint32_t binding, VkDescriptorType type, const VkDescriptorBufferInfo* buffer,
                              const VkDescriptorImageInfo* image) {
@@ -125,6 +136,10 @@ void FrameLayout::update(VkDescriptorSet set, const Bindings& bindings) const {
         write(shared::binding_frame, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, &frame, nullptr),
         write(shared::binding_poses, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &poses, nullptr),
         write(shared::binding_draws, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &draws, nullptr),
+        write(shared::binding_commands, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &commands, nullptr),
+        write(shared::binding_culled_for_camera, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &for_camera, nullptr),
+        write(shared::binding_culled_for_light, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &for_light, nullptr),
+        write(shared::binding_drawn, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &drawn, nullptr),
         write(shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, nullptr, &shadow)};
     vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(std::size(writes)), writes, 0, nullptr);
 }
@@ -229,8 +244,8 @@ shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shado
 }
 
 void Frame::write_colour(PassBuilder& pass, Access access, bool last) {
-    Image& drawn = samples.valid() ? samples : colour;
-    drawn = pass.write(drawn, access);
+    Image& target = samples.valid() ? samples : colour;
+    target = pass.write(target, access);
     if (samples.valid() && last) colour = pass.write(colour, Access::resolve_attachment);
 }
 
@@ -248,15 +263,15 @@ void Frame::bind_image(const PassContext& context, VkDescriptorSet to, Image ima
                             &to, 0, nullptr);
 }
 
-void read_pieces(const Frame& frame, PassBuilder& pass) {
+void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands) {
     pass.read(frame.poses, Access::storage_read_vertex);
     pass.read(frame.draw_data, Access::storage_read_vertex);
     pass.read(frame.vertices, Access::vertex_read);
     pass.read(frame.indices, Access::index_read);
-    pass.read(frame.commands, Access::indirect_read);
+    pass.read(commands, Access::indirect_read);
 }
 
-void draw_pieces(Frame& frame, const PassContext& context) {
+void draw_pieces(Frame& frame, const PassContext& context, Buffer commands) {
     const VkBuffer vertices = context.buffer(frame.vertices);
     const VkDeviceSize start = 0;
     vkCmdBindVertexBuffers(context.commands, 0, 1, &vertices, &start);
@@ -264,8 +279,8 @@ void draw_pieces(Frame& frame, const PassContext& context) {
     constexpr uint32_t stride = sizeof(VkDrawIndexedIndirectCommand);
     for (uint32_t first = 0; first < frame.pieces.draws(); first += frame.most_draws) {
         const uint32_t count = std::min(frame.most_draws, frame.pieces.draws() - first);
-        vkCmdDrawIndexedIndirect(context.commands, context.buffer(frame.commands), uint64_t{first} * stride,
-                                 count, stride);
+        vkCmdDrawIndexedIndirect(context.commands, context.buffer(commands), uint64_t{first} * stride, count,
+                                 stride);
         ++frame.stats.indirect_calls;
     }
 }

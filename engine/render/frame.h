@@ -34,6 +34,7 @@ class FrameLayout {
 
     struct Bindings {
         VkBuffer frame, poses, draws;
+        VkBuffer commands, culled_for_camera, culled_for_light, drawn; // for the cull pass
         VkImageView shadow;
     };
     // Point a set, which no submitted frame may be using, at these.
@@ -67,6 +68,9 @@ struct Frame {
 
     // Imports. Those of the arena are valid only if it holds a draw.
     Buffer uniforms, poses, vertices, normals, indices, draw_data, commands;
+    // What each view draws: the cull pass's work or, without one, all commands.
+    Buffer camera_commands, light_commands;
+    Buffer drawn;          // counts of pieces, by view; valid if there is a cull pass
     Buffer lines, spheres; // valid if the scene has any
     Image shadow;
     // Targets. Without multisampling `samples` names nothing, and `colour` is drawn into itself.
@@ -94,8 +98,8 @@ struct TargetFormat {
 // What the shaders are told about a scene.
 [[nodiscard]] shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shadow_size);
 
-// For the passes that draw pieces: their reads, and the multi-draw.
-void read_pieces(const Frame& frame, PassBuilder& pass);
-void draw_pieces(Frame& frame, const PassContext& context);
+// For the passes that draw pieces: their reads, and the multi-draw, by the commands of one view.
+void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands);
+void draw_pieces(Frame& frame, const PassContext& context, Buffer commands);
 
 } // namespace brittle::engine

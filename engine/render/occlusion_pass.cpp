@@ -31,7 +31,7 @@ void OcclusionPass::declare(Frame& frame, VkExtent2D extent) const {
     frame.graph.add_pass(
         "depth", PassKind::graphics,
         [&](PassBuilder& pass) {
-            if (frame.draws_pieces()) read_pieces(frame, pass);
+            if (frame.draws_pieces()) read_pieces(frame, pass, frame.camera_commands);
             pass.read(frame.uniforms, Access::uniform_read);
             depth = pass.write(depth, Access::depth_attachment);
         },
@@ -42,7 +42,7 @@ void OcclusionPass::declare(Frame& frame, VkExtent2D extent) const {
                                        .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
             if (frame.draws_pieces()) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pieces_.handle());
-                draw_pieces(frame, context);
+                draw_pieces(frame, context, frame.camera_commands);
             }
             if (frame.scene.ground) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.handle());

@@ -1,10 +1,13 @@
 #include "engine/render/piece_arena.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/packing.hpp>
 
 #include "engine/gpu/device.h"
@@ -47,6 +50,20 @@ Result<void> check_piece(size_t index, const PieceMesh& piece, uint32_t most_bod
     return {};
 }
 
+// Around all of the piece: about the middle of its box, so not the smallest.
+glm::vec4 sphere_around(std::span<const glm::vec3> positions) {
+    if (positions.empty()) return glm::vec4(0.0f);
+    glm::vec3 low = positions[0], high = positions[0];
+    for (const glm::vec3& p : positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const glm::vec3 centre = (low + high) * 0.5f;
+    float squared = 0.0f;
+    for (const glm::vec3& p : positions) squared = std::max(squared, glm::dot(p - centre, p - centre));
+    return {centre, std::sqrt(squared)};
+}
+
 DeviceBuffer arena(const Device& device, const char* name, uint64_t size, VkBufferUsageFlags usage) {
     return {device, name, size, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device};
 }
@@ -72,12 +89,12 @@ PieceArena::PieceArena(const Device& device, const Arrays& arrays)
       draw_data_(
           arena(device, "draw data", bytes_of(arrays.draws).size(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)),
       commands_(arena(device, "draw commands", bytes_of(arrays.commands).size(),
-                      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT)) {
+                      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)) {
     const Upload uploads[] = {{&vertices_, bytes_of(arrays.vertices), Access::vertex_read},
                               {&normals_, bytes_of(arrays.normals), Access::vertex_read},
                               {&indices_, bytes_of(arrays.indices), Access::index_read},
-                              {&draw_data_, bytes_of(arrays.draws), Access::storage_read_vertex},
-                              {&commands_, bytes_of(arrays.commands), Access::indirect_read}};
+                              {&draw_data_, bytes_of(arrays.draws), draw_data_accesses},
+                              {&commands_, bytes_of(arrays.commands), commands_accesses}};
     upload(device, uploads);
 }
 
@@ -100,14 +117,17 @@ Result<PieceArena> PieceArena::create(const Device& device, std::span<const Piec
     Arrays arrays;
     arrays.indices.reserve(3 * triangles);
     arrays.pieces = static_cast<uint32_t>(pieces.size());
-    for (const PieceMesh& piece : pieces) {
+    for (uint32_t index = 0; index < arrays.pieces; ++index) {
+        const PieceMesh& piece = pieces[index];
+        const glm::vec4 sphere = sphere_around(piece.positions);
         const auto add_range = [&](std::span<const glm::uvec3> range, uint32_t material) {
             if (range.empty()) return;
             const auto draw = static_cast<uint32_t>(arrays.draws.size());
             arrays.commands.push_back({static_cast<uint32_t>(3 * range.size()), 1,
                                        static_cast<uint32_t>(arrays.indices.size()),
                                        static_cast<int32_t>(arrays.vertices.size()), draw});
-            arrays.draws.push_back({piece.body, material, glm::packUnorm4x8(glm::vec4(piece.tint, 1.0f)), 0});
+            arrays.draws.push_back(
+                {piece.body, material, glm::packUnorm4x8(glm::vec4(piece.tint, 1.0f)), index, sphere});
             for (const glm::uvec3& corner : range)
                 arrays.indices.insert(arrays.indices.end(), {corner.x, corner.y, corner.z});
         };

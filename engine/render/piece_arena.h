@@ -10,6 +10,7 @@
 
 #include "engine/core/result.h"
 #include "engine/gpu/memory.h"
+#include "engine/graph/access.h"
 #include "engine/render/scene.h"
 
 namespace brittle::engine {
@@ -18,6 +19,11 @@ class Device;
 
 class PieceArena {
   public:
+    // What passes do with the buffers, once they are uploaded.
+    static constexpr AccessSet draw_data_accesses =
+        Access::storage_read_vertex | Access::storage_read_compute;
+    static constexpr AccessSet commands_accesses = Access::indirect_read | Access::storage_read_compute;
+
     // No pieces; with buffers all the same, since descriptors must name some.
     explicit PieceArena(const Device& device);
 

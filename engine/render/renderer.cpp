@@ -12,6 +12,7 @@
 #include "engine/gpu/commands.h"
 #include "engine/gpu/swapchain.h"
 #include "engine/graph/access_vulkan.h"
+#include "engine/render/cull_pass.h"
 #include "engine/render/frame.h"
 #include "engine/render/marks_pass.h"
 #include "engine/render/occlusion_pass.h"
@@ -50,12 +51,17 @@ struct FrameSlot {
           depth_set(layout.allocate_image()), occlusion_set(layout.allocate_image()),
           uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                    MemoryKind::upload),
+          drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
           commands(device) {}
 
     GraphExecutor executor;
     Semaphore acquired; // a swapchain image is ready
     VkDescriptorSet set, depth_set, occlusion_set;
     DeviceBuffer uniforms;
+    DeviceBuffer drawn;  // written by both
+    bool culled = false; // the newest frame counts in `drawn`
+    DeviceBuffer camera_commands, light_commands;
     DeviceBuffer poses;
     DeviceBuffer lines;
     DeviceBuffer spheres;
@@ -65,9 +71,9 @@ struct FrameSlot {
 // Makes room for `size` bytes: half as much again as is needed, so that a growing scene does not allocate
 // each frame.
 void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size,
-             VkBufferUsageFlags usage) {
+             VkBufferUsageFlags usage, MemoryKind kind = MemoryKind::upload) {
     if (buffer.handle() && buffer.size() >= size) return;
-    buffer = DeviceBuffer(device, name, size + size / 2, usage, MemoryKind::upload);
+    buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
 }
 
 // Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
@@ -78,6 +84,7 @@ Result<Quality> choose(Quality quality, const Device& device) {
     if (!quality.soft_shadows) quality.soft_shadows = !cpu;
     if (!quality.samples) quality.samples = cpu ? 1 : 4;
     if (!quality.ambient_occlusion) quality.ambient_occlusion = !cpu;
+    if (!quality.culling) quality.culling = device.has_multi_draw();
 
     const uint32_t size = *quality.shadow_size;
     if (size < least_shadow_size || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
@@ -112,6 +119,7 @@ struct Renderer::State {
           shadow_map(device_, "shadow map", {shadow_size(), shadow_size()}, VK_FORMAT_D32_SFLOAT,
                      VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT),
           pieces(device_) {
+        if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
     }
     ~State() { device.wait_idle(); }
@@ -120,11 +128,13 @@ struct Renderer::State {
     [[nodiscard]] uint32_t shadow_size() const { return *quality().shadow_size; }
     Passes& passes_for(Format format);
     FrameSlot& next_slot();
+    void collect(FrameSlot& slot);
     Frame begin_frame(FrameSlot& slot, const Scene& scene, const Target& target);
     void import_slot(Frame& frame, FrameSlot& slot);
     void import_pieces(Frame& frame);
     void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
-    void declare_scene(Frame& frame, const Target& target);
+    void import_culled(Frame& frame, FrameSlot& slot);
+    void declare_scene(Frame& frame, FrameSlot& slot, const Target& target);
     void record(Frame& frame, FrameSlot& slot);
     Bitmap draw_off_screen(const Scene& scene, const Target& target);
     bool draw_in_window(const Scene& scene, const std::function<void()>& ui);
@@ -132,6 +142,7 @@ struct Renderer::State {
     Device& device;
     RendererSettings settings; // every member of the quality is set
     FrameLayout layout;
+    std::optional<CullPass> cull; // if the quality has it
     DeviceImage shadow_map;
     bool shadow_kept = false; // the map holds the shadows of the frame before
     PieceArena pieces;
@@ -166,9 +177,16 @@ Passes& Renderer::State::passes_for(Format format) {
 FrameSlot& Renderer::State::next_slot() {
     FrameSlot& slot = *slots[frame_number++ % frames_in_flight];
     slot.commands.wait();
+    collect(slot);
+    return slot;
+}
+
+// What the device says of the slot's frame, which it is done with.
+void Renderer::State::collect(FrameSlot& slot) {
     if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty())
         timings = std::move(times);
-    return slot;
+    if (slot.culled)
+        stats.pieces_in_view = slot.drawn.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
 }
 
 void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
@@ -187,12 +205,25 @@ void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D
         std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
     }
     if (!scene.spheres.empty()) {
-        reserve(device, slot.spheres, "spheres", scene.spheres.size_bytes(),
+        reserve(device, slot.spheres, "spheres",
+                std::max(scene.spheres.size_bytes(), MarksPass::least_spheres_size),
                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
         std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
     }
-    layout.update(slot.set, {slot.uniforms.handle(), slot.poses.handle(), pieces.draw_data().handle(),
-                             shadow_map.view()});
+    constexpr VkBufferUsageFlags culled =
+        VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    const uint64_t culled_size = cull ? pieces.commands().size() : 0;
+    reserve(device, slot.camera_commands, "commands for the camera", culled_size, culled, MemoryKind::device);
+    reserve(device, slot.light_commands, "commands for the light", culled_size, culled, MemoryKind::device);
+    std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
+    layout.update(slot.set, {.frame = slot.uniforms.handle(),
+                             .poses = slot.poses.handle(),
+                             .draws = pieces.draw_data().handle(),
+                             .commands = pieces.commands().handle(),
+                             .culled_for_camera = slot.camera_commands.handle(),
+                             .culled_for_light = slot.light_commands.handle(),
+                             .drawn = slot.drawn.handle(),
+                             .shadow = shadow_map.view()});
 }
 
 void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
@@ -211,7 +242,7 @@ void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
 
 void Renderer::State::import_pieces(Frame& frame) {
     // upload() made them visible to these reads for good.
-    const auto import = [&](const char* name, const DeviceBuffer& buffer, Access read) {
+    const auto import = [&](const char* name, const DeviceBuffer& buffer, AccessSet read) {
         return frame.graph.import_buffer(name, {buffer.size()},
                                          {.initial = read,
                                           .final = {},
@@ -222,20 +253,26 @@ void Renderer::State::import_pieces(Frame& frame) {
     frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
     frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
     frame.indices = import("piece indices", pieces.indices(), Access::index_read);
-    frame.draw_data = import("draw data", pieces.draw_data(), Access::storage_read_vertex);
-    frame.commands = import("draw commands", pieces.commands(), Access::indirect_read);
+    frame.draw_data = import("draw data", pieces.draw_data(), PieceArena::draw_data_accesses);
+    frame.commands = import("draw commands", pieces.commands(), PieceArena::commands_accesses);
+    frame.camera_commands = frame.light_commands = frame.commands;
 }
 
 Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Target& target) {
     write_slot(slot, scene, target.extent);
     Frame frame{.scene = scene,
                 .pieces = pieces,
-                .most_draws = std::max(device.limits().maxDrawIndirectCount, 1u),
+                .most_draws =
+                    device.has_multi_draw() ? std::max(device.limits().maxDrawIndirectCount, 1u) : 1,
                 .layout = layout,
                 .set = slot.set,
                 .depth_set = slot.depth_set,
                 .occlusion_set = slot.occlusion_set};
-    if (frame.draws_pieces()) frame.stats = {pieces.pieces(), pieces.draws(), 0, pieces.triangles(), false};
+    if (frame.draws_pieces())
+        frame.stats = {.pieces = pieces.pieces(),
+                       .pieces_in_view = cull ? stats.pieces_in_view : pieces.pieces(),
+                       .draws = pieces.draws(),
+                       .triangles = pieces.triangles()};
     import_slot(frame, slot);
     import_pieces(frame);
     frame.shadow = frame.graph.import_image(
@@ -253,9 +290,29 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
     return frame;
 }
 
-void Renderer::State::declare_scene(Frame& frame, const Target& target) {
+void Renderer::State::import_culled(Frame& frame, FrameSlot& slot) {
+    const auto import = [&](const char* name, const DeviceBuffer& buffer) {
+        return frame.graph.import_buffer(
+            name, {buffer.size()},
+            {.initial = {}, .final = {}, .external = frame.external.add(buffer.handle())});
+    };
+    frame.camera_commands = import("commands for the camera", slot.camera_commands);
+    frame.light_commands = import("commands for the light", slot.light_commands);
+    frame.drawn = frame.graph.import_buffer("pieces in view", {slot.drawn.size()},
+                                            {.initial = Access::host_write,
+                                             .final = Access::host_read,
+                                             .external = frame.external.add(slot.drawn.handle())});
+}
+
+void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target& target) {
     const Passes& p = passes_for(target.format);
-    if (frame.scene.moved || !shadow_kept) p.shadow.declare(frame);
+    const bool shadow = frame.scene.moved || !shadow_kept;
+    slot.culled = cull && frame.draws_pieces();
+    if (slot.culled) {
+        import_culled(frame, slot);
+        cull->declare(frame, shadow);
+    }
+    if (shadow) p.shadow.declare(frame);
     if (p.occlusion) p.occlusion->declare(frame, target.extent);
     p.shade.declare(frame);
     p.marks.declare(frame);
@@ -286,7 +343,7 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
     Buffer pixels = frame.graph.import_buffer(
         "readback", {readback.size()},
         {.initial = {}, .final = Access::host_read, .external = frame.external.add(readback.handle())});
-    declare_scene(frame, target);
+    declare_scene(frame, slot, target);
     frame.graph.add_pass(
         "read back", PassKind::transfer,
         [&](PassBuilder& pass) {
@@ -303,8 +360,7 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
     slot.commands.submit({}, VK_NULL_HANDLE);
     shadow_kept = true;
     slot.commands.wait();
-    if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty())
-        timings = std::move(times);
+    collect(slot);
 
     Bitmap bitmap{target.extent.width, target.extent.height, std::vector<uint8_t>(bytes)};
     std::memcpy(bitmap.pixels.data(), readback.mapped(), bytes);
@@ -331,7 +387,7 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
         {.initial = Access::acquired,
          .final = Access::present,
          .external = frame.external.add(swapchain->images()[*image], swapchain->views()[*image])});
-    declare_scene(frame, target);
+    declare_scene(frame, slot, target);
     ui->declare(frame, *image);
     record(frame, slot);
     slot.commands.submit({slot.acquired.handle(), to_vulkan(Access::acquired).stages},

@@ -14,10 +14,10 @@
 // notices by itself that the window was resized or minimised. A Window must outlive the renderer attached to
 // it, a Device every renderer made from it.
 //
-// Each frame is a frame graph declared anew: shadow (left out where it can be kept), occlusion, shade, marks,
-// then read back, or UI and present. Body poses need no pass: the caller writes them into memory that is
-// mapped for good and that the device reads in place, a slice for each of the two frames in flight. render()
-// waits for its image.
+// Each frame is a frame graph declared anew: cull, shadow (left out where it can be kept), occlusion, shade,
+// marks, then read back, or UI and present. Body poses need no pass: the caller writes them into memory that
+// is mapped for good and that the device reads in place, a slice for each of the two frames in flight.
+// render() waits for its image.
 //
 // Pixels are reproducible: the same scene gives the same bytes on the same device and driver. There is no
 // dithering, no noise and no history. Shaders write sRGB themselves into UNORM targets, because a window's
@@ -54,6 +54,9 @@ struct Quality {
     // Darkens gaps, and the ground under what stands on it, by a search in the depth image; automatic: on a
     // GPU only.
     std::optional<bool> ambient_occlusion{};
+    // Finds out on the device which pieces are in view, and draws no others: the same picture. Automatic:
+    // where the device has multi-draws.
+    std::optional<bool> culling{};
 };
 
 struct RendererSettings {
@@ -64,6 +67,9 @@ struct RendererSettings {
 // What the last frame drew: for tests and for the profile.
 struct FrameStats {
     uint32_t pieces = 0;
+    // Those in the camera's view, of the newest frame that the device has finished; without culling, all of
+    // them.
+    uint32_t pieces_in_view = 0;
     uint32_t draws = 0; // draw ranges in the indirect buffer: one for each exterior, one for each interior
     uint32_t indirect_calls = 0; // multi-draw calls that draw them, over all passes
     uint64_t triangles = 0;      // of the pieces

@@ -79,7 +79,7 @@ void ShadePass::declare(Frame& frame) const {
     frame.graph.add_pass(
         "shade", PassKind::graphics,
         [&](PassBuilder& pass) {
-            if (frame.draws_pieces()) read_pieces(frame, pass);
+            if (frame.draws_pieces()) read_pieces(frame, pass, frame.camera_commands);
             if (frame.draws_pieces() && frame.scene.smooth) pass.read(frame.normals, Access::vertex_read);
             pass.read(frame.uniforms, Access::uniform_read);
             pass.read(frame.shadow, Access::sampled_fragment);
@@ -106,10 +106,10 @@ void ShadePass::declare(Frame& frame) const {
                 }
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
                                   smooth ? smooth_pieces_.handle() : pieces_.handle());
-                draw_pieces(frame, context);
+                draw_pieces(frame, context, frame.camera_commands);
                 if (frame.scene.wireframe && edges_.handle()) {
                     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, edges_.handle());
-                    draw_pieces(frame, context);
+                    draw_pieces(frame, context, frame.camera_commands);
                 }
             }
             if (frame.scene.ground) {

@@ -345,7 +345,7 @@ TEST_CASE("every pass of a frame is timed") {
         CHECK(time.milliseconds >= 0.0);
         CHECK(time.milliseconds < 60000.0);
     }
-    CHECK(names == std::vector<std::string>{"shadow", "shade", "marks", "read back"});
+    CHECK(names == std::vector<std::string>{"cull", "shadow", "shade", "marks", "read back"});
 }
 
 TEST_CASE("warming up leaves no trace") {
