@@ -14,11 +14,28 @@ layout(set = 0, binding = binding_draws, std430) readonly buffer DrawBlock {
     DrawData draws[];
 };
 
+vec3 turn(vec4 rotation, vec3 v) {
+    vec3 t = 2.0 * cross(rotation.xyz, v);
+    return v + rotation.w * t + cross(rotation.xyz, t);
+}
+
 // A vertex of the body to its place in the world, less `origin`.
 vec3 place(Pose pose, vec3 position, vec3 origin) {
-    vec3 p = position * pose.position_and_scale.w;
-    vec3 t = 2.0 * cross(pose.rotation.xyz, p);
-    return p + pose.rotation.w * t + cross(pose.rotation.xyz, t) + (pose.position_and_scale.xyz - origin);
+    return turn(pose.rotation, position * pose.position_and_scale.w) + (pose.position_and_scale.xyz - origin);
+}
+
+// Of a draw range, in linear light.
+vec3 albedo_of(DrawData draw) {
+    vec4 material = frame.materials[draw.material];
+    return material.rgb * mix(vec3(1.0), unpackUnorm4x8(draw.tint).rgb, material.w);
+}
+
+// Lines on a surface must win against it: they come nearer by a fraction of their depth.
+vec4 line_position(vec3 from_eye) {
+    const float nearer = 2e-4;
+    vec4 clip = frame.clip_from_eye * vec4(from_eye, 1.0);
+    clip.z -= nearer * clip.w;
+    return clip;
 }
 
 #endif

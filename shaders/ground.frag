@@ -9,6 +9,7 @@ void main() {
     vec2 from_centre = from_eye.xz + frame.eye.xz - frame.ground_disc.xy;
     float fade = smoothstep(frame.ground_disc.z, frame.ground_disc.w, length(from_centre));
     const vec3 up = vec3(0.0, 1.0, 0.0);
-    vec3 light = shade(frame.ground.rgb, up, sun_visibility(from_eye, up), frame.sky.w);
+    vec3 light = shade(frame.ground.rgb, up, sun_visibility(from_eye, up), frame.sky.w,
+                       sky_visibility(from_eye));
     colour = display(mix(light, background(), fade));
 }

@@ -5,7 +5,9 @@
 #include "frame.glsl"
 
 layout(constant_id = constant_soft_shadows) const bool soft_shadows = false;
+layout(constant_id = constant_ambient_occlusion) const bool ambient_occlusion = false;
 layout(set = 0, binding = binding_shadow) uniform sampler2DShadow shadow_map;
+layout(set = 1, binding = binding_image) uniform sampler2D occlusion_map;
 
 // 0 in the shadow, 1 in the sun. Lit outside the map: it encloses all that casts a shadow, and its border is far.
 float sun_visibility(vec3 from_eye, vec3 normal) {
@@ -21,10 +23,28 @@ float sun_visibility(vec3 from_eye, vec3 normal) {
     return lit / 16.0;
 }
 
-// Lambert under a sun and a two-coloured sky. `height` above the ground: near it, less of the sky is to be seen.
-vec3 shade(vec3 albedo, vec3 normal, float lit, float height) {
+// How much of the sky is seen past what is near: the mean of the 4x4 pixels around, over which the occlusion pass turns
+// its samples, as far as they are of this surface.
+float sky_visibility(vec3 from_eye) {
+    if (!ambient_occlusion) return 1.0;
+    ivec2 last = textureSize(occlusion_map, 0) - 1, at = ivec2(gl_FragCoord.xy) - 2;
+    float distance = length(from_eye), sum = 0.0, weights = 0.0;
+    for (int y = 0; y < 4; ++y) {
+        for (int x = 0; x < 4; ++x) {
+            vec2 near = texelFetch(occlusion_map, clamp(at + ivec2(x, y), ivec2(0), last), 0).xy;
+            float weight = max(1.0 - 30.0 * abs(near.y - distance) / distance, 1e-3);
+            sum += weight * near.x;
+            weights += weight;
+        }
+    }
+    return sum / weights;
+}
+
+// Lambert under a sun and a two-coloured sky, of which `visible` is seen. `height` above the ground: near it, less of
+// the sky is to be seen.
+vec3 shade(vec3 albedo, vec3 normal, float lit, float height, float visible) {
     float open = 0.45 + 0.55 * clamp(height / frame.sky.w + 0.5 * max(normal.y, 0.0), 0.0, 1.0);
-    vec3 ambient = mix(frame.bounce.rgb, frame.sky.rgb, 0.5 + 0.5 * normal.y) * open;
+    vec3 ambient = mix(frame.bounce.rgb, frame.sky.rgb, 0.5 + 0.5 * normal.y) * (open * visible);
     return albedo * (ambient + frame.sun.rgb * (lit * max(dot(normal, frame.to_light.xyz), 0.0)));
 }
 
@@ -38,6 +58,7 @@ vec3 background() {
 // A filmic curve (Narkowicz 2015, a fit of ACES) instead of a hard clip, then the sRGB curve (IEC 61966-2-1): targets are
 // UNORM and encode nothing.
 vec4 display(vec3 light) {
+    light *= frame.background_top.w;
     vec3 c = clamp(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0.0, 1.0);
     vec3 low = 12.92 * c;
     vec3 high = 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055;

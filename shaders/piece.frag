@@ -1,24 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "light.glsl"
-
-layout(location = 0) in vec3 from_eye;
-layout(location = 1) flat in vec3 albedo;
-layout(location = 0) out vec4 colour;
-
-// The triangle's normal from screen derivatives, so that vertices are shared. The order of the product is Vulkan's, with
-// Y down. Back faces are culled, so a normal that points away from the eye is rounding on a triangle seen edge-on: it
-// is turned round. A triangle too thin for any derivative faces the eye.
-vec3 flat_normal() {
-    vec3 n = cross(dFdy(from_eye), dFdx(from_eye));
-    float squared = dot(n, n);
-    if (!(squared > 0.0)) return -normalize(from_eye);
-    n *= inversesqrt(squared);
-    return dot(n, from_eye) > 0.0 ? -n : n;
-}
+#include "piece.glsl"
 
 void main() {
     vec3 normal = flat_normal();
-    float height = from_eye.y + frame.eye.y - frame.ground.w;
-    colour = display(shade(albedo, normal, sun_visibility(from_eye, normal), height));
+    light_piece(normal, normal);
 }

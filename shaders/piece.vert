@@ -10,7 +10,6 @@ layout(location = 1) flat out vec3 albedo;
 void main() {
     DrawData draw = draws[gl_InstanceIndex];
     from_eye = place(poses[draw.body], position, frame.eye.xyz);
-    vec4 material = frame.materials[draw.material];
-    albedo = material.rgb * mix(vec3(1.0), unpackUnorm4x8(draw.tint).rgb, material.w);
+    albedo = albedo_of(draw);
     gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
 }

@@ -112,7 +112,6 @@ struct NeededFeature {
 };
 
 constexpr NeededFeature needed_features[] = {
-    {"multiDrawIndirect", [](Features& f) -> VkBool32& { return f.all.features.multiDrawIndirect; }},
     {"drawIndirectFirstInstance",
      [](Features& f) -> VkBool32& { return f.all.features.drawIndirectFirstInstance; }},
     {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
@@ -381,6 +380,12 @@ void Device::create_device() {
 
     Features features;
     for (const NeededFeature& feature : needed_features) feature.member(features) = VK_TRUE;
+    VkPhysicalDeviceFeatures optional;
+    vkGetPhysicalDeviceFeatures(physical_, &optional);
+    line_mode_ = optional.fillModeNonSolid;
+    features.all.features.fillModeNonSolid = optional.fillModeNonSolid;
+    multi_draw_ = optional.multiDrawIndirect;
+    features.all.features.multiDrawIndirect = optional.multiDrawIndirect;
 
     std::vector<const char*> extensions;
     const std::vector<VkExtensionProperties> offered = device_extensions(physical_);

@@ -82,6 +82,9 @@ class Device {
     }
     [[nodiscard]] uint32_t queue_family() const { return queue_family_; }
     [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return limits_; }
+    // Optional features, on where the device has them.
+    [[nodiscard]] bool has_multi_draw() const { return multi_draw_; } // multiDrawIndirect
+    [[nodiscard]] bool has_line_mode() const { return line_mode_; }   // fillModeNonSolid
     [[nodiscard]] bool can_present() const { return can_present_; } // surface and swapchain extensions are on
 
     // Whether the driver tells its timestamps and steady_clock at one moment (VK_EXT_calibrated_timestamps, or
@@ -128,6 +131,8 @@ class Device {
     mutable bool hangs_ = false;    // wait_idle() gave up once
     FaultInjector* faults_ = nullptr;
     bool can_present_ = false;
+    bool multi_draw_ = false;
+    bool line_mode_ = false;
     bool debug_utils_ = false;
     PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
     PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;

@@ -64,16 +64,17 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
         .scissorCount = 1};
     const VkPipelineRasterizationStateCreateInfo raster{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+        .polygonMode = desc.fill,
         .cullMode = desc.cull,
         .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
         .lineWidth = 1.0f};
     const VkPipelineMultisampleStateCreateInfo samples{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+        .rasterizationSamples = static_cast<VkSampleCountFlagBits>(desc.samples)};
     const VkPipelineDepthStencilStateCreateInfo depth{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = desc.depth_write,
+        .depthTestEnable = desc.depth,
+        .depthWriteEnable = desc.depth && desc.depth_write,
         .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
     const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xf};
     const bool has_colour = desc.colour != VK_FORMAT_UNDEFINED;
@@ -89,7 +90,8 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
     const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
                                                   .colorAttachmentCount = has_colour ? 1u : 0u,
                                                   .pColorAttachmentFormats = &desc.colour,
-                                                  .depthAttachmentFormat = VK_FORMAT_D32_SFLOAT};
+                                                  .depthAttachmentFormat = desc.depth ? VK_FORMAT_D32_SFLOAT
+                                                                                      : VK_FORMAT_UNDEFINED};
     const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                             .pNext = &rendering,
                                             .stageCount = static_cast<uint32_t>(stages.size()),
@@ -125,11 +127,16 @@ Pipeline::~Pipeline() {
 }
 
 void begin_rendering(VkCommandBuffer commands, const Rendering& rendering) {
-    const VkRenderingAttachmentInfo colour{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-                                           .imageView = rendering.colour,
-                                           .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-                                           .loadOp = rendering.colour_load,
-                                           .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
+    const bool resolve = rendering.resolve != VK_NULL_HANDLE;
+    const VkRenderingAttachmentInfo colour{
+        .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+        .imageView = rendering.colour,
+        .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+        .resolveMode = resolve ? VK_RESOLVE_MODE_AVERAGE_BIT : VK_RESOLVE_MODE_NONE,
+        .resolveImageView = rendering.resolve,
+        .resolveImageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+        .loadOp = rendering.colour_load,
+        .storeOp = resolve ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE};
     const VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                           .imageView = rendering.depth,
                                           .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,

@@ -4,8 +4,8 @@
 //     line_frag,
 //                                .colour = VK_FORMAT_R8G8B8A8_UNORM, ...});
 //
-// What all of Brittle's graphics pipelines have in common is fixed: one sample, no blending, counter-clockwise front
-// faces, depth in D32, dynamic viewport and scissor.
+// What all of Brittle's graphics pipelines have in common is fixed: no blending, counter-clockwise front faces, depth in
+// D32, dynamic viewport and scissor.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,12 @@ struct PipelineDesc {
     std::span<const VkVertexInputBindingDescription> bindings{};
     std::span<const VkVertexInputAttributeDescription> attributes{};
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkPolygonMode fill = VK_POLYGON_MODE_FILL;
     VkCullModeFlags cull = VK_CULL_MODE_BACK_BIT;
+    bool depth = true;                               // there is a depth attachment
     bool depth_write = true;                         // tested with less-or-equal in any case
     VkFormat colour = VK_FORMAT_UNDEFINED;           // undefined: no colour attachment
+    uint32_t samples = 1;                            // of every attachment
     const VkSpecializationInfo* constants = nullptr; // of the fragment shader
 };
 
@@ -56,11 +59,12 @@ class Pipeline {
 };
 
 // Begins dynamic rendering over the whole extent, with viewport and scissor set to it. A null view is no
-// attachment.
+// attachment. With a view to resolve to, the colour view is multisampled and its samples are not kept.
 struct Rendering {
     VkExtent2D extent{};
     VkImageView colour = VK_NULL_HANDLE;
     VkAttachmentLoadOp colour_load = VK_ATTACHMENT_LOAD_OP_LOAD;
+    VkImageView resolve = VK_NULL_HANDLE; // of one sample: gets the means of the samples at the end
     VkImageView depth = VK_NULL_HANDLE;
     VkAttachmentLoadOp depth_load = VK_ATTACHMENT_LOAD_OP_LOAD; // clears to 1, the far plane
     VkAttachmentStoreOp depth_store = VK_ATTACHMENT_STORE_OP_STORE;

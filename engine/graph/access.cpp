@@ -40,6 +40,7 @@ constexpr std::array<AccessTraits, static_cast<std::size_t>(Access::count)> tabl
     {"storage_read_write_compute", true, true, true, true, true, Layout::general, dispatch},
     {"colour_attachment", false, true, false, true, false, Layout::attachment, draw},
     {"colour_attachment_load", true, true, true, true, false, Layout::attachment, draw},
+    {"resolve_attachment", false, true, false, true, false, Layout::attachment, draw},
     {"depth_attachment", false, true, false, true, false, Layout::attachment, draw},
     {"depth_attachment_load", true, true, true, true, false, Layout::attachment, draw},
     {"depth_read", true, false, false, true, false, Layout::read_only, draw},

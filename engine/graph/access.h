@@ -38,8 +38,9 @@ enum class Access : std::uint8_t {
     storage_write_compute,
     storage_read_write_compute,
 
-    colour_attachment, // replaces the whole image (cleared, or fully drawn over), also as a resolve target
+    colour_attachment,      // replaces the whole image (cleared, or fully drawn over)
     colour_attachment_load, // draws on top of what is there
+    resolve_attachment,     // replaces the whole image by the means of a multisampled attachment's samples
     depth_attachment,       // test and write; replaces the whole image (cleared)
     depth_attachment_load,  // test and write on top of what is there
     depth_read,             // test only; may go with sampled_fragment of the same image in one pass
@@ -98,11 +99,10 @@ constexpr AccessSet operator|(Access a, Access b) {
 // What the plan knows of an access.
 struct AccessTraits {
     const char* name;
-    bool reads;   // needs contents that were written before
-    bool writes;  // makes a new version of the resource
-    bool keeps;   // a write that leaves what it does not touch: all but the two attachments that replace the
-                  // image
-    bool images;  // may be made to an image
+    bool reads;  // needs contents that were written before
+    bool writes; // makes a new version of the resource
+    bool keeps;  // a write that leaves what it does not touch: all but the attachments that replace the image
+    bool images; // may be made to an image
     bool buffers; // may be made to a buffer
     Layout layout;
     std::uint8_t

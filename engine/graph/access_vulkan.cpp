@@ -74,7 +74,10 @@ VulkanAccess to_vulkan(Access access) {
                 storage_buffer};
     case Access::storage_read_write_compute:
         return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, storage_access, storage_image, storage_buffer};
+    // A resolve belongs to the colour attachments' stage, for depth too (7.1 "Render Pass Multisample
+    // Resolve").
     case Access::colour_attachment:
+    case Access::resolve_attachment:
         return {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
                 VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, 0};
     case Access::colour_attachment_load:

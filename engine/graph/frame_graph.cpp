@@ -155,6 +155,8 @@ std::string FrameGraph::use_error(const Plan::Pass& pass, const Plan::Use& use, 
     if (!t.kinds) return wrong("which is only for the edges of an import");
     if (!(t.kinds >> static_cast<unsigned>(pass.kind) & 1))
         return wrong(std::string("which is not allowed in a ") + to_string(pass.kind) + " pass");
+    if (use.access == Access::resolve_attachment && std::get<ImageDesc>(resource.desc).samples != 1)
+        return wrong("which needs an image of one sample");
     if (t.writes != write) return wrong(write ? "which only reads" : "which writes");
 
     for (const Plan::Use& other : pass.uses) {

@@ -21,7 +21,7 @@
 // once; to do both, it uses a read_write or _load access. A pass lives if it has a side effect, makes the
 // last version of an imported resource, or makes something that a live pass needs. A write needs the version
 // before it, since it may leave parts untouched, except colour_attachment and depth_attachment, which replace
-// everything.
+// everything, as resolve_attachment does.
 //
 // Misuse never throws or asserts: it is collected, and compile() reports all of it with pass and resource
 // names. One thread at a time.

@@ -11,9 +11,9 @@
 
 namespace brittle::engine {
 
-FrameLayout::FrameLayout(const Device& device, uint32_t sets) : device_(device) {
+FrameLayout::FrameLayout(const Device& device, uint32_t frame_sets, uint32_t image_sets) : device_(device) {
     try {
-        create(sets);
+        create(frame_sets, image_sets);
     } catch (...) {
         destroy();
         throw;
@@ -24,7 +24,7 @@ FrameLayout::~FrameLayout() {
     destroy();
 }
 
-void FrameLayout::create(uint32_t sets) {
+void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
     // Linear filtering of a comparison is 2x2 percentage-closer filtering for free on a GPU; a CPU device
     // pays for each tap, and with nearest filtering reads one.
     const VkFilter filter = device_.is_cpu() ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
@@ -39,30 +39,48 @@ void FrameLayout::create(uint32_t sets) {
                                       .compareOp = VK_COMPARE_OP_LESS_OR_EQUAL,
                                       .borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE};
     check(vkCreateSampler(device_.handle(), &sampler, nullptr, &shadow_sampler_), "create a sampler");
+    // For texelFetch(), which does not ask it.
+    const VkSamplerCreateInfo plain{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+    check(vkCreateSampler(device_.handle(), &plain, nullptr, &image_sampler_), "create a sampler");
 
-    constexpr VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    constexpr VkShaderStageFlags compute = VK_SHADER_STAGE_COMPUTE_BIT;
+    constexpr VkShaderStageFlags vertex = VK_SHADER_STAGE_VERTEX_BIT | compute;
+    constexpr VkShaderStageFlags all = VK_SHADER_STAGE_FRAGMENT_BIT | vertex;
+    constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     const VkDescriptorSetLayoutBinding bindings[] = {
-        {shared::binding_frame, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, both, nullptr},
-        {shared::binding_poses, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
-        {shared::binding_draws, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
+        {shared::binding_frame, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, all, nullptr},
+        {shared::binding_poses, storage, 1, vertex, nullptr},
+        {shared::binding_draws, storage, 1, vertex, nullptr},
+        {shared::binding_commands, storage, 1, compute, nullptr},
+        {shared::binding_culled_for_camera, storage, 1, compute, nullptr},
+        {shared::binding_culled_for_light, storage, 1, compute, nullptr},
+        {shared::binding_drawn, storage, 1, compute, nullptr},
         {shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT,
          &shadow_sampler_}};
     const VkDescriptorSetLayoutCreateInfo set_layout{
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
         .bindingCount = static_cast<uint32_t>(std::size(bindings)),
         .pBindings = bindings};
-    check(vkCreateDescriptorSetLayout(device_.handle(), &set_layout, nullptr, &set_layout_),
+    check(vkCreateDescriptorSetLayout(device_.handle(), &set_layout, nullptr, &frame_set_layout_),
           "create a descriptor set layout");
+    const VkDescriptorSetLayoutBinding image{shared::binding_image, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                             1, VK_SHADER_STAGE_FRAGMENT_BIT, &image_sampler_};
+    const VkDescriptorSetLayoutCreateInfo image_layout{
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &image};
+    check(vkCreateDescriptorSetLayout(device_.handle(), &image_layout, nullptr, &image_set_layout_),
+          "create a descriptor set layout");
+    const VkDescriptorSetLayout set_layouts[] = {frame_set_layout_, image_set_layout_};
     const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                            .setLayoutCount = 1,
-                                            .pSetLayouts = &set_layout_};
+                                            .setLayoutCount = 2,
+                                            .pSetLayouts = set_layouts};
     check(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &layout_), "create a pipeline layout");
 
-    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, sets},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2 * sets},
-                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sets}};
+    const VkDescriptorPoolSize sizes[] = {
+        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frame_sets},
+        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 6 * frame_sets},
+        {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, frame_sets + image_sets}};
     const VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-                                          .maxSets = sets,
+                                          .maxSets = frame_sets + image_sets,
                                           .poolSizeCount = static_cast<uint32_t>(std::size(sizes)),
                                           .pPoolSizes = sizes};
     check(vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &pool_), "create a descriptor pool");
@@ -71,15 +89,25 @@ void FrameLayout::create(uint32_t sets) {
 void FrameLayout::destroy() {
     vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
     vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
-    vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
+    vkDestroyDescriptorSetLayout(device_.handle(), frame_set_layout_, nullptr);
+    vkDestroyDescriptorSetLayout(device_.handle(), image_set_layout_, nullptr);
+    vkDestroySampler(device_.handle(), image_sampler_, nullptr);
     vkDestroySampler(device_.handle(), shadow_sampler_, nullptr);
 }
 
-VkDescriptorSet FrameLayout::allocate() const {
+VkDescriptorSet FrameLayout::allocate_frame() const {
+    return allocate(frame_set_layout_);
+}
+
+VkDescriptorSet FrameLayout::allocate_image() const {
+    return allocate(image_set_layout_);
+}
+
+VkDescriptorSet FrameLayout::allocate(VkDescriptorSetLayout set_layout) const {
     const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                            .descriptorPool = pool_,
                                            .descriptorSetCount = 1,
-                                           .pSetLayouts = &set_layout_};
+                                           .pSetLayouts = &set_layout};
     VkDescriptorSet set = VK_NULL_HANDLE;
     check(vkAllocateDescriptorSets(device_.handle(), &info, &set), "allocate a descriptor set");
     return set;
@@ -89,6 +117,10 @@ void FrameLayout::update(VkDescriptorSet set, const Bindings& bindings) const {
     const VkDescriptorBufferInfo frame{bindings.frame, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo poses{bindings.poses, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo draws{bindings.draws, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo commands{bindings.commands, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo for_camera{bindings.culled_for_camera, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo for_light{bindings.culled_for_light, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo drawn{bindings.drawn, 0, VK_WHOLE_SIZE};
     const VkDescriptorImageInfo shadow{VK_NULL_HANDLE, bindings.shadow, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
     const auto write = [set](uint32_t binding, VkDescriptorType type, const VkDescriptorBufferInfo* buffer,
                              const VkDescriptorImageInfo* image) {
@@ -104,8 +136,23 @@ void FrameLayout::update(VkDescriptorSet set, const Bindings& bindings) const {
         write(shared::binding_frame, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, &frame, nullptr),
         write(shared::binding_poses, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &poses, nullptr),
         write(shared::binding_draws, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &draws, nullptr),
+        write(shared::binding_commands, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &commands, nullptr),
+        write(shared::binding_culled_for_camera, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &for_camera, nullptr),
+        write(shared::binding_culled_for_light, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &for_light, nullptr),
+        write(shared::binding_drawn, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &drawn, nullptr),
         write(shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, nullptr, &shadow)};
     vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(std::size(writes)), writes, 0, nullptr);
+}
+
+void FrameLayout::update(VkDescriptorSet set, VkImageView image) const {
+    const VkDescriptorImageInfo info{VK_NULL_HANDLE, image, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
+    const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                     .dstSet = set,
+                                     .dstBinding = shared::binding_image,
+                                     .descriptorCount = 1,
+                                     .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                     .pImageInfo = &info};
+    vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
 }
 
 namespace {
@@ -167,11 +214,19 @@ shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shado
     constexpr float fade_end = 3.5f;
     // Of the scene's height; see shade() in light.glsl.
     constexpr float ground_darkens = 0.35f;
+    // Of the scene's largest side; a sine; see occlusion.frag. Chosen by eye.
+    constexpr float occlusion_reach = 0.25f;
+    constexpr float occlusion_bias = 0.12f;
+    constexpr float occlusion_strength = 6.0f;
 
     const float reach = glm::length(scene.camera.target - eye);
     const float height = std::max(scene.bounds.size().y, 1e-5f);
+    const float largest = std::max({scene.bounds.size().x, scene.bounds.size().z, height});
+    const float pixels_a_metre = 0.5f * static_cast<float>(size.y) * std::abs(camera.projection[1][1]);
+    const glm::mat4 clip_from_eye = camera.projection * glm::mat4(glm::mat3(camera.view));
     return {
-        .clip_from_eye = camera.projection * glm::mat4(glm::mat3(camera.view)),
+        .clip_from_eye = clip_from_eye,
+        .eye_from_clip = glm::inverse(clip_from_eye),
         .shadow_from_eye = texture_from_clip * shadow.clip_from_world * eye_to_world,
         .shadow_clip_from_world = shadow.clip_from_world,
         .eye = {eye, 1.0f / static_cast<float>(size.y)},
@@ -183,19 +238,40 @@ shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shado
         .sphere = {look.sphere, 0.0f},
         .ground = {look.ground, scene.ground_height},
         .ground_disc = {scene.camera.target.x, scene.camera.target.z, fade_begin * reach, fade_end * reach},
-        .background_top = {look.background_top, 0.0f},
-        .background_bottom = {look.background_bottom, 0.0f}};
+        .background_top = {look.background_top, look.exposure},
+        .background_bottom = {look.background_bottom, 0.0f},
+        .occlusion = {occlusion_reach * largest, pixels_a_metre, occlusion_bias, occlusion_strength}};
 }
 
-void read_pieces(const Frame& frame, PassBuilder& pass) {
+void Frame::write_colour(PassBuilder& pass, Access access, bool last) {
+    Image& target = samples.valid() ? samples : colour;
+    target = pass.write(target, access);
+    if (samples.valid() && last) colour = pass.write(colour, Access::resolve_attachment);
+}
+
+Rendering Frame::colour_rendering(const PassContext& context, VkAttachmentLoadOp load, bool last) const {
+    return {.extent = context.extent(colour),
+            .colour = context.view(samples.valid() ? samples : colour),
+            .colour_load = load,
+            .resolve = samples.valid() && last ? context.view(colour) : VK_NULL_HANDLE,
+            .depth = context.view(depth)};
+}
+
+void Frame::bind_image(const PassContext& context, VkDescriptorSet to, Image image) const {
+    layout.update(to, context.view(image));
+    vkCmdBindDescriptorSets(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(), 1, 1,
+                            &to, 0, nullptr);
+}
+
+void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands) {
     pass.read(frame.poses, Access::storage_read_vertex);
     pass.read(frame.draw_data, Access::storage_read_vertex);
     pass.read(frame.vertices, Access::vertex_read);
     pass.read(frame.indices, Access::index_read);
-    pass.read(frame.commands, Access::indirect_read);
+    pass.read(commands, Access::indirect_read);
 }
 
-void draw_pieces(Frame& frame, const PassContext& context) {
+void draw_pieces(Frame& frame, const PassContext& context, Buffer commands) {
     const VkBuffer vertices = context.buffer(frame.vertices);
     const VkDeviceSize start = 0;
     vkCmdBindVertexBuffers(context.commands, 0, 1, &vertices, &start);
@@ -203,8 +279,8 @@ void draw_pieces(Frame& frame, const PassContext& context) {
     constexpr uint32_t stride = sizeof(VkDrawIndexedIndirectCommand);
     for (uint32_t first = 0; first < frame.pieces.draws(); first += frame.most_draws) {
         const uint32_t count = std::min(frame.most_draws, frame.pieces.draws() - first);
-        vkCmdDrawIndexedIndirect(context.commands, context.buffer(frame.commands), uint64_t{first} * stride,
-                                 count, stride);
+        vkCmdDrawIndexedIndirect(context.commands, context.buffer(commands), uint64_t{first} * stride, count,
+                                 stride);
         ++frame.stats.indirect_calls;
     }
 }

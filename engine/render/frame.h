@@ -10,6 +10,7 @@
 #include <glm/vec2.hpp>
 #include <vulkan/vulkan.h>
 
+#include "engine/gpu/pipeline.h"
 #include "engine/graph/execute.h"
 #include "engine/render/piece_arena.h"
 #include "engine/render/renderer.h"
@@ -18,31 +19,38 @@
 
 namespace brittle::engine {
 
-// The descriptor set layout that all shaders use, and the sampler of the shadow map.
+// The layout of descriptors that all shaders use, and their samplers. Set 0 is for the whole frame; set 1
+// holds one image that a pass reads.
 class FrameLayout {
   public:
-    FrameLayout(const Device& device, uint32_t sets); // throws VulkanFailure
+    FrameLayout(const Device& device, uint32_t frame_sets, uint32_t image_sets); // throws VulkanFailure
     ~FrameLayout();
     FrameLayout(const FrameLayout&) = delete;
     FrameLayout& operator=(const FrameLayout&) = delete;
 
     [[nodiscard]] VkPipelineLayout pipeline_layout() const { return layout_; }
-    [[nodiscard]] VkDescriptorSet allocate() const;
+    [[nodiscard]] VkDescriptorSet allocate_frame() const;
+    [[nodiscard]] VkDescriptorSet allocate_image() const;
 
     struct Bindings {
         VkBuffer frame, poses, draws;
+        VkBuffer commands, culled_for_camera, culled_for_light, drawn; // for the cull pass
         VkImageView shadow;
     };
-    // Points a set, which no submitted frame may be using, at these.
+    // Point a set, which no submitted frame may be using, at these.
     void update(VkDescriptorSet set, const Bindings& bindings) const;
+    void update(VkDescriptorSet set, VkImageView image) const;
 
   private:
-    void create(uint32_t sets);
+    void create(uint32_t frame_sets, uint32_t image_sets);
+    [[nodiscard]] VkDescriptorSet allocate(VkDescriptorSetLayout set_layout) const;
     void destroy();
 
     const Device& device_;
     VkSampler shadow_sampler_ = VK_NULL_HANDLE;
-    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+    VkSampler image_sampler_ = VK_NULL_HANDLE;
+    VkDescriptorSetLayout frame_set_layout_ = VK_NULL_HANDLE;
+    VkDescriptorSetLayout image_set_layout_ = VK_NULL_HANDLE;
     VkPipelineLayout layout_ = VK_NULL_HANDLE;
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
 };
@@ -53,25 +61,45 @@ struct Frame {
     const Scene& scene;
     const PieceArena& pieces;
     uint32_t most_draws; // in one multi-draw, by the device's limit
-    VkPipelineLayout layout;
-    VkDescriptorSet set;
+    const FrameLayout& layout;
+    VkDescriptorSet set;                      // set 0
+    VkDescriptorSet depth_set, occlusion_set; // for set 1, unused so far
     FrameStats stats;
 
-    // Imports. The four of the arena are valid only if it holds a draw.
-    Buffer uniforms, poses, vertices, indices, draw_data, commands;
+    // Imports. Those of the arena are valid only if it holds a draw.
+    Buffer uniforms, poses, vertices, normals, indices, draw_data, commands;
+    // What each view draws: the cull pass's work or, without one, all commands.
+    Buffer camera_commands, light_commands;
+    Buffer drawn;          // counts of pieces, by view; valid if there is a cull pass
     Buffer lines, spheres; // valid if the scene has any
     Image shadow;
-    // Targets.
-    Image colour, depth;
+    // Targets. Without multisampling `samples` names nothing, and `colour` is drawn into itself.
+    Image colour, depth, samples;
+    Image occlusion; // valid if the quality has it
 
+    // For the passes that draw into the target: the last of them resolves the samples.
+    void write_colour(PassBuilder& pass, Access access, bool last);
+    [[nodiscard]] Rendering colour_rendering(const PassContext& context, VkAttachmentLoadOp load,
+                                             bool last) const;
+
+    // Within a pass that reads the image: points a set at it and binds that as set 1.
+    void bind_image(const PassContext& context, VkDescriptorSet to, Image image) const;
+
+    [[nodiscard]] bool draws_marks() const { return lines.valid() || spheres.valid(); }
     [[nodiscard]] bool draws_pieces() const { return scene.pieces_visible && pieces.draws() != 0; }
+};
+
+// What pipelines that draw into the target must know of it.
+struct TargetFormat {
+    VkFormat colour;
+    uint32_t samples;
 };
 
 // What the shaders are told about a scene.
 [[nodiscard]] shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shadow_size);
 
-// For the passes that draw pieces: their reads, and the multi-draw.
-void read_pieces(const Frame& frame, PassBuilder& pass);
-void draw_pieces(Frame& frame, const PassContext& context);
+// For the passes that draw pieces: their reads, and the multi-draw, by the commands of one view.
+void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands);
+void draw_pieces(Frame& frame, const PassContext& context, Buffer commands);
 
 } // namespace brittle::engine

@@ -42,7 +42,7 @@ std::vector<glm::vec3> unit_sphere() {
 
 } // namespace
 
-MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, VkFormat colour) {
+MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target) {
     const VkVertexInputBindingDescription sphere_bindings[] = {
         {0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
         {1, sizeof(Sphere), VK_VERTEX_INPUT_RATE_INSTANCE}};
@@ -54,7 +54,8 @@ MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, VkFormat col
                                  .fragment = sphere_frag,
                                  .bindings = sphere_bindings,
                                  .attributes = sphere_attributes,
-                                 .colour = colour});
+                                 .colour = target.colour,
+                                 .samples = target.samples});
 
     const VkVertexInputBindingDescription line_binding{0, sizeof(LineVertex), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription line_attributes[] = {
@@ -68,7 +69,8 @@ MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, VkFormat col
                                .attributes = line_attributes,
                                .topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST,
                                .cull = VK_CULL_MODE_NONE,
-                               .colour = colour});
+                               .colour = target.colour,
+                               .samples = target.samples});
 
     const std::vector<glm::vec3> vertices = unit_sphere();
     sphere_vertex_count_ = static_cast<uint32_t>(vertices.size());
@@ -85,12 +87,15 @@ void MarksPass::declare(Frame& frame) const {
     const bool lines = frame.lines.valid(), spheres = frame.spheres.valid();
     const Marks hidden{lines && !scene.lines_on_top, spheres && !scene.spheres_on_top};
     const Marks on_top{lines && scene.lines_on_top, spheres && scene.spheres_on_top};
-    if (hidden.lines || hidden.spheres) declare(frame, "marks", hidden, VK_ATTACHMENT_LOAD_OP_LOAD);
+    const bool any_on_top = on_top.lines || on_top.spheres;
+    if (hidden.lines || hidden.spheres)
+        declare(frame, "marks", hidden, VK_ATTACHMENT_LOAD_OP_LOAD, !any_on_top);
     // Among themselves, marks on top hide each other as usual, in a depth buffer of their own.
-    if (on_top.lines || on_top.spheres) declare(frame, "marks on top", on_top, VK_ATTACHMENT_LOAD_OP_CLEAR);
+    if (any_on_top) declare(frame, "marks on top", on_top, VK_ATTACHMENT_LOAD_OP_CLEAR, true);
 }
 
-void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load) const {
+void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load,
+                        bool last) const {
     const Buffer sphere =
         frame.graph.import_buffer("sphere", {sphere_vertices_.size()},
                                   {.initial = Access::vertex_read,
@@ -106,16 +111,15 @@ void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmen
                 pass.read(sphere, Access::vertex_read);
                 pass.read(frame.spheres, Access::vertex_read);
             }
-            frame.colour = pass.write(frame.colour, Access::colour_attachment_load);
+            frame.write_colour(pass, Access::colour_attachment_load, last);
             frame.depth =
                 pass.write(frame.depth, clears ? Access::depth_attachment : Access::depth_attachment_load);
         },
-        [this, &frame, marks, depth_load, sphere](PassContext& context) {
+        [this, &frame, marks, depth_load, last, sphere](PassContext& context) {
             const VkCommandBuffer commands = context.commands;
-            begin_rendering(commands, {.extent = context.extent(frame.colour),
-                                       .colour = context.view(frame.colour),
-                                       .depth = context.view(frame.depth),
-                                       .depth_load = depth_load});
+            Rendering rendering = frame.colour_rendering(context, VK_ATTACHMENT_LOAD_OP_LOAD, last);
+            rendering.depth_load = depth_load;
+            begin_rendering(commands, rendering);
             if (marks.spheres) {
                 const VkBuffer buffers[] = {context.buffer(sphere), context.buffer(frame.spheres)};
                 const VkDeviceSize starts[] = {0, 0};

@@ -12,7 +12,11 @@ namespace brittle::engine {
 
 class MarksPass {
   public:
-    MarksPass(const Device& device, VkPipelineLayout layout, VkFormat colour);
+    // Bytes that the buffer of spheres should have at least: validation layer 1.3.239 believes that instances
+    // are read once a vertex, and would report what a pass before wrote behind a smaller buffer.
+    static constexpr uint64_t least_spheres_size = 8 * 16 * 3 * sizeof(Sphere);
+
+    MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target);
 
     // Up to two passes: what the pieces hide, then what is on top of them. Adds to frame.colour.
     void declare(Frame& frame) const;
@@ -22,7 +26,7 @@ class MarksPass {
         bool lines;
         bool spheres;
     };
-    void declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load) const;
+    void declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load, bool last) const;
 
     Pipeline spheres_;
     Pipeline lines_;

@@ -1,20 +1,25 @@
 #include "engine/render/piece_arena.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/packing.hpp>
 
 #include "engine/gpu/device.h"
 #include "engine/graph/upload.h"
+#include "engine/render/smooth_normals.h"
 #include "shaders/shared.h"
 
 namespace brittle::engine {
 
 struct PieceArena::Arrays {
     std::vector<glm::vec3> vertices;
+    std::vector<glm::vec3> normals;
     std::vector<uint32_t> indices;
     std::vector<shared::DrawData> draws;
     std::vector<VkDrawIndexedIndirectCommand> commands;
@@ -45,6 +50,20 @@ Result<void> check_piece(size_t index, const PieceMesh& piece, uint32_t most_bod
     return {};
 }
 
+// Around all of the piece: about the middle of its box, so not the smallest.
+glm::vec4 sphere_around(std::span<const glm::vec3> positions) {
+    if (positions.empty()) return glm::vec4(0.0f);
+    glm::vec3 low = positions[0], high = positions[0];
+    for (const glm::vec3& p : positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const glm::vec3 centre = (low + high) * 0.5f;
+    float squared = 0.0f;
+    for (const glm::vec3& p : positions) squared = std::max(squared, glm::dot(p - centre, p - centre));
+    return {centre, std::sqrt(squared)};
+}
+
 DeviceBuffer arena(const Device& device, const char* name, uint64_t size, VkBufferUsageFlags usage) {
     return {device, name, size, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device};
 }
@@ -63,16 +82,19 @@ PieceArena::PieceArena(const Device& device, const Arrays& arrays)
       triangles_(arrays.indices.size() / 3),
       vertices_(arena(device, "piece vertices", bytes_of(arrays.vertices).size(),
                       VK_BUFFER_USAGE_VERTEX_BUFFER_BIT)),
+      normals_(
+          arena(device, "piece normals", bytes_of(arrays.normals).size(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT)),
       indices_(
           arena(device, "piece indices", bytes_of(arrays.indices).size(), VK_BUFFER_USAGE_INDEX_BUFFER_BIT)),
       draw_data_(
           arena(device, "draw data", bytes_of(arrays.draws).size(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)),
       commands_(arena(device, "draw commands", bytes_of(arrays.commands).size(),
-                      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT)) {
+                      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)) {
     const Upload uploads[] = {{&vertices_, bytes_of(arrays.vertices), Access::vertex_read},
+                              {&normals_, bytes_of(arrays.normals), Access::vertex_read},
                               {&indices_, bytes_of(arrays.indices), Access::index_read},
-                              {&draw_data_, bytes_of(arrays.draws), Access::storage_read_vertex},
-                              {&commands_, bytes_of(arrays.commands), Access::indirect_read}};
+                              {&draw_data_, bytes_of(arrays.draws), draw_data_accesses},
+                              {&commands_, bytes_of(arrays.commands), commands_accesses}};
     upload(device, uploads);
 }
 
@@ -82,7 +104,7 @@ Result<PieceArena> PieceArena::create(const Device& device, std::span<const Piec
     size_t vertices = 0, triangles = 0;
     for (size_t i = 0; i < pieces.size(); ++i) {
         if (Result<void> valid = check_piece(i, pieces[i], most_bodies); !valid) return valid.error();
-        vertices += pieces[i].positions.size();
+        vertices += pieces[i].positions.size() + 3 * size_t{pieces[i].exterior_triangles}; // split at most so
         triangles += pieces[i].triangles.size();
     }
     // Vertex offsets are signed 32 bits, first indices unsigned 32 bits.
@@ -93,23 +115,29 @@ Result<PieceArena> PieceArena::create(const Device& device, std::span<const Piec
                                                    + " triangles: too many to address"};
 
     Arrays arrays;
-    arrays.vertices.reserve(vertices);
     arrays.indices.reserve(3 * triangles);
     arrays.pieces = static_cast<uint32_t>(pieces.size());
-    for (const PieceMesh& piece : pieces) {
+    for (uint32_t index = 0; index < arrays.pieces; ++index) {
+        const PieceMesh& piece = pieces[index];
+        const glm::vec4 sphere = sphere_around(piece.positions);
         const auto add_range = [&](std::span<const glm::uvec3> range, uint32_t material) {
             if (range.empty()) return;
             const auto draw = static_cast<uint32_t>(arrays.draws.size());
             arrays.commands.push_back({static_cast<uint32_t>(3 * range.size()), 1,
                                        static_cast<uint32_t>(arrays.indices.size()),
                                        static_cast<int32_t>(arrays.vertices.size()), draw});
-            arrays.draws.push_back({piece.body, material, glm::packUnorm4x8(glm::vec4(piece.tint, 1.0f)), 0});
+            arrays.draws.push_back(
+                {piece.body, material, glm::packUnorm4x8(glm::vec4(piece.tint, 1.0f)), index, sphere});
             for (const glm::uvec3& corner : range)
                 arrays.indices.insert(arrays.indices.end(), {corner.x, corner.y, corner.z});
         };
-        add_range(piece.triangles.first(piece.exterior_triangles), shared::material_exterior);
+        const SmoothSurface exterior =
+            smooth_normals(piece.positions, piece.triangles.first(piece.exterior_triangles));
+        add_range(exterior.triangles, shared::material_exterior);
         add_range(piece.triangles.subspan(piece.exterior_triangles), shared::material_interior);
         arrays.vertices.insert(arrays.vertices.end(), piece.positions.begin(), piece.positions.end());
+        for (const uint32_t vertex : exterior.copies) arrays.vertices.push_back(piece.positions[vertex]);
+        arrays.normals.insert(arrays.normals.end(), exterior.normals.begin(), exterior.normals.end());
         arrays.bodies = std::max(arrays.bodies, piece.body + 1);
     }
     return PieceArena(device, arrays);

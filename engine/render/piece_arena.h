@@ -10,6 +10,7 @@
 
 #include "engine/core/result.h"
 #include "engine/gpu/memory.h"
+#include "engine/graph/access.h"
 #include "engine/render/scene.h"
 
 namespace brittle::engine {
@@ -18,6 +19,11 @@ class Device;
 
 class PieceArena {
   public:
+    // What passes do with the buffers, once they are uploaded.
+    static constexpr AccessSet draw_data_accesses =
+        Access::storage_read_vertex | Access::storage_read_compute;
+    static constexpr AccessSet commands_accesses = Access::indirect_read | Access::storage_read_compute;
+
     // No pieces; with buffers all the same, since descriptors must name some.
     explicit PieceArena(const Device& device);
 
@@ -30,8 +36,9 @@ class PieceArena {
     [[nodiscard]] uint32_t draws() const { return draws_; }
     [[nodiscard]] uint64_t triangles() const { return triangles_; }
 
-    [[nodiscard]] const DeviceBuffer& vertices() const { return vertices_; }   // glm::vec3
-    [[nodiscard]] const DeviceBuffer& indices() const { return indices_; }     // uint32_t
+    [[nodiscard]] const DeviceBuffer& vertices() const { return vertices_; } // glm::vec3
+    [[nodiscard]] const DeviceBuffer& normals() const { return normals_; }   // glm::vec3, for smooth shading
+    [[nodiscard]] const DeviceBuffer& indices() const { return indices_; }   // uint32_t
     [[nodiscard]] const DeviceBuffer& draw_data() const { return draw_data_; } // shared::DrawData
     [[nodiscard]] const DeviceBuffer& commands() const { return commands_; }   // VkDrawIndexedIndirectCommand
 
@@ -44,6 +51,7 @@ class PieceArena {
     uint32_t draws_ = 0;
     uint64_t triangles_ = 0;
     DeviceBuffer vertices_;
+    DeviceBuffer normals_;
     DeviceBuffer indices_;
     DeviceBuffer draw_data_;
     DeviceBuffer commands_;

@@ -12,8 +12,10 @@
 #include "engine/gpu/commands.h"
 #include "engine/gpu/swapchain.h"
 #include "engine/graph/access_vulkan.h"
+#include "engine/render/cull_pass.h"
 #include "engine/render/frame.h"
 #include "engine/render/marks_pass.h"
+#include "engine/render/occlusion_pass.h"
 #include "engine/render/shade_pass.h"
 #include "engine/render/shadow_pass.h"
 #include "engine/render/ui_pass.h"
@@ -29,14 +31,20 @@ constexpr uint32_t most_shadow_size = 8192;
 // What one frame in flight has to itself. The CPU writes its buffers while the device reads another slot's.
 struct FrameSlot {
     FrameSlot(const Device& device, const FrameLayout& layout)
-        : executor(device), set(layout.allocate()),
+        : executor(device), set(layout.allocate_frame()), depth_set(layout.allocate_image()),
+          occlusion_set(layout.allocate_image()),
           uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                    MemoryKind::upload),
+          drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
           commands(device) {}
 
     GraphExecutor executor;
-    VkDescriptorSet set;
+    VkDescriptorSet set, depth_set, occlusion_set;
     DeviceBuffer uniforms;
+    DeviceBuffer drawn;  // written by both
+    bool culled = false; // the newest frame counts in `drawn`
+    DeviceBuffer camera_commands, light_commands;
     DeviceBuffer poses;
     DeviceBuffer lines;
     DeviceBuffer spheres;
@@ -46,13 +54,36 @@ struct FrameSlot {
 // Makes room for `size` bytes: half as much again as is needed, so that a growing scene does not allocate
 // each frame.
 void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size,
-             VkBufferUsageFlags usage) {
+             VkBufferUsageFlags usage, MemoryKind kind = MemoryKind::upload) {
     if (buffer.handle() && buffer.size() >= size) return;
-    buffer = DeviceBuffer(device, name, size + size / 2, usage, MemoryKind::upload);
+    buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
+}
+
+// Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
+// rates: 4 samples double the time of a frame there, 16 taps add half.
+Result<Quality> choose(Quality quality, const Device& device) {
+    const bool cpu = device.is_cpu();
+    if (!quality.shadow_size) quality.shadow_size = cpu ? 1024 : 2048;
+    if (!quality.soft_shadows) quality.soft_shadows = !cpu;
+    if (!quality.samples) quality.samples = cpu ? 1 : 4;
+    if (!quality.ambient_occlusion) quality.ambient_occlusion = !cpu;
+    if (!quality.culling) quality.culling = device.has_multi_draw();
+
+    const uint32_t size = *quality.shadow_size;
+    if (size < least_shadow_size || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
+        return Error{Status::invalid_argument,
+                     "a shadow map of " + std::to_string(size) + " texels a side is out of range, which is "
+                         + std::to_string(least_shadow_size) + " to " + std::to_string(most_shadow_size)};
+    // Other numbers are for some devices and formats only; these two are for all.
+    if (*quality.samples != 1 && *quality.samples != 4)
+        return Error{Status::invalid_argument,
+                     std::to_string(*quality.samples) + " samples a pixel cannot be had: 1 or 4 can"};
+    return quality;
 }
 
 struct Passes {
     ShadowPass shadow;
+    std::optional<OcclusionPass> occlusion; // if the quality has it
     ShadePass shade;
     MarksPass marks;
 };
@@ -66,32 +97,35 @@ struct Target {
 } // namespace
 
 struct Renderer::State {
-    State(Device& device_, const RendererSettings& settings_, bool soft, uint32_t size)
-        : device(device_), settings(settings_), soft_shadows(soft), shadow_size(size),
-          layout(device_, frames_in_flight),
-          shadow_map(device_, "shadow map", {size, size}, VK_FORMAT_D32_SFLOAT,
+    State(Device& device_, const RendererSettings& settings_)
+        : device(device_), settings(settings_), layout(device_, frames_in_flight, 2 * frames_in_flight),
+          shadow_map(device_, "shadow map", {shadow_size(), shadow_size()}, VK_FORMAT_D32_SFLOAT,
                      VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT),
           pieces(device_) {
+        if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
     }
     ~State() { device.wait_idle(); }
 
+    [[nodiscard]] const Quality& quality() const { return settings.quality; }
+    [[nodiscard]] uint32_t shadow_size() const { return *quality().shadow_size; }
     Passes& passes_for(Format format);
     FrameSlot& next_slot();
+    void collect(FrameSlot& slot);
     Frame begin_frame(FrameSlot& slot, const Scene& scene, const Target& target);
     void import_slot(Frame& frame, FrameSlot& slot);
     void import_pieces(Frame& frame);
     void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
-    void declare_scene(Frame& frame, Format format);
+    void import_culled(Frame& frame, FrameSlot& slot);
+    void declare_scene(Frame& frame, FrameSlot& slot, const Target& target);
     void record(Frame& frame, FrameSlot& slot);
     Bitmap draw_off_screen(const Scene& scene, const Target& target);
     bool draw_in_window(const Scene& scene, const std::function<void()>& ui);
 
     Device& device;
-    RendererSettings settings;
-    bool soft_shadows;
-    uint32_t shadow_size;
+    RendererSettings settings; // every member of the quality is set
     FrameLayout layout;
+    std::optional<CullPass> cull; // if the quality has it
     DeviceImage shadow_map;
     bool shadow_kept = false; // the map holds the shadows of the frame before
     PieceArena pieces;
@@ -112,11 +146,13 @@ Passes& Renderer::State::passes_for(Format format) {
     const auto found = passes.find(format);
     if (found != passes.end()) return found->second;
     const VkPipelineLayout pipeline_layout = layout.pipeline_layout();
-    const VkFormat vulkan_format = to_vulkan(format);
+    const TargetFormat target{to_vulkan(format), *quality().samples};
+    std::optional<OcclusionPass> occlusion;
+    if (*quality().ambient_occlusion) occlusion.emplace(device, pipeline_layout);
     return passes
-        .emplace(format, Passes{ShadowPass(device, pipeline_layout),
-                                ShadePass(device, pipeline_layout, vulkan_format, soft_shadows),
-                                MarksPass(device, pipeline_layout, vulkan_format)})
+        .emplace(format, Passes{ShadowPass(device, pipeline_layout), std::move(occlusion),
+                                ShadePass(device, pipeline_layout, target, quality()),
+                                MarksPass(device, pipeline_layout, target)})
         .first->second;
 }
 
@@ -124,13 +160,20 @@ Passes& Renderer::State::passes_for(Format format) {
 FrameSlot& Renderer::State::next_slot() {
     FrameSlot& slot = *slots[frame_number++ % frames_in_flight];
     slot.commands.wait();
-    if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty())
-        timings = std::move(times);
+    collect(slot);
     return slot;
 }
 
+// What the device says of the slot's frame, which it is done with.
+void Renderer::State::collect(FrameSlot& slot) {
+    if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty())
+        timings = std::move(times);
+    if (slot.culled)
+        stats.pieces_in_view = slot.drawn.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
+}
+
 void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
-    const shared::FrameData data = frame_data(scene, {extent.width, extent.height}, shadow_size);
+    const shared::FrameData data = frame_data(scene, {extent.width, extent.height}, shadow_size());
     std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
 
     const uint32_t bodies = pieces.bodies();
@@ -145,12 +188,25 @@ void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D
         std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
     }
     if (!scene.spheres.empty()) {
-        reserve(device, slot.spheres, "spheres", scene.spheres.size_bytes(),
+        reserve(device, slot.spheres, "spheres",
+                std::max(scene.spheres.size_bytes(), MarksPass::least_spheres_size),
                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
         std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
     }
-    layout.update(slot.set, {slot.uniforms.handle(), slot.poses.handle(), pieces.draw_data().handle(),
-                             shadow_map.view()});
+    constexpr VkBufferUsageFlags culled =
+        VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    const uint64_t culled_size = cull ? pieces.commands().size() : 0;
+    reserve(device, slot.camera_commands, "commands for the camera", culled_size, culled, MemoryKind::device);
+    reserve(device, slot.light_commands, "commands for the light", culled_size, culled, MemoryKind::device);
+    std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
+    layout.update(slot.set, {.frame = slot.uniforms.handle(),
+                             .poses = slot.poses.handle(),
+                             .draws = pieces.draw_data().handle(),
+                             .commands = pieces.commands().handle(),
+                             .culled_for_camera = slot.camera_commands.handle(),
+                             .culled_for_light = slot.light_commands.handle(),
+                             .drawn = slot.drawn.handle(),
+                             .shadow = shadow_map.view()});
 }
 
 void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
@@ -169,7 +225,7 @@ void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
 
 void Renderer::State::import_pieces(Frame& frame) {
     // upload() made them visible to these reads for good.
-    const auto import = [&](const char* name, const DeviceBuffer& buffer, Access read) {
+    const auto import = [&](const char* name, const DeviceBuffer& buffer, AccessSet read) {
         return frame.graph.import_buffer(name, {buffer.size()},
                                          {.initial = read,
                                           .final = {},
@@ -178,34 +234,69 @@ void Renderer::State::import_pieces(Frame& frame) {
     };
     if (pieces.draws() == 0) return;
     frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
+    frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
     frame.indices = import("piece indices", pieces.indices(), Access::index_read);
-    frame.draw_data = import("draw data", pieces.draw_data(), Access::storage_read_vertex);
-    frame.commands = import("draw commands", pieces.commands(), Access::indirect_read);
+    frame.draw_data = import("draw data", pieces.draw_data(), PieceArena::draw_data_accesses);
+    frame.commands = import("draw commands", pieces.commands(), PieceArena::commands_accesses);
+    frame.camera_commands = frame.light_commands = frame.commands;
 }
 
 Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Target& target) {
     write_slot(slot, scene, target.extent);
     Frame frame{.scene = scene,
                 .pieces = pieces,
-                .most_draws = std::max(device.limits().maxDrawIndirectCount, 1u),
-                .layout = layout.pipeline_layout(),
-                .set = slot.set};
-    if (frame.draws_pieces()) frame.stats = {pieces.pieces(), pieces.draws(), 0, pieces.triangles(), false};
+                .most_draws =
+                    device.has_multi_draw() ? std::max(device.limits().maxDrawIndirectCount, 1u) : 1,
+                .layout = layout,
+                .set = slot.set,
+                .depth_set = slot.depth_set,
+                .occlusion_set = slot.occlusion_set};
+    if (frame.draws_pieces())
+        frame.stats = {.pieces = pieces.pieces(),
+                       .pieces_in_view = cull ? stats.pieces_in_view : pieces.pieces(),
+                       .draws = pieces.draws(),
+                       .triangles = pieces.triangles()};
     import_slot(frame, slot);
     import_pieces(frame);
     frame.shadow = frame.graph.import_image(
-        "shadow map", {.width = shadow_size, .height = shadow_size, .format = Format::d32_float},
+        "shadow map", {.width = shadow_size(), .height = shadow_size(), .format = Format::d32_float},
         {.initial = shadow_kept ? AccessSet(Access::sampled_fragment) : AccessSet(),
          .final = Access::sampled_fragment,
          .external = frame.external.add(shadow_map.handle(), shadow_map.view())});
-    frame.depth = frame.graph.create_image(
-        "depth", {.width = target.extent.width, .height = target.extent.height, .format = Format::d32_float});
+    ImageDesc desc{.width = target.extent.width,
+                   .height = target.extent.height,
+                   .format = Format::d32_float,
+                   .samples = *quality().samples};
+    frame.depth = frame.graph.create_image("depth", desc);
+    desc.format = target.format;
+    if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
     return frame;
 }
 
-void Renderer::State::declare_scene(Frame& frame, Format format) {
-    const Passes& p = passes_for(format);
-    if (frame.scene.moved || !shadow_kept) p.shadow.declare(frame);
+void Renderer::State::import_culled(Frame& frame, FrameSlot& slot) {
+    const auto import = [&](const char* name, const DeviceBuffer& buffer) {
+        return frame.graph.import_buffer(
+            name, {buffer.size()},
+            {.initial = {}, .final = {}, .external = frame.external.add(buffer.handle())});
+    };
+    frame.camera_commands = import("commands for the camera", slot.camera_commands);
+    frame.light_commands = import("commands for the light", slot.light_commands);
+    frame.drawn = frame.graph.import_buffer("pieces in view", {slot.drawn.size()},
+                                            {.initial = Access::host_write,
+                                             .final = Access::host_read,
+                                             .external = frame.external.add(slot.drawn.handle())});
+}
+
+void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target& target) {
+    const Passes& p = passes_for(target.format);
+    const bool shadow = frame.scene.moved || !shadow_kept;
+    slot.culled = cull && frame.draws_pieces();
+    if (slot.culled) {
+        import_culled(frame, slot);
+        cull->declare(frame, shadow);
+    }
+    if (shadow) p.shadow.declare(frame);
+    if (p.occlusion) p.occlusion->declare(frame, target.extent);
     p.shade.declare(frame);
     p.marks.declare(frame);
 }
@@ -215,8 +306,8 @@ void Renderer::State::record(Frame& frame, FrameSlot& slot) {
     if (!plan)
         throw VulkanFailure{{Status::invalid_argument, "a bug in the frame graph: " + plan.error().message}};
     slot.commands.begin();
-    vkCmdBindDescriptorSets(slot.commands.buffer(), VK_PIPELINE_BIND_POINT_GRAPHICS, frame.layout, 0, 1,
-                            &frame.set, 0, nullptr);
+    vkCmdBindDescriptorSets(slot.commands.buffer(), VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(),
+                            0, 1, &frame.set, 0, nullptr);
     slot.executor.record(*plan, frame.external, slot.commands.buffer());
     stats = frame.stats;
     dot = to_dot(*plan);
@@ -235,7 +326,7 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
     Buffer pixels = frame.graph.import_buffer(
         "readback", {readback.size()},
         {.initial = {}, .final = Access::host_read, .external = frame.external.add(readback.handle())});
-    declare_scene(frame, target.format);
+    declare_scene(frame, slot, target);
     frame.graph.add_pass(
         "read back", PassKind::transfer,
         [&](PassBuilder& pass) {
@@ -252,8 +343,7 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
     slot.commands.submit({}, VK_NULL_HANDLE);
     shadow_kept = true;
     slot.commands.wait();
-    if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty())
-        timings = std::move(times);
+    collect(slot);
 
     Bitmap bitmap{target.extent.width, target.extent.height, std::vector<uint8_t>(bytes)};
     std::memcpy(bitmap.pixels.data(), readback.mapped(), bytes);
@@ -281,7 +371,7 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
         {.initial = Access::acquired,
          .final = Access::present,
          .external = frame.external.add(swapchain->images()[*image], swapchain->views()[*image])});
-    declare_scene(frame, target.format);
+    declare_scene(frame, slot, target);
     ui->declare(frame, *image);
     record(frame, slot);
     slot.commands.submit({swapchain->acquired(turn), to_vulkan(Access::acquired).stages},
@@ -297,16 +387,15 @@ Renderer::~Renderer() = default;
 
 Result<std::unique_ptr<Renderer>> Renderer::create(Device& device, const RendererSettings& settings) {
     return guarded([&]() -> Result<std::unique_ptr<Renderer>> {
-        const uint32_t size = settings.quality.shadow_size.value_or(device.is_cpu() ? 1024 : 2048);
-        if (size < least_shadow_size
-            || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
-            return Error{Status::invalid_argument, "a shadow map of " + std::to_string(size)
-                                                       + " texels a side is out of range, which is "
-                                                       + std::to_string(least_shadow_size) + " to "
-                                                       + std::to_string(most_shadow_size)};
-        const bool soft = settings.quality.soft_shadows.value_or(!device.is_cpu());
-        return std::unique_ptr<Renderer>(new Renderer(std::make_unique<State>(device, settings, soft, size)));
+        Result<Quality> quality = choose(settings.quality, device);
+        if (!quality) return quality.error();
+        return std::unique_ptr<Renderer>(
+            new Renderer(std::make_unique<State>(device, RendererSettings{*quality, settings.vsync})));
     });
+}
+
+const Quality& Renderer::quality() const {
+    return state_->quality();
 }
 
 Result<void> Renderer::set_pieces(std::span<const PieceMesh> pieces) {

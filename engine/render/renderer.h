@@ -14,10 +14,10 @@
 // notices by itself that the window was resized or minimised. A Window must outlive the renderer attached to
 // it, a Device every renderer made from it.
 //
-// Each frame is a frame graph declared anew: shadow (left out where it can be kept), shade, marks, then read
-// back, or UI and present. Body poses need no pass: the caller writes them into memory that is mapped for
-// good and that the device reads in place, a slice for each of the two frames in flight. render() waits for
-// its image.
+// Each frame is a frame graph declared anew: cull, shadow (left out where it can be kept), occlusion, shade,
+// marks, then read back, or UI and present. Body poses need no pass: the caller writes them into memory that
+// is mapped for good and that the device reads in place, a slice for each of the two frames in flight.
+// render() waits for its image.
 //
 // Where memory runs out, the call fails and the next one may succeed. After device_lost all calls fail so:
 // destroy what was made from the device, and start again.
@@ -53,6 +53,13 @@ struct Quality {
     std::optional<uint32_t>
         shadow_size{};                  // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
     std::optional<bool> soft_shadows{}; // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
+    std::optional<uint32_t> samples{};  // a pixel, 1 or 4; automatic: 1 on a CPU, 4 on a GPU
+    // Darkens gaps, and the ground under what stands on it, by a search in the depth image; automatic: on a
+    // GPU only.
+    std::optional<bool> ambient_occlusion{};
+    // Finds out on the device which pieces are in view, and draws no others: the same picture. Automatic:
+    // where the device has multi-draws.
+    std::optional<bool> culling{};
 };
 
 struct RendererSettings {
@@ -63,6 +70,9 @@ struct RendererSettings {
 // What the last frame drew: for tests and for the profile.
 struct FrameStats {
     uint32_t pieces = 0;
+    // Those in the camera's view, of the newest frame that the device has finished; without culling, all of
+    // them.
+    uint32_t pieces_in_view = 0;
     uint32_t draws = 0; // draw ranges in the indirect buffer: one for each exterior, one for each interior
     uint32_t indirect_calls = 0; // multi-draw calls that draw them, over all passes
     uint64_t triangles = 0;      // of the pieces
@@ -76,6 +86,8 @@ class Renderer {
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
+
+    [[nodiscard]] const Quality& quality() const; // as chosen: every member is set
 
     // Replaces all pieces. Copies what it needs before it returns; waits for the frames in flight. No piece
     // at all is fine. Fails with invalid_argument on an index out of range or more exterior triangles than

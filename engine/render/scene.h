@@ -68,6 +68,7 @@ struct Look {
     glm::vec3 sun{1.00f, 0.93f, 0.83f};       // its light
     glm::vec3 sky{0.36f, 0.40f, 0.47f};       // light from above
     glm::vec3 bounce{0.17f, 0.145f, 0.125f};  // light from below
+    float exposure = 1.0f;                    // multiplies all light before the filmic curve
 };
 
 struct Scene {
@@ -86,6 +87,8 @@ struct Scene {
     std::span<const Sphere> spheres{}; // the Voronoi sites
     bool spheres_on_top = false;
     bool pieces_visible = true; // false leaves lines and spheres alone on the ground
+    bool smooth = false;        // round exteriors: normals are interpolated but for creases. False: facets
+    bool wireframe = false;     // edges of triangles over the pieces; needs Device::has_line_mode()
     bool ground = true;
     float ground_height = 0.0f; // y of the ground plane
 

@@ -4,15 +4,23 @@
 #include "compiled/background_vert.h"
 #include "compiled/ground_frag.h"
 #include "compiled/ground_vert.h"
+#include "compiled/line_frag.h"
+#include "compiled/piece_edges_vert.h"
 #include "compiled/piece_frag.h"
+#include "compiled/piece_smooth_frag.h"
+#include "compiled/piece_smooth_vert.h"
 #include "compiled/piece_vert.h"
+#include "engine/gpu/device.h"
 
 namespace brittle::engine {
 
-ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, VkFormat colour, bool soft_shadows) {
-    const VkBool32 soft = soft_shadows;
-    const VkSpecializationMapEntry entry{shared::constant_soft_shadows, 0, sizeof soft};
-    const VkSpecializationInfo constants{1, &entry, sizeof soft, &soft};
+ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
+                     const Quality& quality) {
+    const VkBool32 values[] = {*quality.soft_shadows, *quality.ambient_occlusion};
+    const VkSpecializationMapEntry entries[] = {
+        {shared::constant_soft_shadows, 0, sizeof(VkBool32)},
+        {shared::constant_ambient_occlusion, sizeof(VkBool32), sizeof(VkBool32)}};
+    const VkSpecializationInfo constants{2, entries, sizeof values, values};
 
     const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
@@ -22,14 +30,39 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, VkFormat col
                                 .fragment = piece_frag,
                                 .bindings = {&binding, 1},
                                 .attributes = {&attribute, 1},
-                                .colour = colour,
+                                .colour = target.colour,
+                                .samples = target.samples,
                                 .constants = &constants});
+    const VkVertexInputBindingDescription smooth_bindings[] = {
+        binding, {1, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}};
+    const VkVertexInputAttributeDescription smooth_attributes[] = {attribute,
+                                                                   {1, 1, VK_FORMAT_R32G32B32_SFLOAT, 0}};
+    smooth_pieces_ = Pipeline(device, {.name = "smooth pieces",
+                                       .layout = layout,
+                                       .vertex = piece_smooth_vert,
+                                       .fragment = piece_smooth_frag,
+                                       .bindings = smooth_bindings,
+                                       .attributes = smooth_attributes,
+                                       .colour = target.colour,
+                                       .samples = target.samples,
+                                       .constants = &constants});
+    if (device.has_line_mode())
+        edges_ = Pipeline(device, {.name = "edges of pieces",
+                                   .layout = layout,
+                                   .vertex = piece_edges_vert,
+                                   .fragment = line_frag,
+                                   .bindings = {&binding, 1},
+                                   .attributes = {&attribute, 1},
+                                   .fill = VK_POLYGON_MODE_LINE,
+                                   .colour = target.colour,
+                                   .samples = target.samples});
     // From below there is no ground: a camera under it still sees the pieces.
     ground_ = Pipeline(device, {.name = "ground",
                                 .layout = layout,
                                 .vertex = ground_vert,
                                 .fragment = ground_frag,
-                                .colour = colour,
+                                .colour = target.colour,
+                                .samples = target.samples,
                                 .constants = &constants});
     background_ = Pipeline(device, {.name = "background",
                                     .layout = layout,
@@ -37,7 +70,8 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, VkFormat col
                                     .fragment = background_frag,
                                     .cull = VK_CULL_MODE_NONE,
                                     .depth_write = false,
-                                    .colour = colour,
+                                    .colour = target.colour,
+                                    .samples = target.samples,
                                     .constants = &constants});
 }
 
@@ -45,23 +79,38 @@ void ShadePass::declare(Frame& frame) const {
     frame.graph.add_pass(
         "shade", PassKind::graphics,
         [&](PassBuilder& pass) {
-            if (frame.draws_pieces()) read_pieces(frame, pass);
+            if (frame.draws_pieces()) read_pieces(frame, pass, frame.camera_commands);
+            if (frame.draws_pieces() && frame.scene.smooth) pass.read(frame.normals, Access::vertex_read);
             pass.read(frame.uniforms, Access::uniform_read);
             pass.read(frame.shadow, Access::sampled_fragment);
-            frame.colour = pass.write(frame.colour, Access::colour_attachment);
+            if (frame.occlusion.valid()) pass.read(frame.occlusion, Access::sampled_fragment);
+            frame.write_colour(pass, Access::colour_attachment, !frame.draws_marks());
             frame.depth = pass.write(frame.depth, Access::depth_attachment);
         },
         [this, &frame](PassContext& context) {
             const VkCommandBuffer commands = context.commands;
-            begin_rendering(commands,
-                            {.extent = context.extent(frame.colour),
-                             .colour = context.view(frame.colour),
-                             .colour_load = VK_ATTACHMENT_LOAD_OP_DONT_CARE, // the background covers the rest
-                             .depth = context.view(frame.depth),
-                             .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
+            // The background covers what nothing else does.
+            Rendering rendering =
+                frame.colour_rendering(context, VK_ATTACHMENT_LOAD_OP_DONT_CARE, !frame.draws_marks());
+            rendering.depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR;
+            begin_rendering(commands, rendering);
+            // Some image must be bound where shaders name one, though without occlusion they do not read it.
+            frame.bind_image(context, frame.occlusion_set,
+                             frame.occlusion.valid() ? frame.occlusion : frame.shadow);
             if (frame.draws_pieces()) {
-                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pieces_.handle());
-                draw_pieces(frame, context);
+                const bool smooth = frame.scene.smooth;
+                if (smooth) {
+                    const VkBuffer normals = context.buffer(frame.normals);
+                    const VkDeviceSize start = 0;
+                    vkCmdBindVertexBuffers(commands, 1, 1, &normals, &start);
+                }
+                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
+                                  smooth ? smooth_pieces_.handle() : pieces_.handle());
+                draw_pieces(frame, context, frame.camera_commands);
+                if (frame.scene.wireframe && edges_.handle()) {
+                    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, edges_.handle());
+                    draw_pieces(frame, context, frame.camera_commands);
+                }
             }
             if (frame.scene.ground) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.handle());

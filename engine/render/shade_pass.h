@@ -10,11 +10,14 @@ namespace brittle::engine {
 
 class ShadePass {
   public:
-    ShadePass(const Device& device, VkPipelineLayout layout, VkFormat colour, bool soft_shadows);
+    ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
+              const Quality& quality);
     void declare(Frame& frame) const; // replaces frame.colour's and frame.depth's contents
 
   private:
     Pipeline pieces_;
+    Pipeline smooth_pieces_;
+    Pipeline edges_; // none where the device cannot draw triangles as lines
     Pipeline ground_;
     Pipeline background_;
 };

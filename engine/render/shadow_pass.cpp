@@ -22,7 +22,7 @@ void ShadowPass::declare(Frame& frame) const {
         "shadow", PassKind::graphics,
         [&](PassBuilder& pass) {
             if (frame.draws_pieces()) {
-                read_pieces(frame, pass);
+                read_pieces(frame, pass, frame.light_commands);
                 pass.read(frame.uniforms, Access::uniform_read);
             }
             frame.shadow = pass.write(frame.shadow, Access::depth_attachment);
@@ -33,7 +33,7 @@ void ShadowPass::declare(Frame& frame) const {
                                                .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
             if (frame.draws_pieces()) {
                 vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.handle());
-                draw_pieces(frame, context);
+                draw_pieces(frame, context, frame.light_commands);
             }
             vkCmdEndRendering(context.commands);
         });

@@ -39,6 +39,7 @@ inline constexpr AccessFacts facts_table[] = {
     {Access::storage_read_write_compute, PassKind::compute, true, true, true, true, false, Layout::general},
     {Access::colour_attachment, PassKind::graphics, true, false, false, true, true, Layout::attachment},
     {Access::colour_attachment_load, PassKind::graphics, true, false, true, true, false, Layout::attachment},
+    {Access::resolve_attachment, PassKind::graphics, true, false, false, true, true, Layout::attachment},
     {Access::depth_attachment, PassKind::graphics, true, false, false, true, true, Layout::attachment},
     {Access::depth_attachment_load, PassKind::graphics, true, false, true, true, false, Layout::attachment},
     {Access::depth_read, PassKind::graphics, true, false, true, false, false, Layout::read_only},

@@ -115,13 +115,13 @@ TEST_CASE("a feature that the device lacks is named, by the automatic choice and
     FaultInjector faults;
     const std::unique_ptr<Device> whole = make_device();
     if (!whole) return;
-    faults.hide("multiDrawIndirect");
+    faults.hide("drawIndirectFirstInstance");
     faults.hide("synchronization2");
     for (const std::string& select : {std::string(), std::to_string(whole->info().index)}) {
         const Result<std::unique_ptr<Device>> device = Device::create({.select = select, .faults = &faults});
         REQUIRE_FALSE(device);
         CHECK(device.error().status == (select.empty() ? Status::no_device : Status::missing_feature));
-        CHECK(has(device.error(), "it lacks the feature multiDrawIndirect, synchronization2"));
+        CHECK(has(device.error(), "it lacks the feature drawIndirectFirstInstance, synchronization2"));
         CHECK(has(device.error(), whole->info().name));
     }
 }
@@ -217,7 +217,7 @@ TEST_CASE("memory that runs out in set_pieces names the size, and the old pieces
         CHECK(f.renderer->body_count() == 4);
         CHECK(f.draw().pixels == before.pixels);
     }
-    CHECK(refused == 5); // four arenas and the staging buffer
+    CHECK(refused == 6); // five arenas and the staging buffer
     CHECK(f.renderer->body_count() == 8);
 }
 

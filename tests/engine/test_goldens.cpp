@@ -35,8 +35,22 @@ void check_picture(const char* name, const Quality& quality, const std::function
     CHECK(device->validation_messages().empty());
 }
 
-constexpr Quality plain{.shadow_size = 1024, .soft_shadows = false};
-constexpr Quality soft{.shadow_size = 1024, .soft_shadows = true};
+constexpr Quality plain{.shadow_size = 1024, .soft_shadows = false, .samples = 1, .ambient_occlusion = false};
+
+Quality soft_shadows() {
+    Quality quality = plain;
+    quality.soft_shadows = true;
+    return quality;
+}
+
+Quality four_samples() {
+    Quality quality = plain;
+    quality.samples = 4;
+    return quality;
+}
+
+// What a GPU draws where nothing is said.
+constexpr Quality best{.shadow_size = 2048, .soft_shadows = true, .samples = 4, .ambient_occlusion = true};
 
 } // namespace
 
@@ -52,8 +66,24 @@ TEST_CASE("marks on top of the known scene look as they did") {
 }
 
 TEST_CASE("soft shadows look as they did") {
-    check_picture("soft_shadows", soft, [](Scene& scene) {
+    check_picture("soft_shadows", soft_shadows(), [](Scene& scene) {
         scene.lines = {};
         scene.spheres = {};
     });
+}
+
+TEST_CASE("smoothed edges look as they did") {
+    check_picture("four_samples", four_samples(), [](Scene&) {});
+}
+
+TEST_CASE("the known scene looks as it did at its best") {
+    check_picture("best_quality", best, [](Scene& scene) {
+        scene.lines = {};
+        scene.spheres = {};
+    });
+}
+
+TEST_CASE("smooth shading and the wireframe look as they did") {
+    check_picture("smooth", plain, [](Scene& scene) { scene.smooth = true; });
+    check_picture("wireframe", four_samples(), [](Scene& scene) { scene.wireframe = true; });
 }

@@ -475,6 +475,12 @@ TEST_CASE("an access that the resource, the pass or the direction does not allow
         add(graph, "p", C, [&](PassBuilder& p) { (void)p.write(data, Access::storage_read_compute); });
         CHECK(error_of(graph) == "pass 'p' writes 'data' as storage_read_compute, which only reads");
     }
+    SUBCASE("resolving into samples") {
+        const Image samples = graph.create_image("samples", {.width = 4, .height = 4, .samples = 4});
+        add(graph, "p", G, [&](PassBuilder& p) { (void)p.write(samples, Access::resolve_attachment); });
+        CHECK(error_of(graph)
+              == "pass 'p' writes 'samples' as resolve_attachment, which needs an image of one sample");
+    }
     SUBCASE("reading with a writing access") {
         add(graph, "p", C, [&](PassBuilder& p) { p.read(data, Access::storage_write_compute); });
         CHECK(error_of(graph) == "pass 'p' reads 'data' as storage_write_compute, which writes");

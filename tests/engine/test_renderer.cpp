@@ -4,51 +4,12 @@
 #include <doctest/doctest.h>
 #include <glm/gtc/quaternion.hpp>
 
-#include "support.h"
+#include "renderer_fixture.h"
 
 using namespace brittle::engine;
 using namespace brittle::engine::test;
 
 namespace {
-
-constexpr glm::uvec2 small{96, 64};
-
-// A device and a renderer, checked at the end for silence of the validation layer. Empty where there is no
-// device.
-struct Fixture {
-    std::unique_ptr<Device> device = make_device();
-    std::unique_ptr<Renderer> renderer;
-
-    explicit Fixture(const Quality& quality = {.shadow_size = 512, .soft_shadows = false}) {
-        if (!device) return;
-        Result<std::unique_ptr<Renderer>> made = Renderer::create(*device, {.quality = quality});
-        REQUIRE(made);
-        renderer = *std::move(made);
-    }
-    ~Fixture() {
-        if (!device) return;
-        const auto messages = device->share_validation_messages();
-        renderer.reset();
-        device.reset();
-        CHECK(messages->empty());
-    }
-    explicit operator bool() const { return renderer != nullptr; }
-
-    Bitmap draw(const Scene& scene, glm::uvec2 size = small) const {
-        Result<Bitmap> image = renderer->render(scene, size);
-        REQUIRE(image);
-        REQUIRE(image->pixels.size() == size_t{4} * size.x * size.y);
-        return *std::move(image);
-    }
-};
-
-// Looks at the origin from the front, and nothing else is there.
-Scene empty_stage() {
-    Scene scene{.camera = {{0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, 0.0f}, 0.6f},
-                .bounds = {glm::vec3(-1.5f), glm::vec3(1.5f)}};
-    scene.ground = false;
-    return scene;
-}
 
 bool reddish(uint32_t rgb) {
     return (rgb >> 16) > (rgb & 0xff) + 40;
@@ -384,7 +345,7 @@ TEST_CASE("every pass of a frame is timed") {
         CHECK(time.milliseconds >= 0.0);
         CHECK(time.milliseconds < 60000.0);
     }
-    CHECK(names == std::vector<std::string>{"shadow", "shade", "marks", "read back"});
+    CHECK(names == std::vector<std::string>{"cull", "shadow", "shade", "marks", "read back"});
 }
 
 TEST_CASE("warming up leaves no trace") {
@@ -403,8 +364,9 @@ TEST_CASE("warming up leaves no trace") {
 TEST_CASE("two renderers share a device") {
     const Fixture f;
     if (!f) return;
-    Result<std::unique_ptr<Renderer>> other =
-        Renderer::create(*f.device, {.quality = {.shadow_size = 512, .soft_shadows = false}});
+    Result<std::unique_ptr<Renderer>> other = Renderer::create(
+        *f.device,
+        {.quality = {.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false}});
     REQUIRE(other);
     const KnownScene known;
     REQUIRE(f.renderer->set_pieces(known.pieces()));

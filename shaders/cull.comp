@@ -1,0 +1,41 @@
+// Leaves out the draw ranges whose piece cannot be seen, once for the camera (y = 0 of the grid) and once for the light
+// (y = 1). A range that is left out keeps its place with no instance: moved together, ranges would be drawn in an order
+// that changes from run to run, and where surfaces coincide the last one wins.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "frame.glsl"
+
+layout(local_size_x = cull_group_size) in;
+layout(set = 0, binding = binding_commands, std430) readonly buffer All { DrawCommand all[]; };
+layout(set = 0, binding = binding_culled_for_camera, std430) writeonly buffer Camera { DrawCommand for_camera[]; };
+layout(set = 0, binding = binding_culled_for_light, std430) writeonly buffer Light { DrawCommand for_light[]; };
+layout(set = 0, binding = binding_drawn, std430) buffer Drawn { uint drawn[view_count]; };
+
+// Whether the sphere reaches into the clip volume. A sphere beyond a corner may be called seen; one with a coordinate
+// that is no number is.
+bool seen(mat4 clip, vec3 centre, float radius) {
+    mat4 row = transpose(clip);
+    vec4 planes[6] = vec4[](row[3] + row[0], row[3] - row[0], row[3] + row[1], row[3] - row[1], row[2], row[3] - row[2]);
+    float reach = 1.001 * radius + 1e-5 * length(centre); // some more, for rounding
+    for (int i = 0; i < 6; ++i)
+        if (dot(planes[i].xyz, centre) + planes[i].w < -reach * length(planes[i].xyz)) return false;
+    return true;
+}
+
+void main() {
+    uint i = gl_GlobalInvocationID.x, view = gl_GlobalInvocationID.y;
+    if (i >= all.length()) return;
+    DrawData draw = draws[i];
+    Pose pose = poses[draw.body];
+    vec3 origin = view == view_camera ? frame.eye.xyz : vec3(0.0);
+    mat4 clip = view == view_camera ? frame.clip_from_eye : frame.shadow_clip_from_world;
+    float scale = abs(pose.position_and_scale.w);
+    bool drawn_here = scale != 0.0 && seen(clip, place(pose, draw.sphere.xyz, origin), draw.sphere.w * scale);
+
+    DrawCommand command = all[i];
+    if (!drawn_here) command.instances = 0;
+    if (view == view_camera) for_camera[i] = command;
+    else for_light[i] = command;
+    bool first_of_piece = i == 0 || draws[i - 1].piece != draw.piece;
+    if (drawn_here && first_of_piece) atomicAdd(drawn[view], 1);
+}

@@ -1,0 +1,11 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "piece.glsl"
+
+layout(location = 2) in vec3 smooth_normal;
+
+void main() {
+    vec3 facet = flat_normal();
+    bool bent = dot(smooth_normal, facet) > 0.0; // never where there is no smooth normal
+    light_piece(facet, bent ? normalize(smooth_normal) : facet);
+}

@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Pieces, as in piece.vert, with a normal for each vertex; none for the interior, which is made of facets.
+#include "frame.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 0) out vec3 from_eye;
+layout(location = 1) flat out vec3 albedo;
+layout(location = 2) out vec3 smooth_normal;
+
+void main() {
+    DrawData draw = draws[gl_InstanceIndex];
+    Pose pose = poses[draw.body];
+    from_eye = place(pose, position, frame.eye.xyz);
+    albedo = albedo_of(draw);
+    smooth_normal = draw.material == material_exterior ? turn(pose.rotation, normal) : vec3(0.0);
+    gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
+}
