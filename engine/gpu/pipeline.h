@@ -63,7 +63,7 @@ class Pipeline {
 struct Rendering {
     VkExtent2D extent{};
     VkImageView colour = VK_NULL_HANDLE;
-    VkAttachmentLoadOp colour_load = VK_ATTACHMENT_LOAD_OP_LOAD;
+    VkAttachmentLoadOp colour_load = VK_ATTACHMENT_LOAD_OP_LOAD; // clears to 0
     VkImageView resolve = VK_NULL_HANDLE; // of one sample: gets the means of the samples at the end
     VkImageView depth = VK_NULL_HANDLE;
     VkAttachmentLoadOp depth_load = VK_ATTACHMENT_LOAD_OP_LOAD; // clears to 1, the far plane

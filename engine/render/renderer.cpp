@@ -14,6 +14,7 @@
 #include "engine/graph/access_vulkan.h"
 #include "engine/render/cull_pass.h"
 #include "engine/render/frame.h"
+#include "engine/render/id_pass.h"
 #include "engine/render/marks_pass.h"
 #include "engine/render/occlusion_pass.h"
 #include "engine/render/shade_pass.h"
@@ -81,6 +82,15 @@ Result<Quality> choose(Quality quality, const Device& device) {
     return quality;
 }
 
+Result<void> check_size(const Device& device, glm::uvec2 size) {
+    const uint32_t most = device.limits().maxImageDimension2D;
+    if (size.x == 0 || size.y == 0 || size.x > most || size.y > most)
+        return Error{Status::invalid_argument,
+                     "cannot draw a picture of " + std::to_string(size.x) + " x " + std::to_string(size.y)
+                         + " pixels: each side must be 1 to " + std::to_string(most)};
+    return {};
+}
+
 struct Passes {
     ShadowPass shadow;
     std::optional<OcclusionPass> occlusion; // if the quality has it
@@ -112,20 +122,24 @@ struct Renderer::State {
     Passes& passes_for(Format format);
     FrameSlot& next_slot();
     void collect(FrameSlot& slot);
-    Frame begin_frame(FrameSlot& slot, const Scene& scene, const Target& target);
+    Frame begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
     void import_slot(Frame& frame, FrameSlot& slot);
     void import_pieces(Frame& frame);
     void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
-    void import_culled(Frame& frame, FrameSlot& slot);
+    void declare_cull(Frame& frame, FrameSlot& slot, bool for_shadow);
+    void declare_read_back(Frame& frame, Image image, VkExtent2D extent);
     void declare_scene(Frame& frame, FrameSlot& slot, const Target& target);
     void record(Frame& frame, FrameSlot& slot);
+    void finish(Frame& frame, FrameSlot& slot); // records, submits and waits
     Bitmap draw_off_screen(const Scene& scene, const Target& target);
+    IdImage draw_ids(const Scene& scene, VkExtent2D extent);
     bool draw_in_window(const Scene& scene, const std::function<void()>& ui);
 
     Device& device;
     RendererSettings settings; // every member of the quality is set
     FrameLayout layout;
     std::optional<CullPass> cull; // if the quality has it
+    std::optional<IdPass> ids;    // once it was asked for
     DeviceImage shadow_map;
     bool shadow_kept = false; // the map holds the shadows of the frame before
     PieceArena pieces;
@@ -241,8 +255,8 @@ void Renderer::State::import_pieces(Frame& frame) {
     frame.camera_commands = frame.light_commands = frame.commands;
 }
 
-Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Target& target) {
-    write_slot(slot, scene, target.extent);
+Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
+    write_slot(slot, scene, extent);
     Frame frame{.scene = scene,
                 .pieces = pieces,
                 .most_draws =
@@ -258,6 +272,27 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
                        .triangles = pieces.triangles()};
     import_slot(frame, slot);
     import_pieces(frame);
+    return frame;
+}
+
+void Renderer::State::declare_cull(Frame& frame, FrameSlot& slot, bool for_shadow) {
+    slot.culled = cull && frame.draws_pieces();
+    if (!slot.culled) return;
+    const auto import = [&](const char* name, const DeviceBuffer& buffer) {
+        return frame.graph.import_buffer(
+            name, {buffer.size()},
+            {.initial = {}, .final = {}, .external = frame.external.add(buffer.handle())});
+    };
+    frame.camera_commands = import("commands for the camera", slot.camera_commands);
+    frame.light_commands = import("commands for the light", slot.light_commands);
+    frame.drawn = frame.graph.import_buffer("pieces in view", {slot.drawn.size()},
+                                            {.initial = Access::host_write,
+                                             .final = Access::host_read,
+                                             .external = frame.external.add(slot.drawn.handle())});
+    cull->declare(frame, for_shadow);
+}
+
+void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target& target) {
     frame.shadow = frame.graph.import_image(
         "shadow map", {.width = shadow_size(), .height = shadow_size(), .format = Format::d32_float},
         {.initial = shadow_kept ? AccessSet(Access::sampled_fragment) : AccessSet(),
@@ -270,31 +305,10 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
     frame.depth = frame.graph.create_image("depth", desc);
     desc.format = target.format;
     if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
-    return frame;
-}
 
-void Renderer::State::import_culled(Frame& frame, FrameSlot& slot) {
-    const auto import = [&](const char* name, const DeviceBuffer& buffer) {
-        return frame.graph.import_buffer(
-            name, {buffer.size()},
-            {.initial = {}, .final = {}, .external = frame.external.add(buffer.handle())});
-    };
-    frame.camera_commands = import("commands for the camera", slot.camera_commands);
-    frame.light_commands = import("commands for the light", slot.light_commands);
-    frame.drawn = frame.graph.import_buffer("pieces in view", {slot.drawn.size()},
-                                            {.initial = Access::host_write,
-                                             .final = Access::host_read,
-                                             .external = frame.external.add(slot.drawn.handle())});
-}
-
-void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target& target) {
     const Passes& p = passes_for(target.format);
     const bool shadow = frame.scene.moved || !shadow_kept;
-    slot.culled = cull && frame.draws_pieces();
-    if (slot.culled) {
-        import_culled(frame, slot);
-        cull->declare(frame, shadow);
-    }
+    declare_cull(frame, slot, shadow);
     if (shadow) p.shadow.declare(frame);
     if (p.occlusion) p.occlusion->declare(frame, target.extent);
     p.shade.declare(frame);
@@ -313,41 +327,65 @@ void Renderer::State::record(Frame& frame, FrameSlot& slot) {
     dot = to_dot(*plan);
 }
 
-Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target) {
-    FrameSlot& slot = next_slot();
-    const uint64_t bytes = uint64_t{4} * target.extent.width * target.extent.height;
+// Leaves the image's pixels, of 4 bytes, in `readback`.
+void Renderer::State::declare_read_back(Frame& frame, Image image, VkExtent2D extent) {
+    const uint64_t bytes = uint64_t{4} * extent.width * extent.height;
     if (!readback.handle() || readback.size() < bytes)
         readback =
             DeviceBuffer(device, "readback", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback);
-
-    Frame frame = begin_frame(slot, scene, target);
-    frame.colour = frame.graph.create_image(
-        "colour", {.width = target.extent.width, .height = target.extent.height, .format = target.format});
     Buffer pixels = frame.graph.import_buffer(
         "readback", {readback.size()},
         {.initial = {}, .final = Access::host_read, .external = frame.external.add(readback.handle())});
-    declare_scene(frame, slot, target);
     frame.graph.add_pass(
         "read back", PassKind::transfer,
         [&](PassBuilder& pass) {
-            pass.read(frame.colour, Access::transfer_read);
+            pass.read(image, Access::transfer_read);
             pixels = pass.write(pixels, Access::transfer_write);
         },
-        [&](PassContext& context) {
+        [image, pixels, extent](PassContext& context) {
             const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                           .imageExtent = {target.extent.width, target.extent.height, 1}};
-            vkCmdCopyImageToBuffer(context.commands, context.image(frame.colour),
+                                           .imageExtent = {extent.width, extent.height, 1}};
+            vkCmdCopyImageToBuffer(context.commands, context.image(image),
                                    VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, context.buffer(pixels), 1, &region);
         });
+}
+
+void Renderer::State::finish(Frame& frame, FrameSlot& slot) {
     record(frame, slot);
     slot.commands.submit({}, VK_NULL_HANDLE);
-    shadow_kept = true;
     slot.commands.wait();
     collect(slot);
+}
 
-    Bitmap bitmap{target.extent.width, target.extent.height, std::vector<uint8_t>(bytes)};
-    std::memcpy(bitmap.pixels.data(), readback.mapped(), bytes);
+Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target) {
+    FrameSlot& slot = next_slot();
+    const VkExtent2D extent = target.extent;
+    Frame frame = begin_frame(slot, scene, target.extent);
+    frame.colour = frame.graph.create_image(
+        "colour", {.width = extent.width, .height = extent.height, .format = target.format});
+    declare_scene(frame, slot, target);
+    declare_read_back(frame, frame.colour, extent);
+    finish(frame, slot);
+    shadow_kept = true;
+
+    Bitmap bitmap{extent.width, extent.height,
+                  std::vector<uint8_t>(size_t{4} * extent.width * extent.height)};
+    std::memcpy(bitmap.pixels.data(), readback.mapped(), bitmap.pixels.size());
     return bitmap;
+}
+
+IdImage Renderer::State::draw_ids(const Scene& scene, VkExtent2D extent) {
+    if (!ids) ids.emplace(device, layout.pipeline_layout());
+    FrameSlot& slot = next_slot();
+    Frame frame = begin_frame(slot, scene, extent);
+    declare_cull(frame, slot, false);
+    declare_read_back(frame, ids->declare(frame, extent), extent);
+    finish(frame, slot);
+    if (scene.moved) shadow_kept = false; // the map holds where pieces were before
+
+    IdImage image{extent.width, extent.height, std::vector<uint32_t>(size_t{extent.width} * extent.height)};
+    std::memcpy(image.ids.data(), readback.mapped(), image.ids.size() * sizeof(uint32_t));
+    return image;
 }
 
 bool Renderer::State::draw_in_window(const Scene& scene, const std::function<void()>& draw_ui) {
@@ -365,7 +403,7 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
 
     const Target target{swapchain->format(), swapchain->extent()};
     ui->build(draw_ui);
-    Frame frame = begin_frame(slot, scene, target);
+    Frame frame = begin_frame(slot, scene, target.extent);
     frame.colour = frame.graph.import_image(
         "swapchain", {.width = target.extent.width, .height = target.extent.height, .format = target.format},
         {.initial = Access::acquired,
@@ -415,12 +453,15 @@ uint32_t Renderer::body_count() const {
 
 Result<Bitmap> Renderer::render(const Scene& scene, glm::uvec2 size) {
     return guarded([&]() -> Result<Bitmap> {
-        const uint32_t most = state_->device.limits().maxImageDimension2D;
-        if (size.x == 0 || size.y == 0 || size.x > most || size.y > most)
-            return Error{Status::invalid_argument,
-                         "cannot draw a picture of " + std::to_string(size.x) + " x " + std::to_string(size.y)
-                             + " pixels: each side must be 1 to " + std::to_string(most)};
+        if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
         return state_->draw_off_screen(scene, {Format::rgba8_unorm, {size.x, size.y}});
+    });
+}
+
+Result<IdImage> Renderer::render_ids(const Scene& scene, glm::uvec2 size) {
+    return guarded([&]() -> Result<IdImage> {
+        if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
+        return state_->draw_ids(scene, {size.x, size.y});
     });
 }
 

@@ -79,6 +79,15 @@ struct FrameStats {
     bool shadow_drawn = false;   // false when the kept shadow map was used
 };
 
+// Which piece each pixel shows.
+struct IdImage {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    std::vector<uint32_t> ids; // row by row from the top: a piece's index in set_pieces() plus 1; 0: none
+
+    [[nodiscard]] uint32_t at(uint32_t x, uint32_t y) const { return ids[size_t{y} * width + x]; }
+};
+
 class Renderer {
   public:
     [[nodiscard]] static Result<std::unique_ptr<Renderer>> create(Device& device,
@@ -97,6 +106,9 @@ class Renderer {
 
     // Draws one frame off screen and reads it back. Width and height from 1 to the device's limit.
     [[nodiscard]] Result<Bitmap> render(const Scene& scene, glm::uvec2 size);
+
+    // Which piece each pixel's middle shows, through everything but pieces. Sizes as for render().
+    [[nodiscard]] Result<IdImage> render_ids(const Scene& scene, glm::uvec2 size);
 
     // Makes the swapchain and starts Dear ImGui on the window. Once in a renderer's life.
     [[nodiscard]] Result<void> attach(Window& window);
