@@ -384,8 +384,8 @@ void Device::create_device() {
     vkGetPhysicalDeviceFeatures(physical_, &optional);
     line_mode_ = optional.fillModeNonSolid;
     features.all.features.fillModeNonSolid = optional.fillModeNonSolid;
-    multi_draw_ = optional.multiDrawIndirect;
-    features.all.features.multiDrawIndirect = optional.multiDrawIndirect;
+    multi_draw_ = optional.multiDrawIndirect && !hides(faults_, "multiDrawIndirect");
+    features.all.features.multiDrawIndirect = multi_draw_;
 
     std::vector<const char*> extensions;
     const std::vector<VkExtensionProperties> offered = device_extensions(physical_);

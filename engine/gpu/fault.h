@@ -4,7 +4,7 @@
 //     FaultInjector faults;
 //     Result<std::unique_ptr<Device>> device = Device::create({.faults = &faults});
 //     faults.fail(Call::allocate, VK_ERROR_OUT_OF_DEVICE_MEMORY, 3); // the third allocation from now on
-//     faults.hide("multiDrawIndirect");                              // before create(): no such feature
+//     faults.hide("drawIndirectFirstInstance");                              // before create(): no such feature
 //
 // Each kind of call is made in one place, by Device::attempt(). Without an injector that costs the test of a
 // null pointer. `brittle` takes a plan from the variable BRITTLE_FAULTS (see plan()).

@@ -1,6 +1,8 @@
 #include <cstdio>
+#include <span>
 
 #include "engine/core/bitmap.h"
+#include "fracture/io/atomic_file.h"
 #include "tools/brittle/classify_choice.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
@@ -67,6 +69,10 @@ int run_render(const RenderCommand& command) {
         must(engine::write_png(image, last));
         ++pictures;
         progress.update(frames == 0 ? 1.0 : static_cast<double>(frame) / frames);
+    }
+    if (!command.graph.empty()) {
+        const std::string& dot = renderer->graph_dot();
+        must(fracture::write_file_atomically(command.graph, std::as_bytes(std::span(dot))));
     }
     std::printf("%u picture%s of %s on %s, the last %s\n", pictures, pictures == 1 ? "" : "s", input.name.c_str(),
                 device->info().name.c_str(), last.c_str());

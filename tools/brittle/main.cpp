@@ -325,6 +325,8 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     render->add_option("--distance", picture.distance, "Of the camera; 1 shows the mesh, the ground and some room")
         ->check(CLI::Range(0.1f, 10.0f))
         ->capture_default_str();
+    render->add_option("--graph", render_command.graph, "Also write the frame graph of the last picture, for `dot -Tsvg`")
+        ->type_name("FILE.dot");
     add_classify_option(*render, render_command.classify);
     add_view_options(*render, render_command.view);
     render->callback([&run] { run = [] { return run_render(render_command); }; });
