@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <filesystem>
 #include <map>
 
@@ -116,6 +117,11 @@ std::vector<PieceMesh> KnownScene::pieces() const {
     return all;
 }
 
+bool is_updating_goldens() {
+    const char* const update = std::getenv("BRITTLE_UPDATE_GOLDENS");
+    return update && std::string(update) == "1";
+}
+
 std::string golden_folder() {
     return BRITTLE_GOLDEN_FOLDER;
 }
@@ -141,7 +147,7 @@ void keep(const Bitmap& picture, const std::string& path, std::string& message) 
 GoldenCheck check_golden(const Bitmap& actual, const std::string& name, const BitmapTolerance& tolerance,
                          const std::string& folder) {
     const std::string path = folder + "/" + name + ".png";
-    if (const char* update = std::getenv("BRITTLE_UPDATE_GOLDENS"); update && std::string(update) == "1") {
+    if (is_updating_goldens()) {
         const Result<void> written = write_png(actual, path);
         std::printf("golden updated: %s\n", path.c_str());
         return {written.has_value(), written ? "" : written.error().message};
@@ -167,6 +173,9 @@ GoldenCheck check_golden(const Bitmap& actual, const std::string& name, const Bi
     else
         check.message = name + ": " + std::to_string(difference.unequal_pixels) + " pixels differ, by up to "
                         + std::to_string(difference.largest) + " of 255";
+    std::string driver;
+    if (std::ifstream file(golden_folder() + "/driver.txt"); std::getline(file, driver))
+        check.message += "; the goldens were made with " + driver;
     keep(actual, failure_path(name, "actual"), check.message);
     keep(*expected, failure_path(name, "expected"), check.message);
     if (difference.same_size) keep(difference.picture, failure_path(name, "difference"), check.message);

@@ -63,6 +63,7 @@ struct GoldenCheck {
 // BRITTLE_UPDATE_GOLDENS=1 in the environment (tools/update-goldens) writes the golden instead, and says so.
 [[nodiscard]] GoldenCheck check_golden(const Bitmap& actual, const std::string& name,
                                        const BitmapTolerance& tolerance, const std::string& folder);
+[[nodiscard]] bool is_updating_goldens();
 [[nodiscard]] std::string golden_folder();  // tests/images
 [[nodiscard]] std::string failure_folder(); // in the build folder
 

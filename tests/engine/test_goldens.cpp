@@ -1,6 +1,8 @@
 // Pictures of a known scene against those in tests/images. tools/update-goldens rewrites them; look at them
 // then.
 
+#include <fstream>
+
 #include <doctest/doctest.h>
 
 #include "support.h"
@@ -53,6 +55,17 @@ Quality four_samples() {
 constexpr Quality best{.shadow_size = 2048, .soft_shadows = true, .samples = 4, .ambient_occlusion = true};
 
 } // namespace
+
+TEST_CASE("the driver that made the goldens is on record beside them") {
+    const std::unique_ptr<Device> device = make_device();
+    if (!device) return;
+    const std::string path = golden_folder() + "/driver.txt";
+    if (is_updating_goldens()) std::ofstream(path) << device->info().name << ", " << device->info().driver << "\n";
+    std::ifstream file(path);
+    std::string line;
+    REQUIRE(std::getline(file, line));
+    CHECK(line.find("LLVM") != std::string::npos); // the CPU driver's name says with which it was built
+}
 
 TEST_CASE("the known scene looks as it did") {
     check_picture("known_scene", plain, [](Scene&) {});
