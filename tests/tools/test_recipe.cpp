@@ -74,7 +74,7 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
-    options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .cells = true,
+    options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
                        .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
     return options;
 }

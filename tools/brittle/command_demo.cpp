@@ -32,6 +32,8 @@ constexpr std::array key_help{
     KeyHelp{"P", "pause and go on"},
     KeyHelp{"D", "physics debug drawer: collision hulls in red"},
     KeyHelp{"S", "Voronoi sites as red spheres"},
+    KeyHelp{"N", "smooth or flat shading"},
+    KeyHelp{"O", "edges of triangles"},
     KeyHelp{"H", "this help"},
     KeyHelp{"Esc", "quit"},
     KeyHelp{"left drag", "orbit"},
@@ -68,6 +70,8 @@ class Demo {
             if (!paused_) stage_.advance(seconds);
             engine::Scene scene = stage_.scene();
             scene.camera = orbit_.camera();
+            scene.smooth = smooth_;
+            scene.wireframe = wireframe_ && device_.has_line_mode();
             const bool drawn = must(renderer_.present(scene, [this] { overlay(); }));
             if (!drawn) std::this_thread::sleep_for(std::chrono::milliseconds(50)); // minimised
         }
@@ -94,6 +98,8 @@ class Demo {
             sites_ = !sites_;
             stage_.show_sites(sites_ ? std::span(input_.sites) : std::span<const glm::dvec3>());
         }
+        if (input.pressed('N')) smooth_ = !smooth_;
+        if (input.pressed('O')) wireframe_ = !wireframe_;
         if (input.pressed('H')) help_ = !help_;
     }
 
@@ -173,6 +179,8 @@ class Demo {
     bool paused_ = false;
     bool hulls_ = false;
     bool sites_ = false;
+    bool smooth_ = false;
+    bool wireframe_ = false;
     bool help_ = false;
 };
 
@@ -187,7 +195,7 @@ int run_demo(const DemoCommand& command) {
         const ClassifyChoice choice =
             choose_classifier(classify_path(command.classify), *device, input, command.fracture);
         std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
-        const auto renderer = must(engine::Renderer::create(*device));
+        const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
         must(renderer->attach(*window));
         Demo(command, input, choice, *device, *window, *renderer).run();
     }

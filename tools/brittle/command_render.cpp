@@ -34,7 +34,7 @@ int run_render(const RenderCommand& command) {
     catch_interrupts();
     const Input input = placed_on_stage(load_input(command.fracture));
     const std::unique_ptr<engine::Device> device = open_device(command.view);
-    const auto renderer = must(engine::Renderer::create(*device));
+    const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);
     if (picture.planes > 0) {
         stage.shatter(partly_cut(input, picture.planes));
@@ -64,6 +64,8 @@ int run_render(const RenderCommand& command) {
         if (is_numbered(command.output) ? frame % command.every != 0 : frame != frames) continue;
         engine::Scene scene = stage.scene();
         scene.camera = camera;
+        scene.smooth = picture.smooth;
+        scene.wireframe = picture.wireframe;
         const engine::Bitmap image = must(renderer->render(scene, {command.view.width, command.view.height}));
         last = picture_name(command.output, frame);
         must(engine::write_png(image, last));

@@ -14,6 +14,7 @@ struct ViewOptions {
     std::string device; // as in engine::DeviceOptions::select
     uint32_t width = 1280;
     uint32_t height = 720;
+    std::string quality = "auto"; // auto, fast or best
     bool validation = false; // fail if the Vulkan validation layer finds fault
 };
 

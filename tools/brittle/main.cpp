@@ -153,6 +153,12 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
         .add_option("--device", view.device,
                     "Vulkan device: cpu, gpu, an index or a part of its name; the best one if not given")
         ->type_name("DEVICE");
+    command
+        .add_option("--quality", view.quality,
+                    "auto: what the device is good for; fast: plain; best: smooth edges, soft shadows, dark corners")
+        ->check(CLI::IsMember({"auto", "fast", "best"}))
+        ->type_name("NAME")
+        ->capture_default_str();
     command.add_flag("--validation", view.validation,
                      "Run under the Vulkan validation layer; fail if it has something to say");
 }
@@ -317,6 +323,8 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->capture_default_str();
     render->add_flag("--show-sites", picture.sites, "Draw the sites as red spheres");
     render->add_flag("--show-hulls", picture.hulls, "Draw the collision hulls as red lines");
+    render->add_flag("--smooth", picture.smooth, "Round exteriors instead of facets");
+    render->add_flag("--wireframe", picture.wireframe, "Draw the edges of triangles");
     render->add_flag("--show-cells", picture.cells, "Draw the edges of the Voronoi cells as blue lines");
     render->add_option("--azimuth", picture.azimuth, "Degrees of the camera, from +Z towards +X")->capture_default_str();
     render->add_option("--elevation", picture.elevation, "Degrees of the camera above the ground")

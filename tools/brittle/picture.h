@@ -20,6 +20,8 @@ struct PictureOptions {
     float explode = 0.0f;   // draw the pieces moved apart by this share of their distance to the middle
     bool sites = false;     // the sites as spheres
     bool hulls = false;     // the collision hulls as lines
+    bool smooth = false;    // round exteriors; else facets
+    bool wireframe = false; // edges of triangles over the pieces
     bool cells = false;     // the Voronoi cells in the mesh's box as lines
     float azimuth = 31.5f;  // degrees, from +Z towards +X
     float elevation = 17.0f; // degrees, from the ground

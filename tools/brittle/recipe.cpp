@@ -68,6 +68,8 @@ Json picture_json(const PictureOptions& picture) {
     if (picture.sites) json["sites"] = true;
     if (picture.hulls) json["hulls"] = true;
     if (picture.cells) json["cells"] = true;
+    if (picture.smooth) json["smooth"] = true;
+    if (picture.wireframe) json["wireframe"] = true;
     if (picture.azimuth != plain.azimuth) json["azimuth"] = picture.azimuth;
     if (picture.elevation != plain.elevation) json["elevation"] = picture.elevation;
     if (picture.distance != plain.distance) json["distance"] = picture.distance;
@@ -141,6 +143,8 @@ void read_picture(JsonReader& reader, PictureOptions& picture) {
     reader.flag("sites", picture.sites);
     reader.flag("hulls", picture.hulls);
     reader.flag("cells", picture.cells);
+    reader.flag("smooth", picture.smooth);
+    reader.flag("wireframe", picture.wireframe);
     number("azimuth", picture.azimuth, -360.0, 360.0);
     number("elevation", picture.elevation, -89.0, 89.0);
     number("distance", picture.distance, 0.1, 10.0);

@@ -16,6 +16,14 @@ std::unique_ptr<engine::Device> open_device(const ViewOptions& view) {
     return must(engine::Device::create(options));
 }
 
+engine::RendererSettings renderer_settings(const ViewOptions& view) {
+    if (view.quality == "fast")
+        return {.quality = {.shadow_size = 1024, .soft_shadows = false, .samples = 1, .ambient_occlusion = false}};
+    if (view.quality == "best")
+        return {.quality = {.shadow_size = 4096, .soft_shadows = true, .samples = 4, .ambient_occlusion = true}};
+    return {};
+}
+
 engine::Bounds stage_view(const engine::Bounds& mesh) {
     const glm::vec3 spread = 0.15f * mesh.size() * glm::vec3(1.0f, 0.0f, 1.0f);
     engine::Bounds view{mesh.min - spread, mesh.max + spread};

@@ -5,12 +5,16 @@
 
 #include "engine/gpu/device.h"
 #include "engine/render/camera.h"
+#include "engine/render/renderer.h"
 #include "tools/brittle/commands.h"
 
 namespace brittle::tools {
 
 // With the failures that the variable BRITTLE_FAULTS orders, for tests (engine/gpu/fault.h).
 [[nodiscard]] std::unique_ptr<engine::Device> open_device(const ViewOptions& view);
+
+// By ViewOptions::quality: what the device is good for, or the least, or the most whatever it costs.
+[[nodiscard]] engine::RendererSettings renderer_settings(const ViewOptions& view);
 
 // Around the unbroken mesh, the ground below it and some room for pieces to spread: what the camera looks at.
 [[nodiscard]] engine::Bounds stage_view(const engine::Bounds& mesh);
