@@ -110,6 +110,12 @@ void StressSolver::remove_bonds(std::span<const uint32_t> bonds) {
     if (any) build();
 }
 
+void StressSolver::release(std::span<const uint32_t> nodes) {
+    bool any = false;
+    for (const uint32_t node : nodes) any = std::exchange(nodes_[node].fixed, false) || any;
+    if (any) build();
+}
+
 void StressSolver::build() {
     springs_.clear();
     spring_of_bond_.assign(bonds_.size(), none);

@@ -81,6 +81,8 @@ class StressSolver {
     void set_loads(std::span<const NodeLoad> loads);
     // Takes bonds away, and starts from the displacements of before.
     void remove_bonds(std::span<const uint32_t> bonds);
+    // Fixed nodes become free.
+    void release(std::span<const uint32_t> nodes);
 
     // At most so many iterations more. True where what is left of the loads is below tolerance times the loads.
     bool solve(uint32_t iterations, double tolerance = 1e-3);
@@ -92,6 +94,7 @@ class StressSolver {
     // Force and torque that the world gives to a fixed node.
     [[nodiscard]] NodeLoad reaction(uint32_t node) const;
     [[nodiscard]] size_t node_count() const { return nodes_.size(); }
+    [[nodiscard]] const StressNode& node(size_t index) const { return nodes_[index]; }
 
   private:
     struct Motion { // of a node, a step or a residual of it

@@ -96,6 +96,11 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
         return added.error();
     }
     structure.changes_ = {};
+    if (!desc.wear.enabled) return structure;
+    std::vector<StressNode> nodes;
+    for (const PieceState& piece : structure.pieces_)
+        nodes.push_back({piece.centre, piece.mass, piece.inertia, piece.anchored});
+    structure.wear_ = Wear(nodes, structure.graph_, desc.material, desc.wear);
     return structure;
 }
 
@@ -204,6 +209,7 @@ void Structure::release_anchors(std::span<const uint32_t> pieces) {
         pieces_[piece].anchored = false;
         if (pieces_[piece].body != none) dirty_[pieces_[piece].body] = 1;
     }
+    if (desc_.wear.enabled) wear_.release(pieces);
 }
 
 // All that one body did to one piece in the step counts as one.
@@ -238,12 +244,45 @@ const Structure::Changes& Structure::update(World& world) {
             graph_.blow(blow.piece, blow.impulse);
             if (blow.impulse > pieces_[blow.piece].bearable) changes_.impacts.push_back(blow);
         }
+    if (contacts_due_ && desc_.wear.enabled) wear_bonds(world);
     changes_.broken = graph_.take_broken();
     for (const uint32_t bond : changes_.broken)
         for (const uint32_t piece : {graph_.bonds()[bond].a, graph_.bonds()[bond].b})
             if (pieces_[piece].body != none) dirty_[pieces_[piece].body] = 1;
+    if (desc_.wear.enabled) wear_.remove_bonds(changes_.broken);
     split(world);
     return changes_;
+}
+
+// Of bodies that move only contacts count: what gravity does to them it does to all their pieces alike.
+void Structure::wear_bonds(const World& world) {
+    weights_.assign(pieces_.size(), {});
+    pushes_.assign(pieces_.size(), {});
+    const double seconds = world.settings().step;
+    for (const BodyState& body : bodies_) {
+        if (!body.fixed || !world.contains(body.id)) continue;
+        const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body.id).orientation));
+        const glm::dvec3 gravity = to_fragments * glm::dvec3(world.settings().gravity);
+        for (const uint32_t piece : body.pieces) weights_[piece].force = pieces_[piece].mass * gravity;
+    }
+    for (const Contact& contact : world.contacts()) {
+        if (contact.speed > desc_.impact_speed) continue;
+        for (const bool first : {true, false}) {
+            const uint32_t piece =
+                first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
+            if (piece == none || !exists(world, pieces_[piece].body)) continue;
+            const BodyState& body = bodies_[pieces_[piece].body];
+            const Pose pose = world.pose(body.id);
+            const glm::dquat to_fragments = glm::conjugate(glm::dquat(pose.orientation));
+            const double size = static_cast<double>(first ? contact.impulse : -contact.impulse) / seconds;
+            const glm::dvec3 force = to_fragments * (size * glm::dvec3(contact.normal));
+            const glm::dvec3 point =
+                to_fragments * (glm::dvec3(contact.point) - glm::dvec3(pose.position)) + body.centre;
+            pushes_[piece].force += force;
+            pushes_[piece].torque += glm::cross(point - pieces_[piece].centre, force);
+        }
+    }
+    wear_.step(graph_, weights_, pushes_, seconds);
 }
 
 void Structure::split(World& world) {

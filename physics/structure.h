@@ -16,6 +16,7 @@
 // - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Where a blow breaks
 //   the body, the contact is taken back and given to the island that was hit, with the impulse that fits its mass instead of the whole
 //   body's: a ball goes through a pane that held it, and momentum is kept.
+// - Weight of what is anchored, and contacts slower than that, are loads: bonds that carry too much wear (wear.h).
 //
 // Bonded convex pieces, compounds and islands: Mueller, Chentanez and Kim, "Real Time Dynamic Fracture with Volumetric
 // Approximate Convex Decompositions", SIGGRAPH 2013, section 4.
@@ -39,6 +40,7 @@
 #include "physics/hull.h"
 #include "physics/material.h"
 #include "physics/pieces.h"
+#include "physics/wear.h"
 #include "physics/world.h"
 
 namespace brittle::physics {
@@ -50,6 +52,7 @@ struct StructureDesc {
     std::vector<uint32_t> anchored{}; // pieces held by the world
     float impact_speed = 0.5f;        // m/s; slower contacts are no blows
     bool continuous = false;          // as BodyDesc::continuous, for all its bodies
+    WearSettings wear{};
 };
 
 // The pieces that come within height (m) of the ground or reach below it, for StructureDesc::anchored.
@@ -98,7 +101,7 @@ class Structure {
         std::vector<BodyId> added;
         std::vector<Impact> impacts;
     };
-    // To be called after each step of the world: takes up its contacts and splits what broke. The result is valid until the next call.
+    // To be called after each step of the world: takes up its contacts, wears bonds and splits what broke. The result is valid until the next call.
     const Changes& update(World& world);
 
     // Takes a piece out of world and structure, if it is alone in its body; nothing otherwise. Its motion is that
@@ -108,6 +111,7 @@ class Structure {
     void remove(World& world);
 
     [[nodiscard]] const BondGraph& graph() const { return graph_; }
+    [[nodiscard]] const Wear& wear() const { return wear_; }
     [[nodiscard]] size_t piece_count() const { return pieces_.size(); }
     [[nodiscard]] BodyId body_of(uint32_t piece) const; // none for a piece that was taken
     [[nodiscard]] bool anchored(uint32_t piece) const { return pieces_[piece].anchored; }
@@ -152,11 +156,14 @@ class Structure {
     // The piece of ours that a contact's side names, or none.
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] std::vector<Impact> find_blows(const World& world) const;
+    void wear_bonds(const World& world);
     void split(World& world);
     template<class Damage> void damage_bodies(const World& world, const Damage& damage);
 
     StructureDesc desc_; // without the anchors
     BondGraph graph_;
+    Wear wear_;
+    std::vector<NodeLoad> weights_, pushes_; // scratch of one update
     std::vector<PieceState> pieces_;
     std::vector<BodyState> bodies_;
     std::vector<uint32_t> body_of_id_; // by BodyId::value; none for bodies that are not ours

@@ -286,6 +286,20 @@ class PieceSolver final : public btSequentialImpulseConstraintSolver {
         return result;
     }
 
+    // Of bodies that sleep, which nobody solves: what they pressed when they last were awake.
+    void report_sleeping(btDispatcher& dispatcher) {
+        const auto rests = [](const btCollisionObject& object) {
+            return object.isStaticObject() || !object.isActive();
+        };
+        for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+            const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+            if (!rests(*manifold.getBody0()) || !rests(*manifold.getBody1())) continue;
+            for (int p = 0; p < manifold.getNumContacts(); ++p)
+                if (manifold.getContactPoint(p).m_appliedImpulse > 0.0f)
+                    contacts.push_back(contact_of(manifold, manifold.getContactPoint(p), 0.0f));
+        }
+    }
+
   private:
     static bool on_ground(const btPersistentManifold& manifold) {
         return manifold.getBody0()->getUserIndex() < 0 || manifold.getBody1()->getUserIndex() < 0;
@@ -721,6 +735,7 @@ void World::step() {
     gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
     impl_->engine->solver.contacts.clear();
     impl_->engine->world->stepSimulation(impl_->settings.step, 0); // 0: one step of just that length
+    impl_->engine->solver.report_sleeping(impl_->engine->dispatcher);
     ++impl_->steps;
 }
 

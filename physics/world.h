@@ -205,7 +205,7 @@ class World {
     [[nodiscard]] float response(BodyId id, glm::vec3 point, glm::vec3 direction) const;
     void wake_all();
 
-    // Who pressed on whom in the last step, in a fixed order. Sleeping bodies and their supports are left out. The
+    // Who pressed on whom in the last step, in a fixed order. Sleeping bodies press as they did when they fell asleep. The
     // velocities of the bodies have these impulses in them already. Bodies that were removed since are still named. Valid until
     // the next step.
     [[nodiscard]] std::span<const Contact> contacts() const;

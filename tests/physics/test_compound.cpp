@@ -208,6 +208,9 @@ TEST_CASE("a fixed body holds what stands on it, cannot be moved, and lets it fa
     CHECK(world.mechanics(held).kinetic == 0.0);
     CHECK(world.mechanics(held).potential == 0.0);
     CHECK(std::abs(world.pose(on_top).position.y - 1.15f) < 2e-3f);
+    float carried = 0.0f; // asleep, it presses still
+    for (const Contact& contact : world.contacts()) carried += contact.impulse;
+    CHECK(carried == doctest::Approx(5.0 * 9.81 / 120.0).epsilon(0.05));
     CHECK(world.remove_body(held));
     run(world, 2.0f);
     CHECK(world.pose(on_top).position.y == doctest::Approx(0.1).epsilon(0.02).scale(0.0));

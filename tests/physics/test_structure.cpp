@@ -315,13 +315,115 @@ TEST_CASE("a ball breaks a piece out of a pane and flies on; momentum is kept") 
 TEST_CASE("a fresh structure that falls flat breaks, one that rests does not wear away") {
     World world;
     const Material weak{.tensile = 2e5f};
-    Structure resting = must_create(world, bar(8), {.material = weak, .motion = {.placement = {{0, 0, 1}, {1, 0, 0, 0}}}});
+    Structure resting = must_create(world, bar(8), {.material = weak,
+                                                    .motion = {.placement = {{0, 0, 1}, {1, 0, 0, 0}}},
+                                                    .wear = {.strength_scale = 1.0f}});
     const glm::quat tilted = glm::angleAxis(0.3f, glm::vec3(0.0f, 0.0f, 1.0f));
     Structure falling = must_create(world, bar(8), {.material = weak, .motion = {.placement = {{0, 2, -1}, tilted}}});
     for (int step = 0; step < 240; ++step) world.step(), resting.update(world), falling.update(world);
     CHECK(resting.bodies().size() == 1);
     CHECK(resting.graph().live_count() == 7);
     CHECK(falling.bodies().size() > 1);
+}
+
+namespace {
+
+// Four columns of blocks of 0.2 under the corners of a slab of a metre.
+struct Table {
+    fracture::Fragments fragments;
+    std::vector<uint32_t> second_blocks; // of the columns at x = 0
+
+    Table() {
+        const auto add = [&](const glm::dvec3& low, const glm::dvec3& high) {
+            test::append_piece(fragments, test::box_polyhedron(low, high));
+            return static_cast<uint32_t>(fragments.pieces.size() - 1);
+        };
+        const auto bond = [&](uint32_t a, uint32_t b, double area, const glm::dvec3& at, const glm::dvec3& normal) {
+            fragments.bonds.push_back({a, b, area, at, normal});
+        };
+        std::vector<uint32_t> slab;
+        for (int i = 0; i < 5; ++i)
+            for (int k = 0; k < 5; ++k)
+                slab.push_back(add({0.2 * i, 0.8, 0.2 * k}, {0.2 * i + 0.2, 1.0, 0.2 * k + 0.2}));
+        const auto at = [&](int i, int k) { return slab[static_cast<size_t>(i * 5 + k)]; };
+        for (int i = 0; i < 5; ++i)
+            for (int k = 0; k < 5; ++k) {
+                if (i < 4) bond(at(i, k), at(i + 1, k), 0.04, {0.2 * i + 0.2, 0.9, 0.2 * k + 0.1}, {1, 0, 0});
+                if (k < 4) bond(at(i, k), at(i, k + 1), 0.04, {0.2 * i + 0.1, 0.9, 0.2 * k + 0.2}, {0, 0, 1});
+            }
+        for (const int i : {0, 4})
+            for (const int k : {0, 4}) {
+                uint32_t below = UINT32_MAX;
+                for (int j = 0; j < 4; ++j) {
+                    const glm::dvec3 low(0.2 * i, 0.2 * j, 0.2 * k);
+                    const uint32_t block = add(low, low + 0.2);
+                    if (i == 0 && j == 1) second_blocks.push_back(block);
+                    if (j > 0) bond(below, block, 0.04, low + glm::dvec3(0.1, 0.0, 0.1), {0, 1, 0});
+                    below = block;
+                }
+                bond(below, at(i, k), 0.04, {0.2 * i + 0.1, 0.8, 0.2 * k + 0.1}, {0, 1, 0});
+            }
+    }
+};
+
+} // namespace
+
+TEST_CASE("a table stands for ten seconds, and comes down within one when two of its columns lose a block") {
+    const Table table;
+    World world;
+    Structure structure = must_create(
+        world, table.fragments,
+        {.material = {.density = 2400.0f}, .anchored = anchor_to_ground(table.fragments), .wear = {.strength_scale = 0.02f}});
+    for (int step = 0; step < 1200; ++step) {
+        world.step();
+        REQUIRE(structure.update(world).broken.empty());
+    }
+    CHECK(world.body_count() == 1);
+    double worst = 0.0;
+    for (const double ratio : structure.wear().ratios()) worst = std::max(worst, ratio);
+    MESSAGE("the worst bond of the table carries ", worst, " of what it bears");
+    CHECK(worst > 0.1);
+    CHECK(worst < 1.0);
+    for (const uint32_t block : table.second_blocks) {
+        structure.isolate(block);
+        structure.update(world);
+        CHECK(structure.take_piece(world, block).has_value());
+    }
+    int step = 0;
+    std::vector<Pose> poses(structure.piece_count());
+    for (; step < 240; ++step) {
+        world.step();
+        structure.update(world);
+        structure.write_piece_transforms(world, poses);
+        if (poses[0].position.y < 0.7f) break;
+    }
+    MESSAGE("down after ", step / 120.0, " s");
+    CHECK(step < 120);
+}
+
+TEST_CASE("a load that is set down breaks a cantilever, and a lighter one does not") {
+    for (const float mass : {20.0f, 1000.0f}) {
+        World world;
+        const fracture::Fragments fragments = bar(6);
+        Structure structure = must_create(world, fragments, {.motion = {.placement = {{0, 1, 0}, {1, 0, 0, 0}}},
+                                                             .anchored = {0},
+                                                             .wear = {.strength_scale = 1.0f / 3.0f}});
+        REQUIRE(world.add_body(ball(0.05f, mass, {0.45f, 1.1501f, 0.05f}, {})).has_value());
+        size_t broken = 0;
+        for (int i = 0; i < 360; ++i) {
+            world.step();
+            broken += structure.update(world).broken.size();
+            if (i == 300 && mass < 100.0f) {
+                // 20 kg at 0.35 m from the bond at the wall, and five blocks of 2.4 kg at 0.25 m.
+                const double moment = 9.81 * (20.0 * 0.35 + 12.0 * 0.25);
+                const double ratio = moment * 7.0898 / 0.001 / (3e6 / 3.0);
+                CHECK(structure.wear().ratios()[0] == doctest::Approx(ratio).epsilon(0.1));
+                CHECK(ratio < 1.0);
+            }
+        }
+        CAPTURE(mass);
+        CHECK((broken > 0) == (mass > 100.0f));
+    }
 }
 
 TEST_CASE("a piece can be taken out, and what it is cut into goes on as it did") {
