@@ -55,10 +55,10 @@ class HullOnPlane final : public btCollisionAlgorithm {
                           const btDispatcherInfo& info, btManifoldResult* result) override {
         result->setPersistentManifold(manifold_);
         const bool hull_first = first->getCollisionObject() == manifold_->getBody0();
-        find_corners(*(hull_first ? first : second)->getCollisionObject(),
-                     *(hull_first ? second : first)->getCollisionObject(), info.m_timeStep);
+        const btCollisionObjectWrapper& hull = *(hull_first ? first : second);
+        find_corners(hull, *(hull_first ? second : first)->getCollisionObject(), info.m_timeStep);
         keep_best_four(corners_);
-        replace_contacts();
+        replace_contacts(hull.m_index);
     }
 
     // Only asked for objects that sweep; ours do not.
@@ -69,21 +69,24 @@ class HullOnPlane final : public btCollisionAlgorithm {
     void getAllContactManifolds(btManifoldArray& manifolds) override { manifolds.push_back(manifold_); }
 
   private:
-    void find_corners(const btCollisionObject& hull, const btCollisionObject& plane, btScalar seconds) {
+    // The hull is the body's own or, with a frame of its own, one of a compound's.
+    void find_corners(const btCollisionObjectWrapper& hull, const btCollisionObject& plane,
+                      btScalar seconds) {
         corners_.clear();
         const auto& shape = static_cast<const btConvexHullShape&>(*hull.getCollisionShape());
         const btScalar height =
             static_cast<const btStaticPlaneShape&>(*plane.getCollisionShape()).getPlaneConstant()
             + plane.getWorldTransform().getOrigin().y();
-        const btRigidBody* body = btRigidBody::upcast(&hull);
+        const btRigidBody* body = btRigidBody::upcast(hull.getCollisionObject());
         const btVector3 velocity = body->getLinearVelocity() + body->getGravity() * seconds;
         const btTransform& frame = hull.getWorldTransform();
+        const btVector3 origin = frame.getOrigin() - body->getCenterOfMassPosition();
         const btScalar resting = resting_distance * shape.getAngularMotionDisc();
         for (int i = 0; i < shape.getNumPoints(); ++i) {
             const btVector3 arm =
                 frame.getBasis() * shape.getUnscaledPoints()[i] - btVector3(0, shape.getMargin(), 0);
             const btVector3 position = frame.getOrigin() + arm;
-            const btScalar approach = -(velocity + body->getAngularVelocity().cross(arm)).y();
+            const btScalar approach = -(velocity + body->getAngularVelocity().cross(origin + arm)).y();
             const btScalar distance = position.y() - height;
             if (distance < resting + std::max<btScalar>(approach, 0.0f) * seconds)
                 corners_.push_back({position, distance, i});
@@ -91,7 +94,7 @@ class HullOnPlane final : public btCollisionAlgorithm {
     }
 
     // A corner that was a contact before keeps the impulses that the solver starts from.
-    void replace_contacts() {
+    void replace_contacts(int part) {
         const btCollisionObject* hull = manifold_->getBody0();
         const btCollisionObject* plane = manifold_->getBody1();
         std::array<btManifoldPoint, MANIFOLD_CACHE_SIZE> old;
@@ -108,6 +111,7 @@ class HullOnPlane final : public btCollisionAlgorithm {
             point.m_combinedFriction = btManifoldResult::calculateCombinedFriction(hull, plane);
             point.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(hull, plane);
             point.m_index0 = corner.index;
+            point.m_partId0 = part;
             for (int i = 0; i < old_count; ++i) {
                 const btManifoldPoint& before = old[static_cast<size_t>(i)];
                 if (before.m_index0 != corner.index) continue;

@@ -17,7 +17,7 @@ namespace brittle::physics {
 
 class GroundContacts {
   public:
-    // From now on the dispatcher uses it for hulls and planes with the normal +Y in a frame without rotation.
+    // From now on the dispatcher uses it for hulls, alone or in a compound, and planes with the normal +Y in a frame without rotation.
     // Must outlive the dispatcher's pairs.
     explicit GroundContacts(btCollisionDispatcher& dispatcher);
     ~GroundContacts();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include <glm/vec3.hpp>
@@ -10,13 +11,31 @@
 
 namespace brittle::physics {
 
+// Stresses that break it are those of handbooks. A blow breaks it where the impulse exceeds Pa s times the area it
+// goes through: toughness().
 struct Material {
     float density = 2400.0f; // kg/m^3; concrete
     float friction = 0.8f;
     float restitution = 0.2f;
+    float tensile = 3e6f;      // Pa; also what bending may pull at the outermost fibre
+    float compressive = 30e6f; // Pa
+    float shear = 5e6f;        // Pa
 };
 
-// Density, friction and restitution are those of handbooks, rounded; colours are linear light.
+// How long a blow between hard bodies lasts, s: that of Hertz's contact for stones of a kilogram at some metres a second.
+inline constexpr float impact_seconds = 1e-4f;
+
+// Impulse through one square metre that breaks the material, Pa s: its tensile strength for the time of a blow.
+[[nodiscard]] constexpr float toughness(const Material& material) {
+    return material.tensile * impact_seconds;
+}
+
+// What is wrong with a material's density or strengths, or an empty string. A world refuses wrong friction and
+// restitution itself.
+[[nodiscard]] std::string fault_of(const Material& material);
+
+// Density, friction, restitution and strengths are those of handbooks, rounded (annealed glass, granite, plain concrete,
+// softwood between along and across the grain, porcelain); colours are linear light.
 struct MaterialPreset {
     std::string_view name;
     Material material;

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 
 #include <btBulletDynamicsCommon.h>
@@ -46,6 +47,9 @@ constexpr double moment_slack = 1e-3;
 // Contact points further apart than this, in metres, are near but not touching.
 constexpr float touching_distance = 1e-3f;
 constexpr float contact_line_length = 0.05f; // m
+// The ball that is swept for a continuous body, as a part of the largest around the centre that fits into its box: small
+// enough not to touch what the body slides along.
+constexpr float swept_part = 0.8f;
 
 // Bullet counts in decimetres here. Its tolerances are made for bodies of metres (its GJK takes points of
 // less than a centimetre apart for one): in metres, pieces of that size find wrong contacts and creep apart.
@@ -86,19 +90,35 @@ Error bad_setting(std::string message) {
     return {Status::invalid_setting, std::move(message)};
 }
 
+// A hull that bodies may share: Bullet's copy in the hull's own axes.
+struct SharedShape {
+    std::shared_ptr<const CollisionHull> hull;
+    btConvexHullShape shape;
+    std::vector<HullEdge> edges; // for debug lines; filled when first asked for
+};
+
 // One body. Bullet's frame has the same origin as ours and the principal axes as its own.
 struct BodyRecord {
     BodyId id;
     glm::quat to_principal{1.0f, 0.0f, 0.0f, 0.0f}; // body axes = to_principal * principal axes
     glm::dvec3 moments{1.0};                        // principal, kg m^2
+    float mass = 0.0f;                              // kg, as given
+    bool fixed = false;
+    float swept_radius = 0.0f; // Bullet's units; 0: not continuous
     Pose previous;
     float still_seconds = 0.0f; // how long it has been slow while touching something
     bool touching = false;      // in the last step
-    std::vector<HullEdge>
-        edges; // for debug lines, indices into the shape's points; filled when first asked for
-    std::unique_ptr<btConvexHullShape> shape;
+    std::vector<HullEdge> edges; // for debug lines, indices into the points of shape; filled when first asked for
+    std::unique_ptr<btConvexHullShape> shape;         // of a body with one hull; null for a compound
+    std::vector<std::shared_ptr<SharedShape>> shared; // of a compound, in the order of its parts
+    std::unique_ptr<btCompoundShape> compound;        // null for a body with one hull
     std::unique_ptr<btRigidBody> rigid;
 
+    [[nodiscard]] btCollisionShape* collision_shape() const {
+        return compound ? static_cast<btCollisionShape*>(compound.get()) : shape.get();
+    }
+
+    [[nodiscard]] bool awake() const { return !fixed && rigid->isActive(); }
     [[nodiscard]] Pose pose() const {
         const btTransform& frame = rigid->getWorldTransform();
         return {metres_from_bullet(frame.getOrigin()),
@@ -119,15 +139,18 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h.
     void integrateTransforms(btScalar seconds) override {
         spins_.clear();
+        shortened_.clear();
         for (const auto& body : bodies_) {
-            if (!body->rigid->isActive()) continue;
+            if (!body->awake()) continue;
             const btQuaternion q = body->rigid->getWorldTransform().getRotation();
             spins_.push_back({glm::dquat(to_glm(q)), glm::dvec3(to_glm(body->rigid->getAngularVelocity()))});
+            if (body->swept_radius > 0.0f) stop_at_hit(*body->rigid, body->swept_radius, seconds);
         }
         btDiscreteDynamicsWorld::integrateTransforms(seconds);
+        for (const auto& [rigid, velocity] : shortened_) rigid->setLinearVelocity(velocity);
         size_t next = 0;
         for (const auto& body : bodies_) {
-            if (!body->rigid->isActive()) continue;
+            if (!body->awake()) continue;
             const Spin spin = free_spin(spins_[next++], body->moments, seconds);
             btTransform frame = body->rigid->getWorldTransform();
             frame.setRotation(to_bullet(glm::quat(spin.orientation)));
@@ -146,6 +169,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         const float kept = std::pow(settling_kept_per_second, seconds);
         for (const auto& body : bodies_) {
             btRigidBody& rigid = *body->rigid;
+            if (body->fixed) continue;
             if (rigid.getActivationState() == ISLAND_SLEEPING) {
                 rigid.setLinearVelocity({0, 0, 0});
                 rigid.setAngularVelocity({0, 0, 0});
@@ -170,6 +194,41 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     }
 
   private:
+    // The nearest body that a ball runs into; not itself and not the ground, which has contacts of its own that
+    // look ahead.
+    struct FirstHit final : ClosestConvexResultCallback {
+        FirstHit(const btRigidBody& mover, const btVector3& from, const btVector3& to, btScalar ball_radius)
+            : ClosestConvexResultCallback(from, to), body(mover), path(to - from), radius(ball_radius) {}
+        bool needsCollision(btBroadphaseProxy* proxy) const override {
+            const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+            return object != &body && object->getUserIndex() >= 0
+                   && ClosestConvexResultCallback::needsCollision(proxy);
+        }
+        btScalar addSingleResult(btCollisionWorld::LocalConvexResult& result, bool in_world) override {
+            // On its way out, or sliding along: too slow towards it to get through in one step.
+            if (result.m_hitNormalLocal.dot(path) > -radius) return m_closestHitFraction;
+            return ClosestConvexResultCallback::addSingleResult(result, in_world);
+        }
+        const btRigidBody& body;
+        btVector3 path;
+        btScalar radius;
+    };
+
+    // Bullet's own sweep knows bodies of one hull only. The body's velocity is made such that the coming integration
+    // ends at the first hit; shortened_ remembers the true one.
+    void stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds) {
+        const btVector3 velocity = rigid.getLinearVelocity();
+        if (velocity.length() * seconds <= radius) return;
+        btTransform from = rigid.getWorldTransform(), to = from;
+        to.setOrigin(from.getOrigin() + velocity * seconds);
+        FirstHit hit(rigid, from.getOrigin(), to.getOrigin(), radius);
+        btSphereShape ball(radius);
+        convexSweepTest(&ball, from, to, hit, getDispatchInfo().m_allowedCcdPenetration);
+        if (!hit.hasHit()) return;
+        shortened_.emplace_back(&rigid, velocity);
+        rigid.setLinearVelocity(velocity * hit.m_closestHitFraction);
+    }
+
     void find_touching() {
         for (const auto& body : bodies_) body->touching = false;
         for (int i = 0; i < getDispatcher()->getNumManifolds(); ++i) {
@@ -184,11 +243,12 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
     std::vector<Spin> spins_; // scratch of one step
+    std::vector<std::pair<btRigidBody*, btVector3>> shortened_; // likewise: velocities of bodies that stop at a hit
 };
 
-// Bullet's solver, with two changes to what it is given.
+// Bullet's solver, with two changes to what it is given, and a report of what it did.
 //
-// Contacts with the ground come last, so that each sweep ends with nothing going into the ground. In Bullet's
+// Contacts with the ground and with fixed bodies come last, so that each sweep ends with nothing going into the ground. In Bullet's
 // own order, a heavy piece presses a light one beneath it millimetres deep and holds it there; what is left
 // over now is overlap between the two, inside the pile.
 //
@@ -196,7 +256,10 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
 // WorldSettings::separation_speed. The true distances are found anew before the next step.
 class PieceSolver final : public btSequentialImpulseConstraintSolver {
   public:
-    explicit PieceSolver(const WorldSettings& settings) : separation_speed_(settings.separation_speed) {}
+    PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
+        : separation_speed_(settings.separation_speed), bodies_(bodies) {}
+
+    std::vector<Contact> contacts; // of this step, appended by each call
 
     btScalar solveGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
                         int manifold_count, btTypedConstraint** constraints, int constraint_count,
@@ -208,19 +271,83 @@ class PieceSolver final : public btSequentialImpulseConstraintSolver {
                 return !manifold->getBody0()->isStaticObject() && !manifold->getBody1()->isStaticObject();
             });
         const btScalar deepest = -separation_speed_ * bullet_units * info.m_timeStep / info.m_erp2;
-        for (auto between = ordered_.begin(); between != ground; ++between)
+        for (auto between = ordered_.begin(); between != ordered_.end(); ++between) {
+            if (between >= ground && on_ground(**between)) continue;
             for (int i = 0; i < (*between)->getNumContacts(); ++i) {
                 btManifoldPoint& point = (*between)->getContactPoint(i);
                 point.m_distance1 = std::max(point.m_distance1, deepest);
             }
-        return btSequentialImpulseConstraintSolver::solveGroup(bodies, body_count, ordered_.data(),
-                                                               manifold_count, constraints, constraint_count,
-                                                               info, drawer, dispatcher);
+        }
+        note_speeds();
+        const btScalar result = btSequentialImpulseConstraintSolver::solveGroup(
+            bodies, body_count, ordered_.data(), manifold_count, constraints, constraint_count, info, drawer,
+            dispatcher);
+        report_contacts();
+        return result;
+    }
+
+    // Of bodies that sleep, which nobody solves: what they pressed when they last were awake.
+    void report_sleeping(btDispatcher& dispatcher) {
+        const auto rests = [](const btCollisionObject& object) {
+            return object.isStaticObject() || !object.isActive();
+        };
+        for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+            const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+            if (!rests(*manifold.getBody0()) || !rests(*manifold.getBody1())) continue;
+            for (int p = 0; p < manifold.getNumContacts(); ++p)
+                if (manifold.getContactPoint(p).m_appliedImpulse > 0.0f)
+                    contacts.push_back(contact_of(manifold, manifold.getContactPoint(p), 0.0f));
+        }
     }
 
   private:
+    static bool on_ground(const btPersistentManifold& manifold) {
+        return manifold.getBody0()->getUserIndex() < 0 || manifold.getBody1()->getUserIndex() < 0;
+    }
+    static btVector3 velocity_at(const btCollisionObject& object, const btVector3& point) {
+        const btRigidBody& rigid = *btRigidBody::upcast(&object);
+        return rigid.getVelocityInLocalPoint(point - rigid.getCenterOfMassPosition());
+    }
+    void note_speeds() {
+        speeds_.clear();
+        for (const btPersistentManifold* manifold : ordered_)
+            for (int i = 0; i < manifold->getNumContacts(); ++i) {
+                const btManifoldPoint& point = manifold->getContactPoint(i);
+                const btVector3 apart = velocity_at(*manifold->getBody0(), point.getPositionWorldOnA())
+                                        - velocity_at(*manifold->getBody1(), point.getPositionWorldOnB());
+                speeds_.push_back(-apart.dot(point.m_normalWorldOnB) / bullet_units);
+            }
+    }
+    void report_contacts() {
+        size_t next = 0;
+        for (const btPersistentManifold* manifold : ordered_)
+            for (int i = 0; i < manifold->getNumContacts(); ++i) {
+                const btManifoldPoint& point = manifold->getContactPoint(i);
+                const float speed = speeds_[next++];
+                if (point.m_appliedImpulse > 0.0f) contacts.push_back(contact_of(*manifold, point, speed));
+            }
+    }
+    [[nodiscard]] Contact contact_of(const btPersistentManifold& manifold, const btManifoldPoint& point,
+                                     float speed) const {
+        Contact contact;
+        const int first = manifold.getBody0()->getUserIndex(), second = manifold.getBody1()->getUserIndex();
+        // Bullet's index is that of the hull in a compound, -1 without; ground_contact.cpp needs it itself.
+        const int part_a = on_ground(manifold) ? point.m_partId0 : point.m_index0;
+        if (first >= 0) contact.a = bodies_[static_cast<size_t>(first)]->id;
+        if (second >= 0) contact.b = bodies_[static_cast<size_t>(second)]->id;
+        contact.part_a = static_cast<uint32_t>(std::max(part_a, 0));
+        contact.part_b = second >= 0 ? static_cast<uint32_t>(std::max(point.m_index1, 0)) : 0;
+        contact.point = metres_from_bullet(point.getPositionWorldOnB());
+        contact.normal = to_glm(point.m_normalWorldOnB);
+        contact.impulse = point.m_appliedImpulse / bullet_units;
+        contact.speed = speed;
+        return contact;
+    }
+
     float separation_speed_;
+    const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
     std::vector<btPersistentManifold*> ordered_; // scratch of one call
+    std::vector<float> speeds_;                  // likewise: m/s, of all points of ordered_
 };
 
 // Everything of Bullet's that a history can hide in; made anew by clear().
@@ -235,7 +362,7 @@ struct Engine {
     std::unique_ptr<btRigidBody> ground;
 
     Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
-        : solver(settings) {
+        : solver(settings, bodies) {
         world = std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings,
                                                bodies);
         world->setGravity(metres_to_bullet(settings.gravity));
@@ -263,23 +390,41 @@ struct Engine {
     }
 };
 
+std::string fault_of(const CollisionHull& hull) {
+    if (hull.points.size() < 4)
+        return text("its hull has ", hull.points.size(), " points, at least 4 are needed");
+    for (size_t i = 0; i < hull.points.size(); ++i)
+        if (!finite(hull.points[i])) return text("point ", i, " of its hull is not finite");
+    if (!(hull.margin > 0.0f) || !std::isfinite(hull.margin))
+        return text("its hull's margin is ", hull.margin, " m, it must be positive");
+    return {};
+}
+
+std::string fault_of(std::span<const BodyPart> parts) {
+    for (size_t i = 0; i < parts.size(); ++i) {
+        if (!parts[i].hull) return text("its part ", i, " has no hull");
+        if (!finite(parts[i].offset)) return text("the offset of its part ", i, " is not finite");
+        if (const std::string fault = fault_of(*parts[i].hull); !fault.empty())
+            return text("part ", i, ": ", fault);
+    }
+    return {};
+}
+
 // Reasons why no body can be made of a description; an empty string where there is none.
 std::string fault_of(const BodyDesc& desc) {
-    if (desc.hull.points.size() < 4)
-        return text("its hull has ", desc.hull.points.size(), " points, at least 4 are needed");
-    for (size_t i = 0; i < desc.hull.points.size(); ++i)
-        if (!finite(desc.hull.points[i])) return text("point ", i, " of its hull is not finite");
-    if (!(desc.hull.margin > 0.0f) || !std::isfinite(desc.hull.margin))
-        return text("its hull's margin is ", desc.hull.margin, " m, it must be positive");
+    if (std::string fault = desc.parts.empty() ? fault_of(desc.hull) : fault_of(desc.parts); !fault.empty())
+        return fault;
     if (!(desc.mass >= least_mass && desc.mass <= greatest_mass))
         return text("its mass is ", desc.mass, " kg; it must be between ", least_mass, " and ", greatest_mass,
                     " kg");
-    for (int column = 0; column < 3; ++column)
+    for (int column = 0; column < 3 && !desc.fixed; ++column)
         if (!finite(desc.inertia[column])) return "its inertia tensor is not finite";
     if (!finite(desc.pose.position) || !finite(desc.linear_velocity) || !finite(desc.angular_velocity))
         return "its position or velocity is not finite";
-    const float norm = glm::dot(desc.pose.orientation, desc.pose.orientation);
-    if (!std::isnormal(norm))
+    const Pose previous = desc.previous.value_or(desc.pose);
+    if (!finite(previous.position)) return "its previous position is not finite";
+    if (!std::isnormal(glm::dot(desc.pose.orientation, desc.pose.orientation))
+        || !std::isnormal(glm::dot(previous.orientation, previous.orientation)))
         return "its orientation is no rotation (a quaternion of zero or non-finite length)";
     if (!(desc.friction >= 0.0f) || !(desc.restitution >= 0.0f) || !(desc.restitution <= 1.0f)
         || !std::isfinite(desc.friction))
@@ -319,6 +464,27 @@ class Hash {
 
 } // namespace
 
+namespace {
+
+// Bullet's frame has the principal axes, so the hull is turned into them.
+void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset) {
+    body.shape = std::make_unique<btConvexHullShape>();
+    const glm::quat from_body = glm::conjugate(body.to_principal);
+    for (const glm::vec3& point : hull.points)
+        body.shape->addPoint(metres_to_bullet(from_body * (point + offset)), false);
+    body.shape->setMargin(hull.margin * bullet_units);
+    body.shape->recalcLocalAabb();
+}
+
+// From the centre of mass to the nearest side of the shape's box, in Bullet's units.
+float least_extent(const btCollisionShape& shape) {
+    btVector3 low, high;
+    shape.getAabb(btTransform::getIdentity(), low, high);
+    return std::min({-low.x(), -low.y(), -low.z(), high.x(), high.y(), high.z()});
+}
+
+} // namespace
+
 struct World::Impl {
     WorldSettings settings;
     std::vector<std::unique_ptr<BodyRecord>>
@@ -326,6 +492,9 @@ struct World::Impl {
     std::vector<BodyId> ids;           // in body order
     std::vector<uint32_t> order_of_id; // by BodyId::value; UINT32_MAX once removed
     std::unique_ptr<Engine> engine;
+    // Hulls that bodies share, by address: an entry holds its hull, so an address in here names one hull.
+    std::unordered_map<const CollisionHull*, std::shared_ptr<SharedShape>> shared_shapes;
+    size_t shapes_to_keep = 64; // beyond so many, those without a body are let go
     double pending_seconds = 0.0;
     uint64_t steps = 0;
 
@@ -344,6 +513,8 @@ struct World::Impl {
         bodies.clear();
         ids.clear();
     }
+    std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
+    void make_compound(BodyRecord& body, std::span<const BodyPart> parts);
     [[nodiscard]] const BodyRecord* find(BodyId id) const {
         if (id.value >= order_of_id.size() || order_of_id[id.value] == UINT32_MAX) return nullptr;
         return bodies[order_of_id[id.value]].get();
@@ -359,11 +530,37 @@ struct World::Impl {
     [[nodiscard]] Mechanics mechanics_of(const BodyRecord& body) const;
     void wake(BodyRecord& body) {
         body.still_seconds = 0.0f;
-        if (settings.sleeping) body.rigid->forceActivationState(ACTIVE_TAG);
+        if (settings.sleeping && !body.fixed) body.rigid->forceActivationState(ACTIVE_TAG);
     }
 };
 
+std::shared_ptr<SharedShape> World::Impl::shared_shape(const std::shared_ptr<const CollisionHull>& hull) {
+    if (const auto known = shared_shapes.find(hull.get()); known != shared_shapes.end()) return known->second;
+    if (shared_shapes.size() >= shapes_to_keep) {
+        std::erase_if(shared_shapes, [](const auto& entry) { return entry.second.use_count() == 1; });
+        shapes_to_keep = std::max<size_t>(64, 2 * shared_shapes.size());
+    }
+    auto made = std::make_shared<SharedShape>();
+    made->hull = hull;
+    for (const glm::vec3& point : hull->points) made->shape.addPoint(metres_to_bullet(point), false);
+    made->shape.setMargin(hull->margin * bullet_units);
+    made->shape.recalcLocalAabb();
+    shared_shapes.emplace(hull.get(), made);
+    return made;
+}
+
+void World::Impl::make_compound(BodyRecord& body, std::span<const BodyPart> parts) {
+    const glm::quat from_body = glm::conjugate(body.to_principal);
+    body.compound = std::make_unique<btCompoundShape>(true, static_cast<int>(parts.size()));
+    for (const BodyPart& part : parts) {
+        body.shared.push_back(shared_shape(part.hull));
+        const btTransform frame(to_bullet(from_body), metres_to_bullet(from_body * part.offset));
+        body.compound->addChildShape(frame, &body.shared.back()->shape);
+    }
+}
+
 Mechanics World::Impl::mechanics_of(const BodyRecord& body) const {
+    if (body.fixed) return {};
     const btRigidBody& rigid = *body.rigid;
     const double mass = 1.0 / static_cast<double>(rigid.getInvMass());
     const glm::dvec3 position(metres_from_bullet(rigid.getCenterOfMassPosition()));
@@ -435,37 +632,48 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
         return bad_setting(text("body ", impl_->order_of_id.size(), " cannot be added: ", fault));
     };
     if (const std::string fault = fault_of(desc); !fault.empty()) return refused(fault);
-    fracture::PrincipalAxes principal = fracture::principal_axes(glm::dmat3(desc.inertia));
-    if (const std::string fault = settle_moments(principal.moments); !fault.empty()) return refused(fault);
+    fracture::PrincipalAxes principal;
+    if (!desc.fixed) {
+        principal = fracture::principal_axes(glm::dmat3(desc.inertia));
+        if (const std::string fault = settle_moments(principal.moments); !fault.empty()) return refused(fault);
+    }
 
     auto body = std::make_unique<BodyRecord>();
     body->id = {static_cast<uint32_t>(impl_->order_of_id.size())};
     body->to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
     body->moments = principal.moments;
-    body->shape = std::make_unique<btConvexHullShape>();
-    const glm::quat from_body = glm::conjugate(body->to_principal);
-    for (const glm::vec3& point : desc.hull.points)
-        body->shape->addPoint(metres_to_bullet(from_body * point), false);
-    body->shape->setMargin(desc.hull.margin * bullet_units);
-    body->shape->recalcLocalAabb();
+    body->mass = desc.mass;
+    body->fixed = desc.fixed;
+    if (desc.parts.size() > 1)
+        impl_->make_compound(*body, desc.parts);
+    else if (desc.parts.size() == 1)
+        make_single(*body, *desc.parts[0].hull, desc.parts[0].offset);
+    else
+        make_single(*body, desc.hull, glm::vec3(0.0f));
+    if (desc.continuous && !desc.fixed) body->swept_radius = swept_part * least_extent(*body->collision_shape());
 
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
     const btTransform frame(to_bullet(orientation * body->to_principal),
                             metres_to_bullet(desc.pose.position));
     btRigidBody::btRigidBodyConstructionInfo info(
-        desc.mass, nullptr, body->shape.get(), metres_to_bullet(glm::vec3(principal.moments) * bullet_units));
+        desc.fixed ? 0.0f : desc.mass, nullptr, body->collision_shape(),
+        desc.fixed ? btVector3(0, 0, 0) : metres_to_bullet(glm::vec3(principal.moments) * bullet_units));
     info.m_startWorldTransform = frame;
     info.m_friction = desc.friction;
     info.m_restitution = desc.restitution;
     info.m_linearDamping = impl_->settings.linear_damping;
     info.m_angularDamping = impl_->settings.angular_damping;
     body->rigid = std::make_unique<btRigidBody>(info);
-    body->rigid->setLinearVelocity(metres_to_bullet(desc.linear_velocity));
-    body->rigid->setAngularVelocity(to_bullet(desc.angular_velocity));
+    if (!desc.fixed) {
+        body->rigid->setLinearVelocity(metres_to_bullet(desc.linear_velocity));
+        body->rigid->setAngularVelocity(to_bullet(desc.angular_velocity));
+    }
     body->rigid->setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
     body->rigid->setUserIndex(static_cast<int>(impl_->bodies.size()));
     if (!impl_->settings.sleeping) body->rigid->setActivationState(DISABLE_DEACTIVATION);
     body->previous = body->pose();
+    if (desc.previous)
+        body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
 
     gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
     impl_->engine->world->addRigidBody(body->rigid.get());
@@ -503,6 +711,7 @@ bool World::remove_body(BodyId id) {
 void World::clear() {
     impl_->drop_bodies();
     std::fill(impl_->order_of_id.begin(), impl_->order_of_id.end(), UINT32_MAX);
+    impl_->shared_shapes.clear();
     impl_->pending_seconds = 0.0;
     impl_->steps = 0;
     impl_->make_engine();
@@ -524,16 +733,19 @@ uint64_t World::steps_taken() const {
 void World::step() {
     for (const auto& body : impl_->bodies) body->previous = body->pose();
     gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
+    impl_->engine->solver.contacts.clear();
     impl_->engine->world->stepSimulation(impl_->settings.step, 0); // 0: one step of just that length
+    impl_->engine->solver.report_sleeping(impl_->engine->dispatcher);
     ++impl_->steps;
 }
 
-float World::advance(double seconds) {
+float World::advance(double seconds, const std::function<void()>& after_step) {
     const double step_seconds = impl_->settings.step;
     if (std::isfinite(seconds) && seconds > 0.0) impl_->pending_seconds += seconds;
     for (uint32_t taken = 0; taken < impl_->settings.max_substeps && impl_->pending_seconds >= step_seconds;
          ++taken) {
         step();
+        if (after_step) after_step();
         impl_->pending_seconds -= step_seconds;
     }
     // What is left over now would only grow from frame to frame: a slow machine gets slow motion, not a
@@ -568,10 +780,13 @@ glm::vec3 World::angular_velocity(BodyId id) const {
     return to_glm(impl_->get(id).rigid->getAngularVelocity());
 }
 float World::mass(BodyId id) const {
-    return impl_->get(id).rigid->getMass();
+    return impl_->get(id).mass;
+}
+bool World::fixed(BodyId id) const {
+    return impl_->get(id).fixed;
 }
 bool World::awake(BodyId id) const {
-    return impl_->get(id).rigid->isActive();
+    return impl_->get(id).awake();
 }
 Mechanics World::mechanics(BodyId id) const {
     return impl_->mechanics_of(impl_->get(id));
@@ -581,9 +796,30 @@ void World::apply_impulse(BodyId id, glm::vec3 impulse, glm::vec3 point) {
     BodyRecord* body = impl_->find(id);
     assert(body && "no such body in this world");
     assert(finite(impulse) && finite(point));
+    if (body->fixed) return;
     impl_->wake(*body);
     body->rigid->applyImpulse(metres_to_bullet(impulse),
                               metres_to_bullet(point) - body->rigid->getCenterOfMassPosition());
+}
+
+void World::set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular) {
+    BodyRecord* body = impl_->find(id);
+    assert(body && "no such body in this world");
+    assert(finite(linear) && finite(angular));
+    if (body->fixed) return;
+    impl_->wake(*body);
+    body->rigid->setLinearVelocity(metres_to_bullet(linear));
+    body->rigid->setAngularVelocity(to_bullet(angular));
+}
+
+float World::response(BodyId id, glm::vec3 point, glm::vec3 direction) const {
+    const BodyRecord& body = impl_->get(id);
+    if (body.fixed) return 0.0f;
+    return body.rigid->computeImpulseDenominator(metres_to_bullet(point), to_bullet(direction));
+}
+
+std::span<const Contact> World::contacts() const {
+    return impl_->engine->solver.contacts;
 }
 
 void World::wake_all() {
@@ -604,7 +840,7 @@ Mechanics World::mechanics() const {
 
 size_t World::awake_count() const {
     return static_cast<size_t>(
-        std::ranges::count_if(impl_->bodies, [](const auto& body) { return body->rigid->isActive(); }));
+        std::ranges::count_if(impl_->bodies, [](const auto& body) { return body->awake(); }));
 }
 
 size_t World::contact_count() const {
@@ -635,19 +871,26 @@ void World::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) cons
     constexpr glm::vec3 contact_colour(1.0f, 0.85f, 0.1f);
     // Not through btIDebugDraw: its wireframe of a convex hull draws every edge twice, from features that it
     // finds anew or keeps in the shape, where they would take part in collisions.
-    for (size_t i = 0; draw.hulls && i < impl_->bodies.size(); ++i) {
-        BodyRecord& body = *impl_->bodies[i];
-        const btVector3* points = body.shape->getUnscaledPoints();
-        if (body.edges.empty()) {
+    const auto draw_hull = [&](const btConvexHullShape& shape, std::vector<HullEdge>& edges,
+                               const btTransform& frame, const glm::vec3& colour) {
+        const btVector3* points = shape.getUnscaledPoints();
+        if (edges.empty()) {
             std::vector<glm::vec3> corners;
-            for (int p = 0; p < body.shape->getNumPoints(); ++p) corners.push_back(to_glm(points[p]));
-            body.edges = hull_edges(corners);
+            for (int p = 0; p < shape.getNumPoints(); ++p) corners.push_back(to_glm(points[p]));
+            edges = hull_edges(corners);
         }
-        const btTransform& frame = body.rigid->getWorldTransform();
-        const glm::vec3 colour = body.rigid->isActive() ? awake_colour : asleep_colour;
-        for (const auto& [from, to] : body.edges)
+        for (const auto& [from, to] : edges)
             out.push_back(
                 {metres_from_bullet(frame * points[from]), metres_from_bullet(frame * points[to]), colour});
+    };
+    for (size_t i = 0; draw.hulls && i < impl_->bodies.size(); ++i) {
+        BodyRecord& body = *impl_->bodies[i];
+        const btTransform& frame = body.rigid->getWorldTransform();
+        const glm::vec3 colour = body.awake() ? awake_colour : asleep_colour;
+        if (body.shape) draw_hull(*body.shape, body.edges, frame, colour);
+        for (size_t part = 0; part < body.shared.size(); ++part)
+            draw_hull(body.shared[part]->shape, body.shared[part]->edges,
+                      frame * body.compound->getChildTransform(static_cast<int>(part)), colour);
     }
     for (int i = 0; draw.contacts && i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);

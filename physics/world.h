@@ -1,4 +1,4 @@
-// The rigid-body world: bodies with convex hulls, a ground plane, a fixed time step.
+// The rigid-body world: bodies of one or several convex hulls, a ground plane, a fixed time step.
 //
 // Right-handed, Y up, metres, kilograms, seconds. The engine behind it is Bullet, which appears in world.cpp
 // only.
@@ -11,6 +11,8 @@
 // - Time advances in fixed steps only. The same calls on a new (or cleared) World give the same state bit for
 // bit
 //   (state_hash()) with one build on one machine.
+// - Several hulls make one rigid body (a compound). They may touch and overlap each other.
+// - After each step, contacts() tells who pressed on whom, where, and how hard.
 // - Angular momentum and energy of a freely spinning body are conserved (rotation.h), for any inertia.
 // - Not thread-safe, and two Worlds must not step at the same time: Bullet keeps globals. Uses no threads
 // itself.
@@ -25,6 +27,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <optional>
@@ -86,15 +89,43 @@ struct Pose {
     glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f}; // w, x, y, z; unit
 };
 
+// One of the hulls of a body. A hull may be shared by any number of parts and bodies: what Bullet needs to know of
+// it is then made once, so that a body that breaks is rebuilt quickly. It must not change while it is in use.
+struct BodyPart {
+    std::shared_ptr<const CollisionHull> hull{}; // relative to an origin of its own, in body axes
+    glm::vec3 offset{0.0f};                      // of that origin from the centre of mass, in body axes, m
+};
+
 struct BodyDesc {
-    CollisionHull hull{};    // relative to the centre of mass, in body axes
+    CollisionHull hull{};          // relative to the centre of mass, in body axes
+    std::vector<BodyPart> parts{}; // if any, these are the body's hulls, in place of hull
+    // Held by the world: never moves, whatever pushes it. Fixed bodies do not collide with each other and the ground, and
+    // are never awake; velocities and inertia are not looked at, and mechanics() counts them as nothing.
+    bool fixed = false;
+    // For what is fast and small: in a step in which it moves further than its own thickness, a ball that
+    // fits into the body is swept along its path, and the step ends where that ball first touches another body. Costs a query
+    // in such steps only. The other's own motion is not looked at; the ground needs none of this.
+    bool continuous = false;
     float mass = 1.0f;       // kg, > 0
     glm::mat3 inertia{1.0f}; // kg m^2 about the centre of mass in body axes; symmetric
     Pose pose{};
+    std::optional<Pose> previous{};   // where it was a step ago, to interpolate from; nothing: as pose
     glm::vec3 linear_velocity{0.0f};  // m/s, of the centre of mass
     glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
     float friction = 0.6f;            // Coulomb coefficients of two bodies are multiplied
     float restitution = 0.3f;         // 0: dead, 1: elastic; multiplied likewise; fast falls bounce less
+};
+
+// Two bodies that pressed on each other in the last step, at one point.
+struct Contact {
+    BodyId a;
+    BodyId b;            // the default if it is the ground
+    uint32_t part_a = 0; // which of the body's hulls: index into BodyDesc::parts, 0 where there are none
+    uint32_t part_b = 0;
+    glm::vec3 point{0.0f};  // world, m
+    glm::vec3 normal{0.0f}; // unit, world, from b towards a
+    float impulse = 0.0f;   // N s, > 0: what a got along the normal, and b against it. Friction is not in it
+    float speed = 0.0f;     // m/s at which a and b approached there before the step, along the normal; below 0: parting
 };
 
 // Sums over all bodies (or of one), in double so that differences between steps mean something.
@@ -127,8 +158,8 @@ class World {
     [[nodiscard]] const WorldSettings& settings() const;
 
     // Adds a body behind all others. Fails (invalid_setting) on non-finite values, a mass or inertia that no
-    // body can have, an orientation of no length, or a hull of fewer than 4 points; the world is then
-    // unchanged. Eigenvalues of the inertia below a ten-thousandth of the largest (needles, flakes) are
+    // body can have, an orientation of no length, a part without hull or a hull of fewer than 4 points; the world is
+    // then unchanged. Eigenvalues of the inertia below a ten-thousandth of the largest (needles, flakes) are
     // raised to it, for the solver's sake.
     Result<BodyId> add_body(const BodyDesc& desc);
     // Removes a body and wakes what it touched; later bodies move up by one in body order. False if there is
@@ -145,8 +176,8 @@ class World {
     void step();
     // Takes as many steps as fit into the time gone by, at most max_substeps, and returns how far, 0 .. 1,
     // the rest of it reaches from the previous pose to the current: the alpha of write_transforms(). Negative
-    // and non-finite seconds count as none.
-    float advance(double seconds);
+    // and non-finite seconds count as none. Calls after_step, if any, after each step: what answers to contacts belongs there.
+    float advance(double seconds, const std::function<void()>& after_step = {});
     [[nodiscard]] uint64_t steps_taken() const;
 
     // Poses of all bodies in body order, interpolated from those before the last step (alpha 0) to the
@@ -158,13 +189,26 @@ class World {
     [[nodiscard]] Pose previous_pose(BodyId id) const;
     [[nodiscard]] glm::vec3 linear_velocity(BodyId id) const;
     [[nodiscard]] glm::vec3 angular_velocity(BodyId id) const;
-    [[nodiscard]] float mass(BodyId id) const;
+    [[nodiscard]] float mass(BodyId id) const; // as given, also of a fixed body
+    [[nodiscard]] bool fixed(BodyId id) const;
     [[nodiscard]] bool awake(BodyId id) const;
     [[nodiscard]] Mechanics mechanics(BodyId id) const;
 
-    // Changes momentum at once: impulse in N s, applied at a point in world coordinates. Wakes the body.
+    // Changes momentum at once: impulse in N s, applied at a point in world coordinates. Wakes the
+    // body. A fixed one stays as it is.
     void apply_impulse(BodyId id, glm::vec3 impulse, glm::vec3 point);
+    // Replaces both velocities (m/s of the centre of mass; rad/s, world axes) and wakes the body. Finite ones are
+    // asserted; a fixed body keeps none.
+    void set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular);
+    // How fast a point (world coordinates) would move along a unit direction after an impulse of 1 N s there along it, in
+    // m/s: one over the mass that is felt there. 0 for a fixed body.
+    [[nodiscard]] float response(BodyId id, glm::vec3 point, glm::vec3 direction) const;
     void wake_all();
+
+    // Who pressed on whom in the last step, in a fixed order. Sleeping bodies press as they did when they fell asleep. The
+    // velocities of the bodies have these impulses in them already. Bodies that were removed since are still named. Valid until
+    // the next step.
+    [[nodiscard]] std::span<const Contact> contacts() const;
 
     [[nodiscard]] Mechanics mechanics() const;
     [[nodiscard]] size_t awake_count() const;

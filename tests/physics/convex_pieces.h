@@ -146,6 +146,26 @@ inline fracture::Fragments grid_pieces(const glm::dvec3& low, const glm::dvec3& 
     return fragments_of(boxes);
 }
 
+// The same with the bonds of neighbours along the axes.
+inline fracture::Fragments bonded_grid(const glm::dvec3& low, const glm::dvec3& high, int x, int y, int z) {
+    fracture::Fragments fragments = grid_pieces(low, high, x, y, z);
+    const glm::dvec3 cell = (high - low) / glm::dvec3(x, y, z);
+    const auto index = [&](int i, int j, int k) { return static_cast<uint32_t>((i * y + j) * z + k); };
+    for (int i = 0; i < x; ++i)
+        for (int j = 0; j < y; ++j)
+            for (int k = 0; k < z; ++k) {
+                const auto bond = [&](int to_i, int to_j, int to_k) {
+                    if (to_i >= x || to_j >= y || to_k >= z) return;
+                    const glm::dvec3 normal(to_i - i, to_j - j, to_k - k);
+                    const double area = cell.x * cell.y * cell.z / glm::dot(cell, normal);
+                    const glm::dvec3 centre = low + cell * (glm::dvec3(i, j, k) + 0.5 + 0.5 * normal);
+                    fragments.bonds.push_back({index(i, j, k), index(to_i, to_j, to_k), area, centre, normal});
+                };
+                bond(i, j, k + 1), bond(i, j + 1, k), bond(i + 1, j, k);
+            }
+    return fragments;
+}
+
 // The box cut into the Voronoi cells of random sites: what a fracture of a box is.
 inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec3& high, int count,
                                           uint64_t seed) {

@@ -1,0 +1,395 @@
+#include "physics/structure.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+#include "physics/piece_mass.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::Error;
+using fracture::Fragments;
+using fracture::Piece;
+using fracture::Status;
+
+glm::dvec3 turned(const Pose& pose, const glm::dvec3& arm) {
+    return glm::dquat(pose.orientation) * arm;
+}
+
+// The pose of what is at an arm, in body axes, from a body.
+Pose moved(const Pose& body, const glm::dvec3& arm) {
+    return {glm::vec3(glm::dvec3(body.position) + turned(body, arm)), body.orientation};
+}
+
+// A contact of a body that comes apart, taken back from both.
+struct TakenBack {
+    Contact contact;
+    uint32_t piece_a = UINT32_MAX, piece_b = UINT32_MAX;
+    float response = 0.0f; // of both bodies together, 1/kg
+};
+
+float response_of(const World& world, BodyId body, const Contact& contact) {
+    return world.contains(body) ? world.response(body, contact.point, contact.normal) : 0.0f;
+}
+
+void push(World& world, BodyId body, const glm::vec3& impulse, const glm::vec3& point) {
+    if (world.contains(body)) world.apply_impulse(body, impulse, point);
+}
+
+} // namespace
+
+std::vector<uint32_t> anchor_to_ground(const Fragments& fragments, const Pose& placement, float ground,
+                                       float height) {
+    return anchor_where(fragments, [&](const Piece& piece) {
+        return std::ranges::any_of(fragments.positions_of(piece), [&](const glm::dvec3& position) {
+            return placement.position.y + turned(placement, position).y <= ground + height;
+        });
+    });
+}
+
+std::vector<uint32_t> anchor_where(const Fragments& fragments,
+                                   const std::function<bool(const Piece&)>& held) {
+    std::vector<uint32_t> anchored;
+    for (uint32_t i = 0; i < fragments.pieces.size(); ++i)
+        if (held(fragments.pieces[i])) anchored.push_back(i);
+    return anchored;
+}
+
+Result<Structure> Structure::create(World& world, const Fragments& fragments, const StructureDesc& desc) {
+    if (const Result<void> checked = check_pieces(fragments, desc.material); !checked) return checked.error();
+    for (const uint32_t piece : desc.anchored)
+        if (piece >= fragments.pieces.size())
+            return Error{Status::invalid_setting, "piece " + std::to_string(piece) + " is to be anchored, but there are "
+                                                      + std::to_string(fragments.pieces.size())};
+    Structure structure;
+    structure.desc_ = desc;
+    structure.desc_.anchored.clear();
+    structure.steps_seen_ = world.steps_taken();
+    structure.graph_ = BondGraph(fragments, desc.material);
+    std::vector<uint32_t> all;
+    for (const Piece& piece : fragments.pieces) {
+        const BodyMass mass = piece_mass(fragments, piece, desc.material.density);
+        PieceState& state = structure.pieces_.emplace_back();
+        state.centre = piece.mass.centre_of_mass;
+        state.mass = mass.mass;
+        state.inertia = mass.inertia;
+        state.bearable =
+            static_cast<double>(toughness(desc.material)) * std::pow(mass.mass / desc.material.density, 2.0 / 3.0);
+        state.hull = std::make_shared<const CollisionHull>(
+            collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, desc.hull));
+        all.push_back(static_cast<uint32_t>(all.size()));
+    }
+    for (const uint32_t piece : desc.anchored) structure.pieces_[piece].anchored = true;
+    const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
+                        desc.motion.angular_velocity, glm::dvec3(0.0)};
+    for (const std::vector<uint32_t>& island : structure.graph_.islands(all)) {
+        const Result<void> added = structure.add_island(world, island, motion);
+        if (added) continue;
+        structure.remove(world);
+        return added.error();
+    }
+    structure.changes_ = {};
+    if (!desc.wear.enabled) return structure;
+    std::vector<StressNode> nodes;
+    for (const PieceState& piece : structure.pieces_)
+        nodes.push_back({piece.centre, piece.mass, piece.inertia, piece.anchored});
+    structure.wear_ = Wear(nodes, structure.graph_, desc.material, desc.wear);
+    return structure;
+}
+
+Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion) {
+    BodyState body;
+    double mass = 0.0;
+    for (const uint32_t piece : island) {
+        mass += pieces_[piece].mass;
+        body.centre += pieces_[piece].mass * pieces_[piece].centre;
+        body.fixed = body.fixed || pieces_[piece].anchored;
+    }
+    body.centre = island.size() == 1 ? pieces_[island[0]].centre : body.centre / mass;
+    glm::dmat3 inertia(0.0);
+    BodyDesc desc;
+    for (const uint32_t piece : island) {
+        const PieceState& part = pieces_[piece];
+        const glm::dvec3 arm = part.centre - body.centre;
+        inertia += part.inertia + part.mass * (glm::dmat3(glm::dot(arm, arm)) - glm::outerProduct(arm, arm));
+        desc.parts.push_back({part.hull, glm::vec3(arm)});
+    }
+    const glm::dvec3 arm = body.centre - motion.centre;
+    desc.fixed = body.fixed;
+    desc.continuous = desc_.continuous;
+    desc.mass = static_cast<float>(mass);
+    desc.inertia = glm::mat3(inertia);
+    desc.pose = moved(motion.pose, arm);
+    desc.previous = moved(motion.previous, arm);
+    desc.linear_velocity = glm::vec3(
+        glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
+    desc.angular_velocity = motion.angular;
+    desc.friction = desc_.material.friction;
+    desc.restitution = desc_.material.restitution;
+    const Result<BodyId> added = world.add_body(desc);
+    if (!added) return added.error();
+    body.id = *added;
+    body.pieces = island;
+    const auto index = static_cast<uint32_t>(bodies_.size());
+    for (const uint32_t piece : island) pieces_[piece].body = index;
+    body_of_id_.resize(std::max<size_t>(body_of_id_.size(), body.id.value + size_t{1}), none);
+    body_of_id_[body.id.value] = index;
+    bodies_.push_back(std::move(body));
+    dirty_.push_back(0);
+    changes_.added.push_back(*added);
+    return {};
+}
+
+bool Structure::exists(const World& world, uint32_t body) const {
+    return body != none && world.contains(bodies_[body].id);
+}
+
+Structure::Motion Structure::motion_of(const World& world, const BodyState& body) const {
+    return {world.pose(body.id), world.previous_pose(body.id), world.linear_velocity(body.id),
+            world.angular_velocity(body.id), body.centre};
+}
+
+uint32_t Structure::piece_at(BodyId body, uint32_t part) const {
+    if (body.value >= body_of_id_.size() || body_of_id_[body.value] == none) return none;
+    const std::vector<uint32_t>& pieces = bodies_[body_of_id_[body.value]].pieces;
+    return part < pieces.size() ? pieces[part] : none;
+}
+
+void Structure::break_bonds(std::span<const uint32_t> bonds) {
+    for (const uint32_t bond : bonds) graph_.weaken(bond, 1.0);
+}
+
+void Structure::isolate(uint32_t piece) {
+    break_bonds(graph_.bonds_of(piece));
+}
+
+// Calls damage for each body with the function from the world to the fragments and the body's pieces as flags.
+template<class Damage> void Structure::damage_bodies(const World& world, const Damage& damage) {
+    std::vector<uint8_t> inside(pieces_.size(), 0);
+    for (uint32_t i = 0; i < bodies_.size(); ++i) {
+        const BodyState& body = bodies_[i];
+        if (body.pieces.size() < 2 || !exists(world, i)) continue;
+        for (const uint32_t piece : body.pieces) inside[piece] = 1;
+        const Pose pose = world.pose(body.id);
+        damage(
+            [&](const glm::vec3& point) {
+                const glm::dvec3 arm(glm::dvec3(point) - glm::dvec3(pose.position));
+                return glm::conjugate(glm::dquat(pose.orientation)) * arm + body.centre;
+            },
+            inside);
+        for (const uint32_t piece : body.pieces) inside[piece] = 0;
+    }
+}
+
+void Structure::damage(const World& world, glm::vec3 point, float radius, float amount) {
+    damage_bodies(world, [&](const auto& to_fragments, const std::vector<uint8_t>& inside) {
+        graph_.damage(to_fragments(point), radius, amount, inside);
+    });
+}
+
+void Structure::damage_segment(const World& world, glm::vec3 from, glm::vec3 to, float radius, float amount) {
+    damage_bodies(world, [&](const auto& to_fragments, const std::vector<uint8_t>& inside) {
+        graph_.damage_segment(to_fragments(from), to_fragments(to), radius, amount, inside);
+    });
+}
+
+void Structure::blow(uint32_t piece, float impulse) {
+    graph_.blow(piece, impulse);
+}
+
+void Structure::release_anchors(std::span<const uint32_t> pieces) {
+    for (const uint32_t piece : pieces) {
+        pieces_[piece].anchored = false;
+        if (pieces_[piece].body != none) dirty_[pieces_[piece].body] = 1;
+    }
+    if (desc_.wear.enabled) wear_.release(pieces);
+}
+
+// All that one body did to one piece in the step counts as one.
+std::vector<Impact> Structure::find_blows(const World& world) const {
+    std::vector<Impact> blows;
+    for (const Contact& contact : world.contacts()) {
+        if (!(contact.speed > desc_.impact_speed)) continue;
+        for (const bool first : {true, false}) {
+            const uint32_t piece =
+                first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
+            if (piece == none) continue;
+            const BodyId other = first ? contact.b : contact.a;
+            auto blow = std::ranges::find_if(
+                blows, [&](const Impact& known) { return known.piece == piece && known.other == other; });
+            if (blow == blows.end()) blow = blows.insert(blows.end(), {.piece = piece, .other = other});
+            const float sum = blow->impulse + contact.impulse;
+            blow->point += (contact.point - blow->point) * (contact.impulse / sum);
+            if (contact.impulse > 0.5f * sum) blow->normal = first ? contact.normal : -contact.normal;
+            blow->impulse = sum;
+            blow->energy += 0.5f * contact.impulse * contact.speed;
+        }
+    }
+    return blows;
+}
+
+const Structure::Changes& Structure::update(World& world) {
+    changes_ = {};
+    contacts_due_ = world.steps_taken() != steps_seen_;
+    steps_seen_ = world.steps_taken();
+    if (contacts_due_)
+        for (const Impact& blow : find_blows(world)) {
+            graph_.blow(blow.piece, blow.impulse);
+            if (blow.impulse > pieces_[blow.piece].bearable) changes_.impacts.push_back(blow);
+        }
+    if (contacts_due_ && desc_.wear.enabled) wear_bonds(world);
+    changes_.broken = graph_.take_broken();
+    for (const uint32_t bond : changes_.broken)
+        for (const uint32_t piece : {graph_.bonds()[bond].a, graph_.bonds()[bond].b})
+            if (pieces_[piece].body != none) dirty_[pieces_[piece].body] = 1;
+    if (desc_.wear.enabled) wear_.remove_bonds(changes_.broken);
+    split(world);
+    return changes_;
+}
+
+// Of bodies that move only contacts count: what gravity does to them it does to all their pieces alike.
+void Structure::wear_bonds(const World& world) {
+    weights_.assign(pieces_.size(), {});
+    pushes_.assign(pieces_.size(), {});
+    const double seconds = world.settings().step;
+    for (const BodyState& body : bodies_) {
+        if (!body.fixed || !world.contains(body.id)) continue;
+        const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body.id).orientation));
+        const glm::dvec3 gravity = to_fragments * glm::dvec3(world.settings().gravity);
+        for (const uint32_t piece : body.pieces) weights_[piece].force = pieces_[piece].mass * gravity;
+    }
+    for (const Contact& contact : world.contacts()) {
+        if (contact.speed > desc_.impact_speed) continue;
+        for (const bool first : {true, false}) {
+            const uint32_t piece =
+                first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
+            if (piece == none || !exists(world, pieces_[piece].body)) continue;
+            const BodyState& body = bodies_[pieces_[piece].body];
+            const Pose pose = world.pose(body.id);
+            const glm::dquat to_fragments = glm::conjugate(glm::dquat(pose.orientation));
+            const double size = static_cast<double>(first ? contact.impulse : -contact.impulse) / seconds;
+            const glm::dvec3 force = to_fragments * (size * glm::dvec3(contact.normal));
+            const glm::dvec3 point =
+                to_fragments * (glm::dvec3(contact.point) - glm::dvec3(pose.position)) + body.centre;
+            pushes_[piece].force += force;
+            pushes_[piece].torque += glm::cross(point - pieces_[piece].centre, force);
+        }
+    }
+    wear_.step(graph_, weights_, pushes_, seconds);
+}
+
+void Structure::split(World& world) {
+    std::vector<std::pair<uint32_t, std::vector<std::vector<uint32_t>>>> breaks;
+    std::vector<uint8_t> breaking(bodies_.size(), 0);
+    for (uint32_t i = 0; i < bodies_.size(); ++i) {
+        if (!std::exchange(dirty_[i], uint8_t{0}) || !exists(world, i)) continue;
+        auto islands = graph_.islands(bodies_[i].pieces);
+        const bool let_go = bodies_[i].fixed && std::ranges::none_of(bodies_[i].pieces, [&](uint32_t piece) {
+                                return pieces_[piece].anchored;
+                            });
+        if (islands.size() < 2 && !let_go) continue;
+        breaking[i] = 1;
+        breaks.emplace_back(i, std::move(islands));
+    }
+    if (breaks.empty()) return;
+
+    std::vector<TakenBack> taken;
+    for (const Contact& contact : world.contacts()) {
+        if (!contacts_due_ || !(contact.speed > desc_.impact_speed)) continue;
+        const uint32_t a = piece_at(contact.a, contact.part_a), b = piece_at(contact.b, contact.part_b);
+        if (!(a != none && breaking[pieces_[a].body]) && !(b != none && breaking[pieces_[b].body])) continue;
+        const float response = response_of(world, contact.a, contact) + response_of(world, contact.b, contact);
+        taken.push_back({contact, a, b, response});
+        push(world, contact.a, -contact.impulse * contact.normal, contact.point);
+        push(world, contact.b, contact.impulse * contact.normal, contact.point);
+    }
+    for (const auto& [index, islands] : breaks) {
+        const Motion motion = motion_of(world, bodies_[index]);
+        const BodyId old = bodies_[index].id;
+        world.remove_body(old);
+        changes_.removed.push_back(old);
+        body_of_id_[old.value] = none;
+        bodies_[index].id = {};
+        for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
+        for (const std::vector<uint32_t>& island : islands) {
+            [[maybe_unused]] const Result<void> added = add_island(world, island, motion);
+            assert(added && "parts of a body that the world took are bodies, too");
+        }
+    }
+    for (const TakenBack& back : taken) {
+        const BodyId a = back.piece_a != none ? body_of(back.piece_a) : back.contact.a;
+        const BodyId b = back.piece_b != none ? body_of(back.piece_b) : back.contact.b;
+        const float response = response_of(world, a, back.contact) + response_of(world, b, back.contact);
+        if (!(response > 0.0f)) continue;
+        const glm::vec3 impulse = back.contact.impulse * (back.response / response) * back.contact.normal;
+        push(world, a, impulse, back.contact.point);
+        push(world, b, -impulse, back.contact.point);
+    }
+}
+
+std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) {
+    const uint32_t index = pieces_[piece].body;
+    if (!exists(world, index) || bodies_[index].pieces.size() != 1) return std::nullopt;
+    const Motion motion = motion_of(world, bodies_[index]);
+    PlacedMotion placed;
+    placed.placement = moved(motion.pose, -motion.centre);
+    placed.linear_velocity =
+        motion.linear - glm::vec3(glm::cross(glm::dvec3(motion.angular), turned(motion.pose, motion.centre)));
+    placed.angular_velocity = motion.angular;
+    world.remove_body(bodies_[index].id);
+    body_of_id_[bodies_[index].id.value] = none;
+    bodies_[index].id = {};
+    bodies_[index].pieces.clear();
+    pieces_[piece].body = none;
+    return placed;
+}
+
+void Structure::remove(World& world) {
+    for (BodyState& body : bodies_) {
+        world.remove_body(std::exchange(body.id, {}));
+        body.pieces.clear();
+    }
+    body_of_id_.clear();
+    for (PieceState& piece : pieces_) piece.body = none;
+}
+
+BodyId Structure::body_of(uint32_t piece) const {
+    return pieces_[piece].body == none ? BodyId{} : bodies_[pieces_[piece].body].id;
+}
+
+glm::vec3 Structure::offset(uint32_t piece) const {
+    if (pieces_[piece].body == none) return glm::vec3(0.0f);
+    return glm::vec3(pieces_[piece].centre - bodies_[pieces_[piece].body].centre);
+}
+
+std::vector<BodyId> Structure::bodies() const {
+    std::vector<BodyId> ids;
+    for (const BodyState& body : bodies_)
+        if (body.id != BodyId{}) ids.push_back(body.id);
+    return ids;
+}
+
+size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha) const {
+    const size_t count = std::min(out.size(), pieces_.size());
+    for (const BodyState& body : bodies_) {
+        if (body.pieces.empty() || !world.contains(body.id)) continue;
+        Pose pose = world.pose(body.id);
+        if (alpha < 1.0f) {
+            const Pose before = world.previous_pose(body.id);
+            pose = {glm::mix(before.position, pose.position, alpha),
+                    glm::slerp(before.orientation, pose.orientation, alpha)};
+        }
+        for (const uint32_t piece : body.pieces)
+            if (piece < count) out[piece] = moved(pose, pieces_[piece].centre - body.centre);
+    }
+    return count;
+}
+
+} // namespace brittle::physics
