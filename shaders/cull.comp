@@ -32,10 +32,16 @@ void main() {
     float scale = abs(pose.position_and_scale.w);
     bool drawn_here = scale != 0.0 && seen(clip, place(pose, draw.sphere.xyz, origin), draw.sphere.w * scale);
 
+    bool first_of_piece = i == 0 || draws[i - 1].piece != draw.piece;
     DrawCommand command = all[i];
     if (!drawn_here) command.instances = 0;
-    if (view == view_camera) for_camera[i] = command;
-    else for_light[i] = command;
-    bool first_of_piece = i == 0 || draws[i - 1].piece != draw.piece;
+    if (view == view_camera) {
+        for_camera[i] = command;
+    } else {
+        // A shadow has no material: a piece's two ranges, which lie side by side, are one.
+        if (!first_of_piece) command.instances = 0;
+        else if (i + 1 < all.length() && draws[i + 1].piece == draw.piece) command.indices += all[i + 1].indices;
+        for_light[i] = command;
+    }
     if (drawn_here && first_of_piece) atomicAdd(drawn[view], 1);
 }

@@ -53,5 +53,5 @@ void main() {
         float sine = dot(v, normal) * inversesqrt(vv);
         hidden += max(sine - frame.occlusion.z, 0.0) * max(1.0 - vv / (radius * radius), 0.0);
     }
-    visible_and_distance.x = max(1.0 - frame.occlusion.w * hidden / float(samples), 0.0);
+    visible_and_distance.x = 1.0 / (1.0 + frame.occlusion.w * hidden / float(samples)); // some light gets anywhere
 }

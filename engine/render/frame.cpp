@@ -214,14 +214,14 @@ shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shado
     constexpr float fade_end = 3.5f;
     // Of the scene's height; see shade() in light.glsl.
     constexpr float ground_darkens = 0.35f;
-    // Of the scene's largest side; a sine; see occlusion.frag. Chosen by eye.
+    // Of the scene's height, which pieces that roll away do not change; a sine; see occlusion.frag. Chosen by
+    // eye.
     constexpr float occlusion_reach = 0.25f;
     constexpr float occlusion_bias = 0.12f;
-    constexpr float occlusion_strength = 6.0f;
+    constexpr float occlusion_strength = 14.0f;
 
     const float reach = glm::length(scene.camera.target - eye);
     const float height = std::max(scene.bounds.size().y, 1e-5f);
-    const float largest = std::max({scene.bounds.size().x, scene.bounds.size().z, height});
     const float pixels_a_metre = 0.5f * static_cast<float>(size.y) * std::abs(camera.projection[1][1]);
     const glm::mat4 clip_from_eye = camera.projection * glm::mat4(glm::mat3(camera.view));
     return {
@@ -240,7 +240,7 @@ shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shado
         .ground_disc = {scene.camera.target.x, scene.camera.target.z, fade_begin * reach, fade_end * reach},
         .background_top = {look.background_top, look.exposure},
         .background_bottom = {look.background_bottom, 0.0f},
-        .occlusion = {occlusion_reach * largest, pixels_a_metre, occlusion_bias, occlusion_strength}};
+        .occlusion = {occlusion_reach * height, pixels_a_metre, occlusion_bias, occlusion_strength}};
 }
 
 void Frame::write_colour(PassBuilder& pass, Access access, bool last) {

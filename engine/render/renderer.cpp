@@ -61,7 +61,8 @@ void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint6
 }
 
 // Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
-// rates: 4 samples double the time of a frame there, 16 taps add half.
+// rates: the frame of a bunny at 1280x720 takes 1.5 to 2 times as long with 4 samples, 1.5 times with 16
+// taps, 4 to 6 times with occlusion.
 Result<Quality> choose(Quality quality, const Device& device) {
     const bool cpu = device.is_cpu();
     if (!quality.shadow_size) quality.shadow_size = cpu ? 1024 : 2048;
