@@ -11,6 +11,9 @@
 #include <vector>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "fracture/triangulate.h"
 
 namespace brittle::fracture {
 namespace {
@@ -455,9 +458,42 @@ TriangleMesh menger_sponge(uint32_t level, double edge) {
     return mesh;
 }
 
+TriangleMesh cuboid(const glm::dvec3& size) {
+    TriangleMesh mesh = cube(1.0);
+    for (glm::dvec3& p : mesh.positions) p *= size;
+    return mesh;
+}
+
+TriangleMesh arch(uint32_t segments) {
+    segments = std::clamp(segments, 2u, 4096u);
+    // The outline, counter-clockwise seen from +Z: around the outside, then back along the opening.
+    constexpr double width = 1.0, inner = 0.6, spring = 0.7, height = 1.5, depth = 0.15;
+    std::vector<glm::dvec2> outline = {{inner, 0.0}, {width, 0.0}, {width, height}, {-width, height}, {-width, 0.0}, {-inner, 0.0}};
+    for (uint32_t k = 0; k <= segments; ++k) {
+        const double angle = std::numbers::pi * (1.0 - static_cast<double>(k) / segments);
+        outline.emplace_back(inner * std::cos(angle), spring + inner * std::sin(angle));
+    }
+    const auto n = static_cast<uint32_t>(outline.size());
+    TriangleMesh mesh;
+    for (const double z : {-depth, depth})
+        for (const glm::dvec2& p : outline) mesh.positions.emplace_back(p.x, p.y, z);
+    Loop loop(n);
+    for (uint32_t k = 0; k < n; ++k) {
+        loop[k] = k;
+        const uint32_t next = (k + 1) % n;
+        mesh.triangles.emplace_back(k, next, n + next);
+        mesh.triangles.emplace_back(k, n + next, n + k);
+    }
+    for (const Triangle& t : triangulate(outline, {&loop, 1}).triangles) {
+        mesh.triangles.push_back(t + n);
+        mesh.triangles.emplace_back(t.x, t.z, t.y);
+    }
+    return mesh;
+}
+
 std::span<const std::string_view> shape_names() {
-    static constexpr std::array<std::string_view, 8> names = {
-        "cube", "lattice_cube", "icosphere", "torus", "torus_knot", "hollow_sphere", "menger_sponge", "animal"};
+    static constexpr std::array<std::string_view, 11> names = {"cube", "lattice_cube", "icosphere", "torus", "torus_knot",
+                                                               "hollow_sphere", "menger_sponge", "pane", "wall", "arch", "animal"};
     return names;
 }
 
@@ -469,6 +505,9 @@ std::optional<TriangleMesh> shape(std::string_view name) {
     if (name == "torus_knot") return torus_knot();
     if (name == "hollow_sphere") return hollow_sphere();
     if (name == "menger_sponge") return menger_sponge();
+    if (name == "pane") return cuboid({2.0, 1.4, 0.03});
+    if (name == "wall") return cuboid({2.0, 1.2, 0.2});
+    if (name == "arch") return arch();
     if (name == "animal") return four_legged_animal();
     return std::nullopt;
 }

@@ -32,13 +32,18 @@ namespace brittle::fracture {
 // A Menger sponge: a cube of which each level cuts square tunnels through the middle, in 3^level steps; level 0 is the
 // cube, 4 the most. Genus 5 at level 1, 81 at level 2.
 [[nodiscard]] TriangleMesh menger_sponge(uint32_t level = 2, double edge = 2.0);
+// A box of these lengths.
+[[nodiscard]] TriangleMesh cuboid(const glm::dvec3& size);
+// Two columns and a round arch between them under a flat top, feet at y = 0: 2 m wide, 1.5 m high, 0.3 m deep; the opening is
+// 1.2 m wide.
+[[nodiscard]] TriangleMesh arch(uint32_t segments = 24);
 // A calf: trunk, neck, head with ears and horns, tail and four legs, smoothly joined; 2.4 m long, one
 // component of genus 0. Feet at y = 0, looking along +Z. A plane across the legs leaves four separate parts
 // below it, as in the paper's figure 12. resolution is the number of lattice cells along its length.
 [[nodiscard]] TriangleMesh four_legged_animal(uint32_t resolution = 64);
 
 // Names that shape() knows, for help texts: cube, lattice_cube, icosphere, torus, torus_knot, hollow_sphere,
-// menger_sponge, animal.
+// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, animal.
 [[nodiscard]] std::span<const std::string_view> shape_names();
 // The shape of that name with its default arguments (lattice_cube: n = 16); nothing for an unknown name.
 [[nodiscard]] std::optional<TriangleMesh> shape(std::string_view name);

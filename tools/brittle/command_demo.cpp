@@ -22,12 +22,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr float ball_speed = 14.0f; // m/s
+
 struct KeyHelp {
     const char* key;
     const char* what;
 };
 constexpr std::array key_help{
     KeyHelp{"Space", "break the mesh and let the pieces fall"},
+    KeyHelp{"F", "fire a ball at it: its pieces hold together until they are hit"},
     KeyHelp{"R", "reset: the unbroken mesh again"},
     KeyHelp{"P", "pause and go on"},
     KeyHelp{"D", "physics debug drawer: collision hulls in red"},
@@ -86,9 +89,11 @@ class Demo {
         }
         if (input.pressed(engine::Key::escape)) window_.close();
         if (input.pressed(engine::Key::space)) start_breaking();
+        if (input.pressed('F')) fire();
         if (input.pressed('R')) {
             discard_ = breaking_.valid();
             pieces_.reset();
+            bonded_ = fire_when_cut_ = false;
             stage_.reset(input_.model.mesh);
             show_title();
         }
@@ -110,12 +115,32 @@ class Demo {
         });
     }
 
+    // From the eye to where it looks. A mesh that is whole is cut first and then stands, bonded.
+    void fire() {
+        if (!stage_.broken()) {
+            bonded_ = fire_when_cut_ = true;
+            start_breaking();
+            return;
+        }
+        const engine::Camera camera = orbit_.camera();
+        const glm::vec3 direction = glm::normalize(camera.target - camera.eye);
+        stage_.shoot({.from = camera.eye, .velocity = glm::dvec3(ball_speed * direction)});
+    }
+
     // Puts the pieces on the stage when the worker is done with them.
     void take_pieces() {
         if (!breaking_.valid() || breaking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
         Broken broken = breaking_.get();
         if (std::exchange(discard_, false)) return;
-        stage_.shatter(broken.fragments);
+        const WorldOptions& world = command_.fracture.world;
+        if (bonded_ || world.bonded || world.anchored) {
+            WorldOptions options = world;
+            options.bonded = true;
+            stage_.stand(broken.fragments, options);
+        } else {
+            stage_.shatter(broken.fragments);
+        }
+        if (std::exchange(fire_when_cut_, false)) fire();
         pieces_ = {broken.certificate, broken.milliseconds};
         show_title();
     }
@@ -176,6 +201,8 @@ class Demo {
     std::optional<Pieces> pieces_;
     double smoothed_seconds_ = 1.0 / 60.0;
     bool discard_ = false; // R was pressed while the worker was busy
+    bool bonded_ = false;        // F was pressed before Space
+    bool fire_when_cut_ = false; // and the worker is busy
     bool paused_ = false;
     bool hulls_ = false;
     bool sites_ = false;
@@ -189,7 +216,7 @@ class Demo {
 int run_demo(const DemoCommand& command) {
     const auto window = must(engine::Window::create(
         {.title = "Brittle", .width = command.view.width, .height = command.view.height}));
-    const Input input = placed_on_stage(load_input(command.fracture));
+    const Input input = placed_on_stage(load_input(command.fracture), command.fracture.world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     {
         const ClassifyChoice choice =

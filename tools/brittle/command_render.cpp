@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 #include <span>
 
@@ -30,9 +31,10 @@ void check_output(const std::string& output) {
 
 int run_render(const RenderCommand& command) {
     const PictureOptions& picture = command.fracture.picture;
+    const WorldOptions& world = command.fracture.world;
     check_output(command.output);
     catch_interrupts();
-    const Input input = placed_on_stage(load_input(command.fracture));
+    const Input input = placed_on_stage(load_input(command.fracture), command.fracture.world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);
@@ -45,7 +47,8 @@ int run_render(const RenderCommand& command) {
         Progress progress("fracturing " + input.name);
         const Broken broken = break_input(
             input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
-        stage.shatter(broken.fragments);
+        if (world.bonded || world.anchored) stage.stand(broken.fragments, world);
+        else stage.shatter(broken.fragments);
     }
     if (picture.sites) stage.show_sites(input.sites);
     if (picture.cells) stage.show_lines(cell_lines(input));
@@ -60,6 +63,8 @@ int run_render(const RenderCommand& command) {
     Progress progress("rendering");
     for (uint32_t frame = 0; frame <= frames; ++frame) {
         throw_if_interrupted();
+        for (const Shot& shot : world.shots)
+            if (frame == static_cast<uint32_t>(std::lround(shot.time / frame_seconds))) stage.shoot(shot);
         if (frame > 0) stage.advance(frame_seconds);
         if (is_numbered(command.output) ? frame % command.every != 0 : frame != frames) continue;
         engine::Scene scene = stage.scene();

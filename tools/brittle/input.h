@@ -10,6 +10,7 @@
 #include "fracture/io/model.h"
 #include "fracture/pattern.h"
 #include "tools/brittle/picture.h"
+#include "tools/brittle/world_options.h"
 
 namespace brittle::tools {
 
@@ -26,6 +27,7 @@ struct FractureOptions {
     double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
     uint32_t threads = 0;    // 0: one a core
     PictureOptions picture;  // what `brittle render` shows
+    WorldOptions world;
 };
 
 // A mesh and the sites to break it by.

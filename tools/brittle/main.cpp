@@ -163,6 +163,14 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
                      "Run under the Vulkan validation layer; fail if it has something to say");
 }
 
+void add_world_options(CLI::App& command, WorldOptions& world) {
+    command.add_flag("--bonded", world.bonded, "Pieces hold together until blows or loads break their bonds");
+    command.add_flag("--anchored", world.anchored, "Bonded, and what stands on the ground is held by it");
+    command.add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")
+        ->check(CLI::Range(0.0, 100.0))
+        ->capture_default_str();
+}
+
 void add_classify_option(CLI::App& command, std::string& where) {
     command
         .add_option("--classify", where,
@@ -335,6 +343,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->capture_default_str();
     render->add_option("--graph", render_command.graph, "Also write the frame graph of the last picture, for `dot -Tsvg`")
         ->type_name("FILE.dot");
+    add_world_options(*render, render_command.fracture.world);
     add_classify_option(*render, render_command.classify);
     add_view_options(*render, render_command.view);
     render->callback([&run] { run = [] { return run_render(render_command); }; });
@@ -344,6 +353,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     demo_command.fracture.mesh = "shape:animal";
     add_fracture_options(*demo, demo_command.fracture);
     demo->get_option("mesh")->capture_default_str();
+    add_world_options(*demo, demo_command.fracture.world);
     add_classify_option(*demo, demo_command.classify);
     add_view_options(*demo, demo_command.view);
     demo->callback([&run] { run = [] { return run_demo(demo_command); }; });

@@ -57,6 +57,21 @@ Json points_json(const FractureOptions& options) {
     return json;
 }
 
+Json world_json(const WorldOptions& world) {
+    const WorldOptions plain;
+    Json json = Json::object();
+    if (world.bonded) json["bonded"] = true;
+    if (world.anchored) json["anchored"] = true;
+    if (world.height != plain.height) json["height"] = world.height;
+    for (const Shot& shot : world.shots)
+        json["shots"].push_back({{"time", shot.time},
+                                 {"from", vector_json(shot.from)},
+                                 {"velocity", vector_json(shot.velocity)},
+                                 {"radius", shot.radius},
+                                 {"density", shot.density}});
+    return json;
+}
+
 // What differs from the defaults.
 Json picture_json(const PictureOptions& picture) {
     const PictureOptions plain;
@@ -86,6 +101,7 @@ Json recipe_object(const FractureOptions& options) {
         options.sites_file.empty() ? pattern_json(options.pattern, plain.pattern) : points_json(options);
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
+    if (const Json world = world_json(options.world); !world.empty()) recipe["world"] = world;
     if (const Json picture = picture_json(options.picture); !picture.empty()) recipe["picture"] = picture;
     return recipe;
 }
@@ -127,6 +143,27 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
         pattern.line.clear();
         for (size_t k = 0; k < line->size(); ++k)
             pattern.line.push_back(reader.vector_of("line/" + std::to_string(k), (*line)[k]));
+    }
+}
+
+void read_world(const std::filesystem::path& file, JsonReader& reader, WorldOptions& world) {
+    reader.flag("bonded", world.bonded);
+    reader.flag("anchored", world.anchored);
+    reader.number("height", world.height, 0.0, 100.0);
+    const Json* shots = reader.find("shots");
+    if (!shots) return;
+    if (!shots->is_array()) reader.fail("shots", "a list [{ }, ...]", *shots);
+    world.shots.clear();
+    for (size_t k = 0; k < shots->size(); ++k) {
+        JsonReader inner(file, (*shots)[k], "/world/shots/" + std::to_string(k));
+        Shot shot;
+        inner.number("time", shot.time, 0.0, 1e4);
+        inner.vector("from", shot.from);
+        inner.vector("velocity", shot.velocity);
+        inner.number("radius", shot.radius, 0.001, 10.0);
+        inner.number("density", shot.density, 1.0, 1e5);
+        inner.refuse_unknown_keys();
+        world.shots.push_back(shot);
     }
 }
 
@@ -185,6 +222,11 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
         read_pattern(inner, options);
         inner.refuse_unknown_keys();
         from_here(options.sites_file);
+    }
+    if (const Json* world = reader.find("world")) {
+        JsonReader inner(file, *world, "/world");
+        read_world(file, inner, options.world);
+        inner.refuse_unknown_keys();
     }
     if (const Json* picture = reader.find("picture")) {
         JsonReader inner(file, *picture, "/picture");

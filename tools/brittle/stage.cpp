@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/color_space.hpp>
 
+#include "fracture/mass_properties.h"
+#include "fracture/shapes.h"
 #include "physics/pieces.h"
 #include "tools/brittle/failure.h"
 
@@ -14,7 +16,6 @@ namespace brittle::tools {
 namespace {
 
 constexpr double stage_size = 2.0;     // m, longest side of the mesh
-constexpr double stage_height = 0.5;   // m, of its lowest point above the ground
 constexpr float piece_tint_strength = 0.9f;
 constexpr float material_tint_strength = 0.15f; // a material shows its own colour
 constexpr float site_radius = 0.02f;   // m
@@ -27,13 +28,14 @@ uint32_t packed(const glm::vec3& linear) {
 
 } // namespace
 
-Input placed_on_stage(Input input) {
+Input placed_on_stage(Input input, const WorldOptions& world) {
     const fracture::Box box = fracture::bounds(input.model.mesh);
     const double longest = std::max({box.size().x, box.size().y, box.size().z});
     if (!(longest > 0.0) || !std::isfinite(longest)) return input;
     const double scale = stage_size / longest;
+    const double height = world.anchored ? 0.0 : world.height;
     const glm::dvec3 foot(box.centre().x, box.min.y, box.centre().z);
-    const auto place = [&](glm::dvec3& p) { p = (p - foot) * scale + glm::dvec3(0.0, stage_height, 0.0); };
+    const auto place = [&](glm::dvec3& p) { p = (p - foot) * scale + glm::dvec3(0.0, height, 0.0); };
     std::for_each(input.model.mesh.positions.begin(), input.model.mesh.positions.end(), place);
     std::for_each(input.sites.begin(), input.sites.end(), place);
     for (double& weight : input.weights) weight *= scale * scale;
@@ -47,6 +49,8 @@ Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, con
 
 void Stage::reset(const fracture::TriangleMesh& mesh) {
     world_.clear();
+    structure_.reset();
+    balls_.clear();
     radii_.clear();
     const fracture::Box box = fracture::bounds(mesh);
     home_ = {glm::vec3(box.min), glm::vec3(box.max)};
@@ -60,9 +64,39 @@ void Stage::reset(const fracture::TriangleMesh& mesh) {
 
 void Stage::shatter(const fracture::Fragments& fragments) {
     world_.clear();
+    structure_.reset();
+    balls_.clear();
     must(physics::add_pieces(world_, fragments, material_ ? material_->material : physics::Material{}));
-    alpha_ = 1.0f;
+    upload(fragments);
+}
 
+void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world) {
+    world_.clear();
+    balls_.clear();
+    physics::StructureDesc desc{.material = material_ ? material_->material : physics::Material{}};
+    if (world.anchored) desc.anchored = physics::anchor_to_ground(fragments);
+    structure_ = must(physics::Structure::create(world_, fragments, desc));
+    upload(fragments);
+}
+
+void Stage::shoot(const Shot& shot) {
+    if (!broken()) return;
+    const fracture::TriangleMesh ball = fracture::icosphere(2, shot.radius);
+    const double mass = shot.density * fracture::signed_volume(ball.positions, ball.triangles);
+    const auto inertia = static_cast<float>(0.4 * mass * shot.radius * shot.radius);
+    balls_.push_back({must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}),
+                                            .continuous = true,
+                                            .mass = static_cast<float>(mass),
+                                            .inertia = glm::mat3(inertia),
+                                            .pose = {.position = glm::vec3(shot.from)},
+                                            .linear_velocity = glm::vec3(shot.velocity)})),
+                      static_cast<float>(shot.radius)});
+}
+
+// What is drawn of the fragments, with a body's pose a piece.
+void Stage::upload(const fracture::Fragments& fragments) {
+    alpha_ = 1.0f;
+    due_ = 0.0;
     std::vector<glm::vec3> positions(fragments.positions.size());
     std::vector<engine::PieceMesh> meshes;
     radii_.clear();
@@ -86,8 +120,18 @@ void Stage::shatter(const fracture::Fragments& fragments) {
 
 void Stage::advance(double seconds) {
     if (!broken()) return;
-    alpha_ = world_.advance(seconds);
     moved_ = true;
+    if (!structure_) {
+        alpha_ = world_.advance(seconds);
+        return;
+    }
+    const physics::WorldSettings& settings = world_.settings();
+    due_ = std::min(due_ + seconds, static_cast<double>(settings.max_substeps) * settings.step);
+    for (; due_ >= settings.step; due_ -= settings.step) {
+        world_.step();
+        structure_->update(world_);
+    }
+    alpha_ = static_cast<float>(due_ / settings.step);
 }
 
 void Stage::show_sites(std::span<const glm::dvec3> sites) {
@@ -105,8 +149,11 @@ engine::Scene Stage::scene() {
         scene.look.tint = material_tint_strength;
     }
     if (broken()) {
-        poses_.resize(world_.body_count());
-        world_.write_transforms(poses_, alpha_);
+        poses_.resize(radii_.size());
+        if (structure_)
+            structure_->write_piece_transforms(world_, poses_, alpha_);
+        else
+            world_.write_transforms(poses_, alpha_); // pieces come before balls
         for (physics::Pose& pose : poses_) pose.position += explode_ * (pose.position - home_.centre());
         const glm::vec3 limit(bounds_limit);
         scene.bounds = {limit, -limit};
@@ -121,8 +168,13 @@ engine::Scene Stage::scene() {
             }
         };
     }
-    scene.spheres = spheres_;
-    scene.spheres_on_top = true;
+    shown_spheres_ = spheres_;
+    for (const Ball& ball : balls_) {
+        const glm::vec3 before = world_.previous_pose(ball.body).position, now = world_.pose(ball.body).position;
+        shown_spheres_.push_back({before + alpha_ * (now - before), ball.radius});
+    }
+    scene.spheres = shown_spheres_;
+    scene.spheres_on_top = balls_.empty();
     lines_ = own_lines_;
     if (hulls_) {
         debug_lines_.clear();

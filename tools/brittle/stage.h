@@ -1,7 +1,7 @@
 // One mesh on a stage: whole at first, then broken into pieces that fall. The place where fragments become rigid bodies
 // and rigid bodies become poses in the renderer's instance buffer.
 //
-// Metres: the mesh is scaled so that its longest side is 2 m and floats half a metre above the ground (y = 0).
+// Metres: the mesh is scaled so that its longest side is 2 m and floats above the ground (y = 0), or stands on it.
 //
 //     Input input = placed_on_stage(load_input(options));
 //     Stage stage(renderer, input.mesh);
@@ -9,6 +9,7 @@
 //     each frame: stage.advance(1.0 / 60.0); renderer.render(stage.scene(), size);
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/render/renderer.h"
@@ -16,13 +17,14 @@
 #include "fracture/fragments.h"
 #include "fracture/mesh.h"
 #include "physics/material.h"
+#include "physics/structure.h"
 #include "physics/world.h"
 #include "tools/brittle/input.h"
 
 namespace brittle::tools {
 
 // Scales and moves mesh and sites to the place described above. A mesh without extent is left as it is.
-[[nodiscard]] Input placed_on_stage(Input input);
+[[nodiscard]] Input placed_on_stage(Input input, const WorldOptions& world = {});
 
 class Stage {
   public:
@@ -32,6 +34,10 @@ class Stage {
 
     // Replaces the unbroken mesh by pieces that fall from where they are.
     void shatter(const fracture::Fragments& fragments);
+    // Replaces the unbroken mesh by pieces that hold together as the options say.
+    void stand(const fracture::Fragments& fragments, const WorldOptions& world);
+    // A ball flies from there; nothing while the mesh is whole.
+    void shoot(const Shot& shot);
     // The unbroken mesh again.
     void reset(const fracture::TriangleMesh& mesh);
 
@@ -51,15 +57,24 @@ class Stage {
     [[nodiscard]] bool broken() const { return world_.body_count() > 0; }
 
   private:
+    void upload(const fracture::Fragments& fragments);
+
     engine::Renderer& renderer_;
     physics::World world_;
     const physics::MaterialPreset* material_ = nullptr;
     engine::Bounds home_;
-    std::vector<float> radii_;  // of each body around its centre of mass
+    std::optional<physics::Structure> structure_; // of bonded pieces
+    struct Ball {
+        physics::BodyId body;
+        float radius;
+    };
+    std::vector<Ball> balls_;
+    double due_ = 0.0;          // s that the world is behind, with a structure or balls
+    std::vector<float> radii_;  // of each piece around its centre of mass
     std::vector<physics::Pose> poses_;
     std::vector<physics::DebugLine> debug_lines_;
     std::vector<engine::LineVertex> own_lines_, lines_;
-    std::vector<engine::Sphere> spheres_;
+    std::vector<engine::Sphere> spheres_, shown_spheres_; // sites; with balls
     float alpha_ = 1.0f;
     float explode_ = 0.0f;
     bool hulls_ = false;

@@ -1,0 +1,26 @@
+// What the pieces do after the fracture: options of `brittle render` and `brittle demo`, and the "world" of a recipe.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace brittle::tools {
+
+// A ball that is shot at what is there. In the coordinates of the stage: metres, the mesh 2 m long around the Y axis.
+struct Shot {
+    double time = 0.0; // s, after the beginning
+    glm::dvec3 from{0.0, 1.0, 4.0};
+    glm::dvec3 velocity{0.0, 0.0, -12.0}; // m/s
+    double radius = 0.1;                  // m
+    double density = 7800.0;              // kg/m^3; steel
+};
+
+struct WorldOptions {
+    bool bonded = false;   // pieces hold together until blows, loads or wear break their bonds
+    bool anchored = false; // bonded, and what stands on the ground is held by it
+    double height = 0.5;   // m, of the mesh above the ground at first; 0 where it is anchored
+    std::vector<Shot> shots;
+};
+
+} // namespace brittle::tools
