@@ -13,7 +13,8 @@
 // - A body that holds an anchored piece is fixed. When it breaks, islands without an anchor fall.
 // - Bodies break in update() only. The new ones start with the velocity v + w x r of the old one at their centres and its
 //   angular velocity w: momentum and angular momentum are those of before.
-// - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Where a blow breaks
+// - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Those of heavy bodies take
+//   longer and break less for their impulse (impact_seconds in material.h). Where a blow breaks
 //   the body, the contact is taken back and given to the island that was hit, with the impulse that fits its mass instead of the whole
 //   body's: a ball goes through a pane that held it, and momentum is kept.
 // - Weight of what is anchored, and contacts slower than that, are loads: bonds that carry too much wear (wear.h).
@@ -63,7 +64,8 @@ struct StructureDesc {
 [[nodiscard]] std::vector<uint32_t> anchor_where(const fracture::Fragments& fragments,
                                                  const std::function<bool(const fracture::Piece&)>& held);
 
-// A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3). Who wants
+// A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3), as a blow of a
+// kilogram. Who wants
 // things to break again takes the piece away (isolate, take_piece), fractures it at the point and makes a structure of the result.
 struct Impact {
     uint32_t piece = 0;
@@ -71,6 +73,7 @@ struct Impact {
     glm::vec3 point{0.0f};  // world, m
     glm::vec3 normal{0.0f}; // unit, towards the piece
     float impulse = 0.0f;   // N s
+    float sharpness = 1.0f; // cube root of 1 kg / mass that was stopped: for the time that it took
     float energy = 0.0f;    // J, half of impulse times approach speed: what a dead blow turns into cracks and heat
 };
 
@@ -90,8 +93,8 @@ class Structure {
     void damage(const World& world, glm::vec3 point, float radius, float amount);
     // Bonds whose area comes within radius (m) of the segment lose amount: a saw, a bullet's path.
     void damage_segment(const World& world, glm::vec3 from, glm::vec3 to, float radius, float amount = 1.0f);
-    // As if something hit the piece with this impulse, N s; nothing moves of it.
-    void blow(uint32_t piece, float impulse);
+    // As if something of a kilogram hit the piece with this impulse, N s; nothing moves of it.
+    void blow(const World& world, uint32_t piece, glm::vec3 impulse);
     // The world lets go of pieces.
     void release_anchors(std::span<const uint32_t> pieces);
 

@@ -257,16 +257,25 @@ TEST_CASE("damage is full at the point, falls off to nothing at the radius, and 
 
 TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it") {
     // Blocks of 0.1: a bond bears 0.01 m^2 * toughness.
-    const Material material{.tensile = 1e6f}; // 100 Pa s: 1 N s
+    const Material material{.tensile = 1e6f, .compressive = 1e7f, .shear = 1e6f}; // 100 Pa s: 1 N s, pressed 10
     for (const auto& [impulse, broken] : {std::pair(0.05f, 0u), {1.5f, 0u}, {2.5f, 2u}, {9.0f, 4u}}) {
         World world(empty_space);
         Structure structure = must_create(world, bar(7), {.material = material});
-        structure.blow(3, impulse);
+        structure.blow(world, 3, {0.0f, impulse, 0.0f});
         CAPTURE(impulse);
         CHECK(structure.update(world).broken.size() == broken);
         if (impulse == 0.05f) CHECK(structure.graph().bonds()[2].health == 1.0);
         if (impulse == 1.5f) CHECK(structure.graph().bonds()[2].health == doctest::Approx(0.25));
     }
+    World world(empty_space);
+    Structure structure = must_create(world, bar(7), {.material = material});
+    structure.blow(world, 3, {5.5f, 0.0f, 0.0f}); // pulls at one bond and presses the other
+    CHECK(structure.graph().bonds()[2].health == doctest::Approx(0.5));
+    CHECK(structure.graph().bonds()[3].health == doctest::Approx(0.5));
+    structure.blow(world, 0, {-0.8f, 0.0f, 0.0f});
+    CHECK(structure.graph().bonds()[0].health == doctest::Approx(0.2));
+    structure.blow(world, 6, {-0.9f, 0.0f, 0.0f}); // less than a tenth of what it bears pressed
+    CHECK(structure.graph().bonds()[5].health == 1.0);
 }
 
 TEST_CASE("a ball breaks a piece out of a pane and flies on; momentum is kept") {
