@@ -1,10 +1,10 @@
 // Which piece holds which: the bonds of a breakable object, their health, and the islands they leave.
 //
-// A bond is the contact area of two pieces. Against a blow it bears strength [Pa] * impact_seconds * area [m^2], in N s: the
-// compressive strength where it is pressed, the tensile one where it is pulled, that for shear across, and in between by the ellipse
-// of them. Where it is not pressed, the lever min(1, area / (distance of the centres)^2) of thin parts counts as well: a pane
-// breaks by bending over its span, not by shearing through. Health is the share of all that is left: 1 intact, 0
-// broken; broken bonds do not come back.
+// A bond is the contact area of two pieces. Against a blow it bears strength [Pa] * impact_seconds * area [m^2], in N
+// s: the compressive strength where it is pressed, the tensile one where it is pulled, that for shear across, and in
+// between by the ellipse of them. Where it is not pressed, the lever min(1, area / (distance of the centres)^2) of
+// thin parts counts as well: a pane breaks by bending over its span, not by shearing through. Health is the share of
+// all that is left: 1 intact, 0 broken; broken bonds do not come back.
 //
 // Coordinates are those of the fragments. No bodies, no time: structure.h has those. Everything is deterministic.
 #pragma once
@@ -46,8 +46,8 @@ class BondGraph {
 
     // Takes a share of health, 0 to 1, from a bond; what breaks is appended to broken().
     void weaken(uint32_t bond, double share);
-    // A ball: a bond whose area comes within radius of the point loses amount, less with distance, nothing at the radius. Of
-    // the pieces for which inside is not zero.
+    // A ball: a bond whose area comes within radius of the point loses amount, less with distance, nothing at the
+    // radius. Of the pieces for which inside is not zero.
     void damage(const glm::dvec3& point, double radius, double amount, std::span<const uint8_t> inside);
     // A rod: a bond whose area comes within radius of the segment loses amount.
     void damage_segment(const glm::dvec3& from, const glm::dvec3& to, double radius, double amount,

@@ -21,8 +21,8 @@ struct Material {
     float shear = 5e6f;        // Pa
 };
 
-// How long a blow between hard bodies of a kilogram lasts, s: about that of Hertz's contact of stones at some metres a second. For
-// larger ones it grows with their size, so with the cube root of the mass that is stopped.
+// How long a blow between hard bodies of a kilogram lasts, s: about that of Hertz's contact of stones at some metres
+// a second. For larger ones it grows with their size, so with the cube root of the mass that is stopped.
 inline constexpr float impact_seconds = 1e-4f;
 
 // Impulse through one square metre that breaks the material, Pa s: its tensile strength for the time of a blow.

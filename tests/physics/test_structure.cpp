@@ -76,6 +76,17 @@ TEST_CASE("a structure that cannot be is refused, and the world is unchanged") {
     CHECK(must_create(world, {}).bodies().empty());
 }
 
+TEST_CASE("materials are sound, and what is wrong with one is said") {
+    for (const MaterialPreset& preset : material_presets()) {
+        CHECK(fault_of(preset.material).empty());
+        CHECK(preset.material.compressive >= preset.material.tensile);
+    }
+    CHECK(fault_of({.density = NAN}).find("density") != std::string::npos);
+    CHECK(fault_of({.compressive = 0.0f}).find("compressive") != std::string::npos);
+    CHECK(fault_of({.shear = std::numeric_limits<float>::infinity()}).find("shear") != std::string::npos);
+    CHECK(toughness(Material{}) == doctest::Approx(300.0));
+}
+
 TEST_CASE("bonds between pieces that do not exist, or without area, hold nothing") {
     fracture::Fragments fragments = bar(3);
     fragments.bonds[0].b = 7;
@@ -382,7 +393,7 @@ TEST_CASE("a table stands for ten seconds, and comes down within one when two of
     World world;
     Structure structure = must_create(
         world, table.fragments,
-        {.material = {.density = 2400.0f}, .anchored = anchor_to_ground(table.fragments), .wear = {.strength_scale = 0.02f}});
+        {.anchored = anchor_to_ground(table.fragments), .wear = {.strength_scale = 0.02f}});
     for (int step = 0; step < 1200; ++step) {
         world.step();
         REQUIRE(structure.update(world).broken.empty());
@@ -489,7 +500,8 @@ TEST_CASE("the same breaks give the same state again") {
     const auto play = [](World& world) {
         const fracture::Fragments fragments = broken_box(60, 9);
         Structure structure = must_create(
-            world, fragments, {.material = {.tensile = 5e5f}, .motion = {.placement = {{0, 1.5f, 0}, {0.9f, 0.3f, 0.1f, 0.3f}}}});
+            world, fragments,
+            {.material = {.tensile = 5e5f}, .motion = {.placement = {{0, 1.5f, 0}, {0.9f, 0.3f, 0.1f, 0.3f}}}});
         REQUIRE(world.add_body(ball(0.1f, 20.0f, {0.1f, 1.4f, 3.0f}, {0.0f, 1.0f, -15.0f})).has_value());
         for (int step = 0; step < 150; ++step) {
             world.step();
