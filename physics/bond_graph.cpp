@@ -36,7 +36,7 @@ double distance_to(const BondGraph::Bond& bond, const glm::dvec3& from, const gl
 
 } // namespace
 
-BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& material) {
+BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& material) : material_(material) {
     const auto count = static_cast<uint32_t>(fragments.pieces.size());
     first_.assign(count + 1, 0);
     for (const fracture::Bond& from : fragments.bonds) {
@@ -46,8 +46,7 @@ BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& mater
         if (sound) {
             const glm::dvec3 span =
                 fragments.pieces[from.b].mass.centre_of_mass - fragments.pieces[from.a].mass.centre_of_mass;
-            const double lever = std::min(1.0, from.area / std::max(glm::dot(span, span), 1e-300));
-            bond.strength = static_cast<double>(toughness(material)) * from.area * lever;
+            bond.lever = std::min(1.0, from.area / std::max(glm::dot(span, span), 1e-300));
             ++first_[from.a + 1], ++first_[from.b + 1];
         } else {
             bond.health = 0.0;
@@ -92,19 +91,32 @@ void BondGraph::damage_segment(const glm::dvec3& from, const glm::dvec3& to, dou
             weaken(i, amount);
 }
 
-void BondGraph::blow(uint32_t piece, double impulse) {
-    std::vector<std::pair<uint32_t, double>> front{{piece, impulse}}, next;
+double BondGraph::bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const {
+    const double along = glm::dot(direction, bond.normal) * (from == bond.a ? 1.0 : -1.0);
+    const double across = std::sqrt(std::max(1.0 - along * along, 0.0)) * bond.lever;
+    const double straight = along > 0.0 ? along * static_cast<double>(material_.compressive)
+                                        : along * bond.lever * static_cast<double>(material_.tensile);
+    return std::hypot(straight, across * static_cast<double>(material_.shear))
+           * static_cast<double>(impact_seconds) * bond.area;
+}
+
+void BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double most_passed) {
+    const double size = glm::length(impulse);
+    if (!(size > 0.0)) return;
+    const glm::dvec3 direction = impulse / size;
+    std::vector<std::pair<uint32_t, double>> front{{piece, size}}, next;
     for (int depth = 0; depth < blow_depth && !front.empty(); ++depth, front.swap(next)) {
         next.clear();
         for (const auto& [hit, share] : front) {
             double borne = 0.0;
             for (const uint32_t bond : bonds_of(hit))
-                if (bonds_[bond].live()) borne += bonds_[bond].strength;
+                if (bonds_[bond].live()) borne += bears(bonds_[bond], hit, direction);
             if (!(share > least_blow * borne) || borne == 0.0) continue;
             const double loss = share / borne; // the same of each bond
             for (const uint32_t bond : bonds_of(hit)) {
                 if (!bonds_[bond].live()) continue;
-                const double rest = (loss - bonds_[bond].health) * bonds_[bond].strength * passed_on;
+                const double rest =
+                    (loss - bonds_[bond].health) * bears(bonds_[bond], hit, direction) * passed_on;
                 weaken(bond, loss);
                 if (bonds_[bond].live()) continue;
                 const uint32_t behind = bonds_[bond].other(hit);
@@ -115,6 +127,10 @@ void BondGraph::blow(uint32_t piece, double impulse) {
                     known->second += rest;
             }
         }
+        double passed = 0.0;
+        for (const auto& [behind, share] : next) passed += share;
+        if (depth == 0 && passed > most_passed)
+            for (auto& [behind, share] : next) share *= most_passed / passed;
     }
 }
 

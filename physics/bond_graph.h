@@ -1,14 +1,16 @@
 // Which piece holds which: the bonds of a breakable object, their health, and the islands they leave.
 //
-// A bond is the contact area of two pieces. Its strength against a blow is toughness(material) [Pa s] * area [m^2] * lever,
-// in N s. The lever min(1, area / (distance of the centres)^2) is that of thin parts: a pane breaks by bending, over
-// its span and not by shearing through. Health is the share of that strength that is left: 1 intact, 0 broken; broken
-// bonds do not come back.
+// A bond is the contact area of two pieces. Against a blow it bears strength [Pa] * impact_seconds * area [m^2], in N
+// s: the compressive strength where it is pressed, the tensile one where it is pulled, that for shear across, and in
+// between by the ellipse of them. Where it is not pressed, the lever min(1, area / (distance of the centres)^2) of
+// thin parts counts as well: a pane breaks by bending over its span, not by shearing through. Health is the share of
+// all that is left: 1 intact, 0 broken; broken bonds do not come back.
 //
 // Coordinates are those of the fragments. No bodies, no time: structure.h has those. Everything is deterministic.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -26,7 +28,7 @@ class BondGraph {
         double area = 0.0;     // m^2
         glm::dvec3 centroid{0.0};
         glm::dvec3 normal{0.0}; // unit, from a to b
-        double strength = 0.0;  // N s: the impulse that breaks the intact bond
+        double lever = 1.0;     // 0 .. 1
         double health = 1.0;    // 1 .. 0
 
         [[nodiscard]] bool live() const { return health > 0.0; }
@@ -44,15 +46,18 @@ class BondGraph {
 
     // Takes a share of health, 0 to 1, from a bond; what breaks is appended to broken().
     void weaken(uint32_t bond, double share);
-    // A ball: a bond whose area comes within radius of the point loses amount, less with distance, nothing at the radius. Of
-    // the pieces for which inside is not zero.
+    // A ball: a bond whose area comes within radius of the point loses amount, less with distance, nothing at the
+    // radius. Of the pieces for which inside is not zero.
     void damage(const glm::dvec3& point, double radius, double amount, std::span<const uint8_t> inside);
     // A rod: a bond whose area comes within radius of the segment loses amount.
     void damage_segment(const glm::dvec3& from, const glm::dvec3& to, double radius, double amount,
                         std::span<const uint8_t> inside);
-    // A blow of so many N s against a piece. Its bonds share it by strength. Of what is more than a bond can bear, half goes
-    // on to the piece behind. Blows below a tenth of what the piece's bonds bear together leave no trace.
-    void blow(uint32_t piece, double impulse);
+    // What a bond bears, N s, when the impulse along a unit direction comes from one of its pieces; as if it were intact.
+    [[nodiscard]] double bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const;
+    // A blow against a piece, N s. Its bonds share it by what they bear. Of what is more than a bond can bear, half goes
+    // on to the piece behind, from the piece that was hit not more than most_passed in all: once it is loose, it can push
+    // with its own momentum only. Blows below a tenth of what the piece's bonds bear together leave no trace.
+    void blow(uint32_t piece, const glm::dvec3& impulse, double most_passed = std::numeric_limits<double>::infinity());
 
     // Bonds broken since the last call, in the order in which they broke.
     [[nodiscard]] std::vector<uint32_t> take_broken();
@@ -61,6 +66,7 @@ class BondGraph {
     [[nodiscard]] std::vector<std::vector<uint32_t>> islands(std::span<const uint32_t> pieces) const;
 
   private:
+    Material material_;
     std::vector<Bond> bonds_;
     std::vector<uint32_t> first_;    // by piece, into of_piece_; one more than there are pieces
     std::vector<uint32_t> of_piece_; // bonds of each piece

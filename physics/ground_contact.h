@@ -17,8 +17,8 @@ namespace brittle::physics {
 
 class GroundContacts {
   public:
-    // From now on the dispatcher uses it for hulls, alone or in a compound, and planes with the normal +Y in a frame without rotation.
-    // Must outlive the dispatcher's pairs.
+    // From now on the dispatcher uses it for hulls, alone or in a compound, and planes with the normal +Y in a frame
+    // without rotation. Must outlive the dispatcher's pairs.
     explicit GroundContacts(btCollisionDispatcher& dispatcher);
     ~GroundContacts();
 

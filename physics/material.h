@@ -11,8 +11,7 @@
 
 namespace brittle::physics {
 
-// Stresses that break it are those of handbooks. A blow breaks it where the impulse exceeds Pa s times the area it
-// goes through: toughness().
+// A blow breaks it where the impulse through an area exceeds strength * impact_seconds * area; see toughness().
 struct Material {
     float density = 2400.0f; // kg/m^3; concrete
     float friction = 0.8f;
@@ -22,7 +21,8 @@ struct Material {
     float shear = 5e6f;        // Pa
 };
 
-// How long a blow between hard bodies lasts, s: that of Hertz's contact for stones of a kilogram at some metres a second.
+// How long a blow between hard bodies of a kilogram lasts, s: about that of Hertz's contact of stones at some metres
+// a second. For larger ones it grows with their size, so with the cube root of the mass that is stopped.
 inline constexpr float impact_seconds = 1e-4f;
 
 // Impulse through one square metre that breaks the material, Pa s: its tensile strength for the time of a blow.

@@ -1,19 +1,21 @@
 // Stresses in the bonds of an object at rest: who carries the weight.
 //
-// Pieces are rigid nodes with six degrees of freedom, bonds are short elastic beams between them: a bond of area A between
-// centres that are L apart resists being pulled (A / L), sheared (0.4 A / L), bent (I / L) and twisted (0.8 I / L) at its
-// centroid, where I = A^2 / (4 pi) is the second moment of a disc of that area. All are of one material, so its elasticity
-// cancels: forces do not depend on it. Displacements are solved for by conjugate gradients; the preconditioner is the inverse of each node's
-// own block plus a coarse correction by the rigid motions of groups of neighbouring nodes.
+// Pieces are rigid nodes with six degrees of freedom, bonds are short elastic beams between them: a bond of area A
+// between centres that are L apart resists being pulled (A / L), sheared (0.4 A / L), bent (I / L) and twisted (0.8 I
+// / L) at its centroid, where I = A^2 / (4 pi) is the second moment of a disc of that area. All are of one material,
+// so its elasticity cancels: forces do not depend on it. Displacements are solved for by conjugate gradients; the
+// preconditioner is the inverse of each node's own block plus a coarse correction by the rigid motions of groups of
+// neighbouring nodes.
 //
 // Fixed nodes hold what hangs together with them. A group of nodes that nothing holds is taken to accelerate as a whole
 // (d'Alembert): gravity alone then gives no stress in it, as in a fall.
 //
-// Blocks, bonds and an iterative solver over them are also how NVIDIA Blast finds stresses (documented in its user guide); the
-// disc, the beam and the formulas are those of any textbook of mechanics of materials (e.g. Gere and Timoshenko).
+// Blocks, bonds and an iterative solver over them are also how NVIDIA Blast finds stresses (documented in its user
+// guide); the disc, the beam and the formulas are those of any textbook of mechanics of materials (e.g. Gere and
+// Timoshenko).
 //
-// SI units, one coordinate system for everything. No bodies, no time, no threads; deterministic. Cost of an iteration is linear in
-// bonds and nodes.
+// SI units, one coordinate system for everything. No bodies, no time, no threads; deterministic. Cost of an iteration
+// is linear in bonds and nodes.
 //
 //     StressSolver solver(nodes, bonds);
 //     solver.set_loads(loads);
@@ -53,7 +55,8 @@ struct NodeLoad {
     glm::dvec3 torque{0.0}; // N m, about the centre
 };
 
-// What goes through a bond: force and moment that a gives to b, at the centroid. Pulled apart, force . normal is negative.
+// What goes through a bond: force and moment that a gives to b, at the centroid. Pulled apart, force . normal is
+// negative.
 struct BondLoad {
     glm::dvec3 force{0.0};  // N
     glm::dvec3 moment{0.0}; // N m
@@ -67,8 +70,9 @@ struct BondStress {
     double bending = 0.0;
 };
 
-// How near to breaking, 1: breaks. Bending pulls one edge and presses the other: tension + bending - compression against the tensile
-// strength, compression + bending - tension against the compressive one, shear against that for shear; the worst counts.
+// How near to breaking, 1: breaks. Bending pulls one edge and presses the other: tension + bending - compression
+// against the tensile strength, compression + bending - tension against the compressive one, shear against that for
+// shear; the worst counts.
 [[nodiscard]] double load_ratio(const BondStress& stress, const Material& material);
 
 class StressSolver {

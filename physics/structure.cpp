@@ -200,8 +200,10 @@ void Structure::damage_segment(const World& world, glm::vec3 from, glm::vec3 to,
     });
 }
 
-void Structure::blow(uint32_t piece, float impulse) {
-    graph_.blow(piece, impulse);
+void Structure::blow(const World& world, uint32_t piece, glm::vec3 impulse) {
+    if (!exists(world, pieces_[piece].body)) return;
+    const glm::dquat orientation(world.pose(body_of(piece)).orientation);
+    graph_.blow(piece, glm::conjugate(orientation) * glm::dvec3(impulse));
 }
 
 void Structure::release_anchors(std::span<const uint32_t> pieces) {
@@ -220,7 +222,7 @@ std::vector<Impact> Structure::find_blows(const World& world) const {
         for (const bool first : {true, false}) {
             const uint32_t piece =
                 first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
-            if (piece == none) continue;
+            if (piece == none || !exists(world, pieces_[piece].body)) continue;
             const BodyId other = first ? contact.b : contact.a;
             auto blow = std::ranges::find_if(
                 blows, [&](const Impact& known) { return known.piece == piece && known.other == other; });
@@ -232,6 +234,10 @@ std::vector<Impact> Structure::find_blows(const World& world) const {
             blow->energy += 0.5f * contact.impulse * contact.speed;
         }
     }
+    for (Impact& blow : blows) { // mass = impulse / speed
+        const float speed = 2.0f * blow.energy / blow.impulse;
+        blow.sharpness = std::cbrt(speed / blow.impulse);
+    }
     return blows;
 }
 
@@ -241,8 +247,13 @@ const Structure::Changes& Structure::update(World& world) {
     steps_seen_ = world.steps_taken();
     if (contacts_due_)
         for (const Impact& blow : find_blows(world)) {
-            graph_.blow(blow.piece, blow.impulse);
-            if (blow.impulse > pieces_[blow.piece].bearable) changes_.impacts.push_back(blow);
+            const PieceState& piece = pieces_[blow.piece];
+            const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse);
+            const double sharp = static_cast<double>(blow.impulse * blow.sharpness);
+            const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body_of(blow.piece)).orientation));
+            graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * sharp,
+                        piece.mass * speed * static_cast<double>(blow.sharpness));
+            if (sharp > piece.bearable) changes_.impacts.push_back(blow);
         }
     if (contacts_due_ && desc_.wear.enabled) wear_bonds(world);
     changes_.broken = graph_.take_broken();

@@ -11,18 +11,20 @@
 // - A body is a compound of the hulls of its pieces, with the sum of their masses and, by parallel axes, of their
 //   inertias. Its axes are those of the fragments, its origin is its centre of mass.
 // - A body that holds an anchored piece is fixed. When it breaks, islands without an anchor fall.
-// - Bodies break in update() only. The new ones start with the velocity v + w x r of the old one at their centres and its
-//   angular velocity w: momentum and angular momentum are those of before.
-// - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Where a blow breaks
-//   the body, the contact is taken back and given to the island that was hit, with the impulse that fits its mass instead of the whole
-//   body's: a ball goes through a pane that held it, and momentum is kept.
+// - Bodies break in update() only. The new ones start with the velocity v + w x r of the old one at their centres and
+//   its angular velocity w: momentum and angular momentum are those of before.
+// - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Those of heavy
+//   bodies take longer and break less for their impulse (impact_seconds in material.h). Where a blow breaks the body,
+//   the contact is taken back and given to the island that was hit, with the impulse that fits its mass instead of
+//   the whole body's: a ball goes through a pane that held it, and momentum is kept.
 // - Weight of what is anchored, and contacts slower than that, are loads: bonds that carry too much wear (wear.h).
 //
 // Bonded convex pieces, compounds and islands: Mueller, Chentanez and Kim, "Real Time Dynamic Fracture with Volumetric
 // Approximate Convex Decompositions", SIGGRAPH 2013, section 4.
 //
-// World coordinates, metres, kilograms, seconds. The fragments are not needed after create(). Bodies that someone else takes
-// out of the world are gone, with their pieces. Every call gets the world it was created in. Deterministic; not thread-safe.
+// World coordinates, metres, kilograms, seconds. The fragments are not needed after create(). Bodies that someone
+// else takes out of the world are gone, with their pieces. Every call gets the world it was created in.
+// Deterministic; not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -63,21 +65,23 @@ struct StructureDesc {
 [[nodiscard]] std::vector<uint32_t> anchor_where(const fracture::Fragments& fragments,
                                                  const std::function<bool(const fracture::Piece&)>& held);
 
-// A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3). Who wants
-// things to break again takes the piece away (isolate, take_piece), fractures it at the point and makes a structure of the result.
+// A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3), as a blow
+// of a kilogram. Who wants things to break again takes the piece away (isolate, take_piece), fractures it at the
+// point and makes a structure of the result.
 struct Impact {
     uint32_t piece = 0;
     BodyId other;           // what hit it; the default for the ground
     glm::vec3 point{0.0f};  // world, m
     glm::vec3 normal{0.0f}; // unit, towards the piece
     float impulse = 0.0f;   // N s
+    float sharpness = 1.0f; // cube root of 1 kg / mass that was stopped: for the time that it took
     float energy = 0.0f;    // J, half of impulse times approach speed: what a dead blow turns into cracks and heat
 };
 
 class Structure {
   public:
-    // Adds the object's bodies to the world, as many as its bonds and anchors leave islands. Fails as add_pieces() does, and
-    // on an anchored piece that does not exist (invalid_setting); then no body is added.
+    // Adds the object's bodies to the world, as many as its bonds and anchors leave islands. Fails as add_pieces()
+    // does, and on an anchored piece that does not exist (invalid_setting); then no body is added.
     static Result<Structure> create(World& world, const fracture::Fragments& fragments,
                                     const StructureDesc& desc = {});
 
@@ -90,8 +94,8 @@ class Structure {
     void damage(const World& world, glm::vec3 point, float radius, float amount);
     // Bonds whose area comes within radius (m) of the segment lose amount: a saw, a bullet's path.
     void damage_segment(const World& world, glm::vec3 from, glm::vec3 to, float radius, float amount = 1.0f);
-    // As if something hit the piece with this impulse, N s; nothing moves of it.
-    void blow(uint32_t piece, float impulse);
+    // As if something of a kilogram hit the piece with this impulse, N s; nothing moves of it.
+    void blow(const World& world, uint32_t piece, glm::vec3 impulse);
     // The world lets go of pieces.
     void release_anchors(std::span<const uint32_t> pieces);
 
@@ -101,7 +105,8 @@ class Structure {
         std::vector<BodyId> added;
         std::vector<Impact> impacts;
     };
-    // To be called after each step of the world: takes up its contacts, wears bonds and splits what broke. The result is valid until the next call.
+    // To be called after each step of the world: takes up its contacts, wears bonds and splits what broke. The result
+    // is valid until the next call.
     const Changes& update(World& world);
 
     // Takes a piece out of world and structure, if it is alone in its body; nothing otherwise. Its motion is that
@@ -115,13 +120,14 @@ class Structure {
     [[nodiscard]] size_t piece_count() const { return pieces_.size(); }
     [[nodiscard]] BodyId body_of(uint32_t piece) const; // none for a piece that was taken
     [[nodiscard]] bool anchored(uint32_t piece) const { return pieces_[piece].anchored; }
-    // Of a piece in its body: a vertex p of the fragments is drawn at p - centre in the pose of write_piece_transforms(), and
-    // lies at p - centre + offset in the body.
+    // Of a piece in its body: a vertex p of the fragments is drawn at p - centre in the pose of
+    // write_piece_transforms(), and lies at p - centre + offset in the body.
     [[nodiscard]] glm::vec3 offset(uint32_t piece) const;
     [[nodiscard]] std::vector<BodyId> bodies() const; // in the order in which they were made
 
-    // Poses of all pieces in their order: of their centres of mass, as add_pieces() would have it; interpolated as World::write_transforms().
-    // Those of pieces that are gone are left as they are. Writes as many as fit and returns how many.
+    // Poses of all pieces in their order: of their centres of mass, as add_pieces() would have it; interpolated as
+    // World::write_transforms(). Those of pieces that are gone are left as they are. Writes as many as fit and
+    // returns how many.
     size_t write_piece_transforms(const World& world, std::span<Pose> out, float alpha = 1.0f) const;
 
   private:

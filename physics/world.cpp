@@ -248,9 +248,9 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
 
 // Bullet's solver, with two changes to what it is given, and a report of what it did.
 //
-// Contacts with the ground and with fixed bodies come last, so that each sweep ends with nothing going into the ground. In Bullet's
-// own order, a heavy piece presses a light one beneath it millimetres deep and holds it there; what is left
-// over now is overlap between the two, inside the pile.
+// Contacts with the ground and with fixed bodies come last, so that each sweep ends with nothing going into the
+// ground. In Bullet's own order, a heavy piece presses a light one beneath it millimetres deep and holds it there;
+// what is left over now is overlap between the two, inside the pile.
 //
 // Overlap between bodies counts only as far as may be undone in one step: see
 // WorldSettings::separation_speed. The true distances are found anew before the next step.

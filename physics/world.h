@@ -102,8 +102,8 @@ struct BodyDesc {
     // Held by the world: never moves, whatever pushes it. Fixed bodies do not collide with each other and the ground, and
     // are never awake; velocities and inertia are not looked at, and mechanics() counts them as nothing.
     bool fixed = false;
-    // For what is fast and small: in a step in which it moves further than its own thickness, a ball that
-    // fits into the body is swept along its path, and the step ends where that ball first touches another body. Costs a query
+    // For what is fast and small: in a step in which it moves further than its own thickness, a ball that fits into
+    // the body is swept along its path, and the step ends where that ball first touches another body. Costs a query
     // in such steps only. The other's own motion is not looked at; the ground needs none of this.
     bool continuous = false;
     float mass = 1.0f;       // kg, > 0
@@ -174,9 +174,9 @@ class World {
 
     // Advances by exactly settings().step.
     void step();
-    // Takes as many steps as fit into the time gone by, at most max_substeps, and returns how far, 0 .. 1,
-    // the rest of it reaches from the previous pose to the current: the alpha of write_transforms(). Negative
-    // and non-finite seconds count as none. Calls after_step, if any, after each step: what answers to contacts belongs there.
+    // Takes as many steps as fit into the time gone by, at most max_substeps, and returns how far, 0 .. 1, the rest
+    // of it reaches from the previous pose to the current: the alpha of write_transforms(). Negative and non-finite
+    // seconds count as none. Calls after_step, if any, after each step: what answers to contacts belongs there.
     float advance(double seconds, const std::function<void()>& after_step = {});
     [[nodiscard]] uint64_t steps_taken() const;
 
@@ -205,9 +205,9 @@ class World {
     [[nodiscard]] float response(BodyId id, glm::vec3 point, glm::vec3 direction) const;
     void wake_all();
 
-    // Who pressed on whom in the last step, in a fixed order. Sleeping bodies press as they did when they fell asleep. The
-    // velocities of the bodies have these impulses in them already. Bodies that were removed since are still named. Valid until
-    // the next step.
+    // Who pressed on whom in the last step, in a fixed order. Sleeping bodies press as they did when they fell
+    // asleep. The velocities of the bodies have these impulses in them already. Bodies that were removed since are
+    // still named. Valid until the next step.
     [[nodiscard]] std::span<const Contact> contacts() const;
 
     [[nodiscard]] Mechanics mechanics() const;

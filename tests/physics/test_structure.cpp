@@ -76,6 +76,17 @@ TEST_CASE("a structure that cannot be is refused, and the world is unchanged") {
     CHECK(must_create(world, {}).bodies().empty());
 }
 
+TEST_CASE("materials are sound, and what is wrong with one is said") {
+    for (const MaterialPreset& preset : material_presets()) {
+        CHECK(fault_of(preset.material).empty());
+        CHECK(preset.material.compressive >= preset.material.tensile);
+    }
+    CHECK(fault_of({.density = NAN}).find("density") != std::string::npos);
+    CHECK(fault_of({.compressive = 0.0f}).find("compressive") != std::string::npos);
+    CHECK(fault_of({.shear = std::numeric_limits<float>::infinity()}).find("shear") != std::string::npos);
+    CHECK(toughness(Material{}) == doctest::Approx(300.0));
+}
+
 TEST_CASE("bonds between pieces that do not exist, or without area, hold nothing") {
     fracture::Fragments fragments = bar(3);
     fragments.bonds[0].b = 7;
@@ -257,16 +268,25 @@ TEST_CASE("damage is full at the point, falls off to nothing at the radius, and 
 
 TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it") {
     // Blocks of 0.1: a bond bears 0.01 m^2 * toughness.
-    const Material material{.tensile = 1e6f}; // 100 Pa s: 1 N s
+    const Material material{.tensile = 1e6f, .compressive = 1e7f, .shear = 1e6f}; // 100 Pa s: 1 N s, pressed 10
     for (const auto& [impulse, broken] : {std::pair(0.05f, 0u), {1.5f, 0u}, {2.5f, 2u}, {9.0f, 4u}}) {
         World world(empty_space);
         Structure structure = must_create(world, bar(7), {.material = material});
-        structure.blow(3, impulse);
+        structure.blow(world, 3, {0.0f, impulse, 0.0f});
         CAPTURE(impulse);
         CHECK(structure.update(world).broken.size() == broken);
         if (impulse == 0.05f) CHECK(structure.graph().bonds()[2].health == 1.0);
         if (impulse == 1.5f) CHECK(structure.graph().bonds()[2].health == doctest::Approx(0.25));
     }
+    World world(empty_space);
+    Structure structure = must_create(world, bar(7), {.material = material});
+    structure.blow(world, 3, {5.5f, 0.0f, 0.0f}); // pulls at one bond and presses the other
+    CHECK(structure.graph().bonds()[2].health == doctest::Approx(0.5));
+    CHECK(structure.graph().bonds()[3].health == doctest::Approx(0.5));
+    structure.blow(world, 0, {-0.8f, 0.0f, 0.0f});
+    CHECK(structure.graph().bonds()[0].health == doctest::Approx(0.2));
+    structure.blow(world, 6, {-0.9f, 0.0f, 0.0f}); // less than a tenth of what it bears pressed
+    CHECK(structure.graph().bonds()[5].health == 1.0);
 }
 
 TEST_CASE("a ball breaks a piece out of a pane and flies on; momentum is kept") {
@@ -373,7 +393,7 @@ TEST_CASE("a table stands for ten seconds, and comes down within one when two of
     World world;
     Structure structure = must_create(
         world, table.fragments,
-        {.material = {.density = 2400.0f}, .anchored = anchor_to_ground(table.fragments), .wear = {.strength_scale = 0.02f}});
+        {.anchored = anchor_to_ground(table.fragments), .wear = {.strength_scale = 0.02f}});
     for (int step = 0; step < 1200; ++step) {
         world.step();
         REQUIRE(structure.update(world).broken.empty());
@@ -480,7 +500,8 @@ TEST_CASE("the same breaks give the same state again") {
     const auto play = [](World& world) {
         const fracture::Fragments fragments = broken_box(60, 9);
         Structure structure = must_create(
-            world, fragments, {.material = {.tensile = 5e5f}, .motion = {.placement = {{0, 1.5f, 0}, {0.9f, 0.3f, 0.1f, 0.3f}}}});
+            world, fragments,
+            {.material = {.tensile = 5e5f}, .motion = {.placement = {{0, 1.5f, 0}, {0.9f, 0.3f, 0.1f, 0.3f}}}});
         REQUIRE(world.add_body(ball(0.1f, 20.0f, {0.1f, 1.4f, 3.0f}, {0.0f, 1.0f, -15.0f})).has_value());
         for (int step = 0; step < 150; ++step) {
             world.step();
