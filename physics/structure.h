@@ -163,6 +163,8 @@ class Structure {
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] std::vector<Impact> find_blows(const World& world) const;
     void wear_bonds(const World& world);
+    [[nodiscard]] std::vector<Contact> contacts_to_take_back(const World& world,
+                                                             const std::vector<uint8_t>& breaking) const;
     void split(World& world);
     template<class Damage> void damage_bodies(const World& world, const Damage& damage);
 
