@@ -28,15 +28,26 @@ Pose moved(const Pose& body, const glm::dvec3& arm) {
     return {glm::vec3(glm::dvec3(body.position) + turned(body, arm)), body.orientation};
 }
 
+constexpr int solver_sweeps = 10; // over contacts that are solved anew
+
 // A contact of a body that comes apart, taken back from both.
 struct TakenBack {
     Contact contact;
     uint32_t piece_a = UINT32_MAX, piece_b = UINT32_MAX;
-    float response = 0.0f; // of both bodies together, 1/kg
 };
 
 float response_of(const World& world, BodyId body, const Contact& contact) {
     return world.contains(body) ? world.response(body, contact.point, contact.normal) : 0.0f;
+}
+
+float speed_of(const World& world, BodyId body, const Contact& contact) {
+    if (!world.contains(body)) return 0.0f;
+    const glm::vec3 arm = contact.point - world.pose(body).position;
+    return glm::dot(world.linear_velocity(body) + glm::cross(world.angular_velocity(body), arm), contact.normal);
+}
+
+bool moves(const World& world, BodyId body) {
+    return world.contains(body) && !world.fixed(body);
 }
 
 void push(World& world, BodyId body, const glm::vec3& impulse, const glm::vec3& point) {
@@ -285,8 +296,8 @@ void Structure::wear_bonds(const World& world) {
             const BodyState& body = bodies_[pieces_[piece].body];
             const Pose pose = world.pose(body.id);
             const glm::dquat to_fragments = glm::conjugate(glm::dquat(pose.orientation));
-            const double size = static_cast<double>(first ? contact.impulse : -contact.impulse) / seconds;
-            const glm::dvec3 force = to_fragments * (size * glm::dvec3(contact.normal));
+            const glm::dvec3 impulse(contact.impulse * contact.normal + contact.friction);
+            const glm::dvec3 force = to_fragments * (impulse * ((first ? 1.0 : -1.0) / seconds));
             const glm::dvec3 point =
                 to_fragments * (glm::dvec3(contact.point) - glm::dvec3(pose.position)) + body.centre;
             pushes_[piece].force += force;
@@ -312,14 +323,11 @@ void Structure::split(World& world) {
     if (breaks.empty()) return;
 
     std::vector<TakenBack> taken;
-    for (const Contact& contact : world.contacts()) {
-        if (!contacts_due_ || !(contact.speed > desc_.impact_speed)) continue;
-        const uint32_t a = piece_at(contact.a, contact.part_a), b = piece_at(contact.b, contact.part_b);
-        if (!(a != none && breaking[pieces_[a].body]) && !(b != none && breaking[pieces_[b].body])) continue;
-        const float response = response_of(world, contact.a, contact) + response_of(world, contact.b, contact);
-        taken.push_back({contact, a, b, response});
-        push(world, contact.a, -contact.impulse * contact.normal, contact.point);
-        push(world, contact.b, contact.impulse * contact.normal, contact.point);
+    for (const Contact& contact : contacts_to_take_back(world, breaking)) {
+        taken.push_back({contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
+        const glm::vec3 impulse = contact.impulse * contact.normal + contact.friction;
+        push(world, contact.a, -impulse, contact.point);
+        push(world, contact.b, impulse, contact.point);
     }
     for (const auto& [index, islands] : breaks) {
         const Motion motion = motion_of(world, bodies_[index]);
@@ -334,15 +342,61 @@ void Structure::split(World& world) {
             assert(added && "parts of a body that the world took are bodies, too");
         }
     }
-    for (const TakenBack& back : taken) {
-        const BodyId a = back.piece_a != none ? body_of(back.piece_a) : back.contact.a;
-        const BodyId b = back.piece_b != none ? body_of(back.piece_b) : back.contact.b;
-        const float response = response_of(world, a, back.contact) + response_of(world, b, back.contact);
-        if (!(response > 0.0f)) continue;
-        const glm::vec3 impulse = back.contact.impulse * (back.response / response) * back.contact.normal;
-        push(world, a, impulse, back.contact.point);
-        push(world, b, -impulse, back.contact.point);
+    // Between the islands they are dead blows without friction: what is left of a bounce went into the cracks.
+    std::vector<float> given(taken.size(), 0.0f);
+    for (int sweep = 0; sweep < solver_sweeps; ++sweep)
+        for (size_t i = 0; i < taken.size(); ++i) {
+            const TakenBack& back = taken[i];
+            const BodyId a = back.piece_a != none ? body_of(back.piece_a) : back.contact.a;
+            const BodyId b = back.piece_b != none ? body_of(back.piece_b) : back.contact.b;
+            const float response = response_of(world, a, back.contact) + response_of(world, b, back.contact);
+            if (!(response > 0.0f)) continue;
+            const float approach = speed_of(world, b, back.contact) - speed_of(world, a, back.contact);
+            const float before = std::exchange(given[i], std::max(given[i] + approach / response, 0.0f));
+            const glm::vec3 impulse = (given[i] - before) * back.contact.normal;
+            push(world, a, impulse, back.contact.point);
+            push(world, b, -impulse, back.contact.point);
+        }
+}
+
+// All contacts of the bodies that break under a blow, but only where nothing else presses on those nor on what they
+// touch: an impulse that is taken back while another one that answers it stays would throw a body into the air.
+std::vector<Contact> Structure::contacts_to_take_back(const World& world,
+                                                      const std::vector<uint8_t>& breaking) const {
+    std::vector<Contact> contacts;
+    if (!contacts_due_) return contacts;
+    const auto breaks = [&](BodyId id) {
+        const uint32_t body = id.value < body_of_id_.size() ? body_of_id_[id.value] : none;
+        return body != none && breaking[body];
+    };
+    std::vector<BodyId> hit, pressed; // breaking bodies with a blow; moving bodies that must be left alone
+    for (const Contact& contact : world.contacts()) {
+        const bool blow = contact.speed > desc_.impact_speed;
+        for (const auto& [own, other] : {std::pair(contact.a, contact.b), std::pair(contact.b, contact.a)}) {
+            if (blow && breaks(own)) hit.push_back(own);
+            if (moves(world, own) && !breaks(own) && !breaks(other)) pressed.push_back(own);
+        }
     }
+    const auto in = [](const std::vector<BodyId>& bodies, BodyId id) { return std::ranges::binary_search(bodies, id); };
+    std::ranges::sort(hit);
+    for (bool again = true; again;) {
+        again = false;
+        std::ranges::sort(pressed);
+        for (const Contact& contact : world.contacts())
+            for (const auto& [own, other] : {std::pair(contact.a, contact.b), std::pair(contact.b, contact.a)}) {
+                // A breaking body that is out, as it touches one that must be left alone or has no blow, takes along
+                // what it touches.
+                const bool out = in(pressed, own) || (breaks(own) && !in(hit, own));
+                if (!out || !moves(world, other) || in(pressed, other)) continue;
+                pressed.push_back(other);
+                std::ranges::sort(pressed);
+                again = true;
+            }
+    }
+    for (const Contact& contact : world.contacts())
+        if ((in(hit, contact.a) && !in(pressed, contact.a)) || (in(hit, contact.b) && !in(pressed, contact.b)))
+            contacts.push_back(contact);
+    return contacts;
 }
 
 std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) {

@@ -14,9 +14,11 @@
 // - Bodies break in update() only. The new ones start with the velocity v + w x r of the old one at their centres and
 //   its angular velocity w: momentum and angular momentum are those of before.
 // - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Those of heavy
-//   bodies take longer and break less for their impulse (impact_seconds in material.h). Where a blow breaks the body,
-//   the contact is taken back and given to the island that was hit, with the impulse that fits its mass instead of
-//   the whole body's: a ball goes through a pane that held it, and momentum is kept.
+//   bodies take longer and break less for their impulse (impact_seconds in material.h). Where a blow splits a body,
+//   its contacts are taken back and solved anew, as dead blows, for the islands: a ball goes through a pane that
+//   would have held it, and momentum is kept. Only where all that presses on the body and on what touches it can be
+//   solved anew with them; else the islands share what the body got. Where the bodies moved in the step is not taken
+//   back: energy may rise by what gravity does in a step and by a few hundredths of a hard blow's.
 // - Weight of what is anchored, and contacts slower than that, are loads: bonds that carry too much wear (wear.h).
 //
 // Bonded convex pieces, compounds and islands: Mueller, Chentanez and Kim, "Real Time Dynamic Fracture with Volumetric
@@ -163,6 +165,8 @@ class Structure {
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] std::vector<Impact> find_blows(const World& world) const;
     void wear_bonds(const World& world);
+    [[nodiscard]] std::vector<Contact> contacts_to_take_back(const World& world,
+                                                             const std::vector<uint8_t>& breaking) const;
     void split(World& world);
     template<class Damage> void damage_bodies(const World& world, const Damage& damage);
 

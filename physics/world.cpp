@@ -340,6 +340,7 @@ class PieceSolver final : public btSequentialImpulseConstraintSolver {
         contact.point = metres_from_bullet(point.getPositionWorldOnB());
         contact.normal = to_glm(point.m_normalWorldOnB);
         contact.impulse = point.m_appliedImpulse / bullet_units;
+        contact.friction = metres_from_bullet(point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1);
         contact.speed = speed;
         return contact;
     }

@@ -124,7 +124,8 @@ struct Contact {
     uint32_t part_b = 0;
     glm::vec3 point{0.0f};  // world, m
     glm::vec3 normal{0.0f}; // unit, world, from b towards a
-    float impulse = 0.0f;   // N s, > 0: what a got along the normal, and b against it. Friction is not in it
+    float impulse = 0.0f;   // N s, > 0: what a got along the normal, and b against it
+    glm::vec3 friction{0.0f}; // N s, across the normal: what a got, and b against it
     float speed = 0.0f;     // m/s at which a and b approached there before the step, along the normal; below 0: parting
 };
 

@@ -250,6 +250,30 @@ TEST_CASE("a continuous body that slides is not held up by what it slides along"
     CHECK(world.pose(id).position.x == doctest::Approx(-10.0).epsilon(0.01));
 }
 
+TEST_CASE("impulse and friction of a contact are what the bodies got") {
+    World world(empty_space);
+    const BodyId left = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {-0.3f, 0.0f, 0.0f}));
+    BodyDesc desc = box({0.1f, 0.1f, 0.1f}, 2.0f, {0.3f, 0.02f, 0.01f});
+    desc.linear_velocity = {-3.0f, 1.0f, 0.5f};
+    const BodyId right = must_add(world, desc);
+    size_t seen = 0;
+    for (int step = 0; step < 30; ++step) {
+        const glm::dvec3 before = world.mechanics(left).momentum;
+        world.step();
+        glm::dvec3 given(0.0);
+        for (const Contact& contact : world.contacts()) {
+            CHECK((contact.a == left || contact.b == left));
+            CHECK((contact.a == right || contact.b == right));
+            CHECK(std::abs(glm::dot(contact.friction, contact.normal)) < 1e-4f);
+            const glm::dvec3 impulse(contact.impulse * contact.normal + contact.friction);
+            given += contact.a == left ? impulse : -impulse;
+            seen += glm::length(contact.friction) > 0.1f ? 1u : 0u;
+        }
+        CHECK(glm::length(world.mechanics(left).momentum - before - given) < 1e-4);
+    }
+    CHECK(seen > 0);
+}
+
 TEST_CASE("velocities can be replaced, and a response is one over the mass that is felt") {
     World world(empty_space);
     const BodyId id = must_add(world, box({0.1f, 0.2f, 0.3f}, 2.0f, {1.0f, 2.0f, 3.0f}));
