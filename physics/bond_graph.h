@@ -44,7 +44,7 @@ class BondGraph {
     [[nodiscard]] std::span<const uint32_t> bonds_of(uint32_t piece) const;
     [[nodiscard]] size_t live_count() const;
 
-    // Takes a share of health, 0 to 1, from a bond; what breaks is appended to broken().
+    // Takes a share of health, 0 to 1, from a bond; what breaks is found in take_broken().
     void weaken(uint32_t bond, double share);
     // A ball: a bond whose area comes within radius of the point loses amount, less with distance, nothing at the
     // radius. Of the pieces for which inside is not zero.

@@ -21,8 +21,8 @@ namespace brittle::physics {
 struct WearSettings {
     bool enabled = true;
     // Of the material's handbook strengths. Those are of flawless samples: a model of a metre in them carries a
-    // hundred times its own weight, and nothing ever falls. At a twentieth, as with old mortar, a slab a metre long and
-    // a tenth thick just carries itself.
+    // hundred times its own weight, and nothing ever falls. At a twentieth, as with old mortar, a concrete slab over a
+    // gap of a metre just carries itself when it is a sixth of that thick.
     float strength_scale = 0.05f;
     float speed = 8.0f;        // health lost in a second by a bond at twice its strength
     uint32_t iterations = 16;  // of the solver in one step; one takes 0.2 ms for 1000 pieces
