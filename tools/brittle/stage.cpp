@@ -101,7 +101,6 @@ void Stage::shoot(const Shot& shot) {
 // What is drawn of the fragments, with a body's pose a piece.
 void Stage::upload(const fracture::Fragments& fragments) {
     alpha_ = 1.0f;
-    due_ = 0.0;
     std::vector<glm::vec3> positions(fragments.positions.size());
     std::vector<engine::PieceMesh> meshes;
     radii_.clear();
@@ -126,17 +125,9 @@ void Stage::upload(const fracture::Fragments& fragments) {
 void Stage::advance(double seconds) {
     if (!broken()) return;
     moved_ = true;
-    if (!structure_) {
-        alpha_ = world_.advance(seconds);
-        return;
-    }
-    const physics::WorldSettings& settings = world_.settings();
-    due_ = std::min(due_ + seconds, static_cast<double>(settings.max_substeps) * settings.step);
-    for (; due_ >= settings.step; due_ -= settings.step) {
-        world_.step();
-        structure_->update(world_);
-    }
-    alpha_ = static_cast<float>(due_ / settings.step);
+    alpha_ = world_.advance(seconds, [this] {
+        if (structure_) structure_->update(world_);
+    });
 }
 
 void Stage::show_sites(std::span<const glm::dvec3> sites) {

@@ -69,7 +69,6 @@ class Stage {
         float radius;
     };
     std::vector<Ball> balls_;
-    double due_ = 0.0;          // s that the world is behind, with a structure or balls
     std::vector<float> radii_;  // of each piece around its centre of mass
     std::vector<physics::Pose> poses_;
     std::vector<physics::DebugLine> debug_lines_;
