@@ -15,7 +15,7 @@ struct Input;
 
 struct PictureOptions {
     uint32_t frames = 120;  // of 1/60 s simulated time, after the first picture
-    bool whole = false;     // the unbroken mesh, or none of it where cells are shown
+    bool whole = false;     // the unbroken mesh
     uint32_t planes = 0;    // cut the cell of site 0 out by so many of its planes only, nearest first; 0: break it all
     float explode = 0.0f;   // draw the pieces moved apart by this share of their distance to the middle
     bool sites = false;     // the sites as spheres
