@@ -1,7 +1,7 @@
 // The rigid-body world: bodies of one or several convex hulls, a ground plane, a fixed time step.
 //
-// Right-handed, Y up, metres, kilograms, seconds. The engine behind it is Bullet, which appears in world.cpp
-// only.
+// Right-handed, Y up, metres, kilograms, seconds. The engine behind it is Bullet, which appears in
+// physics/bullet/ and in .cpp files only.
 //
 // - A body's frame has its origin at the centre of mass. Its pose maps body coordinates to the world:
 //   world = position + orientation * local. The inertia tensor may be any symmetric one in that frame: that

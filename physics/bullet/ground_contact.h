@@ -1,4 +1,4 @@
-// Contacts of convex hulls with the ground plane; a part of world.cpp that has its own file.
+// Contacts of convex hulls with the ground plane.
 //
 // Bullet finds one contact of a hull with a plane per step and gathers more over time, and only once they
 // touch: at 6 m/s and 120 Hz a piece is 5 cm deep in the ground by then, small ones never come up again. Here
@@ -17,8 +17,8 @@ namespace brittle::physics {
 
 class GroundContacts {
   public:
-    // From now on the dispatcher uses it for hulls, alone or in a compound, and planes with the normal +Y in a frame
-    // without rotation. Must outlive the dispatcher's pairs.
+    // From now on the dispatcher uses it for hulls, alone or in a compound, and planes with the normal +Y in
+    // a frame without rotation. Must outlive the dispatcher's pairs.
     explicit GroundContacts(btCollisionDispatcher& dispatcher);
     ~GroundContacts();
 

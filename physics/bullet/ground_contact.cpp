@@ -1,4 +1,4 @@
-#include "physics/ground_contact.h"
+#include "physics/bullet/ground_contact.h"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,64 @@
+// A body of the world as Bullet has it: shapes and rigid body, and what Bullet does not keep.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec3.hpp>
+
+#include "physics/bullet/convert.h"
+#include "physics/hull.h"
+#include "physics/world.h"
+
+namespace brittle::physics {
+
+// A hull that bodies may share: Bullet's copy in the hull's own axes.
+struct SharedShape {
+    std::shared_ptr<const CollisionHull> hull;
+    btConvexHullShape shape;
+    std::vector<HullEdge> edges; // for debug lines; filled when first asked for
+};
+
+// One body. Bullet's frame has the same origin as ours and the principal axes as its own.
+struct BodyRecord {
+    BodyId id;
+    glm::quat to_principal{1.0f, 0.0f, 0.0f, 0.0f}; // body axes = to_principal * principal axes
+    glm::dvec3 moments{1.0};                        // principal, kg m^2
+    float mass = 0.0f;                              // kg, as given
+    bool fixed = false;
+    float swept_radius = 0.0f; // Bullet's units; 0: not continuous
+    Pose previous;
+    float still_seconds = 0.0f; // how long it has been slow while touching something
+    bool touching = false;      // in the last step
+    std::vector<HullEdge>
+        edges; // for debug lines, indices into the points of shape; filled when first asked for
+    std::unique_ptr<btConvexHullShape> shape;         // of a body with one hull; null for a compound
+    std::vector<std::shared_ptr<SharedShape>> shared; // of a compound, in the order of its parts
+    std::unique_ptr<btCompoundShape> compound;        // null for a body with one hull
+    std::unique_ptr<btRigidBody> rigid;
+
+    [[nodiscard]] btCollisionShape* collision_shape() const {
+        return compound ? static_cast<btCollisionShape*>(compound.get()) : shape.get();
+    }
+
+    [[nodiscard]] bool awake() const { return !fixed && rigid->isActive(); }
+    [[nodiscard]] Pose pose() const {
+        const btTransform& frame = rigid->getWorldTransform();
+        return {metres_from_bullet(frame.getOrigin()),
+                to_glm(frame.getRotation()) * glm::conjugate(to_principal)};
+    }
+};
+
+// The shape of a body with one hull; to_principal must be known.
+void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset);
+
+// The radius of the ball that is swept for a continuous body, in Bullet's units.
+[[nodiscard]] float swept_radius(const btCollisionShape& shape);
+
+// Sums of one body; see World::mechanics().
+[[nodiscard]] Mechanics mechanics_of(const BodyRecord& body, const glm::vec3& gravity);
+
+} // namespace brittle::physics

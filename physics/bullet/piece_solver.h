@@ -1,0 +1,49 @@
+// What is solved in a step, and what is told of it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/body_record.h"
+#include "physics/world.h"
+
+namespace brittle::physics {
+
+// Bullet's solver, with two changes to what it is given, and a report of what it did.
+//
+// Contacts with the ground and with fixed bodies come last, so that each sweep ends with nothing going into
+// the ground. In Bullet's own order, a heavy piece presses a light one beneath it millimetres deep and holds
+// it there; what is left over now is overlap between the two, inside the pile.
+//
+// Overlap between bodies counts only as far as may be undone in one step: see
+// WorldSettings::separation_speed. The true distances are found anew before the next step.
+class PieceSolver final : public btSequentialImpulseConstraintSolver {
+  public:
+    PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
+        : separation_speed_(settings.separation_speed), bodies_(bodies) {}
+
+    std::vector<Contact> contacts; // of this step, appended by each call
+
+    btScalar solveGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
+                        int manifold_count, btTypedConstraint** constraints, int constraint_count,
+                        const btContactSolverInfo& info, btIDebugDraw* drawer,
+                        btDispatcher* dispatcher) override;
+
+    // Of bodies that sleep, which nobody solves: what they pressed when they last were awake.
+    void report_sleeping(btDispatcher& dispatcher);
+
+  private:
+    void note_speeds();
+    void report_contacts();
+    [[nodiscard]] Contact contact_of(const btPersistentManifold& manifold, const btManifoldPoint& point,
+                                     float speed) const;
+
+    float separation_speed_;
+    const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    std::vector<btPersistentManifold*> ordered_; // scratch of one call
+    std::vector<float> speeds_;                  // likewise: m/s, of all points of ordered_
+};
+
+} // namespace brittle::physics

@@ -1,0 +1,121 @@
+#include "physics/bullet/stepped_world.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace brittle::physics {
+
+namespace {
+
+// How much of its velocity a body keeps per second while it settles: half a second of it takes jitter to
+// nothing.
+constexpr float settling_kept_per_second = 1e-6f;
+// A settling body that trembles above the sleeping speeds, but not by this factor, waits longer instead of
+// anew.
+constexpr float tremble_factor = 4.0f;
+// Waiting counts up to this multiple of the sleeping time, so that a tremble does not at once wake a body
+// that waits for its neighbours.
+constexpr float patience = 1.5f;
+
+// The nearest body that a ball runs into; not itself and not the ground, which has contacts of its own that
+// look ahead.
+struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
+    FirstHit(const btRigidBody& mover, const btVector3& from, const btVector3& to, btScalar ball_radius)
+        : ClosestConvexResultCallback(from, to), body(mover), path(to - from), radius(ball_radius) {}
+    bool needsCollision(btBroadphaseProxy* proxy) const override {
+        const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+        return object != &body && object->getUserIndex() >= 0
+               && ClosestConvexResultCallback::needsCollision(proxy);
+    }
+    btScalar addSingleResult(btCollisionWorld::LocalConvexResult& result, bool in_world) override {
+        // On its way out, or sliding along: too slow towards it to get through in one step.
+        if (result.m_hitNormalLocal.dot(path) > -radius) return m_closestHitFraction;
+        return ClosestConvexResultCallback::addSingleResult(result, in_world);
+    }
+    const btRigidBody& body;
+    btVector3 path;
+    btScalar radius;
+};
+
+} // namespace
+
+void SteppedWorld::integrateTransforms(btScalar seconds) {
+    spins_.clear();
+    shortened_.clear();
+    for (const auto& body : bodies_) {
+        if (!body->awake()) continue;
+        const btQuaternion q = body->rigid->getWorldTransform().getRotation();
+        spins_.push_back({glm::dquat(to_glm(q)), glm::dvec3(to_glm(body->rigid->getAngularVelocity()))});
+        if (body->swept_radius > 0.0f) stop_at_hit(*body->rigid, body->swept_radius, seconds);
+    }
+    btDiscreteDynamicsWorld::integrateTransforms(seconds);
+    for (const auto& [rigid, velocity] : shortened_) rigid->setLinearVelocity(velocity);
+    size_t next = 0;
+    for (const auto& body : bodies_) {
+        if (!body->awake()) continue;
+        const Spin spin = free_spin(spins_[next++], body->moments, seconds);
+        btTransform frame = body->rigid->getWorldTransform();
+        frame.setRotation(to_bullet(glm::quat(spin.orientation)));
+        body->rigid->setWorldTransform(frame);
+        body->rigid->updateInertiaTensor();
+        body->rigid->setAngularVelocity(to_bullet(glm::vec3(spin.velocity)));
+    }
+}
+
+void SteppedWorld::updateActivationState(btScalar seconds) {
+    if (!settings_.sleeping) return;
+    find_touching();
+    const float kept = std::pow(settling_kept_per_second, seconds);
+    for (const auto& body : bodies_) {
+        btRigidBody& rigid = *body->rigid;
+        if (body->fixed) continue;
+        if (rigid.getActivationState() == ISLAND_SLEEPING) {
+            rigid.setLinearVelocity({0, 0, 0});
+            rigid.setAngularVelocity({0, 0, 0});
+            continue;
+        }
+        const float speed =
+            std::max(rigid.getLinearVelocity().length() / (settings_.sleep_linear_speed * bullet_units),
+                     rigid.getAngularVelocity().length() / settings_.sleep_angular_speed);
+        // One tremble that is soon over does not start the wait anew.
+        if (!body->touching || speed > tremble_factor)
+            body->still_seconds = 0.0f;
+        else
+            body->still_seconds = std::clamp(body->still_seconds + (speed < 1.0f ? seconds : -seconds), 0.0f,
+                                             patience * settings_.sleep_seconds);
+        if (body->still_seconds > 0.5f * settings_.sleep_seconds) {
+            rigid.setLinearVelocity(rigid.getLinearVelocity() * kept);
+            rigid.setAngularVelocity(rigid.getAngularVelocity() * kept);
+        }
+        rigid.setActivationState(body->still_seconds >= settings_.sleep_seconds ? WANTS_DEACTIVATION
+                                                                                : ACTIVE_TAG);
+    }
+}
+
+// Bullet's own sweep knows bodies of one hull only. The body's velocity is made such that the coming
+// integration ends at the first hit; shortened_ remembers the true one.
+void SteppedWorld::stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds) {
+    const btVector3 velocity = rigid.getLinearVelocity();
+    if (velocity.length() * seconds <= radius) return;
+    btTransform from = rigid.getWorldTransform(), to = from;
+    to.setOrigin(from.getOrigin() + velocity * seconds);
+    FirstHit hit(rigid, from.getOrigin(), to.getOrigin(), radius);
+    btSphereShape ball(radius);
+    convexSweepTest(&ball, from, to, hit, getDispatchInfo().m_allowedCcdPenetration);
+    if (!hit.hasHit()) return;
+    shortened_.emplace_back(&rigid, velocity);
+    rigid.setLinearVelocity(velocity * hit.m_closestHitFraction);
+}
+
+void SteppedWorld::find_touching() {
+    for (const auto& body : bodies_) body->touching = false;
+    for (int i = 0; i < getDispatcher()->getNumManifolds(); ++i) {
+        const btPersistentManifold* manifold = getDispatcher()->getManifoldByIndexInternal(i);
+        if (manifold->getNumContacts() == 0) continue;
+        for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
+            if (object->getUserIndex() >= 0)
+                bodies_[static_cast<size_t>(object->getUserIndex())]->touching = true;
+    }
+}
+
+} // namespace brittle::physics

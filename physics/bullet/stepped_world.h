@@ -1,0 +1,44 @@
+// Bullet's world with two of its parts replaced: the rotation of free bodies and the rule for falling asleep.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/body_record.h"
+#include "physics/rotation.h"
+#include "physics/world.h"
+
+namespace brittle::physics {
+
+class SteppedWorld final : public btDiscreteDynamicsWorld {
+  public:
+    // Settings and bodies are looked at in each step; the bodies' user indices point into them.
+    SteppedWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver,
+                 btCollisionConfiguration* configuration, const WorldSettings& settings,
+                 const std::vector<std::unique_ptr<BodyRecord>>& bodies)
+        : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), settings_(settings),
+          bodies_(bodies) {}
+
+  protected:
+    // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h.
+    void integrateTransforms(btScalar seconds) override;
+    // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
+    // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest. That
+    // islands sleep and wake as a whole remains Bullet's.
+    void updateActivationState(btScalar seconds) override;
+
+  private:
+    void stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
+    void find_touching();
+
+    const WorldSettings& settings_;
+    const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    std::vector<Spin> spins_; // scratch of one step
+    std::vector<std::pair<btRigidBody*, btVector3>>
+        shortened_; // likewise: velocities of bodies that stop at a hit
+};
+
+} // namespace brittle::physics

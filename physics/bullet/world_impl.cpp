@@ -1,0 +1,68 @@
+#include "physics/bullet/world_impl.h"
+
+#include <algorithm>
+
+// Bullet's global slack around every box in its broadphase tree; not declared by the umbrella header.
+extern btScalar gDbvtMargin;
+
+namespace brittle::physics {
+
+Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
+    : solver(settings, bodies) {
+    world =
+        std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies);
+    world->setGravity(metres_to_bullet(settings.gravity));
+    world->setForceUpdateAllAabbs(false); // the boxes of sleeping bodies do not change
+    btContactSolverInfo& info = world->getSolverInfo();
+    info.m_numIterations = static_cast<int>(settings.solver_iterations);
+    // Overlap is resolved by moving bodies, never by accelerating them, however shallow: otherwise the
+    // repair of an overlap turns into kinetic energy.
+    info.m_splitImpulse = 1;
+    info.m_splitImpulsePenetrationThreshold = 0.0f;
+    info.m_restitutionVelocityThreshold *= bullet_units;
+    if (!settings.ground_height) return;
+    ground_shape =
+        std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * bullet_units);
+    btRigidBody::btRigidBodyConstructionInfo ground_info(0.0f, nullptr, ground_shape.get());
+    ground_info.m_friction = settings.ground_friction;
+    ground_info.m_restitution = settings.ground_restitution;
+    ground = std::make_unique<btRigidBody>(ground_info);
+    ground->setUserIndex(-1);
+    world->addRigidBody(ground.get());
+}
+
+Engine::~Engine() {
+    if (ground) world->removeRigidBody(ground.get());
+}
+
+void World::Impl::make_engine() {
+    gDbvtMargin = settings.broadphase_margin * bullet_units;
+    engine = std::make_unique<Engine>(settings, bodies);
+}
+
+std::shared_ptr<SharedShape> World::Impl::shared_shape(const std::shared_ptr<const CollisionHull>& hull) {
+    if (const auto known = shared_shapes.find(hull.get()); known != shared_shapes.end()) return known->second;
+    if (shared_shapes.size() >= shapes_to_keep) {
+        std::erase_if(shared_shapes, [](const auto& entry) { return entry.second.use_count() == 1; });
+        shapes_to_keep = std::max<size_t>(64, 2 * shared_shapes.size());
+    }
+    auto made = std::make_shared<SharedShape>();
+    made->hull = hull;
+    for (const glm::vec3& point : hull->points) made->shape.addPoint(metres_to_bullet(point), false);
+    made->shape.setMargin(hull->margin * bullet_units);
+    made->shape.recalcLocalAabb();
+    shared_shapes.emplace(hull.get(), made);
+    return made;
+}
+
+void World::Impl::make_compound(BodyRecord& body, std::span<const BodyPart> parts) {
+    const glm::quat from_body = glm::conjugate(body.to_principal);
+    body.compound = std::make_unique<btCompoundShape>(true, static_cast<int>(parts.size()));
+    for (const BodyPart& part : parts) {
+        body.shared.push_back(shared_shape(part.hull));
+        const btTransform frame(to_bullet(from_body), metres_to_bullet(from_body * part.offset));
+        body.compound->addChildShape(frame, &body.shared.back()->shape);
+    }
+}
+
+} // namespace brittle::physics

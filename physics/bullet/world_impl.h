@@ -1,0 +1,87 @@
+// What is behind a World: its bodies in their order, and Bullet.
+#pragma once
+
+#include <cassert>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/body_record.h"
+#include "physics/bullet/ground_contact.h"
+#include "physics/bullet/piece_solver.h"
+#include "physics/bullet/stepped_world.h"
+#include "physics/world.h"
+
+namespace brittle::physics {
+
+// Contact points further apart than this, in metres, are near but not touching.
+inline constexpr float touching_distance = 1e-3f;
+
+// Everything of Bullet's that a history can hide in; made anew by clear().
+struct Engine {
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    GroundContacts ground_contacts{dispatcher};
+    btDbvtBroadphase broadphase;
+    PieceSolver solver;
+    std::unique_ptr<SteppedWorld> world;
+    std::unique_ptr<btStaticPlaneShape> ground_shape;
+    std::unique_ptr<btRigidBody> ground;
+
+    Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies);
+    ~Engine();
+    Engine(const Engine&) = delete;
+    Engine& operator=(const Engine&) = delete;
+};
+
+struct World::Impl {
+    WorldSettings settings;
+    std::vector<std::unique_ptr<BodyRecord>>
+        bodies;                        // in body order; the rigid bodies' user index points here
+    std::vector<BodyId> ids;           // in body order
+    std::vector<uint32_t> order_of_id; // by BodyId::value; UINT32_MAX once removed
+    std::unique_ptr<Engine> engine;
+    // Hulls that bodies share, by address: an entry holds its hull, so an address in here names one hull.
+    std::unordered_map<const CollisionHull*, std::shared_ptr<SharedShape>> shared_shapes;
+    size_t shapes_to_keep = 64; // beyond so many, those without a body are let go
+    double pending_seconds = 0.0;
+    uint64_t steps = 0;
+
+    explicit Impl(const WorldSettings& given) : settings(given) { make_engine(); }
+    ~Impl() { drop_bodies(); }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    void make_engine();
+    // Bullet must let go of a body before the body goes.
+    void drop_bodies() {
+        for (size_t i = bodies.size(); i-- > 0;) engine->world->removeRigidBody(bodies[i]->rigid.get());
+        bodies.clear();
+        ids.clear();
+    }
+    std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
+    void make_compound(BodyRecord& body, std::span<const BodyPart> parts);
+    [[nodiscard]] const BodyRecord* find(BodyId id) const {
+        if (id.value >= order_of_id.size() || order_of_id[id.value] == UINT32_MAX) return nullptr;
+        return bodies[order_of_id[id.value]].get();
+    }
+    [[nodiscard]] BodyRecord* find(BodyId id) {
+        return const_cast<BodyRecord*>(std::as_const(*this).find(id));
+    }
+    [[nodiscard]] const BodyRecord& get(BodyId id) const {
+        const BodyRecord* body = find(id);
+        assert(body && "no such body in this world");
+        return *body;
+    }
+    void wake(BodyRecord& body) {
+        body.still_seconds = 0.0f;
+        if (settings.sleeping && !body.fixed) body.rigid->forceActivationState(ACTIVE_TAG);
+    }
+};
+
+} // namespace brittle::physics
