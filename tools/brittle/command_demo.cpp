@@ -13,6 +13,8 @@
 #include "tools/brittle/classify_choice.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/interrupt.h"
+#include "tools/brittle/replay/recorder.h"
 #include "tools/brittle/stage.h"
 #include "tools/brittle/view.h"
 
@@ -60,10 +62,13 @@ class Demo {
     Demo(const Demo&) = delete;
     Demo& operator=(const Demo&) = delete;
 
+    [[nodiscard]] Simulation& simulation() { return stage_.simulation(); }
+
     void run() {
         must(renderer_.warm_up());
         Clock::time_point last = Clock::now();
         while (!window_.should_close()) {
+            throw_if_interrupted();
             handle(window_.poll());
             take_pieces();
             const Clock::time_point now = Clock::now();
@@ -214,6 +219,7 @@ class Demo {
 } // namespace
 
 int run_demo(const DemoCommand& command) {
+    catch_interrupts();
     const auto window = must(engine::Window::create(
         {.title = "Brittle", .width = command.view.width, .height = command.view.height}));
     const Input input = placed_on_stage(load_input(command.fracture), command.fracture.world);
@@ -224,7 +230,11 @@ int run_demo(const DemoCommand& command) {
         std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
         const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
         must(renderer->attach(*window));
-        Demo(command, input, choice, *device, *window, *renderer).run();
+        Recorder recorder(command.record, command.fracture);
+        Demo demo(command, input, choice, *device, *window, *renderer);
+        if (!command.record.empty()) demo.simulation().observe(&recorder);
+        demo.run();
+        recorder.finish();
     }
     check_validation(*device);
     return exit_success;

@@ -33,15 +33,27 @@ struct FractureCommand {
 struct RenderCommand {
     FractureOptions fracture;
     ViewOptions view;
-    std::string output = "frame_%04d.png";
+    std::string output = "frame_%04d.png"; // empty: no pictures
     uint32_t every = 10; // write each so many-th frame
+    std::string video;   // a file of all frames, by ffmpeg; empty: none
+    std::string record;  // a replay log; empty: none
     std::string graph;   // where the frame graph goes, as DOT; empty: nowhere
     std::string classify = "cpu"; // auto, cpu or gpu
+};
+
+struct ReplayCommand {
+    std::string log;
+    std::string pictures; // as RenderCommand::output; empty: none
+    uint32_t every = 10;
+    std::string video;    // empty: none
+    uint32_t threads = 0; // of the fracture; 0: one a core
+    ViewOptions view;
 };
 
 struct DemoCommand {
     FractureOptions fracture;
     ViewOptions view;
+    std::string record;            // a replay log of the last break; empty: none
     std::string classify = "auto"; // auto, cpu or gpu
 };
 
@@ -77,6 +89,8 @@ int run_inspect(const InspectCommand& command);
 int run_repair(const RepairCommand& command);
 int run_fracture(const FractureCommand& command);
 int run_render(const RenderCommand& command);
+// Returns exit_differs where a state differs from the recorded one.
+int run_replay(const ReplayCommand& command);
 int run_demo(const DemoCommand& command);
 // Returns exit_slower where --compare finds something slower.
 int run_profile(const ProfileCommand& command);

@@ -23,6 +23,7 @@ enum ExitCode {
     exit_output = 5,     // an output could not be written; an old file is left as it was
     exit_environment = 6, // no Vulkan device, a lost one, no display
     exit_slower = 7,      // `profile --compare` found something slower
+    exit_differs = 8,     // `replay` came to another state than the log tells
     exit_interrupted = 130 // by Ctrl+C; nothing half-written is left
 };
 

@@ -16,14 +16,7 @@ constexpr int deepest = 64; // brackets; writing JSON recurses over them
 
 } // namespace
 
-Json read_json_file(const std::filesystem::path& file, const std::string& what, size_t longest) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Failure(exit_input, file.string() + ": the " + what + " cannot be read");
-    std::string text;
-    for (char c = 0; text.size() <= longest && stream.get(c);) text.push_back(c);
-    if (text.size() > longest)
-        throw Failure(exit_input, file.string() + ": a " + what + " of more than " + std::to_string(longest >> 20)
-                                      + " MiB is none");
+Json parse_json(const std::filesystem::path& where, const std::string& text, const std::string& what) {
     bool too_deep = false;
     const auto keep = [&](int depth, Json::parse_event_t, Json&) {
         too_deep = too_deep || depth > deepest;
@@ -35,10 +28,21 @@ Json read_json_file(const std::filesystem::path& file, const std::string& what, 
     } catch (const nlohmann::json::exception& e) {
         // It quotes the last token, which may be the whole file.
         const std::string why = std::string(e.what()).substr(0, 300);
-        if (!too_deep) throw Failure(exit_input, file.string() + ": the JSON cannot be read: " + why);
+        if (!too_deep) throw Failure(exit_input, where.string() + ": the JSON cannot be read: " + why);
     }
-    if (too_deep) throw Failure(exit_input, file.string() + ": nested too deeply for a " + what);
+    if (too_deep) throw Failure(exit_input, where.string() + ": nested too deeply for a " + what);
     return json;
+}
+
+Json read_json_file(const std::filesystem::path& file, const std::string& what, size_t longest) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw Failure(exit_input, file.string() + ": the " + what + " cannot be read");
+    std::string text;
+    for (char c = 0; text.size() <= longest && stream.get(c);) text.push_back(c);
+    if (text.size() > longest)
+        throw Failure(exit_input, file.string() + ": a " + what + " of more than " + std::to_string(longest >> 20)
+                                      + " MiB is none");
+    return parse_json(file, text, what);
 }
 
 std::string shown(const Json& value) {

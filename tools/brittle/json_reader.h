@@ -21,7 +21,10 @@
 
 namespace brittle::tools {
 
-// The whole file. `what` names it in messages ("recipe"); no more than `longest` bytes and 64 brackets deep.
+// The text; `where` and `what` name it in messages ("run.log:7", "recipe"); no more than 64 brackets deep.
+[[nodiscard]] nlohmann::ordered_json parse_json(const std::filesystem::path& where, const std::string& text,
+                                                const std::string& what);
+// The whole file. `what` names it in messages ("recipe"); no more than `longest` bytes.
 [[nodiscard]] nlohmann::ordered_json read_json_file(const std::filesystem::path& file, const std::string& what,
                                                     size_t longest);
 

@@ -32,6 +32,7 @@ constexpr const char* exit_codes_help =
     "Exit codes: 0 success, 1 failure, 2 wrong command line, 3 input file missing or damaged,\n"
     "            4 mesh or sites cannot be fractured, 5 output not written, 6 no Vulkan device, a lost one\n"
     "            or no display, 7 slower than before (profile --compare),\n"
+    "            8 another state than the replay log tells,\n"
     "            130 interrupted (Ctrl+C); nothing half-written is left";
 
 std::string mesh_help() {
@@ -253,6 +254,28 @@ void add_profile(CLI::App& app, std::function<int()>& run) {
     profile->callback([&run] { run = [] { return run_profile(command); }; });
 }
 
+void add_record_option(CLI::App& command, std::string& file) {
+    command.add_option("--record", file, "Also write a log of what happens, for `brittle replay`")->type_name("FILE.log");
+}
+
+void add_replay(CLI::App& app, std::function<int()>& run) {
+    static ReplayCommand command;
+    auto* replay = app.add_subcommand("replay", "Repeat a recorded run without a display and compare the state after each step");
+    replay->add_option("log", command.log, "What --record wrote")->required()->type_name("FILE.log");
+    replay->add_option("--render", command.pictures, "Also draw it: %04d stands for the frame's number")
+        ->type_name("FILE_%04d.png");
+    replay->add_option("--every", command.every, "Write every so many-th frame, 60 a second")
+        ->check(CLI::Range(1u, 100'000u))
+        ->capture_default_str();
+    replay->add_option("--video", command.video, "Also draw it as a video, by the program ffmpeg")->type_name("FILE.mp4");
+    replay->add_option("--threads", command.threads, "Worker threads; 0 is one a core. Never changes the result")
+        ->check(CLI::Range(0u, 1024u))
+        ->capture_default_str();
+    add_view_options(*replay, command.view);
+    replay->footer("Ends with 0 where all states are those recorded, with 8 where one is not.");
+    replay->callback([&run] { run = [] { return run_replay(command); }; });
+}
+
 void add_commands(CLI::App& app, std::function<int()>& run) {
     static FractureCommand fracture_command;
     auto* fracture = app.add_subcommand("fracture", "Break a mesh and write the pieces: GLB, OBJ, PLY or STL");
@@ -341,12 +364,21 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     render->add_option("--distance", picture.distance, "Of the camera; 1 shows the mesh, the ground and some room")
         ->check(CLI::Range(0.1f, 10.0f))
         ->capture_default_str();
+    render->add_option("--video", render_command.video,
+                       "Also write all frames as a video, by the program ffmpeg; without -o no pictures then")
+        ->type_name("FILE.mp4");
+    add_record_option(*render, render_command.record);
     render->add_option("--graph", render_command.graph, "Also write the frame graph of the last picture, for `dot -Tsvg`")
         ->type_name("FILE.dot");
     add_world_options(*render, render_command.fracture.world);
     add_classify_option(*render, render_command.classify);
     add_view_options(*render, render_command.view);
-    render->callback([&run] { run = [] { return run_render(render_command); }; });
+    render->callback([&run, render] {
+        if (!render_command.video.empty() && render->count("--output") == 0) render_command.output.clear();
+        run = [] { return run_render(render_command); };
+    });
+
+    add_replay(app, run);
 
     static DemoCommand demo_command;
     auto* demo = app.add_subcommand("demo", "Break a mesh in a window (Space breaks, R resets, H lists all keys)");
@@ -355,6 +387,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     demo->get_option("mesh")->capture_default_str();
     add_world_options(*demo, demo_command.fracture.world);
     add_classify_option(*demo, demo_command.classify);
+    add_record_option(*demo, demo_command.record);
     add_view_options(*demo, demo_command.view);
     demo->callback([&run] { run = [] { return run_demo(demo_command); }; });
 

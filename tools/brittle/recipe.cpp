@@ -146,7 +146,7 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
     }
 }
 
-void read_world(const std::filesystem::path& file, JsonReader& reader, WorldOptions& world) {
+void read_world(const std::filesystem::path& file, const std::string& path, JsonReader& reader, WorldOptions& world) {
     reader.flag("bonded", world.bonded);
     reader.flag("anchored", world.anchored);
     reader.number("height", world.height, 0.0, 100.0);
@@ -155,7 +155,7 @@ void read_world(const std::filesystem::path& file, JsonReader& reader, WorldOpti
     if (!shots->is_array()) reader.fail("shots", "a list [{ }, ...]", *shots);
     world.shots.clear();
     for (size_t k = 0; k < shots->size(); ++k) {
-        JsonReader inner(file, (*shots)[k], "/world/shots/" + std::to_string(k));
+        JsonReader inner(file, (*shots)[k], path + "/shots/" + std::to_string(k));
         Shot shot;
         inner.number("time", shot.time, 0.0, 1e4);
         inner.vector("from", shot.from);
@@ -194,14 +194,17 @@ std::string recipe_json(const FractureOptions& options) {
 }
 
 void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
-    const Json json = read_json_file(file, "recipe", longest_recipe);
-    JsonReader reader(file, json, "");
+    read_recipe(file, read_json_file(file, "recipe", longest_recipe), "", options);
+}
+
+void read_recipe(const std::filesystem::path& file, const Json& json, const std::string& path, FractureOptions& options) {
+    JsonReader reader(file, json, path);
     int written_for = 0;
     reader.whole("brittle", written_for, 0, INT32_MAX);
     if (written_for != version)
         throw reader.failure("brittle", "expected the recipe's version, which is " + std::to_string(version));
-    const auto from_here = [&](std::string& path) {
-        if (!path.empty() && !path.starts_with(shape_prefix)) path = (file.parent_path() / path).lexically_normal().string();
+    const auto from_here = [&](std::string& name) {
+        if (!name.empty() && !name.starts_with(shape_prefix)) name = (file.parent_path() / name).lexically_normal().string();
     };
     if (reader.find("mesh")) {
         reader.text("mesh", options.mesh);
@@ -218,18 +221,18 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
         }
     }
     if (const Json* pattern = reader.find("pattern")) {
-        JsonReader inner(file, *pattern, "/pattern");
+        JsonReader inner(file, *pattern, path + "/pattern");
         read_pattern(inner, options);
         inner.refuse_unknown_keys();
         from_here(options.sites_file);
     }
     if (const Json* world = reader.find("world")) {
-        JsonReader inner(file, *world, "/world");
-        read_world(file, inner, options.world);
+        JsonReader inner(file, *world, path + "/world");
+        read_world(file, path + "/world", inner, options.world);
         inner.refuse_unknown_keys();
     }
     if (const Json* picture = reader.find("picture")) {
-        JsonReader inner(file, *picture, "/picture");
+        JsonReader inner(file, *picture, path + "/picture");
         read_picture(inner, options.picture);
         inner.refuse_unknown_keys();
     }
@@ -242,14 +245,17 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
     reader.refuse_unknown_keys();
 }
 
-void write_recipe(const std::filesystem::path& file, const FractureOptions& options) {
+Json recipe_object(const FractureOptions& options, const std::filesystem::path& folder) {
     FractureOptions relative = options;
-    const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
     for (std::string* path : {&relative.mesh, &relative.sites_file}) {
         if (path->empty() || path->starts_with(shape_prefix) || std::filesystem::path(*path).is_absolute()) continue;
         *path = std::filesystem::proximate(std::filesystem::absolute(*path), folder).string();
     }
-    const std::string text = recipe_object(relative).dump(2) + "\n";
+    return recipe_object(relative);
+}
+
+void write_recipe(const std::filesystem::path& file, const FractureOptions& options) {
+    const std::string text = recipe_object(options, std::filesystem::absolute(file).parent_path()).dump(2) + "\n";
     must(fracture::write_file_atomically(file, std::as_bytes(std::span(text))));
 }
 

@@ -6,16 +6,23 @@
 #include <filesystem>
 #include <string>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "tools/brittle/input.h"
 
 namespace brittle::tools {
 
 // The options as a recipe. Paths are as in the options.
 [[nodiscard]] std::string recipe_json(const FractureOptions& options);
+// The same with paths relative to a folder, which is absolute; absolute paths and shapes stay.
+[[nodiscard]] nlohmann::ordered_json recipe_object(const FractureOptions& options, const std::filesystem::path& folder);
 
 // Takes over what the recipe says; what it does not mention stays. Relative paths in it count from its folder. Throws a
 // Failure with exit_input that names the file and the JSON path of an unknown key or a bad value, and what was expected.
 void read_recipe(const std::filesystem::path& file, FractureOptions& options);
+// The same with a recipe that is part of a file, at a JSON path in it such as "/recipe".
+void read_recipe(const std::filesystem::path& file, const nlohmann::ordered_json& json, const std::string& path,
+                 FractureOptions& options);
 
 // Writes the recipe, with paths relative to its folder. Atomic. Throws a Failure.
 void write_recipe(const std::filesystem::path& file, const FractureOptions& options);

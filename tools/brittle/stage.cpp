@@ -6,9 +6,6 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/color_space.hpp>
 
-#include "fracture/mass_properties.h"
-#include "fracture/shapes.h"
-#include "physics/pieces.h"
 #include "tools/brittle/failure.h"
 
 namespace brittle::tools {
@@ -16,9 +13,6 @@ namespace brittle::tools {
 namespace {
 
 constexpr double stage_size = 2.0;     // m, longest side of the mesh
-// Of the handbook strengths of flawless samples, what things have against blows: at full strength a stone arch turns back
-// a ball of a quarter of a ton.
-constexpr float flawed = 0.1f;
 constexpr float piece_tint_strength = 0.9f;
 constexpr float material_tint_strength = 0.15f; // a material shows its own colour
 constexpr float site_radius = 0.02f;   // m
@@ -46,14 +40,12 @@ Input placed_on_stage(Input input, const WorldOptions& world) {
 }
 
 Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material)
-    : renderer_(renderer), material_(physics::material_preset(material)) {
+    : renderer_(renderer), simulation_(material) {
     reset(mesh);
 }
 
 void Stage::reset(const fracture::TriangleMesh& mesh) {
-    world_.clear();
-    structure_.reset();
-    balls_.clear();
+    simulation_.clear();
     radii_.clear();
     const fracture::Box box = fracture::bounds(mesh);
     home_ = {glm::vec3(box.min), glm::vec3(box.max)};
@@ -65,37 +57,13 @@ void Stage::reset(const fracture::TriangleMesh& mesh) {
     moved_ = true;
 }
 
-void Stage::shatter(const fracture::Fragments& fragments) {
-    world_.clear();
-    structure_.reset();
-    balls_.clear();
-    must(physics::add_pieces(world_, fragments, material_ ? material_->material : physics::Material{}));
-    upload(fragments);
-}
-
 void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world) {
-    world_.clear();
-    balls_.clear();
-    physics::StructureDesc desc{.material = material_ ? material_->material : physics::Material{}};
-    for (float* strength : {&desc.material.tensile, &desc.material.compressive, &desc.material.shear}) *strength *= flawed;
-    desc.wear.strength_scale /= flawed;
-    if (world.anchored) desc.anchored = physics::anchor_to_ground(fragments);
-    structure_ = must(physics::Structure::create(world_, fragments, desc));
+    simulation_.start(fragments, world);
     upload(fragments);
 }
 
 void Stage::shoot(const Shot& shot) {
-    if (!broken()) return;
-    const fracture::TriangleMesh ball = fracture::icosphere(2, shot.radius);
-    const double mass = shot.density * fracture::signed_volume(ball.positions, ball.triangles);
-    const auto inertia = static_cast<float>(0.4 * mass * shot.radius * shot.radius);
-    balls_.push_back({must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}),
-                                            .continuous = true,
-                                            .mass = static_cast<float>(mass),
-                                            .inertia = glm::mat3(inertia),
-                                            .pose = {.position = glm::vec3(shot.from)},
-                                            .linear_velocity = glm::vec3(shot.velocity)})),
-                      static_cast<float>(shot.radius)});
+    if (broken()) simulation_.apply(Shoot{shot.from, shot.velocity, shot.radius, shot.density});
 }
 
 // What is drawn of the fragments, with a body's pose a piece.
@@ -125,9 +93,7 @@ void Stage::upload(const fracture::Fragments& fragments) {
 void Stage::advance(double seconds) {
     if (!broken()) return;
     moved_ = true;
-    alpha_ = world_.advance(seconds, [this] {
-        if (structure_) structure_->update(world_);
-    });
+    alpha_ = simulation_.advance(seconds);
 }
 
 void Stage::show_sites(std::span<const glm::dvec3> sites) {
@@ -139,17 +105,14 @@ engine::Scene Stage::scene() {
     engine::Scene scene;
     scene.bounds = home_;
     scene.look.tint = piece_tint_strength;
-    if (material_) {
-        scene.look.exterior = material_->exterior;
-        scene.look.interior = material_->interior;
+    if (const physics::MaterialPreset* material = simulation_.material()) {
+        scene.look.exterior = material->exterior;
+        scene.look.interior = material->interior;
         scene.look.tint = material_tint_strength;
     }
     if (broken()) {
         poses_.resize(radii_.size());
-        if (structure_)
-            structure_->write_piece_transforms(world_, poses_, alpha_);
-        else
-            world_.write_transforms(poses_, alpha_); // pieces come before balls
+        simulation_.write_poses(poses_, alpha_);
         for (physics::Pose& pose : poses_) pose.position += explode_ * (pose.position - home_.centre());
         const glm::vec3 limit(bounds_limit);
         scene.bounds = {limit, -limit};
@@ -165,16 +128,16 @@ engine::Scene Stage::scene() {
         };
     }
     shown_spheres_ = spheres_;
-    for (const Ball& ball : balls_) {
-        const glm::vec3 before = world_.previous_pose(ball.body).position, now = world_.pose(ball.body).position;
+    for (const Simulation::Ball& ball : simulation_.balls()) {
+        const glm::vec3 before = world().previous_pose(ball.body).position, now = world().pose(ball.body).position;
         shown_spheres_.push_back({before + alpha_ * (now - before), ball.radius});
     }
     scene.spheres = shown_spheres_;
-    scene.spheres_on_top = balls_.empty();
+    scene.spheres_on_top = simulation_.balls().empty();
     lines_ = own_lines_;
     if (hulls_) {
         debug_lines_.clear();
-        world_.debug_lines(debug_lines_);
+        world().debug_lines(debug_lines_);
         for (const physics::DebugLine& line : debug_lines_) {
             lines_.push_back({line.from, packed(line.colour)});
             lines_.push_back({line.to, packed(line.colour)});

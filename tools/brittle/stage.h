@@ -1,5 +1,5 @@
-// One mesh on a stage: whole at first, then broken into pieces that fall. The place where fragments become rigid bodies
-// and rigid bodies become poses in the renderer's instance buffer.
+// One mesh on a stage: whole at first, then broken into pieces that fall. Draws a Simulation: fragments become geometry,
+// and the poses of pieces go into the renderer's instance buffer.
 //
 // Metres: the mesh is scaled so that its longest side is 2 m and floats above the ground (y = 0), or stands on it.
 //
@@ -9,17 +9,16 @@
 //     each frame: stage.advance(1.0 / 60.0); renderer.render(stage.scene(), size);
 #pragma once
 
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/render/renderer.h"
 #include "engine/render/scene.h"
 #include "fracture/fragments.h"
 #include "fracture/mesh.h"
-#include "physics/material.h"
-#include "physics/structure.h"
 #include "physics/world.h"
 #include "tools/brittle/input.h"
+#include "tools/brittle/simulation.h"
 
 namespace brittle::tools {
 
@@ -33,10 +32,10 @@ class Stage {
     Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material = {});
 
     // Replaces the unbroken mesh by pieces that fall from where they are.
-    void shatter(const fracture::Fragments& fragments);
-    // Replaces the unbroken mesh by pieces that hold together as the options say.
+    void shatter(const fracture::Fragments& fragments) { stand(fragments, {}); }
+    // Replaces the unbroken mesh by pieces that hold together as the options say, with the options' shots to come.
     void stand(const fracture::Fragments& fragments, const WorldOptions& world);
-    // A ball flies from there; nothing while the mesh is whole.
+    // A ball flies from there, whenever the shot is for; nothing while the mesh is whole.
     void shoot(const Shot& shot);
     // The unbroken mesh again.
     void reset(const fracture::TriangleMesh& mesh);
@@ -53,22 +52,17 @@ class Stage {
     // The scene of this moment; valid until the stage changes. The caller sets the camera.
     [[nodiscard]] engine::Scene scene();
     [[nodiscard]] engine::Bounds home_bounds() const { return home_; } // of the unbroken mesh, for the camera
-    [[nodiscard]] const physics::World& world() const { return world_; }
-    [[nodiscard]] bool broken() const { return world_.body_count() > 0; }
+    // For actions and observers; start() and clear() are the stage's own.
+    [[nodiscard]] Simulation& simulation() { return simulation_; }
+    [[nodiscard]] const physics::World& world() const { return simulation_.world(); }
+    [[nodiscard]] bool broken() const { return simulation_.running(); }
 
   private:
     void upload(const fracture::Fragments& fragments);
 
     engine::Renderer& renderer_;
-    physics::World world_;
-    const physics::MaterialPreset* material_ = nullptr;
+    Simulation simulation_;
     engine::Bounds home_;
-    std::optional<physics::Structure> structure_; // of bonded pieces
-    struct Ball {
-        physics::BodyId body;
-        float radius;
-    };
-    std::vector<Ball> balls_;
     std::vector<float> radii_;  // of each piece around its centre of mass
     std::vector<physics::Pose> poses_;
     std::vector<physics::DebugLine> debug_lines_;

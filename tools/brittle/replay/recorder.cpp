@@ -1,0 +1,66 @@
+#include "tools/brittle/replay/recorder.h"
+
+#include <cstdio>
+#include <span>
+#include <utility>
+
+#include "fracture/certificate.h"
+#include "fracture/io/atomic_file.h"
+#include "tools/brittle/failure.h"
+#include "tools/brittle/interrupt.h"
+#include "tools/brittle/profile/environment.h"
+
+namespace brittle::tools {
+
+Recorder::Recorder(std::filesystem::path file, const FractureOptions& options)
+    : file_(std::move(file)), options_(options) {}
+
+Recorder::~Recorder() {
+    if (finished_ || text_.empty()) return;
+    const std::string log = text(is_interrupted() ? "interrupted" : "failed");
+    const auto written = fracture::write_file_atomically(file_, std::as_bytes(std::span(log)));
+    if (written)
+        std::fprintf(stderr, "brittle: %s tells the run up to here\n", file_.string().c_str());
+    else
+        std::fprintf(stderr, "brittle: %s\n", written.error().message.c_str());
+}
+
+void Recorder::finish() {
+    finished_ = true;
+    if (text_.empty()) return;
+    const std::string log = text("finished");
+    must(fracture::write_file_atomically(file_, std::as_bytes(std::span(log))));
+}
+
+std::string Recorder::text(const std::string& end) const {
+    return text_ + end_line(steps_, end);
+}
+
+void Recorder::started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions& world) {
+    ReplayLog log{.build = environment(),
+                  .step_seconds = static_cast<double>(simulation.world().settings().step),
+                  .pieces = fragments.pieces.size(),
+                  .pieces_hash = fracture::hash(fragments),
+                  .recipe = options_};
+    log.recipe.world = world;
+    log.recipe.world.shots.clear();
+    text_ = header_line(log, std::filesystem::absolute(file_).parent_path());
+    checks_ = {};
+    finished_ = false;
+    add_state(simulation);
+}
+
+void Recorder::acted(uint64_t step, const Action& action) {
+    text_ += action_line(step, action);
+}
+
+void Recorder::stepped(const Simulation& simulation) {
+    add_state(simulation);
+}
+
+void Recorder::add_state(const Simulation& simulation) {
+    steps_ = simulation.steps();
+    text_ += state_line(steps_, {simulation.world().state_hash(), checks_.next(simulation.world())});
+}
+
+} // namespace brittle::tools
