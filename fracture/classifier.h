@@ -19,7 +19,22 @@ namespace brittle::fracture {
 class Classifier {
   public:
     static constexpr uint32_t uncertain = 0x80000000u; // a bit of a vertex's answer
-    static constexpr uint32_t crossing = 0xffffffffu;  // a triangle's answer
+
+    // A triangle's answer is a site, or `crossing` and any of these bits, each of which may be set only where it is true
+    // beyond doubt. a, b, c are the corners' cells, which must be certain and, but for edge_alone, three. They are what the
+    // cut asks first: with them an edge needs no walk, and a triangle of three cells no clipping.
+    //  - edge_alone(e): the edge from corner e to the next runs through its ends' two cells only: no other bisector
+    //    has a sign that matters. Asked of the triangle that runs the edge from its lower vertex to its higher.
+    //  - point_alone: the point of the triangle's plane that is equally far from the sites of a, b and c is farther
+    //    from all others.
+    //  - sign_known(e), sign_first(e): on which side of the bisector between the cells of edge e's ends the third corner
+    //    lies, and whether that is the side of the edge's first corner. The signs of the edge's own ends are known, so
+    //    this is the paper's sign pattern, one of eight.
+    static constexpr uint32_t crossing = 0x80000000u;
+    static constexpr uint32_t edge_alone(uint32_t e) { return 1u << e; }
+    static constexpr uint32_t point_alone = 1u << 3;
+    static constexpr uint32_t sign_known(uint32_t e) { return 1u << (4 + 2 * e); }
+    static constexpr uint32_t sign_first(uint32_t e) { return 1u << (5 + 2 * e); }
 
     // Coordinates are scaled so that the mesh is about one unit long; vertices lie in the box, sites
     // anywhere.
@@ -39,7 +54,7 @@ class Classifier {
     // For each vertex the nearest site, with the bit `uncertain` unless rounding cannot have changed the
     // answer: |x - s_l| must exceed |x - s_c| for all l in exact arithmetic; of equal sites it must be the
     // lowest index, or uncertain. For each triangle the site of its corners where they all have one, beyond
-    // doubt; else `crossing`. False: nothing was written, or it is worth nothing.
+    // doubt; else `crossing` and what is known of it. False: nothing was written, or it is worth nothing.
     virtual bool finish(std::span<uint32_t> site_of_vertex, std::span<uint32_t> site_of_triangle) = 0;
 };
 

@@ -23,6 +23,7 @@
 namespace brittle::fracture {
 
 class Classifier;
+class WorkLog;
 
 enum class Algorithm {
     exact,     // a restricted Voronoi diagram decided by exact predicates (exact/exact.h): the fast one
@@ -53,6 +54,8 @@ struct Settings {
     // What guesses where vertices and triangles lie, on a GPU for instance (classifier.h); null for none. The pieces are
     // the same. For the exact algorithm.
     Classifier* classifier = nullptr;
+    // Receives what each thread did and when (parallel.h); null for nothing. For the exact algorithm.
+    WorkLog* work_log = nullptr;
     // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be empty.
     std::function<void(double)> progress{};
     // Asked now and then, by one thread at a time; true ends the fracture with Status::cancelled. May be empty. The exact

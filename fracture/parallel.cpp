@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
+#include <chrono>
 #include <thread>
 #include <vector>
 
@@ -22,13 +24,21 @@ void parallel(uint32_t threads, uint32_t count, const Body& body) {
     std::atomic<uint32_t> next = 0;
     std::vector<std::jthread> workers;
     for (uint32_t t = 0; t < threads; ++t) {
-        workers.emplace_back([&] {
-            for (uint32_t k = next++; k < count; k = next++) body(k);
+        workers.emplace_back([&, t] {
+            for (uint32_t k = next++; k < count; k = next++) body(k, t);
         });
     }
 }
 #endif
+
+int64_t now() {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 } // namespace
+
+void WorkLog::clear() {
+    for (std::vector<Slice>& slices : slices_) slices.clear();
+}
 
 struct Threads::Arena {
     explicit Arena(uint32_t threads) : arena(static_cast<int>(threads)) {}
@@ -49,21 +59,44 @@ uint32_t Threads::chunks(uint32_t n, uint32_t least) const {
     return std::clamp(n / std::max(least, 1u), 1u, kChunksPerThread * count_);
 }
 
+void Threads::log_to(WorkLog* log) {
+    log_ = log;
+    if (log && log->slices_.size() < count_) log->slices_.resize(count_);
+}
+
+template<class Body>
+void Threads::each_chunk(uint32_t count, const Body& body) {
+    if (count == 1 || !arena_) {
+        for (uint32_t k = 0; k < count; ++k) body(k, 0u);
+        return;
+    }
+#if defined(__SANITIZE_THREAD__)
+    parallel(count_, count, body);
+#else
+    arena_->arena.execute([&] {
+        const auto chunk = [&](uint32_t k) {
+            body(k, static_cast<uint32_t>(tbb::this_task_arena::current_thread_index()));
+        };
+        tbb::parallel_for(uint32_t{0}, count, chunk, tbb::simple_partitioner{});
+    });
+#endif
+}
+
 void Threads::run(uint32_t n, uint32_t count, Call invoke, const void* body) {
     void* const callee = const_cast<void*>(body);
     const auto bound = [&](uint32_t k) {
         return static_cast<uint32_t>(static_cast<uint64_t>(n) * k / count);
     };
-    if (count == 1 || !arena_) {
-        for (uint32_t k = 0; k < count; ++k) invoke(callee, k, bound(k), bound(k + 1));
+    if (!log_) {
+        each_chunk(count, [&](uint32_t k, uint32_t) { invoke(callee, k, bound(k), bound(k + 1)); });
         return;
     }
-    const auto chunk = [&](uint32_t k) { invoke(callee, k, bound(k), bound(k + 1)); };
-#if defined(__SANITIZE_THREAD__)
-    parallel(count_, count, chunk);
-#else
-    arena_->arena.execute([&] { tbb::parallel_for(uint32_t{0}, count, chunk, tbb::simple_partitioner{}); });
-#endif
+    each_chunk(count, [&](uint32_t k, uint32_t thread) {
+        const int64_t from = now();
+        invoke(callee, k, bound(k), bound(k + 1));
+        assert(thread < log_->slices_.size());
+        log_->slices_[thread].push_back({step_, bound(k), bound(k + 1), from, now()});
+    });
 }
 
 } // namespace brittle::fracture

@@ -7,9 +7,37 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <type_traits>
+#include <vector>
 
 namespace brittle::fracture {
+
+// What each thread did and when, for a time line:
+//
+//     WorkLog log;
+//     settings.work_log = &log;     // of fracture.h; outlives the fracture
+//     for (size_t k = 0; k < log.threads(); ++k)
+//         for (const WorkLog::Slice& slice : log.of_thread(k)) ...
+//
+// Threads write to lists of their own, so nothing is locked. Without a log a loop asks for it once.
+class WorkLog {
+  public:
+    struct Slice {
+        const char* step;     // what the loop is part of, as Threads::name_step() had it last
+        uint32_t begin, end;  // the run of items: cells, triangles, ...
+        int64_t from, to;     // nanoseconds of std::chrono::steady_clock
+    };
+
+    void clear(); // keeps the memory
+    // All since clear(). A thread has a place in the loops' arena, not always one and the same thread of the system.
+    [[nodiscard]] size_t threads() const { return slices_.size(); }
+    [[nodiscard]] std::span<const Slice> of_thread(size_t k) const { return slices_[k]; } // in order of time
+
+  private:
+    friend class Threads;
+    std::vector<std::vector<Slice>> slices_;
+};
 
 class Threads {
   public:
@@ -19,6 +47,11 @@ class Threads {
     Threads& operator=(Threads&&) noexcept;
 
     [[nodiscard]] uint32_t count() const { return count_; }
+
+    // Where loops from here on are logged; null for nowhere. Not while a loop runs.
+    void log_to(WorkLog* log);
+    // What the loops from here on are part of, for the log; a string literal.
+    void name_step(const char* step) { step_ = step; }
 
     // How many chunks for_chunks() makes of n items: one with a single thread, else a few for each thread,
     // none of them smaller than `least` (but for the only one). At least one, also for n = 0.
@@ -46,8 +79,13 @@ class Threads {
     }
     void run(uint32_t n, uint32_t count, Call invoke, const void* body);
 
+    template<class Body>
+    void each_chunk(uint32_t count, const Body& body); // body(chunk, thread)
+
     struct Arena;
     uint32_t count_;
+    const char* step_ = "";
+    WorkLog* log_ = nullptr;
     std::unique_ptr<Arena> arena_;
 };
 

@@ -21,10 +21,19 @@ const uint classify_binding_bins = 2;           // uint, bins + 1: where a bin's
 const uint classify_binding_vertex_answers = 3; // uint, one a vertex
 const uint classify_binding_triangles = 4;      // uint, three a triangle
 const uint classify_binding_triangle_answers = 5;
-const uint classify_binding_count = 6;
+const uint classify_binding_places = 6;         // vec4, by index: position of a site
+const uint classify_binding_crossing = 7;       // uint: crossing triangles, in any order
+const uint classify_binding_crossing_count = 8; // uint
+const uint classify_binding_dispatch = 9;       // VkDispatchIndirectCommand of the pass over them
+const uint classify_binding_count = 10;
 
+// As in fracture/classifier.h.
 const uint classify_uncertain = 0x80000000u;
-const uint classify_crossing = 0xffffffffu;
+const uint classify_crossing = 0x80000000u;
+const uint classify_edge_alone = 1u; // << edge
+const uint classify_point_alone = 8u;
+const uint classify_sign_known = 16u; // << 2 edge
+const uint classify_sign_first = 32u; // << 2 edge
 
 // Push constants.
 struct ClassifyGrid {

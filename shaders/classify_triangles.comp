@@ -1,18 +1,9 @@
-// Which triangles lie in one cell (cells are convex, so three corners decide), and which cross bisectors.
+// Which triangles lie in one cell (cells are convex, so three corners decide), and which cross bisectors. Those go to a list,
+// in any order, with a work group of the next pass for each run of them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "classify.h"
+#include "classify_triangles.glsl"
 
-layout(local_size_x = classify_group_size) in;
-layout(push_constant) uniform Push { ClassifyGrid grid; };
-layout(std430, binding = classify_binding_vertex_answers) readonly buffer Vertices { uint site_of[]; };
-layout(std430, binding = classify_binding_triangles) readonly buffer Triangles { uint triangles[]; };
-layout(std430, binding = classify_binding_triangle_answers) writeonly buffer Answers { uint answers[]; };
-
-void main() {
-    const uint t = gl_GlobalInvocationID.x;
-    if (t >= grid.counts.x) return;
-    const uint a = site_of[triangles[3 * t]], b = site_of[triangles[3 * t + 1]], c = site_of[triangles[3 * t + 2]];
-    const bool whole = a == b && b == c && (a & classify_uncertain) == 0;
-    answers[t] = whole ? a : classify_crossing;
+void list_crossing(uint t, bool crosses) {
+    if (crosses) listed[atomicAdd(count, 1)] = t;
 }

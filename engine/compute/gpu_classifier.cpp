@@ -4,7 +4,10 @@
 #include <array>
 #include <cstring>
 
+#include "compiled/classify_crossing_groups_comp.h"
+#include "compiled/classify_signs_comp.h"
 #include "compiled/classify_triangles_comp.h"
+#include "compiled/classify_triangles_subgroup_comp.h"
 #include "compiled/classify_vertices_comp.h"
 #include "engine/compute/site_bins.h"
 #include "engine/gpu/check.h"
@@ -19,6 +22,13 @@ namespace brittle::engine {
 namespace {
 
 using namespace shared;
+
+static_assert(classify_uncertain == fracture::Classifier::uncertain);
+static_assert(classify_crossing == fracture::Classifier::crossing);
+static_assert(classify_edge_alone << 2 == fracture::Classifier::edge_alone(2));
+static_assert(classify_point_alone == fracture::Classifier::point_alone);
+static_assert(classify_sign_known << 4 == fracture::Classifier::sign_known(2));
+static_assert(classify_sign_first << 4 == fracture::Classifier::sign_first(2));
 
 constexpr VkBufferUsageFlags storage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 
@@ -94,6 +104,12 @@ class ClassifyLayout {
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
+Pipeline triangles_pipeline(const Device& device, VkPipelineLayout layout) {
+    constexpr const char* name = "classify triangles";
+    return device.has_ballots() ? Pipeline(device, name, layout, classify_triangles_subgroup_comp)
+                                : Pipeline(device, name, layout, classify_triangles_comp);
+}
+
 uint32_t groups(uint32_t items) {
     return (items + classify_group_size - 1) / classify_group_size;
 }
@@ -104,25 +120,33 @@ struct GpuClassifier::State {
     explicit State(Device& device_)
         : device(device_), layout(device_),
           vertices(device_, "classify vertices", layout.handle(), classify_vertices_comp),
-          triangles(device_, "classify triangles", layout.handle(), classify_triangles_comp),
+          triangles(triangles_pipeline(device_, layout.handle())),
+          crossing_groups(device_, "count crossing triangles", layout.handle(), classify_crossing_groups_comp),
+          signs(device_, "signs of crossing triangles", layout.handle(), classify_signs_comp),
           executor(device_), commands(device_) {}
 
     [[nodiscard]] bool fits(const Problem& problem) const;
     void reserve(uint32_t binding, DeviceBuffer& buffer, const char* name, uint64_t size,
                  VkBufferUsageFlags usage, MemoryKind kind);
     void write(const Problem& problem);
+    void reserve_all();
+    void bind(VkCommandBuffer into, const Pipeline& pipeline) const;
+    struct Handles;
+    void add_copies_in(FrameGraph& graph, Handles& h);
+    void add_dispatches(FrameGraph& graph, Handles& h);
     void submit();
 
     Device& device;
     ClassifyLayout layout;
-    Pipeline vertices, triangles;
+    Pipeline vertices, triangles, crossing_groups, signs;
     SiteBins bins;
     // The CPU writes these, and reads the answers.
     DeviceBuffer positions, corners, vertex_answers, triangle_answers;
     // Read at random by many, so these are the device's own.
-    DeviceBuffer staged_sites, sites, staged_bins, bin_begin, site_of_vertex;
+    DeviceBuffer staged_sites, sites, staged_places, places, staged_bins, bin_begin;
+    DeviceBuffer site_of_vertex, pattern_of_triangle, crossing, crossing_count, dispatch;
     uint32_t vertex_count = 0, triangle_count = 0;
-    uint64_t site_bytes = 0, bin_bytes = 0;
+    uint64_t site_bytes = 0, bin_bytes = 0, vertex_bytes = 0, triangle_bytes = 0;
     bool started = false;
     std::string error;
     std::vector<PassTime> times;
@@ -148,9 +172,6 @@ void GpuClassifier::State::reserve(uint32_t binding, DeviceBuffer& buffer, const
 }
 
 void GpuClassifier::State::write(const Problem& problem) {
-    constexpr uint32_t unbound = classify_binding_count;
-    constexpr VkBufferUsageFlags source = VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-    constexpr VkBufferUsageFlags target = VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     vertex_count = static_cast<uint32_t>(problem.positions.size());
     triangle_count = static_cast<uint32_t>(problem.triangles.size());
     bins.build(problem.sites, problem.box);
@@ -158,21 +179,9 @@ void GpuClassifier::State::write(const Problem& problem) {
     bins.grid.counts.x = triangle_count;
     site_bytes = bins.sites.size() * sizeof(glm::vec4);
     bin_bytes = bins.begin.size() * sizeof(uint32_t);
-    const uint64_t vertex_bytes = uint64_t{vertex_count} * sizeof(uint32_t);
-
-    reserve(classify_binding_positions, positions, "vertices to classify", 3 * vertex_bytes, storage,
-            MemoryKind::upload);
-    reserve(classify_binding_triangles, corners, "triangles to classify", problem.triangles.size_bytes(),
-            storage, MemoryKind::upload);
-    reserve(unbound, staged_sites, "staged sites", site_bytes, source, MemoryKind::upload);
-    reserve(unbound, staged_bins, "staged bins", bin_bytes, source, MemoryKind::upload);
-    reserve(classify_binding_sites, sites, "sites", site_bytes, storage | target, MemoryKind::device);
-    reserve(classify_binding_bins, bin_begin, "bins", bin_bytes, storage | target, MemoryKind::device);
-    reserve(classify_binding_vertex_answers, site_of_vertex, "site of vertex", vertex_bytes, storage | source,
-            MemoryKind::device);
-    reserve(unbound, vertex_answers, "vertex answers", vertex_bytes, target, MemoryKind::readback);
-    reserve(classify_binding_triangle_answers, triangle_answers, "triangle answers",
-            uint64_t{triangle_count} * sizeof(uint32_t), storage, MemoryKind::readback);
+    vertex_bytes = uint64_t{vertex_count} * sizeof(uint32_t);
+    triangle_bytes = uint64_t{triangle_count} * sizeof(uint32_t);
+    reserve_all();
 
     float* at = positions.mapped_as<float>(0, size_t{3} * vertex_count).data();
     for (const glm::dvec3& p : problem.positions) {
@@ -184,82 +193,170 @@ void GpuClassifier::State::write(const Problem& problem) {
     std::memcpy(corners.mapped(), problem.triangles.data(), problem.triangles.size_bytes());
     std::memcpy(staged_sites.mapped(), bins.sites.data(), site_bytes);
     std::memcpy(staged_bins.mapped(), bins.begin.data(), bin_bytes);
+    glm::vec4* place = staged_places.mapped_as<glm::vec4>(0, problem.sites.size()).data();
+    for (const glm::dvec3& s : problem.sites) *place++ = glm::vec4(s, 0.0f);
+}
+
+void GpuClassifier::State::reserve_all() {
+    constexpr uint32_t unbound = classify_binding_count;
+    constexpr VkBufferUsageFlags source = VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    constexpr VkBufferUsageFlags target = VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    constexpr MemoryKind upload = MemoryKind::upload, own = MemoryKind::device, readback = MemoryKind::readback;
+    reserve(classify_binding_positions, positions, "vertices to classify", 3 * vertex_bytes, storage, upload);
+    reserve(classify_binding_triangles, corners, "triangles to classify", 3 * triangle_bytes, storage, upload);
+    reserve(unbound, staged_sites, "staged sites", site_bytes, source, upload);
+    reserve(unbound, staged_places, "staged places of sites", site_bytes, source, upload);
+    reserve(unbound, staged_bins, "staged bins", bin_bytes, source, upload);
+    reserve(classify_binding_sites, sites, "sites", site_bytes, storage | target, own);
+    reserve(classify_binding_places, places, "places of sites", site_bytes, storage | target, own);
+    reserve(classify_binding_bins, bin_begin, "bins", bin_bytes, storage | target, own);
+    reserve(classify_binding_vertex_answers, site_of_vertex, "site of vertex", vertex_bytes, storage | source, own);
+    reserve(classify_binding_triangle_answers, pattern_of_triangle, "pattern of triangle", triangle_bytes,
+            storage | source, own);
+    reserve(classify_binding_crossing, crossing, "crossing triangles", triangle_bytes, storage, own);
+    reserve(classify_binding_crossing_count, crossing_count, "count of crossing triangles", sizeof(uint32_t),
+            storage | target, own);
+    reserve(classify_binding_dispatch, dispatch, "groups of crossing triangles", sizeof(VkDispatchIndirectCommand),
+            storage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, own);
+    reserve(unbound, vertex_answers, "vertex answers", vertex_bytes, target, readback);
+    reserve(unbound, triangle_answers, "triangle answers", triangle_bytes, target, readback);
+}
+
+void GpuClassifier::State::bind(VkCommandBuffer into, const Pipeline& pipeline) const {
+    vkCmdBindPipeline(into, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
+    const VkDescriptorSet set = layout.set();
+    vkCmdBindDescriptorSets(into, VK_PIPELINE_BIND_POINT_COMPUTE, layout.handle(), 0, 1, &set, 0, nullptr);
+    vkCmdPushConstants(into, layout.handle(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof bins.grid, &bins.grid);
+}
+
+// The graph's handles of the buffers; a write gives a new one.
+struct GpuClassifier::State::Handles {
+    Handles(FrameGraph& graph, External& external, const State& s) : graph_(graph), external_(external) {
+        from = from_host("vertices", s.positions);
+        faces = from_host("triangles", s.corners);
+        new_sites = from_host("staged sites", s.staged_sites);
+        new_places = from_host("staged places", s.staged_places);
+        new_bins = from_host("staged bins", s.staged_bins);
+        sites = own("sites", s.sites, Access::storage_read_compute);
+        places = own("places", s.places, Access::storage_read_compute);
+        bins = own("bins", s.bin_begin, Access::storage_read_compute);
+        site_of = own("site of vertex", s.site_of_vertex, Access::transfer_read);
+        pattern_of = own("pattern of triangle", s.pattern_of_triangle, Access::transfer_read);
+        crossing = own("crossing triangles", s.crossing, Access::storage_read_compute);
+        count = own("count of crossing", s.crossing_count, Access::storage_read_compute);
+        dispatch = own("dispatch", s.dispatch, Access::indirect_read);
+        vertex_out = own("vertex answers", s.vertex_answers, Access::host_read);
+        triangle_out = own("triangle answers", s.triangle_answers, Access::host_read);
+    }
+
+    Buffer from, faces, new_sites, new_places, new_bins; // from the CPU
+    Buffer sites, places, bins, site_of, pattern_of, crossing, count, dispatch;
+    Buffer vertex_out, triangle_out; // to the CPU
+
+  private:
+    [[nodiscard]] Buffer from_host(const char* name, const DeviceBuffer& buffer) {
+        return graph_.import_buffer(name, {buffer.size()},
+                                    {.initial = Access::host_write,
+                                     .final = {},
+                                     .read_only = true,
+                                     .external = external_.add(buffer.handle())});
+    }
+    [[nodiscard]] Buffer own(const char* name, const DeviceBuffer& buffer, AccessSet final) {
+        return graph_.import_buffer(
+            name, {buffer.size()},
+            {.initial = {}, .final = final, .external = external_.add(buffer.handle())});
+    }
+    FrameGraph& graph_;
+    External& external_;
+};
+
+namespace {
+
+void copy(PassContext& context, Buffer source, Buffer target, uint64_t bytes) {
+    const VkBufferCopy region{0, 0, bytes};
+    vkCmdCopyBuffer(context.commands, context.buffer(source), context.buffer(target), 1, &region);
+}
+
+} // namespace
+
+void GpuClassifier::State::add_copies_in(FrameGraph& graph, Handles& h) {
+    graph.add_pass(
+        "upload sites", PassKind::transfer,
+        [&](PassBuilder& pass) {
+            for (const Buffer staged : {h.new_sites, h.new_places, h.new_bins}) pass.read(staged, Access::transfer_read);
+            for (Buffer* target : {&h.sites, &h.places, &h.bins, &h.count})
+                *target = pass.write(*target, Access::transfer_write);
+        },
+        [h, this](PassContext& context) {
+            copy(context, h.new_sites, h.sites, site_bytes);
+            copy(context, h.new_places, h.places, site_bytes);
+            copy(context, h.new_bins, h.bins, bin_bytes);
+            vkCmdFillBuffer(context.commands, context.buffer(h.count), 0, sizeof(uint32_t), 0);
+        });
+}
+
+void GpuClassifier::State::add_dispatches(FrameGraph& graph, Handles& h) {
+    constexpr Access reads = Access::storage_read_compute;
+    graph.add_pass(
+        "classify vertices", PassKind::compute,
+        [&](PassBuilder& pass) {
+            for (const Buffer input : {h.from, h.sites, h.bins}) pass.read(input, reads);
+            h.site_of = pass.write(h.site_of, Access::storage_write_compute);
+        },
+        [this](PassContext& context) {
+            bind(context.commands, vertices);
+            vkCmdDispatch(context.commands, groups(vertex_count), 1, 1);
+        });
+    graph.add_pass(
+        "classify triangles", PassKind::compute,
+        [&](PassBuilder& pass) {
+            for (const Buffer input : {h.site_of, h.faces}) pass.read(input, reads);
+            for (Buffer* made : {&h.pattern_of, &h.crossing}) *made = pass.write(*made, Access::storage_write_compute);
+            h.count = pass.write(h.count, Access::storage_read_write_compute);
+        },
+        [this](PassContext& context) {
+            bind(context.commands, triangles);
+            vkCmdDispatch(context.commands, groups(triangle_count), 1, 1);
+        });
+    graph.add_pass(
+        "count crossing", PassKind::compute,
+        [&](PassBuilder& pass) {
+            pass.read(h.count, reads);
+            h.dispatch = pass.write(h.dispatch, Access::storage_write_compute);
+        },
+        [this](PassContext& context) {
+            bind(context.commands, crossing_groups);
+            vkCmdDispatch(context.commands, 1, 1, 1);
+        });
+    graph.add_pass(
+        "signs of crossing", PassKind::compute,
+        [&](PassBuilder& pass) {
+            for (const Buffer input : {h.from, h.faces, h.sites, h.places, h.bins, h.site_of, h.crossing, h.count})
+                pass.read(input, reads);
+            pass.read(h.dispatch, Access::indirect_read);
+            h.pattern_of = pass.write(h.pattern_of, Access::storage_write_compute);
+        },
+        [h, this](PassContext& context) {
+            bind(context.commands, signs);
+            vkCmdDispatchIndirect(context.commands, context.buffer(h.dispatch), 0);
+        });
 }
 
 void GpuClassifier::State::submit() {
     FrameGraph graph;
     External external;
-    const auto from_host = [&](const char* name, const DeviceBuffer& buffer) {
-        return graph.import_buffer(name, {buffer.size()},
-                                   {.initial = Access::host_write,
-                                    .final = {},
-                                    .read_only = true,
-                                    .external = external.add(buffer.handle())});
-    };
-    const auto own = [&](const char* name, const DeviceBuffer& buffer, AccessSet final) {
-        return graph.import_buffer(
-            name, {buffer.size()},
-            {.initial = {}, .final = final, .external = external.add(buffer.handle())});
-    };
-    const Buffer from = from_host("vertices", positions), faces = from_host("triangles", corners);
-    const Buffer new_sites = from_host("staged sites", staged_sites),
-                 new_bins = from_host("staged bins", staged_bins);
-    Buffer grid_sites = own("sites", sites, Access::storage_read_compute);
-    Buffer grid_bins = own("bins", bin_begin, Access::storage_read_compute);
-    Buffer site_of = own("site of vertex", site_of_vertex, Access::transfer_read);
-    Buffer vertex_out = own("vertex answers", vertex_answers, Access::host_read);
-    Buffer triangle_out = own("triangle answers", triangle_answers, Access::host_read);
-
-    const auto copy = [](PassContext& context, Buffer source, Buffer target, uint64_t bytes) {
-        const VkBufferCopy region{0, 0, bytes};
-        vkCmdCopyBuffer(context.commands, context.buffer(source), context.buffer(target), 1, &region);
-    };
-    const auto dispatch = [this](PassContext& context, const Pipeline& pipeline, uint32_t items) {
-        vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
-        const VkDescriptorSet set = layout.set();
-        vkCmdBindDescriptorSets(context.commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout.handle(), 0, 1, &set,
-                                0, nullptr);
-        vkCmdPushConstants(context.commands, layout.handle(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                           sizeof bins.grid, &bins.grid);
-        vkCmdDispatch(context.commands, groups(items), 1, 1);
-    };
-    graph.add_pass(
-        "upload sites", PassKind::transfer,
-        [&](PassBuilder& pass) {
-            pass.read(new_sites, Access::transfer_read);
-            pass.read(new_bins, Access::transfer_read);
-            grid_sites = pass.write(grid_sites, Access::transfer_write);
-            grid_bins = pass.write(grid_bins, Access::transfer_write);
-        },
-        [=, this](PassContext& context) {
-            copy(context, new_sites, grid_sites, site_bytes);
-            copy(context, new_bins, grid_bins, bin_bytes);
-        });
-    graph.add_pass(
-        "classify vertices", PassKind::compute,
-        [&](PassBuilder& pass) {
-            pass.read(from, Access::storage_read_compute);
-            pass.read(grid_sites, Access::storage_read_compute);
-            pass.read(grid_bins, Access::storage_read_compute);
-            site_of = pass.write(site_of, Access::storage_write_compute);
-        },
-        [=, this](PassContext& context) { dispatch(context, vertices, vertex_count); });
-    graph.add_pass(
-        "classify triangles", PassKind::compute,
-        [&](PassBuilder& pass) {
-            pass.read(site_of, Access::storage_read_compute);
-            pass.read(faces, Access::storage_read_compute);
-            triangle_out = pass.write(triangle_out, Access::storage_write_compute);
-        },
-        [=, this](PassContext& context) { dispatch(context, triangles, triangle_count); });
+    Handles h(graph, external, *this);
+    add_copies_in(graph, h);
+    add_dispatches(graph, h);
     graph.add_pass(
         "read answers back", PassKind::transfer,
         [&](PassBuilder& pass) {
-            pass.read(site_of, Access::transfer_read);
-            vertex_out = pass.write(vertex_out, Access::transfer_write);
+            for (const Buffer answers : {h.site_of, h.pattern_of}) pass.read(answers, Access::transfer_read);
+            for (Buffer* out : {&h.vertex_out, &h.triangle_out}) *out = pass.write(*out, Access::transfer_write);
         },
-        [=, this](PassContext& context) {
-            copy(context, site_of, vertex_out, uint64_t{vertex_count} * sizeof(uint32_t));
+        [h, this](PassContext& context) {
+            copy(context, h.site_of, h.vertex_out, vertex_bytes);
+            copy(context, h.pattern_of, h.triangle_out, triangle_bytes);
         });
 
     CompileResult plan = std::move(graph).compile(executor.memory_needs());

@@ -1,10 +1,12 @@
-// Classification on the device: which cell each vertex lies in, and which triangles cross bisectors.
+// Classification on the device: which cell each vertex lies in, which triangles cross bisectors, and how.
 //
 //     Result<std::unique_ptr<GpuClassifier>> classifier = GpuClassifier::create(device);
 //     settings.classifier = classifier->get();
 //
 // A grid of sites keeps the cost per vertex from growing with their number. The device works in float32 while
-// the CPU builds the Voronoi cells, and marks what that precision cannot decide (see fracture/classifier.h).
+// the CPU builds the Voronoi cells, and marks what that precision cannot decide (see fracture/classifier.h). Crossing
+// triangles are gathered in a list, so that the searches for their signs (one for each edge, and one for the point
+// where three cells meet) fill whole subgroups; all of it needs nothing of the CPU's, so one submission does it.
 // A failure of the device (lost, out of memory) makes start() or finish() return false, and the CPU does it
 // all; error() says why.
 #pragma once

@@ -373,9 +373,13 @@ Result<void> Device::create_instance(bool validation) {
 }
 
 void Device::create_device() {
-    VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(physical_, &properties);
-    limits_ = properties.limits;
+    VkPhysicalDeviceSubgroupProperties subgroups{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+                                           .pNext = &subgroups};
+    vkGetPhysicalDeviceProperties2(physical_, &properties);
+    limits_ = properties.properties.limits;
+    ballots_ = (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT) != 0
+               && (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0 && !hides(faults_, "subgroupBallot");
     queue_family_ = *find_queue_family(physical_); // choose() took a device that has one
 
     Features features;

@@ -32,7 +32,8 @@ class FaultInjector {
     // that was lost stays lost.
     void fail(Call kind, VkResult result, uint32_t n = 1, uint32_t times = 1);
 
-    // Device::create() finds no feature, instance extension, device extension or layer of this name.
+    // Device::create() finds no feature, instance extension, device extension or layer of this name; "subgroupBallot" is
+    // the subgroup operation.
     void hide(std::string name) { hidden_.push_back(std::move(name)); }
     [[nodiscard]] bool hides(std::string_view name) const;
 

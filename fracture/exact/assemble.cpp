@@ -41,7 +41,6 @@ double distance2(const glm::dvec3& a, const glm::dvec3& b) {
 void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
                     std::span<const SiteId> cell_of, bool guessed, Threads& threads,
                     std::vector<SiteId>& cell_of_triangle, Cut& cut) {
-    static_assert(Classifier::crossing == kNone);
     const uint32_t count = size_of(triangles);
     cell_of_triangle.resize(count);
     const uint32_t parts = threads.chunks(count, kLeastTriangles);
@@ -52,12 +51,17 @@ void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
     threads.for_chunks(count, kLeastTriangles, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t crossing = 0;
         for (uint32_t t = begin; t < end; ++t) {
-            if (guessed && cell_of_triangle[t] != Classifier::crossing && !left_out(t)) continue;
+            if (guessed && (cell_of_triangle[t] & Classifier::crossing) == 0 && !left_out(t)) continue;
             const SiteId a = cell_of[triangles[t].x], b = cell_of[triangles[t].y],
                          c = cell_of[triangles[t].z];
             const bool whole = a == b && b == c;
             const bool used = !left_out(t);
-            cell_of_triangle[t] = whole && used ? a : kNone;
+            if (!used)
+                cell_of_triangle[t] = kNone;
+            else if (whole)
+                cell_of_triangle[t] = a;
+            else if (!guessed)
+                cell_of_triangle[t] = Classifier::crossing;
             crossing += whole || !used ? 0 : 1;
         }
         crossing_begin[chunk + 1] = crossing;
@@ -68,7 +72,10 @@ void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
         uint32_t at = crossing_begin[chunk];
         if (at == crossing_begin[chunk + 1]) return;
         for (uint32_t t = begin; t < end; ++t) {
-            if (cell_of_triangle[t] == kNone && !left_out(t)) cut.crossing[at++].triangle = t;
+            if ((cell_of_triangle[t] & Classifier::crossing) == 0 || left_out(t)) continue;
+            cut.crossing[at].triangle = t;
+            cut.crossing[at++].known = cell_of_triangle[t] & ~Classifier::crossing;
+            cell_of_triangle[t] = kNone;
         }
     });
 }

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "fracture/classifier.h"
+
 namespace brittle::fracture::exact {
 
 namespace {
@@ -13,6 +15,14 @@ constexpr double kWellConditioned = 1e7; // as in edges.cpp
 
 bool even(uint32_t a, uint32_t b, uint32_t c) {
     return (a < b && b < c) || (b < c && c < a) || (c < a && a < b);
+}
+
+// The facet's side towards a third cell; none where they do not touch.
+uint32_t find_voronoi_edge(const VoronoiDiagram& diagram, uint32_t facet, SiteId third) {
+    for (const VoronoiDiagram::Corner& corner : diagram.ring_of(diagram.facets[facet])) {
+        if (corner.third == third) return corner.edge;
+    }
+    return VoronoiDiagram::none;
 }
 
 } // namespace
@@ -40,6 +50,9 @@ class TriangleCutter::Worker {
 
     void cut_simple(const CrossingTriangle& crossing, const Triangle& t, std::span<const SiteId> cell_of,
                     Cut& cut);
+    // False where it is no such triangle, and nothing was done.
+    [[nodiscard]] bool cut_around_point(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
+                                        std::span<const SiteId> cell_of);
     void cut_general(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
                      std::span<const SiteId> cell_of);
 
@@ -65,11 +78,15 @@ class TriangleCutter::Worker {
         glm::dvec3 at;
     };
 
+    void begin(const Context& context, const CrossingTriangle& crossing, const Triangle& t);
+    // What cut_general() begins the third polygon of cut_around_point() with, so that both give the same bits.
+    enum class Start { edge, centre, unknown };
+    [[nodiscard]] Start start_of_third(const Context& context, SiteId a, SiteId b, SiteId c);
     bool clip_by_cell(const Context& context, SiteId c);
     void find_knives(const Context& context, SiteId c);
     [[nodiscard]] int side(const Context& context, SiteId c, Line in, Line out, const Knife& knife);
     [[nodiscard]] VertexId vertex_at(const Context& context, SiteId c, Line in, Line out);
-    [[nodiscard]] VertexId pierce_point(const Context& context, SiteId c, const Knife& a, const Knife& b);
+    [[nodiscard]] VertexId pierce_point(const Context& context, SiteId c, SiteId a, SiteId b, uint32_t facet);
     [[nodiscard]] glm::dvec3 pierce_position(const Context& context, const std::array<SiteId, 3>& cells);
     void emit(const Context& context, SiteId c);
     void link(Cut& cut, uint32_t facet, VertexId from, VertexId to, const VoronoiDiagram::Facet& sites);
@@ -114,12 +131,84 @@ void TriangleCutter::Worker::cut_simple(const CrossingTriangle& crossing, const 
         cut.edge_points[p].next = id_q;
 }
 
-void TriangleCutter::Worker::cut_general(const Context& context, const CrossingTriangle& crossing,
-                                         const Triangle& t, std::span<const SiteId> cell_of) {
+void TriangleCutter::Worker::begin(const Context& context, const CrossingTriangle& crossing, const Triangle& t) {
     crossing_ = &crossing;
     corners_ = {t.x, t.y, t.z};
     for (size_t k = 0; k < 3; ++k) corner_positions_[k] = context.positions[corners_[k]];
     first_pierce_ = static_cast<uint32_t>(pierce_points.size());
+}
+
+// The corners' cells alone are met: were there a fourth, it would be a polygon that meets no edge of the triangle, with a
+// corner on each of the three lines that run from the common point to the edges, and so hold that point.
+bool TriangleCutter::Worker::cut_around_point(const Context& context, const CrossingTriangle& crossing,
+                                              const Triangle& t, std::span<const SiteId> cell_of) {
+    constexpr std::array<uint32_t, 3> one_each{1, 1, 1};
+    if ((crossing.known & Classifier::point_alone) == 0 || crossing.count != one_each) return false;
+    const SiteId a = cell_of[t.x], b = cell_of[t.y], c = cell_of[t.z];
+    std::array<uint32_t, 3> facets{};
+    std::array<VertexId, 3> on_edge;
+    for (size_t e = 0; e < 3; ++e) {
+        on_edge[e] = {VertexId::edge, crossing.first[e]};
+        facets[e] = context.cut.edge_points[crossing.first[e]].facet;
+    }
+    if (find_voronoi_edge(context.diagram, facets[0], c) == VoronoiDiagram::none) return false; // it errs
+    begin(context, crossing, t);
+    const Start start = start_of_third(context, a, b, c);
+    if (start == Start::unknown) return false;
+    const VertexId centre = pierce_point(context, a, b, c, facets[0]);
+
+    auto& corners = out_->corners;
+    const auto polygon = [&](SiteId cell, const std::array<VertexId, 4>& ids) {
+        const auto first = static_cast<uint32_t>(corners.size());
+        corners.insert(corners.end(), ids.begin(), ids.end());
+        out_->polygons.push_back({cell, crossing.triangle, first, first + 4});
+    };
+    const auto corner = [&](size_t k) { return VertexId(VertexId::mesh, corners_[k]); };
+    polygon(a, {corner(0), on_edge[0], centre, on_edge[2]});
+    polygon(b, {on_edge[0], corner(1), on_edge[1], centre});
+    if (start == Start::edge)
+        polygon(c, {on_edge[1], corner(2), on_edge[2], centre});
+    else
+        polygon(c, {centre, on_edge[1], corner(2), on_edge[2]});
+    const std::array<SiteId, 3> cells{a, b, c};
+    for (size_t e = 0; e < 3; ++e) { // the cap runs against the lower cell's polygon
+        const bool forward = cells[e] < cells[(e + 1) % 3];
+        link(context.cut, facets[e], forward ? centre : on_edge[e], forward ? on_edge[e] : centre,
+             context.diagram.facets[facets[e]]);
+    }
+    return true;
+}
+
+// Clipping by a cell keeps lines in their order, so the polygons of the first two begin with edge 0. The third cell c has
+// lost edge 0; what comes first then is edge 1, unless b's line took edge 0's place: where b is the knife before a, and
+// the first corner is still there, on c's side of b's bisector.
+TriangleCutter::Worker::Start TriangleCutter::Worker::start_of_third(const Context& context, SiteId a, SiteId b,
+                                                                     SiteId c) {
+    const Frames& frames = context.frames;
+    const Frames::Cell& cell = frames.cells[c];
+    const glm::dvec3 y = corner_positions_[0] - cell.site;
+    bool corner_is_there = true;
+    for (Frames::Slot l = cell.begin; l < cell.end; ++l) {
+        if (frames.site[l] == a) return Start::edge;
+        const double at = frames.value_at(l, y);
+        if (frames.site[l] != b) {
+            corner_is_there = corner_is_there && at > cell.error;
+            continue;
+        }
+        bool on_side_of_b = (crossing_->known & Classifier::sign_first(1)) != 0;
+        if ((crossing_->known & Classifier::sign_known(1)) == 0) {
+            const int certain = side1_filter(at, cell.error);
+            on_side_of_b = (certain != 0 ? certain : side1_exact(context.problem, c, b, corner_positions_[0], stats)) < 0;
+        }
+        if (on_side_of_b) return Start::edge;
+        return corner_is_there ? Start::centre : Start::unknown;
+    }
+    return Start::unknown;
+}
+
+void TriangleCutter::Worker::cut_general(const Context& context, const CrossingTriangle& crossing,
+                                         const Triangle& t, std::span<const SiteId> cell_of) {
+    begin(context, crossing, t);
     queue_.assign(1, cell_of[t.x]);
     for (size_t at = 0; at < queue_.size(); ++at) {
         const SiteId c = queue_[at];
@@ -192,7 +281,10 @@ bool TriangleCutter::Worker::clip_by_cell(const Context& context, SiteId c) {
 
 VertexId TriangleCutter::Worker::vertex_at(const Context& context, SiteId c, Line in, Line out) {
     if (in < 3 && out < 3) return {VertexId::mesh, corners_[out]};
-    if (in >= 3 && out >= 3) return pierce_point(context, c, knives_[in - 3], knives_[out - 3]);
+    if (in >= 3 && out >= 3) {
+        const Knife &a = knives_[in - 3], &b = knives_[out - 3];
+        return pierce_point(context, c, a.site, b.site, a.facet);
+    }
     const Line edge = std::min(in, out);
     const SiteId other = knives_[std::max(in, out) - 3].site;
     const uint32_t first = crossing_->first[edge];
@@ -206,9 +298,10 @@ VertexId TriangleCutter::Worker::vertex_at(const Context& context, SiteId c, Lin
     return {};
 }
 
-VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, const Knife& a,
-                                              const Knife& b) {
-    std::array<SiteId, 3> cells{c, a.site, b.site};
+// Seen from outside the mesh the cells around the point are, counter-clockwise, c, then a beyond the line that comes in,
+// then b beyond the line that goes out. The facet lies between c and a.
+VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, SiteId a, SiteId b, uint32_t facet) {
+    std::array<SiteId, 3> cells{c, a, b};
     std::sort(cells.begin(), cells.end());
     for (auto p = first_pierce_; p < pierce_points.size(); ++p) {
         if (pierce_points[p].cells == cells) return {VertexId::pierce, p};
@@ -216,13 +309,8 @@ VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, 
     PiercePoint point{};
     point.cells = cells;
     point.triangle = crossing_->triangle;
-    // Seen from outside the mesh the cells around the point are, counter-clockwise, c, then the one beyond
-    // the line that comes in, then the one beyond the line that goes out.
-    point.leaves = even(c, a.site, b.site) ? 1 : 0;
-    point.voronoi_edge = VoronoiDiagram::none;
-    for (const VoronoiDiagram::Corner& corner : context.diagram.ring_of(context.diagram.facets[a.facet])) {
-        if (corner.third == b.site) point.voronoi_edge = corner.edge;
-    }
+    point.leaves = even(c, a, b) ? 1 : 0;
+    point.voronoi_edge = find_voronoi_edge(context.diagram, facet, b);
     assert(point.voronoi_edge != VoronoiDiagram::none);
     pierce_points.push_back(point);
     pierce_positions.push_back(pierce_position(context, cells));
@@ -314,7 +402,7 @@ void TriangleCutter::run(const Scene& scene, const VoronoiDiagram& diagram, cons
             const Triangle& t = triangles[crossing.triangle];
             if (crossing.count[0] + crossing.count[1] + crossing.count[2] == 2) {
                 worker.cut_simple(crossing, t, cell_of, cut);
-            } else {
+            } else if (!worker.cut_around_point(context, crossing, t, cell_of)) {
                 worker.cut_general(context, crossing, t, cell_of);
             }
         }

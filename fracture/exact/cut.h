@@ -75,6 +75,7 @@ struct Node {
 // edge_points[first[e] .. first[e] + count[e]), ordered from the lower vertex to the higher.
 struct CrossingTriangle {
     uint32_t triangle;
+    uint32_t known; // Classifier's bits of a crossing triangle; 0 without one
     std::array<uint32_t, 3> first;
     std::array<uint32_t, 3> count;
 };

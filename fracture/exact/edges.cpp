@@ -6,6 +6,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "fracture/classifier.h"
+
 namespace brittle::fracture::exact {
 
 namespace {
@@ -92,6 +94,20 @@ void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, co
     chunk.walks.push_back({key_of(low, high), first, static_cast<uint32_t>(chunk.points.size()) - first});
 }
 
+bool EdgeCutter::cross_once(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames, uint32_t low,
+                            uint32_t high, SiteId from, SiteId to, Chunk& chunk) {
+    const Frames::Cell& cell = frames.cells[from];
+    const auto begin = frames.site.begin() + cell.begin, end = frames.site.begin() + cell.end;
+    const auto found = std::find(begin, end, to);
+    if (found == end) return false;
+    const uint32_t facet = diagram.neighbours[cell.first_neighbour + static_cast<uint32_t>(found - begin)].facet;
+    chunk.walks.push_back({key_of(low, high), static_cast<uint32_t>(chunk.points.size()), 1});
+    chunk.points.push_back({{from, to}, facet, VertexId{}, {}});
+    chunk.positions.push_back(
+        point_on_edge(scene.diagram(), from, to, scene.positions[low], scene.positions[high]));
+    return true;
+}
+
 void EdgeCutter::insert(const Walk& walk) {
     const size_t mask = table_.size() - 1;
     for (size_t slot = hash_of(walk.key) & mask;; slot = (slot + 1) & mask) {
@@ -131,6 +147,10 @@ void EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Fr
             for (int e = 0; e < 3; ++e) {
                 const uint32_t from = t[e], to = t[e == 2 ? 0 : e + 1];
                 if (from > to || cell_of[from] == cell_of[to]) continue;
+                if ((cut.crossing[x].known & Classifier::edge_alone(static_cast<uint32_t>(e))) != 0
+                    && cross_once(scene, diagram, frames, from, to, cell_of[from], cell_of[to], chunk)) {
+                    continue;
+                }
                 walk_edge(scene, diagram, frames, from, to, cell_of[from], cell_of[to], chunk);
             }
         }

@@ -4,6 +4,8 @@
 // beyond them; two bisectors are compared by side2. No parameter along the edge is ever compared with
 // another.
 //
+// Where a classifier knows that an edge runs through two cells only, there is nothing to walk.
+//
 // An edge is walked by the triangle that runs it from the lower vertex to the higher; the triangle on the
 // other side finds the points in a hash table. A closed, oriented, manifold mesh has exactly one of each.
 #pragma once
@@ -41,6 +43,9 @@ class EdgeCutter {
 
     void walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames, uint32_t low,
                    uint32_t high, SiteId from, SiteId to, Chunk& chunk) const;
+    // The edge meets one bisector, that of the cells of its ends. False where they have none: a classifier that errs.
+    [[nodiscard]] static bool cross_once(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
+                                         uint32_t low, uint32_t high, SiteId from, SiteId to, Chunk& chunk);
     void insert(const Walk& walk);
     [[nodiscard]] const Walk& find(uint64_t key) const; // which is there
 

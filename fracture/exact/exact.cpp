@@ -90,10 +90,12 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
         s.threads = Threads(settings.threads);
         s.requested_threads = settings.threads;
     }
+    s.threads.log_to(settings.work_log);
     s.statistics = {};
     PredicateStats& stats = s.statistics.predicates;
     PhaseClock clock(settings, out);
 
+    s.threads.name_step("prepare");
     if (auto ok = make_scene(mesh, sites, settings.weights, s.threads, s.scene); !ok) return ok;
     const Diagram problem = s.scene.diagram();
     if (auto ok = s.surface.inspect(mesh, s.threads); !ok) return ok;
@@ -101,11 +103,13 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     bool guessed = classifier && classifier->start({s.scene.positions, mesh.triangles, s.scene.sites, s.scene.box});
     if (!clock.done("prepare", 0.05)) return cancelled();
 
+    s.threads.name_step("cells");
     s.diagram_builder.build(problem, s.threads, s.diagram);
     s.frames.build(problem, s.diagram, s.threads);
     stats += s.diagram_builder.stats();
     if (!clock.done("cells", 0.3)) return cancelled();
 
+    s.threads.name_step("classify");
     s.cell_of.resize(mesh.positions.size());
     s.cell_of_triangle.resize(mesh.triangles.size());
     guessed = guessed && classifier->finish(s.cell_of, s.cell_of_triangle);
@@ -113,26 +117,33 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     sort_triangles(s.surface, mesh.triangles, s.cell_of, guessed, s.threads, s.cell_of_triangle, s.cut);
     if (!clock.done("classify", 0.4)) return cancelled();
 
+    s.threads.name_step("cut edges");
     s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
+    s.threads.name_step("cut triangles");
     s.triangle_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
     if (!clock.done("clip", 0.6)) return cancelled();
 
+    s.threads.name_step("winding");
     s.winding.compute(s.scene, s.diagram, mesh.triangles, s.cut, s.threads, stats);
+    s.threads.name_step("caps");
     const bool closed = s.capper.run(s.scene, s.diagram, s.winding, s.cut, s.threads);
     s.statistics.forced_ears = s.capper.forced_ears();
     if (!closed) return not_closed();
     if (!clock.done("caps", 0.75)) return cancelled();
 
+    s.threads.name_step("assemble");
     const Assembler::Input input{mesh,  s.scene,          s.surface, s.diagram, s.cell_of, s.cell_of_triangle,
                                  s.cut, s.capper.chunks()};
     s.assembler.run(input, s.threads, out);
     if (!clock.done("assemble", 0.85)) return cancelled();
 
+    s.threads.name_step("slivers");
     s.slivers.run(input, s.assembler.cells(), s.threads, out);
     s.statistics.slivers = s.slivers.found();
     s.statistics.slivers_left = s.slivers.left();
     if (!clock.done("slivers", 0.9)) return cancelled();
 
+    s.threads.name_step("islands");
     s.islands.run(input, s.assembler.cells(), s.threads, out);
     find_bonds(s.scene.sites, out);
     if (!clock.done("islands", 1.0)) return cancelled();

@@ -7,10 +7,12 @@
 
 #include <doctest/doctest.h>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "engine/compute/site_bins.h"
 #include "fracture/certificate.h"
 #include "fracture/fracture.h"
+#include "fracture/io/import.h"
 #include "fracture/random.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
@@ -30,13 +32,93 @@ std::unique_ptr<GpuClassifier> make_classifier(engine::Device& device) {
     return std::move(*made);
 }
 
+using Vec = glm::tvec3<long double>;
+
+long double distance2(const Vec& x, const glm::dvec3& s) {
+    const Vec d = x - Vec(s);
+    return d.x * d.x + d.y * d.y + d.z * d.z;
+}
+
+// What a classifier says of a crossing triangle is true, by comparing all sites in extended precision.
+class PatternCheck {
+  public:
+    PatternCheck(const TriangleMesh& mesh, const Sites& sites) : mesh_(mesh), sites_(sites) {}
+
+    size_t edges = 0, edges_alone = 0, points = 0, points_alone = 0, signs = 0, signs_known = 0;
+
+    void check(const Triangle& t, const glm::uvec3& cells, uint32_t answer) {
+        const bool certain = ((cells.x | cells.y | cells.z) & Classifier::uncertain) == 0;
+        const bool three = certain && cells.x != cells.y && cells.y != cells.z && cells.z != cells.x;
+        uint32_t may_be = Classifier::crossing; // bits that have a meaning here
+        for (uint32_t e = 0; e < 3; ++e) {
+            const auto from = static_cast<int>(e), to = (from + 1) % 3, third = (from + 2) % 3;
+            const uint32_t a = cells[from], b = cells[to];
+            if (((a | b) & Classifier::uncertain) != 0 || a == b) continue;
+            if (t[from] < t[to]) {
+                may_be |= Classifier::edge_alone(e);
+                ++edges;
+                if (answer & Classifier::edge_alone(e)) {
+                    ++edges_alone;
+                    require_alone(where_equal(corner(t, from), corner(t, to), a, b), {a, b, a});
+                }
+            }
+            if (!three) continue;
+            may_be |= Classifier::sign_known(e) | Classifier::sign_first(e);
+            ++signs;
+            if ((answer & Classifier::sign_known(e)) == 0) continue;
+            ++signs_known;
+            const bool first = difference(corner(t, third), a, b) > 0.0L;
+            REQUIRE(first == ((answer & Classifier::sign_first(e)) != 0));
+        }
+        if (three) {
+            may_be |= Classifier::point_alone;
+            ++points;
+        }
+        REQUIRE((answer & ~may_be) == 0);
+        if ((answer & Classifier::point_alone) == 0) return;
+        ++points_alone;
+        require_alone(where_equal(t, cells), cells);
+    }
+
+  private:
+    [[nodiscard]] Vec corner(const Triangle& t, int k) const { return Vec(mesh_.positions[t[k]]); }
+    // Positive where x is nearer to a than to b.
+    [[nodiscard]] long double difference(const Vec& x, uint32_t a, uint32_t b) const {
+        return distance2(x, sites_[b]) - distance2(x, sites_[a]);
+    }
+    [[nodiscard]] Vec where_equal(const Vec& p, const Vec& q, uint32_t a, uint32_t b) const {
+        const long double at_p = difference(p, a, b), at_q = difference(q, a, b);
+        REQUIRE(at_p > 0.0L);
+        REQUIRE(at_q < 0.0L);
+        return p + (at_p / (at_p - at_q)) * (q - p);
+    }
+    [[nodiscard]] Vec where_equal(const Triangle& t, const glm::uvec3& cells) const {
+        Vec f(0.0L), g(0.0L);
+        for (int k = 0; k < 3; ++k) {
+            f[k] = difference(corner(t, k), cells.x, cells.y);
+            g[k] = difference(corner(t, k), cells.x, cells.z);
+        }
+        const Vec w = glm::cross(f, g);
+        return (w.x * corner(t, 0) + w.y * corner(t, 1) + w.z * corner(t, 2)) / (w.x + w.y + w.z);
+    }
+    void require_alone(const Vec& x, const glm::uvec3& cells) const {
+        const long double own = distance2(x, sites_[cells.x]);
+        for (uint32_t s = 0; s < sites_.size(); ++s)
+            REQUIRE((s == cells.x || s == cells.y || s == cells.z || distance2(x, sites_[s]) > own));
+    }
+
+    const TriangleMesh& mesh_;
+    const Sites& sites_;
+};
+
 // Answers of a classifier that it is sure of are right, by comparing all sites in extended precision.
 struct Answers {
     std::vector<uint32_t> vertices, triangles;
     size_t uncertain = 0;
 };
 
-Answers check_answers(GpuClassifier& classifier, const TriangleMesh& mesh, const Sites& sites) {
+Answers check_answers(GpuClassifier& classifier, const TriangleMesh& mesh, const Sites& sites,
+                      PatternCheck* patterns = nullptr) {
     Answers answers{std::vector<uint32_t>(mesh.positions.size()),
                     std::vector<uint32_t>(mesh.triangles.size())};
     REQUIRE_MESSAGE(classifier.start({mesh.positions, mesh.triangles, sites, bounds(mesh)}),
@@ -49,23 +131,22 @@ Answers check_answers(GpuClassifier& classifier, const TriangleMesh& mesh, const
             ++answers.uncertain;
             continue;
         }
-        const auto distance2 = [&](const glm::dvec3& s) {
-            long double sum = 0.0L;
-            for (int k = 0; k < 3; ++k) {
-                const long double d = static_cast<long double>(mesh.positions[v][k]) - s[k];
-                sum += d * d;
-            }
-            return sum;
-        };
-        const long double claimed = distance2(sites[site]);
-        for (size_t s = 0; s < sites.size(); ++s) REQUIRE((s == site || distance2(sites[s]) > claimed));
+        const Vec x(mesh.positions[v]);
+        const long double claimed = distance2(x, sites[site]);
+        for (size_t s = 0; s < sites.size(); ++s) REQUIRE((s == site || distance2(x, sites[s]) > claimed));
     }
+    PatternCheck own(mesh, sites);
+    PatternCheck& check = patterns ? *patterns : own;
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle& c = mesh.triangles[t];
-        const uint32_t a = answers.vertices[c.x];
-        const bool whole =
-            a == answers.vertices[c.y] && a == answers.vertices[c.z] && (a & Classifier::uncertain) == 0;
-        REQUIRE(answers.triangles[t] == (whole ? a : Classifier::crossing));
+        const glm::uvec3 cells(answers.vertices[c.x], answers.vertices[c.y], answers.vertices[c.z]);
+        const bool whole = cells.x == cells.y && cells.x == cells.z && (cells.x & Classifier::uncertain) == 0;
+        if (whole) {
+            REQUIRE(answers.triangles[t] == cells.x);
+        } else {
+            REQUIRE((answers.triangles[t] & Classifier::crossing) != 0);
+            check.check(c, cells, answers.triangles[t]);
+        }
     }
     return answers;
 }
@@ -120,6 +201,45 @@ TEST_CASE("the device's answers are right where it is sure") {
     CHECK(device->validation_messages().empty());
 }
 
+TEST_CASE("the device knows how nearly all crossing triangles cross, and is right") {
+    const auto device = engine::test::make_device();
+    if (!device) return;
+    const auto classifier = make_classifier(*device);
+    for (const TriangleMesh& mesh : {icosphere(5), torus_knot()}) {
+        for (const uint32_t count : {10u, 100u, 1000u}) {
+            CAPTURE(mesh.triangles.size());
+            CAPTURE(count);
+            const Sites sites = uniform_sites(bounds(mesh), count, 3);
+            PatternCheck patterns(mesh, sites);
+            (void)check_answers(*classifier, mesh, sites, &patterns);
+            MESSAGE(mesh.triangles.size(), " triangles, ", count, " sites: alone ", patterns.edges_alone, " of ",
+                    patterns.edges, " edges, ", patterns.points_alone, " of ", patterns.points,
+                    " points of three cells; signs ", patterns.signs_known, " of ", patterns.signs);
+            CHECK(patterns.edges > 0);
+            CHECK(patterns.edges_alone > patterns.edges * 3 / 4);
+            CHECK(patterns.signs_known >= patterns.signs - patterns.signs / 50);
+            if (patterns.points > 20) CHECK(patterns.points_alone > patterns.points / 4);
+        }
+    }
+    CHECK(device->validation_messages().empty());
+}
+
+TEST_CASE("a device without subgroup ballots gives the same answers") {
+    engine::FaultInjector faults;
+    faults.hide("subgroupBallot");
+    const auto plain = engine::test::make_device(&faults);
+    if (!plain) return;
+    CHECK_FALSE(plain->has_ballots());
+    const auto device = engine::test::make_device();
+    const TriangleMesh ball = icosphere(4);
+    const Sites sites = uniform_sites(bounds(ball), 200, 5);
+    const Answers one = check_answers(*make_classifier(*plain), ball, sites);
+    const Answers two = check_answers(*make_classifier(*device), ball, sites);
+    CHECK(one.vertices == two.vertices);
+    CHECK(one.triangles == two.triangles);
+    CHECK(plain->validation_messages().empty());
+}
+
 TEST_CASE("pieces are the same with the device's help and without") {
     const auto device = engine::test::make_device();
     if (!device) return;
@@ -135,6 +255,25 @@ TEST_CASE("pieces are the same with the device's help and without") {
         Sites own(mesh.positions.begin(), mesh.positions.begin() + 40);
         own.push_back(own.front());
         CHECK(hash_of(mesh, own, classifier.get()) == hash_of(mesh, own, nullptr));
+    }
+    CHECK(device->validation_messages().empty());
+}
+
+// The benchmark's meshes, tools/bench/bench.cpp; the largest with fewer triangles, as a CPU driver takes long.
+TEST_CASE("pieces of the benchmark's meshes are the same with the device's help and without") {
+    const auto device = engine::test::make_device();
+    if (!device) return;
+    const auto classifier = make_classifier(*device);
+    const auto bunny = import_mesh("/usr/share/glmark2/models/bunny.obj");
+    std::vector<TriangleMesh> meshes{icosphere(5), icosphere(6), torus_knot(2, 3, 2048, 40)};
+    if (bunny) meshes.push_back(*bunny);
+    for (const TriangleMesh& mesh : meshes) {
+        CAPTURE(mesh.triangles.size());
+        for (const uint32_t count : {10u, 100u, 1000u}) {
+            CAPTURE(count);
+            const Sites sites = uniform_sites(bounds(mesh), count, 1);
+            CHECK(hash_of(mesh, sites, classifier.get()) == hash_of(mesh, sites, nullptr));
+        }
     }
     CHECK(device->validation_messages().empty());
 }

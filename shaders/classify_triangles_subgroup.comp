@@ -1,0 +1,13 @@
+// As classify_triangles.comp, where the device has ballots: one atomic operation a subgroup instead of one a triangle.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#include "classify_triangles.glsl"
+
+void list_crossing(uint t, bool crosses) {
+    const uvec4 vote = subgroupBallot(crosses);
+    uint first = 0;
+    if (subgroupElect()) first = atomicAdd(count, subgroupBallotBitCount(vote));
+    first = subgroupBroadcastFirst(first);
+    if (crosses) listed[first + subgroupBallotExclusiveBitCount(vote)] = t;
+}
