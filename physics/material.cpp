@@ -18,6 +18,8 @@ std::string fault_of(const Material& material) {
                                       {"shear", material.shear}})
         if (text.str().empty() && (!(value > 0.0f) || !std::isfinite(value)))
             text << "the material's " << name << " strength is " << value << " Pa; it must be positive";
+    if (text.str().empty() && (!(material.fracture_energy > 0.0f) || !std::isfinite(material.fracture_energy)))
+        text << "the material's fracture energy is " << material.fracture_energy << " J/m^2; it must be positive";
     return text.str();
 }
 
@@ -25,29 +27,29 @@ std::span<const MaterialPreset> material_presets() {
     static const std::array presets = {
         // Shards around the point of impact, through the pane.
         MaterialPreset{"glass",
-                       {2500.0f, 0.5f, 0.3f, 40e6f, 1000e6f, 40e6f},
+                       {2500.0f, 0.5f, 0.3f, 40e6f, 1000e6f, 40e6f, 5e2f},
                        {.kind = PatternKind::radial, .jitter = 0.5, .axis = {0.0, 0.0, 1.0}},
                        {0.42f, 0.56f, 0.52f},
                        {0.20f, 0.42f, 0.36f}},
         MaterialPreset{"stone",
-                       {2600.0f, 0.8f, 0.2f, 8e6f, 150e6f, 15e6f},
+                       {2600.0f, 0.8f, 0.2f, 8e6f, 150e6f, 15e6f, 5e3f},
                        {.kind = PatternKind::uniform},
                        {0.62f, 0.60f, 0.56f},
                        {0.36f, 0.20f, 0.13f}},
         // Crumbles where it is hit, large lumps elsewhere.
         MaterialPreset{"concrete",
-                       {2400.0f, 0.8f, 0.15f, 3e6f, 30e6f, 5e6f},
+                       {2400.0f, 0.8f, 0.15f, 3e6f, 30e6f, 5e6f, 5e3f},
                        {.kind = PatternKind::clustered, .spread = 0.3},
                        {0.50f, 0.50f, 0.48f},
                        {0.30f, 0.29f, 0.27f}},
         MaterialPreset{"wood",
-                       {700.0f, 0.6f, 0.25f, 15e6f, 15e6f, 7e6f},
+                       {700.0f, 0.6f, 0.25f, 15e6f, 15e6f, 7e6f, 1e4f},
                        {.kind = PatternKind::splinters, .slenderness = 8.0},
                        {0.36f, 0.20f, 0.09f},
                        {0.58f, 0.38f, 0.19f}},
         // Thin walls give small sherds, thick ones large.
         MaterialPreset{"ceramic",
-                       {2300.0f, 0.5f, 0.25f, 30e6f, 400e6f, 35e6f},
+                       {2300.0f, 0.5f, 0.25f, 30e6f, 400e6f, 35e6f, 1.5e3f},
                        {.kind = PatternKind::thickness},
                        {0.75f, 0.74f, 0.70f},
                        {0.55f, 0.22f, 0.10f}}};

@@ -32,15 +32,6 @@ bool finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-bool possible(const BodyMass& body) {
-    if (!(body.mass > 0.0) || !std::isfinite(body.mass)) return false;
-    const glm::dvec3 moments = fracture::principal_axes(body.inertia).moments;
-    const double largest = std::max({moments.x, moments.y, moments.z});
-    const double smallest = std::min({moments.x, moments.y, moments.z});
-    return largest > 0.0 && smallest >= -moment_slack * largest
-           && 2.0 * largest <= (moments.x + moments.y + moments.z) * (1.0 + moment_slack);
-}
-
 } // namespace
 
 Result<void> check_pieces(const Fragments& fragments, const Material& material) {
@@ -72,6 +63,15 @@ BodyMass true_mass(const Piece& piece, double density) {
     return {density * piece.mass.volume, piece.mass.inertia * density};
 }
 
+bool is_possible(const BodyMass& body) {
+    if (!(body.mass > 0.0) || !std::isfinite(body.mass)) return false;
+    const glm::dvec3 moments = fracture::principal_axes(body.inertia).moments;
+    const double largest = std::max({moments.x, moments.y, moments.z});
+    const double smallest = std::min({moments.x, moments.y, moments.z});
+    return largest > 0.0 && smallest >= -moment_slack * largest
+           && 2.0 * largest <= (moments.x + moments.y + moments.z) * (1.0 + moment_slack);
+}
+
 BodyMass box_mass(std::span<const glm::dvec3> points, double density) {
     glm::dvec3 low(0.0), high(0.0);
     for (size_t i = 0; i < points.size(); ++i) {
@@ -92,7 +92,7 @@ BodyMass box_mass(std::span<const glm::dvec3> points, double density) {
 
 BodyMass piece_mass(const Fragments& fragments, const Piece& piece, double density) {
     const BodyMass exact = true_mass(piece, density);
-    return possible(exact) ? exact : box_mass(fragments.positions_of(piece), density);
+    return is_possible(exact) ? exact : box_mass(fragments.positions_of(piece), density);
 }
 
 } // namespace brittle::physics

@@ -27,6 +27,9 @@ struct BodyMass {
 // From the piece's integrals; a sliver's can round to what no body has.
 [[nodiscard]] BodyMass true_mass(const fracture::Piece& piece, double density);
 
+// Whether a rigid body can have it: positive mass, principal moments of which none exceeds the sum of the others.
+[[nodiscard]] bool is_possible(const BodyMass& body);
+
 // Of a box around the points, no side of which is below a thousandth of the longest.
 [[nodiscard]] BodyMass box_mass(std::span<const glm::dvec3> points, double density);
 

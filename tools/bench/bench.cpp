@@ -5,6 +5,7 @@
 // fracture/MESH/SITES/threads:N    in the steady state: workspace and output are reused
 // first/MESH/SITES/threads:N       the first time: nothing is known about the mesh, all memory is new
 // certify/..., check/...           the certificate of the result; the front door's check, and the full one
+// impact/..., cycles/...           destruction at runtime: see impacts.h
 //
 // Times are medians over the iterations, in milliseconds: `median`, and one counter a phase. `MB` is input
 // plus output, `memcpy` how many times longer the fracture takes than copying as much, `allocs` the
@@ -30,6 +31,7 @@
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
 #include "fracture/topology.h"
+#include "tools/bench/impacts.h"
 #include "tools/bench/memory_meter.h"
 
 namespace brittle::tools {
@@ -244,6 +246,7 @@ void add_all() {
 
 int main(int argc, char** argv) {
     brittle::tools::add_all();
+    brittle::tools::add_impact_benchmarks();
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
     benchmark::RunSpecifiedBenchmarks();

@@ -1,0 +1,115 @@
+// Work on other threads, for one owner: jobs are begun in the order given, and each is waited for or called off alone.
+//
+//     Background<Pieces> background(2);
+//     background.start(7, [=](const std::atomic<bool>& cancelled) { return cut(solid, cancelled); });
+//     if (background.ready(7)) Pieces pieces = background.take(7);    // take() waits where it is not ready
+//
+// All calls come from one thread, the owner's. The destructor calls off what is left and waits for what runs. A job must
+// not throw.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace brittle::physics {
+
+template<class Value> class Background {
+  public:
+    using Work = std::function<Value(const std::atomic<bool>& cancelled)>;
+
+    explicit Background(uint32_t threads = 1) {
+        for (uint32_t i = 0; i < std::max(threads, 1u); ++i) threads_.emplace_back([this] { run(); });
+    }
+    ~Background() {
+        {
+            const std::scoped_lock lock(mutex_);
+            ending_ = true;
+            queue_.clear();
+            for (const auto& [id, job] : jobs_) job->cancelled = true;
+        }
+        work_came_.notify_all();
+        for (std::thread& thread : threads_) thread.join();
+    }
+    Background(const Background&) = delete;
+    Background& operator=(const Background&) = delete;
+
+    // An id names one job until it is taken or called off.
+    void start(uint32_t id, Work work) {
+        const auto job = std::make_shared<Job>();
+        job->work = std::move(work);
+        {
+            const std::scoped_lock lock(mutex_);
+            assert(!jobs_.contains(id));
+            jobs_.emplace(id, job);
+            queue_.push_back(job);
+        }
+        work_came_.notify_one();
+    }
+    [[nodiscard]] bool ready(uint32_t id) {
+        const std::scoped_lock lock(mutex_);
+        return jobs_.at(id)->value.has_value();
+    }
+    Value take(uint32_t id) {
+        std::unique_lock lock(mutex_);
+        const std::shared_ptr<Job> job = jobs_.at(id);
+        work_done_.wait(lock, [&] { return job->value.has_value(); });
+        jobs_.erase(id);
+        return std::move(*job->value);
+    }
+    // Forgets a job; what it is in the middle of is thrown away when it ends.
+    void cancel(uint32_t id) {
+        const std::scoped_lock lock(mutex_);
+        const std::shared_ptr<Job> job = jobs_.at(id);
+        job->cancelled = true;
+        std::erase(queue_, job);
+        jobs_.erase(id);
+    }
+
+  private:
+    struct Job {
+        Work work;
+        std::atomic<bool> cancelled = false;
+        std::optional<Value> value;
+    };
+
+    void run() {
+        for (;;) {
+            std::shared_ptr<Job> job;
+            {
+                std::unique_lock lock(mutex_);
+                work_came_.wait(lock, [this] { return ending_ || !queue_.empty(); });
+                if (ending_) return;
+                job = queue_.front();
+                queue_.pop_front();
+            }
+            Value value = job->work(job->cancelled);
+            job->work = nullptr; // what it holds goes here, not on the owner's thread
+            {
+                const std::scoped_lock lock(mutex_);
+                job->value = std::move(value);
+            }
+            work_done_.notify_all();
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable work_came_, work_done_;
+    std::deque<std::shared_ptr<Job>> queue_;
+    std::map<uint32_t, std::shared_ptr<Job>> jobs_;
+    bool ending_ = false;
+    std::vector<std::thread> threads_;
+};
+
+} // namespace brittle::physics

@@ -1,0 +1,240 @@
+#include "physics/impact_pattern.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "fracture/principal_axes.h"
+#include "fracture/random.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::PatternKind;
+using fracture::Random;
+
+constexpr double pi = std::numbers::pi;
+constexpr double pieces_per_size = 24.0; // n = so many sqrt(A) / L
+constexpr uint32_t least_pieces = 4;
+constexpr double half_ball = 2.0 / 3.0 * pi;
+// Surface between n cubes that fill a half ball: so much times R^2 n^(1/3). 3 V^(2/3), V = half_ball R^3.
+const double surface_per_radius = 3.0 * std::pow(half_ball, 2.0 / 3.0);
+// Sites of the shell around the damage, and of the rest beyond: so that the rest's cells, which are its collision hulls, are
+// not larger than the solid's own features.
+constexpr uint32_t shell_sites = 16, outer_sites = 12;
+// Radius of the shell by that of the damage: bisectors between the outermost pieces and the shell are near the damage's rim.
+constexpr double shell_ratio = 1.35;
+constexpr double inner_ratio = 0.75; // the pieces' sites keep so far within the damage
+
+struct Frame {
+    glm::dvec3 along, u, v;
+};
+
+Frame frame_along(const glm::dvec3& axis) {
+    const glm::dvec3 other = std::abs(axis.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
+    const glm::dvec3 u = glm::normalize(glm::cross(other, axis));
+    return {axis, u, glm::cross(axis, u)};
+}
+
+bool finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+glm::dvec3 direction(Random& random) {
+    const double z = 2.0 * random.uniform() - 1.0, angle = 2.0 * pi * random.uniform();
+    const double r = std::sqrt(1.0 - z * z);
+    return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+// In the unit half ball about +along; power 1/3 fills it evenly, larger ones crowd the middle.
+glm::dvec3 in_half_ball(Random& random, const glm::dvec3& along, double power) {
+    glm::dvec3 d = direction(random);
+    if (glm::dot(d, along) < 0.0) d = -d;
+    return d * std::pow(random.uniform(), power);
+}
+
+// The longest extent has the least moment about it.
+glm::dvec3 longest_axis(const fracture::MassProperties& mass) {
+    const fracture::PrincipalAxes principal = fracture::principal_axes(mass.inertia);
+    int least = 0;
+    for (int axis = 1; axis < 3; ++axis)
+        if (principal.moments[axis] < principal.moments[least]) least = axis;
+    return principal.axes[least];
+}
+
+class Maker {
+  public:
+    Maker(const fracture::TriangleMesh& solid, const Blow& blow, const Damage& damage, const ImpactPattern& pattern)
+        : solid_(solid), blow_(blow), damage_(damage), pattern_(pattern), random_(pattern.seed) {
+        double farthest = 0.0;
+        for (const glm::dvec3& p : solid_.positions) {
+            depth_ = std::max(depth_, glm::dot(p - blow_.point, blow_.normal));
+            farthest = std::max(farthest, glm::distance(p, blow_.point));
+        }
+        reach_ = inner_ratio * std::min(damage_.radius, farthest);
+    }
+
+    ImpactSites run(const fracture::MassProperties& mass) {
+        const glm::dvec3 ones(1.0);
+        switch (pattern_.kind) {
+        case PatternKind::radial: radial(); break;
+        case PatternKind::splinters: splinters(longest_axis(mass)); break;
+        case PatternKind::clustered:
+        case PatternKind::thickness: crowd(damage_.pieces, 1.0); break;
+        default:
+            crowd(damage_.pieces / 2, 1.0);
+            crowd(damage_.pieces - damage_.pieces / 2, 1.0 / 3.0);
+        }
+        if (pattern_.kind != PatternKind::splinters) shell(glm::dmat3(1.0), ones);
+        rest();
+        return std::move(result_);
+    }
+
+    ImpactSites from_diagram() {
+        fracture::Box from{glm::dvec3(std::numeric_limits<double>::infinity()),
+                           glm::dvec3(-std::numeric_limits<double>::infinity())};
+        for (const glm::dvec3& site : pattern_.diagram) {
+            from.min = glm::min(from.min, site);
+            from.max = glm::max(from.max, site);
+        }
+        fracture::Placement placement = pattern_.placement;
+        placement.turn.y += 360.0 * random_.uniform();
+        result_.sites = fracture::place(pattern_.diagram, from, fracture::bounds(solid_), placement);
+        uint32_t next = 0;
+        for (const glm::dvec3& site : result_.sites)
+            result_.groups.push_back(glm::distance(site, blow_.point) <= damage_.radius ? next++ : UINT32_MAX);
+        result_.rest = next;
+        std::ranges::replace(result_.groups, UINT32_MAX, next);
+        return std::move(result_);
+    }
+
+  private:
+    void add(const glm::dvec3& site) { result_.sites.push_back(site); }
+
+    // In what is thinner than the damage is deep, the half ball is flattened into it.
+    void crowd(uint32_t count, double power) {
+        const double flatter = 1.0 - std::min(1.0, depth_ / reach_);
+        for (uint32_t i = 0; i < count; ++i) {
+            const glm::dvec3 at = in_half_ball(random_, blow_.normal, power);
+            add(blow_.point + reach_ * (at - flatter * glm::dot(at, blow_.normal) * blow_.normal));
+        }
+    }
+
+    // Rings and rays, the shards longer the farther out; half a turn between rings, as glass breaks.
+    void radial() {
+        const Frame frame = frame_along(blow_.normal);
+        const auto rings = std::max(1u, static_cast<uint32_t>(std::lround(std::sqrt(damage_.pieces / 3.0))));
+        const uint32_t rays = std::max(3u, (damage_.pieces + rings - 1) / rings);
+        for (uint32_t ring = 0, made = 0; ring < rings; ++ring) {
+            const double turn = random_.uniform();
+            for (uint32_t ray = 0; ray < rays && made < damage_.pieces; ++ray, ++made) {
+                const double angle = 2.0 * pi * (ray + turn + 0.5 * (random_.uniform() - 0.5)) / rays;
+                const double r = reach_ * std::pow((ring + 0.5 + 0.4 * (random_.uniform() - 0.5)) / rings, 1.4);
+                add(blow_.point + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
+            }
+        }
+    }
+
+    // Layers across the grain, in each a crowd of sites nearly level with each other: their bisectors run along the grain.
+    void splinters(const glm::dvec3& grain) {
+        const Frame frame = frame_along(grain);
+        const double stretch = std::cbrt(pattern_.slenderness); // the damage keeps its volume
+        const double length = reach_ * stretch * stretch, width = reach_ / stretch;
+        const auto layers = std::clamp(static_cast<uint32_t>(std::lround(std::cbrt(damage_.pieces / 4.0))), 1u, 4u);
+        for (uint32_t i = 0; i < damage_.pieces; ++i) {
+            const double layer = (i % layers + 0.5) / layers * 2.0 - 1.0;
+            const double tilt = 0.1 * (random_.uniform() - 0.5) / layers;
+            const double angle = 2.0 * pi * random_.uniform(), r = width * std::sqrt(random_.uniform());
+            add(blow_.point + (0.8 * layer + tilt) * length * frame.along
+                + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
+        }
+        shell(glm::dmat3(frame.along, frame.u, frame.v), {stretch * stretch, 1.0 / stretch, 1.0 / stretch});
+    }
+
+    // Evenly on an ellipsoid around the contact (a spiral), in the rest's group.
+    void shell(const glm::dmat3& axes, const glm::dvec3& scale) {
+        inner_ = static_cast<uint32_t>(result_.sites.size());
+        const double golden = pi * (3.0 - std::sqrt(5.0)), turn = 2.0 * pi * random_.uniform();
+        for (uint32_t i = 0; i < shell_sites; ++i) {
+            const double z = 1.0 - (2.0 * i + 1.0) / shell_sites, r = std::sqrt(1.0 - z * z);
+            const glm::dvec3 on(r * std::cos(golden * i + turn), r * std::sin(golden * i + turn), z);
+            add(blow_.point + shell_ratio * damage_.radius * (axes * (scale * on)));
+        }
+    }
+
+    void rest() {
+        // Not into the shell: what is far from it and from each other.
+        std::vector<glm::dvec3> far;
+        for (const glm::dvec3& p : solid_.positions)
+            if (glm::distance(p, blow_.point) > 2.0 * shell_ratio * damage_.radius) far.push_back(p);
+        for (const glm::dvec3& p : spread_points(far, outer_sites, result_.sites)) add(p);
+        for (uint32_t i = 0; i < result_.sites.size(); ++i) result_.groups.push_back(std::min(i, inner_));
+        result_.rest = inner_;
+    }
+
+    const fracture::TriangleMesh& solid_;
+    const Blow& blow_;
+    const Damage& damage_;
+    const ImpactPattern& pattern_;
+    Random random_;
+    double reach_ = 0.0; // m, of the pieces' sites: within the damage, and within the solid where that is smaller
+    double depth_ = 0.0; // m, of the solid behind the contact
+    uint32_t inner_ = 0;
+    ImpactSites result_;
+};
+
+} // namespace
+
+Damage damage_of(const Blow& blow, const Material& material, double volume, const DamageLimits& limits) {
+    if (!finite(blow.point) || !finite(blow.normal) || !(glm::length(blow.normal) > 0.5) || !(blow.energy > 0.0)
+        || !std::isfinite(blow.energy) || !(volume > 0.0) || !std::isfinite(volume))
+        return {};
+    const double surface = blow.energy / static_cast<double>(material.fracture_energy);
+    double pieces = std::clamp(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)),
+                               static_cast<double>(least_pieces), static_cast<double>(limits.most_pieces));
+    const double radius = std::sqrt(surface / (surface_per_radius * std::cbrt(pieces)));
+    if (limits.least_volume > 0.0) {
+        const double damaged = std::min(half_ball * radius * radius * radius, volume);
+        if (volume < 2.0 * limits.least_volume || damaged < limits.least_volume) return {};
+        pieces = std::min(pieces, std::floor(damaged / limits.least_volume));
+    }
+    return {radius, static_cast<uint32_t>(pieces)};
+}
+
+ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass, const Blow& blow,
+                         const Damage& damage, const ImpactPattern& pattern) {
+    if (!(damage.radius > 0.0) || damage.pieces == 0) return {};
+    Maker maker(solid, blow, damage, pattern);
+    return pattern.diagram.empty() ? maker.run(mass) : maker.from_diagram();
+}
+
+std::vector<glm::dvec3> spread_points(std::span<const glm::dvec3> vertices, uint32_t count,
+                                      std::span<const glm::dvec3> given) {
+    constexpr size_t most_looked_at = 4096;
+    const size_t stride = std::max<size_t>(1, vertices.size() / most_looked_at);
+    std::vector<glm::dvec3> points;
+    for (size_t i = 0; i < vertices.size(); i += stride) points.push_back(vertices[i]);
+    std::vector<double> gap(points.size(), std::numeric_limits<double>::infinity());
+    const auto note = [&](const glm::dvec3& from) {
+        for (size_t i = 0; i < points.size(); ++i) {
+            const glm::dvec3 apart = points[i] - from;
+            gap[i] = std::min(gap[i], glm::dot(apart, apart));
+        }
+    };
+    for (const glm::dvec3& site : given) note(site);
+    std::vector<glm::dvec3> chosen;
+    while (chosen.size() < count && !points.empty()) {
+        const auto farthest = std::ranges::max_element(gap);
+        if (*farthest == 0.0) break; // only duplicates are left
+        chosen.push_back(points[static_cast<size_t>(farthest - gap.begin())]);
+        note(chosen.back());
+    }
+    return chosen;
+}
+
+} // namespace brittle::physics

@@ -1,0 +1,229 @@
+#include "physics/solid_piece.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "fracture/fracture.h"
+#include "fracture/merge.h"
+#include "fracture/parallel.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::Box;
+using fracture::Error;
+using fracture::Fragments;
+using fracture::Piece;
+using fracture::Result;
+using fracture::Status;
+using fracture::Triangle;
+
+// Hulls of one cell of a broken solid: a cell is convex, so few parts do.
+constexpr uint32_t most_parts_of_cell = 4;
+
+double cube(double x) {
+    return x * x * x;
+}
+
+bool held(const std::vector<Box>& anchors, const std::vector<glm::dvec3>& positions,
+          const std::vector<Triangle>& triangles) {
+    return std::ranges::any_of(anchors, [&](const Box& box) {
+        return std::ranges::any_of(triangles, [&](const Triangle& t) {
+            return reaches(box, positions[t.x], positions[t.y], positions[t.z]);
+        });
+    });
+}
+
+// All but the parts, from mesh, exterior_triangles, source and mass.
+void finish(SolidPiece& solid, const SolidSettings& settings) {
+    const std::vector<glm::dvec3>& positions = solid.mesh.positions;
+    solid.positions.reserve(positions.size());
+    for (const glm::dvec3& p : positions) {
+        solid.positions.emplace_back(p - solid.mass.centre_of_mass);
+        solid.radius = std::max(solid.radius, glm::length(solid.positions.back()));
+    }
+    Piece piece;
+    piece.mass = solid.mass;
+    const BodyMass exact = true_mass(piece, settings.material.density);
+    solid.body = is_possible(exact) ? exact : box_mass(positions, settings.material.density);
+    solid.bearable = bearable_impulse(settings.material, solid.mass.volume, fracture::bounds(solid.mesh));
+    solid.anchored = held(settings.anchors, positions, solid.mesh.triangles);
+    solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
+}
+
+// Exterior are the parts of what was exterior in the solid: cuts of before stay interior.
+SolidPiece mesh_of(const SolidPiece& from, const Fragments& fragments, const Piece& piece) {
+    SolidPiece solid;
+    const auto positions = fragments.positions_of(piece);
+    solid.mesh.positions.assign(positions.begin(), positions.end());
+    solid.mass = piece.mass;
+    solid.mesh.triangles.reserve(piece.triangles.size());
+    for (const bool exterior : {true, false})
+        for (uint32_t k = 0; k < piece.triangles.size(); ++k) {
+            const uint32_t t = piece.triangles.begin + k;
+            const bool outside =
+                k < piece.exterior_triangles && fragments.triangle_source[t] < from.exterior_triangles;
+            if (outside != exterior) continue;
+            solid.mesh.triangles.push_back(fragments.triangles[t]);
+            if (exterior) solid.source.push_back(from.source[fragments.triangle_source[t]]);
+        }
+    solid.exterior_triangles = static_cast<uint32_t>(solid.source.size());
+    return solid;
+}
+
+std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const ConvexPartSettings& settings) {
+    ConvexPartSettings few = settings;
+    few.most_parts = std::min(settings.most_parts, most_parts_of_cell);
+    std::vector<std::vector<BodyPart>> parts;
+    for (const Piece& piece : cells.pieces)
+        parts.push_back(convex_parts(cells.positions_of(piece), cells.triangles_of(piece), piece.mass.volume,
+                                     piece.mass.centre_of_mass, few));
+    return parts;
+}
+
+// Of a triangle, by the region of its plane that the point is over (Ericson, "Real-Time Collision Detection", 5.1.5).
+glm::dvec3 nearest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    const glm::dvec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+    const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+    if (d1 <= 0.0 && d2 <= 0.0) return a;
+    const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+    if (d3 >= 0.0 && d4 <= d3) return b;
+    const double vc = d1 * d4 - d3 * d2;
+    if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return a + ab * (d1 / (d1 - d3));
+    const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+    if (d6 >= 0.0 && d5 <= d6) return c;
+    const double vb = d5 * d2 - d1 * d6;
+    if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + ac * (d2 / (d2 - d6));
+    const double va = d3 * d6 - d5 * d4;
+    if (va <= 0.0 && d4 >= d3 && d5 >= d6) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    const double sum = va + vb + vc;
+    return sum > 0.0 ? a + ab * (vb / sum) + ac * (vc / sum) : a;
+}
+
+Error cancelled_error() {
+    return {Status::cancelled, "breaking a solid was cancelled"};
+}
+
+} // namespace
+
+double bearable_impulse(const Material& material, double volume, const Box& box) {
+    const double side = std::max({box.size().x, box.size().y, box.size().z});
+    return side > 0.0 ? static_cast<double>(toughness(material)) * std::max(volume, 0.0) / side : 0.0;
+}
+
+Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSettings& settings) {
+    if (std::string fault = fault_of(settings.material); !fault.empty())
+        return Error{Status::invalid_setting, std::move(fault)};
+    if (!(settings.min_size > 0.0) || !std::isfinite(settings.min_size))
+        return Error{Status::invalid_setting, "the least size of a piece is " + std::to_string(settings.min_size)
+                                                  + " m; it must be positive"};
+    // One cell: the front door's checks, and the mesh as pieces have it, solids that touch in a vertex apart.
+    const glm::dvec3 site = fracture::bounds(mesh).centre();
+    const Result<Fragments> whole = fracture::fracture(mesh, {&site, 1}, {.threads = settings.threads, .groups = {0}});
+    if (!whole) return whole.error();
+    SolidPiece solid;
+    for (const Piece& piece : whole->pieces) { // parts that do not touch are one object all the same
+        const auto positions = whole->positions_of(piece);
+        const auto base = static_cast<uint32_t>(solid.mesh.positions.size());
+        solid.mesh.positions.insert(solid.mesh.positions.end(), positions.begin(), positions.end());
+        for (uint32_t t = piece.triangles.begin; t < piece.triangles.end; ++t) {
+            solid.mesh.triangles.push_back(whole->triangles[t] + base);
+            solid.source.push_back(whole->triangle_source[t]);
+        }
+    }
+    solid.exterior_triangles = static_cast<uint32_t>(solid.mesh.triangles.size());
+    solid.mass = fracture::mass_properties(solid.mesh.positions, solid.mesh.triangles);
+    finish(solid, settings);
+    solid.parts = convex_parts(solid.mesh.positions, solid.mesh.triangles, solid.mass.volume, solid.mass.centre_of_mass,
+                               settings.parts);
+    return std::make_shared<const SolidPiece>(std::move(solid));
+}
+
+Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites,
+                                          std::span<const uint32_t> groups, const SolidSettings& settings,
+                                          const std::function<bool()>& cancelled) {
+    Result<Fragments> cut = fracture::fracture(solid.mesh, sites, {.threads = settings.threads, .cancelled = cancelled});
+    if (!cut) return cut.error();
+    const std::vector<std::vector<BodyPart>> parts = parts_of_cells(*cut, settings.parts);
+    if (cancelled && cancelled()) return cancelled_error();
+    std::vector<glm::dvec3> centres;
+    for (const Piece& cell : cut->pieces) centres.push_back(cell.mass.centre_of_mass);
+    const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
+    fracture::Threads threads(settings.threads);
+    fracture::merge_pieces(*cut, goes_to, threads);
+
+    std::vector<SolidPtr> pieces;
+    for (uint32_t cell = 0; cell < goes_to.size(); ++cell) {
+        if (goes_to[cell] != cell) continue;
+        if (cancelled && cancelled()) return cancelled_error();
+        SolidPiece piece = mesh_of(solid, *cut, cut->pieces[pieces.size()]);
+        finish(piece, settings);
+        for (uint32_t other = 0; other < goes_to.size(); ++other) {
+            if (goes_to[other] != cell) continue;
+            for (BodyPart part : parts[other]) {
+                part.offset += glm::vec3(centres[other] - piece.mass.centre_of_mass);
+                piece.parts.push_back(std::move(part));
+            }
+        }
+        if (!piece.breakable) piece.mesh.positions = {};
+        pieces.push_back(std::make_shared<const SolidPiece>(std::move(piece)));
+    }
+    return pieces;
+}
+
+SolidPtr solid_of(const Fragments& fragments, const Piece& piece, const SolidSettings& settings) {
+    SolidPiece solid;
+    const auto positions = fragments.positions_of(piece);
+    const auto triangles = fragments.triangles_of(piece);
+    solid.mesh = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
+    solid.exterior_triangles = piece.exterior_triangles;
+    const auto source = fragments.triangle_source.begin() + piece.triangles.begin;
+    solid.source.assign(source, source + piece.exterior_triangles);
+    solid.mass = piece.mass;
+    finish(solid, settings);
+    solid.parts.push_back({std::make_shared<const CollisionHull>(
+        collision_hull(positions, piece.mass.centre_of_mass, settings.parts.hull))});
+    return std::make_shared<const SolidPiece>(std::move(solid));
+}
+
+glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& point) {
+    glm::dvec3 nearest = point;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Triangle& t : mesh.triangles) {
+        const glm::dvec3 on =
+            nearest_on_triangle(point, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+        const glm::dvec3 apart = on - point;
+        if (const double square = glm::dot(apart, apart); square < least) {
+            least = square;
+            nearest = on;
+        }
+    }
+    return nearest;
+}
+
+bool reaches(const Box& box, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    const glm::dvec3 half = box.size() * 0.5, centre = box.centre();
+    const glm::dvec3 p[3] = {a - centre, b - centre, c - centre};
+    const auto apart = [&](const glm::dvec3& axis) {
+        const double reach = glm::dot(half, glm::abs(axis));
+        const double x = glm::dot(axis, p[0]), y = glm::dot(axis, p[1]), z = glm::dot(axis, p[2]);
+        return std::min({x, y, z}) > reach || std::max({x, y, z}) < -reach;
+    };
+    for (int k = 0; k < 3; ++k) {
+        glm::dvec3 axis(0.0);
+        axis[k] = 1.0;
+        if (apart(axis)) return false;
+        for (int edge = 0; edge < 3; ++edge)
+            if (apart(glm::cross(axis, p[(edge + 1) % 3] - p[edge]))) return false;
+    }
+    return !apart(glm::cross(p[1] - p[0], p[2] - p[0]));
+}
+
+} // namespace brittle::physics

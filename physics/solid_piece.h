@@ -1,0 +1,84 @@
+// One piece of a breakable object, with all that physics and a renderer need of it: made once, on any thread, then
+// shared and never changed.
+//
+//     Result<std::shared_ptr<const SolidPiece>> whole = make_solid(mesh, {.material = stone});
+//     Result<std::vector<std::shared_ptr<const SolidPiece>>> pieces = break_solid(**whole, sites, groups, settings);
+//
+// Coordinates are those of the unbroken object for all its pieces, however often they were broken; double where they are
+// cut again, float and relative to the centre of mass where they are drawn. Metres. Pure functions, for worker threads;
+// results depend on neither threads nor clocks.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "fracture/error.h"
+#include "fracture/fragments.h"
+#include "fracture/mesh.h"
+#include "physics/convex_parts.h"
+#include "physics/material.h"
+#include "physics/piece_mass.h"
+
+namespace brittle::physics {
+
+struct SolidSettings {
+    Material material{};
+    // m, cube root of volume: no smaller piece is made but where it hangs together with nothing, and what is smaller than
+    // two of them is not cut.
+    double min_size = 0.05;
+    // What the world holds, in the object's coordinates: a piece that reaches into one of these boxes is fixed.
+    std::vector<fracture::Box> anchors{};
+    ConvexPartSettings parts{};
+    uint32_t threads = 1; // of one fracture
+};
+
+struct SolidPiece {
+    fracture::TriangleMesh mesh{};       // closed; without positions where it cannot be broken, the triangles stay
+    uint32_t exterior_triangles = 0;     // the first so many are of the unbroken object's surface
+    std::vector<uint32_t> source{};      // of each exterior triangle, the one of the unbroken object that it is part of
+    std::vector<glm::vec3> positions{};  // of the vertices, relative to the centre of mass, for drawing
+    fracture::MassProperties mass{};     // at density 1
+    BodyMass body{};                     // kg
+    std::vector<BodyPart> parts{};       // relative to the centre of mass
+    float radius = 0.0f;                 // m, around the centre of mass
+    double bearable = 0.0;               // N s; a blow above it breaks the piece: see bearable_impulse()
+    bool anchored = false;
+    bool breakable = false;
+};
+
+using SolidPtr = std::shared_ptr<const SolidPiece>;
+
+// What a solid bears of a blow as of a kilogram, N s: toughness(material) times its section across the longest side of its
+// box, volume / side. Of a cube it is that of Structure's pieces, less for panes and needles.
+[[nodiscard]] double bearable_impulse(const Material& material, double volume, const fracture::Box& box);
+
+// An unbroken object. Fails as fracture() does on a mesh that cannot be broken, and on a material or a least size that is
+// none.
+[[nodiscard]] fracture::Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh,
+                                                    const SolidSettings& settings = {});
+
+// Cuts a solid along the cells of sites; cells of one group stay together where they touch. Pieces in the order of
+// fracture(). Volumes sum to the solid's. Collision parts are the hulls of cells: none of a piece overlaps one of
+// another but where islands of one cell do. Fails as fracture() does; Status::cancelled where `cancelled` says so.
+[[nodiscard]] fracture::Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid,
+                                                                  std::span<const glm::dvec3> sites,
+                                                                  std::span<const uint32_t> groups,
+                                                                  const SolidSettings& settings,
+                                                                  const std::function<bool()>& cancelled = {});
+
+// A piece of a fracture as it is, with one collision hull; source triangles are those of the fracture's input.
+[[nodiscard]] SolidPtr solid_of(const fracture::Fragments& fragments, const fracture::Piece& piece,
+                                const SolidSettings& settings);
+
+// The point of a mesh's surface that is nearest to a point; the point itself for a mesh without triangles.
+[[nodiscard]] glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& point);
+
+// Whether a triangle reaches into a box (separating axes: box sides, normal, cross products of edges); touching counts.
+[[nodiscard]] bool reaches(const fracture::Box& box, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+
+} // namespace brittle::physics

@@ -1,0 +1,216 @@
+#include "tools/bench/impacts.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <time.h>
+
+#include <benchmark/benchmark.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/fracture.h"
+#include "fracture/io/import.h"
+#include "fracture/shapes.h"
+#include "fracture/sites.h"
+#include "physics/destruction.h"
+#include "physics/pieces.h"
+#include "tools/bench/memory_meter.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using namespace brittle::physics;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* bunny_file = "/usr/share/glmark2/models/bunny.obj"; // assets/SOURCES.md
+constexpr auto frame_length = std::chrono::microseconds(8333);
+
+double milliseconds(Clock::duration duration) {
+    return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+// What this thread has worked: other work on the machine does not count.
+double thread_milliseconds() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+}
+
+double median(std::vector<double> samples) {
+    if (samples.empty()) return 0.0;
+    const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+    std::nth_element(samples.begin(), middle, samples.end());
+    return *middle;
+}
+
+double longest(const std::vector<double>& samples) {
+    return samples.empty() ? 0.0 : *std::ranges::max_element(samples);
+}
+
+// Scaled to a longest side of 2 m.
+fracture::TriangleMesh mesh_of(const std::string& name) {
+    fracture::TriangleMesh mesh = name == "bunny"       ? *fracture::import_mesh(bunny_file)
+                                  : name == "ball_328k" ? fracture::icosphere(7)
+                                                        : fracture::torus_knot(2, 3, 8192, 80); // knot_1311k
+    const fracture::Box box = fracture::bounds(mesh);
+    const double scale = 2.0 / std::max({box.size().x, box.size().y, box.size().z});
+    for (glm::dvec3& p : mesh.positions) p = (p - box.centre()) * scale;
+    return mesh;
+}
+
+struct Frames {
+    std::vector<double> frame, update;
+
+    // One step a frame at 120 Hz; the main thread rests in between, as it would for the display.
+    void run(World& world, Destruction& destruction) {
+        const Clock::time_point start = Clock::now();
+        const double begin = thread_milliseconds();
+        world.step();
+        const double stepped = thread_milliseconds();
+        destruction.update(world);
+        {
+            const DestructionEvents events = destruction.take_events();
+            benchmark::DoNotOptimize(events.added.data());
+        }
+        const double end = thread_milliseconds();
+        frame.push_back(end - begin);
+        update.push_back(end - stepped);
+        std::this_thread::sleep_until(start + frame_length);
+    }
+};
+
+const WorldSettings empty_space{.gravity = glm::vec3(0.0f), .ground_height = std::nullopt, .sleeping = false};
+
+// The energy for which the damage has this radius.
+double energy_for(double radius, const Material& material, double volume) {
+    double low = 0.0, high = 1e12;
+    for (int i = 0; i < 100; ++i) {
+        const double middle = 0.5 * (low + high);
+        (damage_of({.energy = middle}, material, volume).radius < radius ? low : high) = middle;
+    }
+    return high;
+}
+
+void run_impact(benchmark::State& state, const std::string& name) {
+    BreakableDesc desc;
+    desc.solid = {.material = material_preset("stone")->material, .min_size = 0.005};
+    const fracture::TriangleMesh mesh = mesh_of(name);
+    const Clock::time_point begin = Clock::now();
+    const Result<SolidPtr> solid = make_solid(mesh, desc.solid);
+    if (!solid) return state.SkipWithError(solid.error().message.c_str());
+    state.counters["prepare"] = milliseconds(Clock::now() - begin);
+    const double energy = energy_for(0.2, desc.solid.material, (*solid)->mass.volume);
+    const glm::vec3 at(mesh.positions[mesh.positions.size() / 3]);
+    std::vector<double> waits, commits, before_all, after_all;
+    for (auto _ : state) {
+        World world(empty_space);
+        Destruction destruction({.timing = Timing::when_ready});
+        // A copy that the destruction alone holds: letting go of it counts.
+        if (!destruction.add(world, std::make_shared<const SolidPiece>(**solid), desc))
+            return state.SkipWithError("no body");
+        Frames before, during, after;
+        for (int i = 0; i < 30; ++i) before.run(world, destruction);
+        const glm::vec3 inward = -glm::normalize(at);
+        destruction.strike(world, destruction.pieces()[0], at, inward, energy);
+        const Clock::time_point blow = Clock::now();
+        while (destruction.jobs_in_flight() > 0) during.run(world, destruction);
+        waits.push_back(milliseconds(Clock::now() - blow));
+        state.SetIterationTime(waits.back() * 1e-3);
+        for (int i = 0; i < 30; ++i) after.run(world, destruction);
+        commits.push_back(longest(during.update));
+        before_all.push_back(median(before.frame));
+        after_all.push_back(median(after.frame));
+        state.counters["pieces"] = static_cast<double>(destruction.pieces().size());
+        state.counters["failed"] = destruction.statistics().failed;
+    }
+    state.counters["triangles"] = static_cast<double>(mesh.triangles.size());
+    state.counters["wait"] = median(waits);
+    state.counters["commit"] = median(commits);
+    state.counters["commit_max"] = longest(commits);
+    state.counters["frame_before"] = median(before_all);
+    state.counters["frame_after"] = median(after_all);
+}
+
+void run_thousand(benchmark::State& state) {
+    BreakableDesc desc;
+    desc.solid = {.material = material_preset("stone")->material, .min_size = 0.01};
+    desc.most_pieces = 34;
+    const Result<SolidPtr> ball = make_solid(fracture::icosphere(3, 0.3), desc.solid);
+    for (auto _ : state) {
+        World world;
+        const fracture::TriangleMesh heap = fracture::cube(1.0);
+        const auto pieces = fracture::fracture(heap, fracture::uniform_sites(fracture::bounds(heap), 300, 1));
+        (void)add_pieces(world, *pieces, desc.solid.material, {.placement = {{0.0f, 0.6f, 0.0f}, {1, 0, 0, 0}}});
+        Destruction destruction({.timing = Timing::when_ready});
+        for (int i = 0; i < 30; ++i) {
+            desc.motion.placement.position = {-5.0f + static_cast<float>(i % 6), 50.0f, 3.0f + static_cast<float>(i / 6)};
+            if (!destruction.add(world, *ball, desc)) return state.SkipWithError("no body");
+        }
+        Frames settle, before, during, after;
+        for (int i = 0; i < 40; ++i) settle.run(world, destruction);
+        for (int i = 0; i < 40; ++i) before.run(world, destruction);
+        for (const PieceId piece : destruction.pieces()) {
+            const glm::vec3 top = world.pose(destruction.body(piece)).position + glm::vec3(0.0f, 0.3f, 0.0f);
+            destruction.strike(world, piece, top, {0.0f, -1.0f, 0.0f}, 1e4);
+        }
+        const Clock::time_point blow = Clock::now();
+        while (destruction.jobs_in_flight() > 0) during.run(world, destruction);
+        state.SetIterationTime(milliseconds(Clock::now() - blow) * 1e-3);
+        for (int i = 0; i < 40; ++i) after.run(world, destruction);
+        state.counters["bodies"] = static_cast<double>(destruction.pieces().size());
+        state.counters["before"] = median(before.frame);
+        state.counters["longest"] = longest(during.frame);
+        state.counters["share"] = longest(during.update);
+        state.counters["frames"] = static_cast<double>(during.frame.size());
+        state.counters["after"] = median(after.frame);
+    }
+}
+
+void run_cycles(benchmark::State& state) {
+    constexpr int cycles = 10'000, settled = 1'000;
+    BreakableDesc desc;
+    desc.solid = {.material = material_preset("stone")->material, .min_size = 0.1};
+    const Result<SolidPtr> cube = make_solid(fracture::cube(1.0), desc.solid);
+    for (auto _ : state) {
+        World world(empty_space);
+        Destruction destruction({.latency = 1});
+        uint64_t heap = 0, bodies = 0;
+        for (int cycle = 0; cycle < cycles; ++cycle) {
+            const Result<ObjectId> object = destruction.add(world, *cube, desc);
+            destruction.strike(world, destruction.pieces()[0], {0.0f, 0.5f, 0.0f}, {0.0f, -1.0f, 0.0f}, 2e3);
+            world.step();
+            destruction.update(world);
+            bodies += world.body_count();
+            destruction.remove(world, *object);
+            const DestructionEvents events = destruction.take_events();
+            benchmark::DoNotOptimize(events.removed.data());
+            if (cycle + 1 == settled) heap = heap_use().live;
+        }
+        state.counters["KB_growth"] = (static_cast<double>(heap_use().live) - static_cast<double>(heap)) / 1024.0;
+        state.counters["bodies"] = static_cast<double>(bodies);
+    }
+}
+
+} // namespace
+
+void add_impact_benchmarks() {
+    std::vector<std::string> meshes{"ball_328k", "knot_1311k"};
+    if (std::ifstream(bunny_file).good()) meshes.insert(meshes.begin(), "bunny");
+    for (const std::string& mesh : meshes)
+        benchmark::RegisterBenchmark(("impact/" + mesh).c_str(), [=](benchmark::State& state) { run_impact(state, mesh); })
+            ->Unit(benchmark::kMillisecond)
+            ->UseManualTime()
+            ->Iterations(9);
+    benchmark::RegisterBenchmark("impact/1000_bodies", run_thousand)
+        ->Unit(benchmark::kMillisecond)
+        ->UseManualTime()
+        ->Iterations(3);
+    benchmark::RegisterBenchmark("cycles/10000", run_cycles)->Unit(benchmark::kSecond)->Iterations(1);
+}
+
+} // namespace brittle::tools
