@@ -64,7 +64,8 @@ struct WorldSettings {
     float broadphase_margin = 0.01f;
     // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of
     // the time its remaining jitter is damped away, after the whole time it sleeps, together with all it
-    // touches, until something disturbs it. A body that touches nothing never sleeps.
+    // touches, until something disturbs it. What only rocks in place, or trembles in a heap of which nine tenths of the
+    // mass are at rest, sleeps after two to three times as long. A body that touches nothing never sleeps.
     bool sleeping = true;
     float sleep_linear_speed = 0.08f; // m/s
     float sleep_angular_speed = 0.8f; // rad/s

@@ -32,6 +32,9 @@ struct BodyRecord {
     float swept_radius = 0.0f; // Bullet's units; 0: not continuous
     Pose previous;
     float still_seconds = 0.0f; // how long it has been slow while touching something
+    float quiet_seconds = 0.0f; // how long nearly all of what it touches, directly or not, has been
+    btTransform rest = btTransform::getIdentity(); // where it was when it last had moved away
+    float rest_seconds = 0.0f;                     // how long it has touched something near there
     bool touching = false;      // in the last step
     std::vector<HullEdge>
         edges; // for debug lines, indices into the points of shape; filled when first asked for

@@ -155,4 +155,8 @@ GroundContacts::GroundContacts(btCollisionDispatcher& dispatcher) : impl_(std::m
 }
 GroundContacts::~GroundContacts() = default;
 
+int GroundContacts::pair_size() {
+    return static_cast<int>(sizeof(HullOnPlane));
+}
+
 } // namespace brittle::physics

@@ -22,6 +22,9 @@ class GroundContacts {
     explicit GroundContacts(btCollisionDispatcher& dispatcher);
     ~GroundContacts();
 
+    // Bytes that the dispatcher's pool must have for a pair.
+    static int pair_size();
+
   private:
     struct Impl;
     std::unique_ptr<Impl> impl_;

@@ -13,6 +13,15 @@ constexpr float settling_kept_per_second = 1e-6f;
 // A settling body that trembles above the sleeping speeds, but not by this factor, waits longer instead of
 // anew.
 constexpr float tremble_factor = 4.0f;
+// Bodies that touch sleep together, and in a large heap some light piece between heavy ones always trembles:
+// what presses on it is known to a few per cent only. Where this part of the mass is calm and nothing is
+// faster than a tremble, the rest counts as calm after this multiple of the sleeping time.
+constexpr float calm_part = 0.9f;
+constexpr float quiet_factor = 2.0f;
+// A body that after this multiple of the sleeping time still is within this part of what the sleeping speeds
+// make of the sleeping time (2 cm and 0.2 rad) from where it was rocks in place, however fast.
+constexpr float place_factor = 2.0f;
+constexpr float place_part = 0.5f;
 // Waiting counts up to this multiple of the sleeping time, so that a tremble does not at once wake a body
 // that waits for its neighbours.
 constexpr float patience = 1.5f;
@@ -65,7 +74,6 @@ void SteppedWorld::integrateTransforms(btScalar seconds) {
 void SteppedWorld::updateActivationState(btScalar seconds) {
     if (!settings_.sleeping) return;
     find_touching();
-    const float kept = std::pow(settling_kept_per_second, seconds);
     for (const auto& body : bodies_) {
         btRigidBody& rigid = *body->rigid;
         if (body->fixed) continue;
@@ -77,18 +85,64 @@ void SteppedWorld::updateActivationState(btScalar seconds) {
         const float speed =
             std::max(rigid.getLinearVelocity().length() / (settings_.sleep_linear_speed * bullet_units),
                      rigid.getAngularVelocity().length() / settings_.sleep_angular_speed);
+        const bool in_place = rocks_in_place(*body, seconds);
         // One tremble that is soon over does not start the wait anew.
-        if (!body->touching || speed > tremble_factor)
+        if (!in_place && (!body->touching || speed > tremble_factor))
             body->still_seconds = 0.0f;
         else
-            body->still_seconds = std::clamp(body->still_seconds + (speed < 1.0f ? seconds : -seconds), 0.0f,
-                                             patience * settings_.sleep_seconds);
-        if (body->still_seconds > 0.5f * settings_.sleep_seconds) {
+            body->still_seconds =
+                std::clamp(body->still_seconds + (in_place || speed < 1.0f ? seconds : -seconds), 0.0f,
+                           patience * settings_.sleep_seconds);
+    }
+    find_quiet(seconds);
+    const float kept = std::pow(settling_kept_per_second, seconds);
+    for (const auto& body : bodies_) {
+        if (!body->awake()) continue;
+        btRigidBody& rigid = *body->rigid;
+        const float waited = std::max(body->still_seconds, body->quiet_seconds / quiet_factor);
+        if (waited > 0.5f * settings_.sleep_seconds) {
             rigid.setLinearVelocity(rigid.getLinearVelocity() * kept);
             rigid.setAngularVelocity(rigid.getAngularVelocity() * kept);
         }
-        rigid.setActivationState(body->still_seconds >= settings_.sleep_seconds ? WANTS_DEACTIVATION
-                                                                                : ACTIVE_TAG);
+        rigid.setActivationState(waited >= settings_.sleep_seconds ? WANTS_DEACTIVATION : ACTIVE_TAG);
+    }
+}
+
+bool SteppedWorld::rocks_in_place(BodyRecord& body, btScalar seconds) {
+    const btTransform& now = body.rigid->getWorldTransform();
+    const float near = place_part * settings_.sleep_seconds;
+    const float moved = (now.getOrigin() - body.rest.getOrigin()).length();
+    const float turned = now.getRotation().angleShortestPath(body.rest.getRotation());
+    if (moved > near * settings_.sleep_linear_speed * bullet_units
+        || turned > near * settings_.sleep_angular_speed) {
+        body.rest = now;
+        body.rest_seconds = 0.0f;
+    }
+    if (body.touching) body.rest_seconds += seconds;
+    return body.rest_seconds > place_factor * settings_.sleep_seconds;
+}
+
+// Counts how long the islands have been quiet, in their bodies, as islands come and go.
+void SteppedWorld::find_quiet(btScalar seconds) {
+    islands_.assign(static_cast<size_t>(getNumCollisionObjects()), {});
+    const auto island_of = [this](const BodyRecord& body) -> Island& {
+        return islands_[static_cast<size_t>(body.rigid->getIslandTag())];
+    };
+    for (const auto& body : bodies_) {
+        if (!body->awake()) continue;
+        Island& island = island_of(*body);
+        island.mass += body->mass;
+        if (body->still_seconds >= 0.5f * settings_.sleep_seconds) island.calm_mass += body->mass;
+        const float speed = body->rigid->getLinearVelocity().length() / bullet_units;
+        island.fast = island.fast || !body->touching || speed > tremble_factor * settings_.sleep_linear_speed;
+    }
+    for (const auto& body : bodies_) {
+        if (!body->awake()) continue;
+        const Island& island = island_of(*body);
+        const bool quiet = !island.fast && island.calm_mass >= calm_part * island.mass;
+        body->quiet_seconds =
+            quiet ? std::min(body->quiet_seconds + seconds, patience * quiet_factor * settings_.sleep_seconds)
+                  : 0.0f;
     }
 }
 

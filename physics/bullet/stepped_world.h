@@ -33,9 +33,17 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
   private:
     void stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
     void find_touching();
+    // Whether a body has long been where it is.
+    bool rocks_in_place(BodyRecord& body, btScalar seconds);
+    void find_quiet(btScalar seconds);
 
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    struct Island {
+        float mass = 0.0f, calm_mass = 0.0f; // kg
+        bool fast = false;                   // one of it is on its way
+    };
+    std::vector<Island> islands_; // by island tag; scratch of one step
     std::vector<Spin> spins_; // scratch of one step
     std::vector<std::pair<btRigidBody*, btVector3>>
         shortened_; // likewise: velocities of bodies that stop at a hit

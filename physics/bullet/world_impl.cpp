@@ -31,6 +31,14 @@ Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<
     world->addRigidBody(ground.get());
 }
 
+// The pools of the dispatcher do not check what is put into them in release builds.
+btDefaultCollisionConstructionInfo Engine::pool_sizes() {
+    btDefaultCollisionConstructionInfo info;
+    info.m_customCollisionAlgorithmMaxElementSize =
+        std::max(HullContacts::pair_size(), GroundContacts::pair_size());
+    return info;
+}
+
 Engine::~Engine() {
     if (ground) world->removeRigidBody(ground.get());
 }

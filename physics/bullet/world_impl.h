@@ -13,6 +13,7 @@
 
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/ground_contact.h"
+#include "physics/bullet/hull_contact.h"
 #include "physics/bullet/piece_solver.h"
 #include "physics/bullet/stepped_world.h"
 #include "physics/world.h"
@@ -24,9 +25,10 @@ inline constexpr float touching_distance = 1e-3f;
 
 // Everything of Bullet's that a history can hide in; made anew by clear().
 struct Engine {
-    btDefaultCollisionConfiguration configuration;
+    btDefaultCollisionConfiguration configuration{pool_sizes()};
     btCollisionDispatcher dispatcher{&configuration};
     GroundContacts ground_contacts{dispatcher};
+    HullContacts hull_contacts{dispatcher};
     btDbvtBroadphase broadphase;
     PieceSolver solver;
     std::unique_ptr<SteppedWorld> world;
@@ -37,6 +39,9 @@ struct Engine {
     ~Engine();
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
+
+  private:
+    static btDefaultCollisionConstructionInfo pool_sizes();
 };
 
 struct World::Impl {
@@ -79,7 +84,7 @@ struct World::Impl {
         return *body;
     }
     void wake(BodyRecord& body) {
-        body.still_seconds = 0.0f;
+        body.still_seconds = body.quiet_seconds = body.rest_seconds = 0.0f;
         if (settings.sleeping && !body.fixed) body.rigid->forceActivationState(ACTIVE_TAG);
     }
 };

@@ -1,0 +1,213 @@
+#include "physics/bullet/hull_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
+#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+#include <LinearMath/btAabbUtil2.h>
+#include <btBulletDynamicsCommon.h>
+
+namespace brittle::physics {
+
+namespace {
+
+// Hulls that touch are looked at again when they have moved against each other by this part of the distance
+// at which contacts begin: a two-hundredth of the smaller one's radius. More saves time while a heap settles;
+// much more and contacts lag behind corners that tilt.
+constexpr btScalar still_part = 0.25f;
+// Contacts begin at this part of the smaller one's radius, as in Bullet.
+constexpr btScalar near_part = 0.02f;
+
+const btConvexHullShape& hull_of(const btCollisionObjectWrapper& object) {
+    return static_cast<const btConvexHullShape&>(*object.getCollisionShape());
+}
+
+// Radius of the ball around the shape's origin that holds it, margin included.
+btScalar radius_of(const btConvexHullShape& hull) {
+    btScalar square = 0.0f;
+    for (int i = 0; i < hull.getNumPoints(); ++i)
+        square = std::max(square, hull.getUnscaledPoints()[i].length2());
+    return std::sqrt(square) + hull.getMargin();
+}
+
+// The farthest that the hull, without margin, reaches in a direction of the world.
+btScalar reach(const btConvexHullShape& hull, const btTransform& frame, const btVector3& direction) {
+    const btVector3 local = direction * frame.getBasis();
+    const btVector3* const points = hull.getUnscaledPoints();
+    btScalar farthest = -BT_LARGE_FLOAT;
+    for (int i = 0; i < hull.getNumPoints(); ++i) farthest = std::max(farthest, local.dot(points[i]));
+    return farthest + direction.dot(frame.getOrigin());
+}
+
+class HullPair final : public btCollisionAlgorithm {
+  public:
+    HullPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* first,
+             const btCollisionObjectWrapper* second, btConvexPenetrationDepthSolver& penetration)
+        : btCollisionAlgorithm(info), penetration_(penetration), manifold_(info.m_manifold),
+          own_(!info.m_manifold) {
+        const btConvexHullShape& a = hull_of(*first);
+        const btConvexHullShape& b = hull_of(*second);
+        const btScalar radius_a = radius_of(a), radius_b = radius_of(b);
+        first_moves_ = radius_a < radius_b;
+        radius_ = std::min(radius_a, radius_b);
+        margins_ = a.getMargin() + b.getMargin();
+        near_ = std::min(a.getContactBreakingThreshold(near_part), b.getContactBreakingThreshold(near_part));
+        still_ = still_part * near_;
+        axis_ = (first->getWorldTransform().getOrigin() - second->getWorldTransform().getOrigin())
+                * first->getWorldTransform().getBasis();
+        if (axis_.fuzzyZero()) axis_ = {0, 1, 0};
+        axis_.normalize();
+    }
+    ~HullPair() override { release(); }
+
+    void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
+                          const btDispatcherInfo& info, btManifoldResult* result) override {
+        const btTransform& a = first->getWorldTransform();
+        const btTransform& b = second->getWorldTransform();
+        const btTransform relative = first_moves_ ? b.inverseTimes(a) : a.inverseTimes(b);
+        if (!(moved_since(relative) < free_)) {
+            seen_ = relative;
+            free_ = look(*first, *second, info, *result);
+        }
+        if (!own_ || !manifold_) return;
+        result->setPersistentManifold(manifold_);
+        result->refreshContactPoints();
+        if (manifold_->getNumContacts() == 0) release();
+    }
+
+    // Only asked for objects that sweep; ours do not.
+    btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                   btManifoldResult*) override {
+        return 1.0f;
+    }
+    void getAllContactManifolds(btManifoldArray& manifolds) override {
+        if (manifold_ && own_) manifolds.push_back(manifold_);
+    }
+
+  private:
+    // How far any point of the smaller hull can have moved in the frame of the other one.
+    [[nodiscard]] btScalar moved_since(const btTransform& relative) const {
+        btScalar turned =
+            0.0f; // the square of the Frobenius norm bounds what the difference does to a vector
+        for (int row = 0; row < 3; ++row)
+            turned += (relative.getBasis()[row] - seen_.getBasis()[row]).length2();
+        return (relative.getOrigin() - seen_.getOrigin()).length() + std::sqrt(turned) * radius_;
+    }
+
+    // The gap between the hulls in a direction from the second to the first: what separates them at least.
+    [[nodiscard]] btScalar gap(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                               const btVector3& direction) const {
+        return -reach(hull_of(first), first.getWorldTransform(), -direction)
+               - reach(hull_of(second), second.getWorldTransform(), direction) - margins_;
+    }
+
+    // Finds a contact, if there is one, and says by how much the hulls may move until it must be called
+    // again.
+    btScalar look(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                  const btDispatcherInfo& info, btManifoldResult& result) {
+        const btTransform& a = first.getWorldTransform();
+        const btScalar known = gap(first, second, a.getBasis() * axis_) - near_;
+        if (known > 0.0f) return known;
+
+        const int before = manifold_ ? manifold_->getNumContacts() : 0;
+        btVoronoiSimplexSolver simplex;
+        btGjkPairDetector gjk(&hull_of(first), &hull_of(second), &simplex, &penetration_);
+        btGjkPairDetector::ClosestPointInput input;
+        input.m_transformA = a;
+        input.m_transformB = second.getWorldTransform();
+        input.m_maximumDistanceSquared = (margins_ + near_) * (margins_ + near_);
+        Found found;
+        gjk.getClosestPoints(input, found, info.m_debugDraw);
+        if (found.is && found.distance <= near_) {
+            if (!manifold_)
+                manifold_ =
+                    m_dispatcher->getNewManifold(first.getCollisionObject(), second.getCollisionObject());
+            result.setPersistentManifold(manifold_);
+            result.addContactPoint(found.normal, found.point, found.distance);
+            return manifold_->getNumContacts() == before ? still_ : -1.0f;
+        }
+        btVector3 direction = gjk.getCachedSeparatingAxis();
+        if (direction.fuzzyZero()) return -1.0f;
+        direction.normalize();
+        axis_ = direction * a.getBasis();
+        return gap(first, second, direction) - near_;
+    }
+
+    struct Found final : btDiscreteCollisionDetectorInterface::Result {
+        btVector3 normal, point;
+        btScalar distance = BT_LARGE_FLOAT;
+        bool is = false;
+        void setShapeIdentifiersA(int, int) override {}
+        void setShapeIdentifiersB(int, int) override {}
+        void addContactPoint(const btVector3& on_second, const btVector3& at, btScalar depth) override {
+            normal = on_second, point = at, distance = depth, is = true;
+        }
+    };
+
+    void release() {
+        if (own_ && manifold_) m_dispatcher->releaseManifold(manifold_);
+        manifold_ = own_ ? nullptr : manifold_;
+    }
+
+    btConvexPenetrationDepthSolver& penetration_;
+    btPersistentManifold* manifold_; // of our own: only while there are contacts
+    bool own_;
+    bool first_moves_;      // what is looked at as moving: the smaller one
+    btScalar radius_;       // of it
+    btScalar margins_;      // of both
+    btScalar near_;         // closer is a contact
+    btScalar still_;        // movement that contacts bear
+    btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look
+    btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame
+    btVector3 axis_; // unit, from second to first, in the first's frame: separated them last
+};
+
+struct CreateHullPair final : btCollisionAlgorithmCreateFunc {
+    btGjkEpaPenetrationDepthSolver penetration;
+
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* first,
+                                                   const btCollisionObjectWrapper* second) override {
+        void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(HullPair));
+        return new (place) HullPair(info, first, second, penetration);
+    }
+};
+
+// Bullet's tree keeps pairs whose boxes, swollen by its margin, overlap, and looks at each. Those whose true
+// boxes are apart have no contact: what they knew is forgotten.
+void look_at_close_pairs(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
+                         const btDispatcherInfo& info) {
+    const btBroadphaseProxy& first = *pair.m_pProxy0;
+    const btBroadphaseProxy& second = *pair.m_pProxy1;
+    if (TestAabbAgainstAabb2(first.m_aabbMin, first.m_aabbMax, second.m_aabbMin, second.m_aabbMax)) {
+        btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
+        return;
+    }
+    if (!pair.m_algorithm) return;
+    pair.m_algorithm->~btCollisionAlgorithm();
+    dispatcher.freeCollisionAlgorithm(pair.m_algorithm);
+    pair.m_algorithm = nullptr;
+}
+
+} // namespace
+
+struct HullContacts::Impl {
+    CreateHullPair create;
+};
+
+HullContacts::HullContacts(btCollisionDispatcher& dispatcher) : impl_(std::make_unique<Impl>()) {
+    dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
+                                           &impl_->create);
+    dispatcher.setNearCallback(look_at_close_pairs);
+}
+HullContacts::~HullContacts() = default;
+
+int HullContacts::pair_size() {
+    return static_cast<int>(sizeof(HullPair));
+}
+
+} // namespace brittle::physics
