@@ -115,7 +115,7 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
     if (options.bonded || options.anchored) {
         physics::StructureDesc desc{.material = material};
         for (float* strength : {&desc.material.tensile, &desc.material.compressive, &desc.material.shear})
-            *strength *= flawed;
+            *strength *= flawed * static_cast<float>(options.strength);
         desc.wear.strength_scale /= flawed;
         if (options.anchored) desc.anchored = physics::anchor_to_ground(fragments);
         structure_ = must(physics::Structure::create(world_, fragments, desc));
@@ -160,9 +160,10 @@ float Simulation::advance(double seconds) {
 }
 
 void Simulation::after_step() {
+    if (observer_) observer_->moved(*this);
     if (structure_) {
         const physics::Structure::Changes& changes = structure_->update(world_);
-        if (updated_) updated_(changes);
+        if (observer_) observer_->updated(*this, changes);
     }
     draw_held();
     if (observer_) observer_->stepped(*this);
