@@ -491,9 +491,58 @@ TriangleMesh arch(uint32_t segments) {
     return mesh;
 }
 
+// A wall one cell thick of 48 x 8 cells around the axis; what is no opening is filled, and gets a quad towards each cell
+// that is not. Cells are (around from +Z towards +X, up, outwards), which is right-handed.
+TriangleMesh tower() {
+    struct Level {
+        double height, radius;
+    };
+    constexpr uint32_t around = 48;
+    constexpr double inner = 0.27;
+    constexpr std::array<Level, 9> levels = {{{0.0, 0.46}, {0.12, 0.42}, {0.5, 0.4}, {0.8, 0.385}, {1.05, 0.375},
+                                              {1.4, 0.36}, {1.52, 0.43}, {1.72, 0.43}, {2.0, 0.43}}};
+    const auto filled = [](const glm::ivec3& cell) {
+        if (cell.y < 0 || cell.y >= 8 || cell.z != 0) return false;
+        const int i = (cell.x + static_cast<int>(around)) % static_cast<int>(around);
+        if (cell.y < 2 && (i < 3 || i >= 45)) return false;      // the door
+        if (cell.y == 3 && i > 6 && i < 42 && (i + 1) % 12 < 2) return false; // windows to the other three sides
+        return cell.y != 7 || (i + 2) % 6 < 4;                   // merlons
+    };
+    TriangleMesh mesh;
+    std::array<uint32_t, around * levels.size() * 2> index_of;
+    index_of.fill(UINT32_MAX);
+    const auto vertex = [&](const glm::ivec3& at) {
+        const auto i = static_cast<uint32_t>(at.x) % around;
+        const auto y = static_cast<size_t>(at.y);
+        uint32_t& index = index_of[(i * levels.size() + y) * 2 + static_cast<size_t>(at.z)];
+        if (index != UINT32_MAX) return index;
+        const double angle = 2.0 * std::numbers::pi * i / around;
+        const double radius = at.z == 0 ? inner : levels[y].radius;
+        mesh.positions.emplace_back(radius * std::sin(angle), levels[y].height, radius * std::cos(angle));
+        return index = static_cast<uint32_t>(mesh.positions.size() - 1);
+    };
+    for (glm::ivec3 cell(0); cell.x < static_cast<int>(around); ++cell.x)
+        for (cell.y = 0; cell.y < 8; ++cell.y) {
+            if (!filled(cell)) continue;
+            for (int axis = 0; axis < 3; ++axis)
+                for (const int side : {0, 1}) {
+                    glm::ivec3 out(0), u(0), v(0);
+                    out[axis] = u[(axis + 1) % 3] = v[(axis + 2) % 3] = 1;
+                    if (filled(cell + (side == 1 ? out : -out))) continue;
+                    if (side == 0) std::swap(u, v);
+                    const glm::ivec3 corner = cell + side * out;
+                    const uint32_t a = vertex(corner), b = vertex(corner + u), c = vertex(corner + u + v),
+                                   d = vertex(corner + v);
+                    mesh.triangles.emplace_back(a, b, c);
+                    mesh.triangles.emplace_back(a, c, d);
+                }
+        }
+    return mesh;
+}
+
 std::span<const std::string_view> shape_names() {
-    static constexpr std::array<std::string_view, 11> names = {"cube", "lattice_cube", "icosphere", "torus", "torus_knot",
-                                                               "hollow_sphere", "menger_sponge", "pane", "wall", "arch", "animal"};
+    static constexpr std::array<std::string_view, 12> names = {"cube", "lattice_cube", "icosphere", "torus", "torus_knot",
+                                                               "hollow_sphere", "menger_sponge", "pane", "wall", "arch", "tower", "animal"};
     return names;
 }
 
@@ -508,6 +557,7 @@ std::optional<TriangleMesh> shape(std::string_view name) {
     if (name == "pane") return cuboid({2.0, 1.4, 0.03});
     if (name == "wall") return cuboid({2.0, 1.2, 0.2});
     if (name == "arch") return arch();
+    if (name == "tower") return tower();
     if (name == "animal") return four_legged_animal();
     return std::nullopt;
 }

@@ -37,13 +37,16 @@ namespace brittle::fracture {
 // Two columns and a round arch between them under a flat top, feet at y = 0: 2 m wide, 1.5 m high, 0.3 m deep; the opening is
 // 1.2 m wide.
 [[nodiscard]] TriangleMesh arch(uint32_t segments = 24);
+// A round tower, hollow and open above: 2 m high, foot at y = 0, 0.92 m across there and 0.72 m below the battlements,
+// which stand out over it; a door 0.5 m high towards +Z, a window to each other side. Genus 4.
+[[nodiscard]] TriangleMesh tower();
 // A calf: trunk, neck, head with ears and horns, tail and four legs, smoothly joined; 2.4 m long, one
 // component of genus 0. Feet at y = 0, looking along +Z. A plane across the legs leaves four separate parts
 // below it, as in the paper's figure 12. resolution is the number of lattice cells along its length.
 [[nodiscard]] TriangleMesh four_legged_animal(uint32_t resolution = 64);
 
 // Names that shape() knows, for help texts: cube, lattice_cube, icosphere, torus, torus_knot, hollow_sphere,
-// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, animal.
+// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, tower, animal.
 [[nodiscard]] std::span<const std::string_view> shape_names();
 // The shape of that name with its default arguments (lattice_cube: n = 16); nothing for an unknown name.
 [[nodiscard]] std::optional<TriangleMesh> shape(std::string_view name);

@@ -52,6 +52,22 @@ TEST_CASE("cuboids and the arch have their volumes") {
     }
 }
 
+TEST_CASE("the tower is a tube with three windows, and has its volume") {
+    const TriangleMesh mesh = tower();
+    check_solid(mesh, 1, 2 - 2 * (1 + 3));
+    CHECK(bounds(mesh).min.y == 0.0);
+    CHECK(bounds(mesh).max.y == 2.0);
+    // Frustums of a polygon of 48 sides less the shaft inside, by the share that is no door, window or gap of the parapet.
+    const auto ring = [](double height, double below, double above, int sides) {
+        const double triangle = 0.5 * std::sin(2.0 * pi / 48.0);
+        return sides * triangle * height * ((below * below + below * above + above * above) / 3.0 - 0.27 * 0.27);
+    };
+    const double expected = ring(0.12, 0.46, 0.42, 42) + ring(0.38, 0.42, 0.4, 42) + ring(0.3, 0.4, 0.385, 48)
+                            + ring(0.25, 0.385, 0.375, 42) + ring(0.35, 0.375, 0.36, 48) + ring(0.12, 0.36, 0.43, 48)
+                            + ring(0.2, 0.43, 0.43, 48) + ring(0.28, 0.43, 0.43, 32);
+    CHECK(volume(mesh) == doctest::Approx(expected).epsilon(1e-12));
+}
+
 TEST_CASE("cubes have the volume of cubes") {
     check_solid(cube(), 1, 2);
     CHECK(cube().triangles.size() == 12);

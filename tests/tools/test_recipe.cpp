@@ -74,7 +74,7 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
-    options.world = {.bonded = true, .anchored = true, .height = 1.5, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+    options.world = {.bonded = true, .anchored = true, .height = 1.5, .strength = 0.25, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
     options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
                        .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
     return options;

@@ -1,5 +1,6 @@
 // Every scene under assets/scenes against its golden in tests/images/scenes: the last picture that `brittle render` makes of
-// it. tools/update-goldens rewrites them; look at them then.
+// it. tools/update-goldens rewrites them; look at them then. Of a scene that fails and moves, the replay log is left beside
+// the pictures.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 
 #include "engine/core/bitmap.h"
 #include "tests/engine/support.h"
+#include "tools/brittle/recipe.h"
 
 namespace fs = std::filesystem;
 using namespace brittle::engine;
@@ -28,8 +30,13 @@ TEST_CASE("every scene looks as it did") {
         const std::string name = scene.stem().string();
         CAPTURE(name);
         const std::string file = folder + "/" + name + ".png";
+        const std::string log = folder + "/" + name + ".log";
+        brittle::tools::FractureOptions options;
+        brittle::tools::read_recipe(scene, options);
+        const bool whole = options.picture.whole || options.picture.planes > 0; // nothing moves
         const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene.string()
-                                    + " --size 480x300 --device cpu --validation -o " + file + " > " + folder + "/log 2>&1";
+                                    + " --size 480x300 --device cpu --validation -o " + file
+                                    + (whole ? "" : " --record " + log) + " > " + folder + "/log 2>&1";
         REQUIRE(std::system(command.c_str()) == 0);
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
         continue; // other code, other roundings: what falls lies elsewhere
@@ -38,6 +45,11 @@ TEST_CASE("every scene looks as it did") {
         REQUIRE(image);
         const GoldenCheck check = check_golden(*image, name, {}, golden_folder() + "/scenes");
         CHECK_MESSAGE(check.passed, check.message);
+        if (check.passed || whole) continue;
+        const std::string kept = BRITTLE_FAILURE_FOLDER "/" + name + ".log";
+        fs::create_directories(BRITTLE_FAILURE_FOLDER);
+        fs::copy_file(log, kept, fs::copy_options::overwrite_existing);
+        FAIL_CHECK("brittle replay ", kept, " --render repeats it");
     }
     fs::remove_all(folder);
 }

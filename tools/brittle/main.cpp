@@ -167,6 +167,10 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
 void add_world_options(CLI::App& command, WorldOptions& world) {
     command.add_flag("--bonded", world.bonded, "Pieces hold together until blows or loads break their bonds");
     command.add_flag("--anchored", world.anchored, "Bonded, and what stands on the ground is held by it");
+    command.add_option("--strength", world.strength,
+                       "Of the bonds between pieces, in the material's own; 0.05 is masonry laid in weak mortar")
+        ->check(CLI::Range(1e-6, 1e6))
+        ->capture_default_str();
     command.add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")
         ->check(CLI::Range(0.0, 100.0))
         ->capture_default_str();

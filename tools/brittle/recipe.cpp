@@ -63,6 +63,7 @@ Json world_json(const WorldOptions& world) {
     if (world.bonded) json["bonded"] = true;
     if (world.anchored) json["anchored"] = true;
     if (world.height != plain.height) json["height"] = world.height;
+    if (world.strength != plain.strength) json["strength"] = world.strength;
     for (const Shot& shot : world.shots)
         json["shots"].push_back({{"time", shot.time},
                                  {"from", vector_json(shot.from)},
@@ -150,6 +151,7 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     reader.flag("bonded", world.bonded);
     reader.flag("anchored", world.anchored);
     reader.number("height", world.height, 0.0, 100.0);
+    reader.number("strength", world.strength, 1e-6, 1e6);
     const Json* shots = reader.find("shots");
     if (!shots) return;
     if (!shots->is_array()) reader.fail("shots", "a list [{ }, ...]", *shots);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -29,73 +28,7 @@ constexpr float grab_rate = 10.0f;          // 1/s; higher: stiffer
 constexpr float grab_acceleration = 150.0f; // m/s^2; less would not hold what hangs from it in a fast hand
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
-bool finite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-// Collects the first fault of an action's fields.
-struct Check {
-    size_t piece_count;
-    std::string fault;
-
-    void vector(const char* name, const glm::dvec3& v) {
-        if (fault.empty() && !finite(v)) fault = std::string(name) + " must be three finite numbers";
-    }
-    void number(const char* name, double value, double low, double high) {
-        if (!fault.empty() || (value >= low && value <= high)) return;
-        char text[120];
-        std::snprintf(text, sizeof text, "%s is %g; it must be from %g to %g", name, value, low, high);
-        fault = text;
-    }
-    void piece(uint32_t index) {
-        if (fault.empty() && index >= piece_count)
-            fault = "piece is " + std::to_string(index) + ", but there are " + std::to_string(piece_count);
-    }
-
-    void operator()(const Shoot& a) {
-        vector("from", a.from);
-        vector("velocity", a.velocity);
-        number("radius", a.radius, 0.001, 10.0);
-        number("density", a.density, 1.0, 1e5);
-    }
-    void operator()(const Damage& a) {
-        vector("point", a.point);
-        number("radius", a.radius, 0.0, 1e4);
-        number("amount", a.amount, 0.0, 1e6);
-    }
-    void operator()(const Saw& a) {
-        vector("from", a.from);
-        vector("to", a.to);
-        number("radius", a.radius, 0.0, 1e4);
-        number("amount", a.amount, 0.0, 1e6);
-    }
-    void operator()(const Hammer& a) {
-        piece(a.piece);
-        vector("impulse", a.impulse);
-    }
-    void operator()(const Release& a) {
-        for (const uint32_t p : a.pieces) piece(p);
-    }
-    void operator()(const Push& a) {
-        piece(a.piece);
-        vector("point", a.point);
-        vector("impulse", a.impulse);
-    }
-    void operator()(const Grab& a) {
-        piece(a.piece);
-        vector("point", a.point);
-    }
-    void operator()(const Drag& a) { vector("to", a.to); }
-    void operator()(const LetGo&) {}
-};
-
 } // namespace
-
-std::string fault_of(const Action& action, size_t piece_count) {
-    Check check{piece_count, {}};
-    std::visit(check, action);
-    return check.fault;
-}
 
 Simulation::Simulation(const std::string& material) : material_(physics::material_preset(material)) {}
 
@@ -115,7 +48,7 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
     if (options.bonded || options.anchored) {
         physics::StructureDesc desc{.material = material};
         for (float* strength : {&desc.material.tensile, &desc.material.compressive, &desc.material.shear})
-            *strength *= flawed;
+            *strength *= flawed * static_cast<float>(options.strength);
         desc.wear.strength_scale /= flawed;
         if (options.anchored) desc.anchored = physics::anchor_to_ground(fragments);
         structure_ = must(physics::Structure::create(world_, fragments, desc));
@@ -160,9 +93,10 @@ float Simulation::advance(double seconds) {
 }
 
 void Simulation::after_step() {
+    if (observer_) observer_->moved(*this);
     if (structure_) {
         const physics::Structure::Changes& changes = structure_->update(world_);
-        if (updated_) updated_(changes);
+        if (observer_) observer_->updated(*this, changes);
     }
     draw_held();
     if (observer_) observer_->stepped(*this);

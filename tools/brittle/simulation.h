@@ -15,7 +15,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,16 +32,20 @@ namespace brittle::tools {
 
 class Simulation;
 
+// Is told in this order: started, then moved, updated and stepped for each step, acted whenever an action takes effect.
 class SimulationObserver {
   public:
     virtual ~SimulationObserver() = default;
     // Pieces have been made bodies; nothing has moved, no action has taken effect.
-    virtual void started(const Simulation& simulation, const fracture::Fragments& fragments,
-                         const WorldOptions& options) = 0;
-    // An action has taken effect after so many steps.
-    virtual void acted(uint64_t step, const Action& action) = 0;
+    virtual void started(const Simulation&, const fracture::Fragments&, const WorldOptions&) {}
+    // The world has taken a step; bonds have not answered to it yet.
+    virtual void moved(const Simulation&) {}
+    // Bonds have, and bodies came apart. Not called where pieces are not bonded.
+    virtual void updated(const Simulation&, const physics::Structure::Changes&) {}
     // A step is done; actions that take effect after it are still to come.
-    virtual void stepped(const Simulation& simulation) = 0;
+    virtual void stepped(const Simulation&) {}
+    // An action has taken effect after so many steps.
+    virtual void acted(uint64_t, const Action&) {}
 };
 
 class Simulation {
@@ -69,9 +72,6 @@ class Simulation {
 
     // Told from now on; or nobody. It must outlive the simulation or be replaced.
     void observe(SimulationObserver* observer) { observer_ = observer; }
-    // Told after each update of the bonds, before the observer.
-    using Updated = std::function<void(const physics::Structure::Changes&)>;
-    void on_update(Updated updated) { updated_ = std::move(updated); }
 
     // Of all pieces in their order: see Structure::write_piece_transforms().
     void write_poses(std::span<physics::Pose> out, float alpha) const;
@@ -121,7 +121,6 @@ class Simulation {
     std::vector<std::pair<uint64_t, Action>> due_; // by step, those of equal steps in their order
     std::optional<Held> held_;
     SimulationObserver* observer_ = nullptr;
-    Updated updated_;
 };
 
 } // namespace brittle::tools

@@ -20,7 +20,8 @@ struct WorldOptions {
     bool bonded = false;   // pieces hold together until blows, loads or wear break their bonds
     bool anchored = false; // bonded, and what stands on the ground is held by it
     double height = 0.5;   // m, of the mesh above the ground at first; 0 where it is anchored
-    std::vector<Shot> shots;
+    double strength = 1.0; // of the bonds, in the material's; 0.05 is masonry laid in weak mortar
+    std::vector<Shot> shots{};
 };
 
 } // namespace brittle::tools

@@ -48,8 +48,6 @@ void Player::started(const Simulation& simulation, const fracture::Fragments& fr
     compare(simulation);
 }
 
-void Player::acted(uint64_t, const Action&) {}
-
 void Player::stepped(const Simulation& simulation) {
     compare(simulation);
 }

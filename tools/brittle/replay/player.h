@@ -34,7 +34,6 @@ class Player : public SimulationObserver {
     [[nodiscard]] const std::optional<Difference>& difference() const { return difference_; }
 
     void started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions& world) override;
-    void acted(uint64_t step, const Action& action) override;
     void stepped(const Simulation& simulation) override;
 
   private:
