@@ -7,6 +7,7 @@
 #include "tools/brittle/classify_choice.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/id_picture.h"
 #include "tools/brittle/picture.h"
 #include "tools/brittle/picture_name.h"
 #include "tools/brittle/interrupt.h"
@@ -20,9 +21,9 @@ namespace {
 
 constexpr double frame_seconds = 1.0 / 60.0;
 
-void check_output(const std::string& output) {
+void check_output(const char* option, const std::string& output) {
     if (is_numbered(output) || is_plain(output)) return;
-    throw Failure(exit_usage, "--output '" + output +
+    throw Failure(exit_usage, std::string(option) + " '" + output +
                                   "' is no file name: put %04d where the frame's number is to go, or no % at all for "
                                   "one picture of the end");
 }
@@ -32,7 +33,8 @@ void check_output(const std::string& output) {
 int run_render(const RenderCommand& command) {
     const PictureOptions& picture = command.fracture.picture;
     const WorldOptions& world = command.fracture.world;
-    check_output(command.output);
+    check_output("--output", command.output);
+    check_output("--ids", command.ids);
     catch_interrupts();
     const Input input = placed_on_stage(load_input(command.fracture), command.fracture.world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
@@ -74,6 +76,10 @@ int run_render(const RenderCommand& command) {
         const engine::Bitmap image = must(renderer->render(scene, {command.view.width, command.view.height}));
         last = picture_name(command.output, frame);
         must(engine::write_png(image, last));
+        if (!command.ids.empty()) {
+            const engine::IdImage ids = must(renderer->render_ids(scene, {command.view.width, command.view.height}));
+            must(engine::write_png(id_picture(ids), picture_name(command.ids, frame)));
+        }
         ++pictures;
         progress.update(frames == 0 ? 1.0 : static_cast<double>(frame) / frames);
     }

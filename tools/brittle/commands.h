@@ -35,6 +35,7 @@ struct RenderCommand {
     ViewOptions view;
     std::string output = "frame_%04d.png";
     uint32_t every = 10; // write each so many-th frame
+    std::string ids;     // where each picture's piece numbers go (id_picture.h), named like output; empty: nowhere
     std::string graph;   // where the frame graph goes, as DOT; empty: nowhere
     std::string classify = "cpu"; // auto, cpu or gpu
 };
