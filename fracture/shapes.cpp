@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -546,7 +547,27 @@ std::span<const std::string_view> shape_names() {
     return names;
 }
 
+namespace {
+
+// Nothing where the name is unknown, has no size, or the size is no number.
+std::optional<TriangleMesh> shape_of_size(std::string_view name, std::string_view size) {
+    uint32_t n = 0;
+    const auto [end, status] = std::from_chars(size.data(), size.data() + size.size(), n);
+    if (status != std::errc() || end != size.data() + size.size()) return std::nullopt;
+    if (name == "lattice_cube") return lattice_cube(n);
+    if (name == "icosphere") return icosphere(n);
+    if (name == "torus") return torus(n, n / 2);
+    if (name == "torus_knot") return torus_knot(2, 3, n, n / 16);
+    if (name == "menger_sponge") return menger_sponge(n);
+    if (name == "animal") return four_legged_animal(n);
+    return std::nullopt;
+}
+
+} // namespace
+
 std::optional<TriangleMesh> shape(std::string_view name) {
+    if (const size_t colon = name.find(':'); colon != std::string_view::npos)
+        return shape_of_size(name.substr(0, colon), name.substr(colon + 1));
     if (name == "cube") return cube();
     if (name == "lattice_cube") return lattice_cube(16);
     if (name == "icosphere") return icosphere();

@@ -48,7 +48,9 @@ namespace brittle::fracture {
 // Names that shape() knows, for help texts: cube, lattice_cube, icosphere, torus, torus_knot, hollow_sphere,
 // menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, tower, animal.
 [[nodiscard]] std::span<const std::string_view> shape_names();
-// The shape of that name with its default arguments (lattice_cube: n = 16); nothing for an unknown name.
+// The shape of that name with its default arguments (lattice_cube: n = 16); nothing for an unknown name. NAME:N gives one of
+// another fineness: lattice_cube:N, icosphere:SUBDIVISIONS, torus:SEGMENTS around (half as many across), torus_knot:SEGMENTS
+// (a sixteenth across), menger_sponge:LEVEL, animal:RESOLUTION.
 [[nodiscard]] std::optional<TriangleMesh> shape(std::string_view name);
 
 } // namespace brittle::fracture

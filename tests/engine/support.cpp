@@ -142,16 +142,36 @@ void keep(const Bitmap& picture, const std::string& path, std::string& message) 
     message += "\n  " + (written ? path : written.error().message);
 }
 
+// Equal pictures leave their file alone; of others it says how they differ and where to look.
+GoldenCheck update_golden(const Bitmap& actual, const std::string& name, const std::string& path) {
+    std::error_code ignored;
+    std::filesystem::create_directories(failure_folder(), ignored);
+    std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
+    const Result<Bitmap> before = read_png(path);
+    std::string what = "new";
+    if (before) {
+        const BitmapDifference difference = compare_bitmaps(actual, *before, {.channel = 0, .fraction = 0.0});
+        if (difference.within_tolerance) {
+            std::printf("golden as before: %s\n", path.c_str());
+            return {true, {}};
+        }
+        what = difference.same_size ? std::to_string(difference.unequal_pixels) + " pixels, by up to "
+                                          + std::to_string(difference.largest) + " of 255"
+                                    : "another size";
+        keep(*before, failure_path(name, "before"), what);
+        if (difference.same_size) keep(difference.picture, failure_path(name, "difference"), what);
+    }
+    const Result<void> written = write_png(actual, path);
+    std::printf("golden CHANGED: %s: %s\n", path.c_str(), what.c_str());
+    return {written.has_value(), written ? "" : written.error().message};
+}
+
 } // namespace
 
 GoldenCheck check_golden(const Bitmap& actual, const std::string& name, const BitmapTolerance& tolerance,
                          const std::string& folder) {
     const std::string path = folder + "/" + name + ".png";
-    if (is_updating_goldens()) {
-        const Result<void> written = write_png(actual, path);
-        std::printf("golden updated: %s\n", path.c_str());
-        return {written.has_value(), written ? "" : written.error().message};
-    }
+    if (is_updating_goldens()) return update_golden(actual, name, path);
     std::error_code ignored;
     std::filesystem::create_directories(failure_folder(), ignored);
 

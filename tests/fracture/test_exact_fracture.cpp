@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "fracture/certificate.h"
+#include "fracture/parallel.h"
 #include "fracture/random.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
@@ -252,6 +253,44 @@ TEST_CASE("exact: the Stanford bunny at 10, 100 and 1000 sites") {
         const Fragments f = check_fracture(bunny, uniform_sites(bounds(bunny), n, 1));
         check_caps_match(f);
         CHECK(f.pieces.size() >= n / 3);
+    }
+}
+
+TEST_CASE("exact: a log tells what each thread did and when, and changes no bit") {
+    const TriangleMesh mesh = icosphere(6);
+    const Sites sites = uniform_sites(bounds(mesh), 300, 9);
+    const auto none = fracture_exact(mesh, sites, {.threads = 1});
+    for (const uint32_t threads : {1u, 3u}) {
+        WorkLog log;
+        const auto logged = fracture_exact(mesh, sites, {.threads = threads, .work_log = &log});
+        REQUIRE(logged);
+        CHECK(hash(*logged) == hash(*none));
+        CHECK(log.threads() == threads);
+        std::map<std::string, std::vector<std::pair<uint32_t, uint32_t>>> runs;
+        for (size_t k = 0; k < log.threads(); ++k) {
+            int64_t last = 0;
+            for (const WorkLog::Slice& slice : log.of_thread(k)) {
+                REQUIRE(slice.from >= last);
+                REQUIRE(slice.to >= slice.from);
+                last = slice.to;
+                runs[slice.step].emplace_back(slice.begin, slice.end);
+            }
+        }
+        for (const char* step : {"prepare", "cells", "classify", "cut edges", "cut triangles", "winding", "caps",
+                                 "assemble", "slivers", "islands"}) {
+            CAPTURE(step);
+            CHECK_FALSE(runs[step].empty());
+        }
+        // The first loop over sites makes the cells: its runs lie side by side, whoever took them.
+        auto& cells = runs["cells"];
+        std::sort(cells.begin(), cells.end());
+        uint32_t reached = 0;
+        for (const auto& [begin, end] : cells)
+            if (begin == reached) reached = end;
+        CHECK(reached >= sites.size());
+        log.clear();
+        CHECK(log.of_thread(0).empty());
+        CHECK(log.threads() == threads);
     }
 }
 

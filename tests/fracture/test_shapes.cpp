@@ -181,6 +181,14 @@ TEST_CASE("every name that is listed gives a solid, any other nothing") {
         CHECK(check_topology(mesh->positions.size(), mesh->triangles).manifold());
         CHECK(volume(*mesh) > 0.0);
     }
+    for (const char* bad : {"torus:", "torus:x", "torus:12 ", "torus:-3", "cube:3", ":3", "torus:99999999999"})
+        CHECK_FALSE(shape(bad).has_value());
+    CHECK(shape("torus:64")->positions.size() == 64 * 32);
+    CHECK(shape("torus_knot:160")->positions.size() == 160 * 10);
+    CHECK(shape("icosphere:2")->triangles.size() == 20 * 16);
+    CHECK(shape("lattice_cube:3")->triangles.size() == 6 * 9 * 2);
+    CHECK(shape("menger_sponge:0")->positions.size() == 8);
+    CHECK(shape("animal:32")->positions.size() < shape("animal")->positions.size());
     CHECK_FALSE(shape("").has_value());
     CHECK_FALSE(shape("Cube").has_value());
 }

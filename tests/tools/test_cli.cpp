@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <set>
 #include <string>
 
 #include <sys/wait.h>
@@ -375,6 +377,58 @@ TEST_CASE("profile measures lists of meshes and counts, on both sides, and write
     }
     CHECK(scenarios == 2);
     CHECK(passes > 0);
+}
+
+TEST_CASE("a time line shows what each thread did of a fracture") {
+    const Folder folder;
+    REQUIRE(brittle(folder, "profile shape:torus -n 50 --threads 2 --warm-up 0 --repeats 2 --frames 0 --trace "
+                                + (folder / "t.json"))
+                .exit_code
+            == 0);
+    const auto trace = nlohmann::json::parse(read(folder / "t.json"));
+    REQUIRE(trace["traceEvents"].is_array());
+    std::map<int, std::string> threads;
+    std::map<int, double> end_of; // of each thread's last slice with items
+    std::set<std::string> steps;
+    for (const auto& event : trace["traceEvents"]) {
+        // The Trace Event Format: what every event has, and what a complete one has besides.
+        for (const char* key : {"name", "ph", "pid", "tid"}) REQUIRE(event.contains(key));
+        const int thread = event["tid"].get<int>();
+        if (event["ph"] == "M" && event["name"] == "thread_name") threads[thread] = event["args"]["name"];
+        if (event["ph"] != "X") continue;
+        REQUIRE(threads.contains(thread)); // named before it is used
+        REQUIRE(event["ts"].is_number());
+        REQUIRE(event["dur"].is_number());
+        if (!event.contains("args")) continue;
+        CHECK(threads[thread].starts_with("worker "));
+        CHECK(event["args"]["from"].get<unsigned>() <= event["args"]["to"].get<unsigned>());
+        CHECK(event["ts"].get<double>() >= end_of[thread]);
+        end_of[thread] = event["ts"].get<double>() + event["dur"].get<double>();
+        steps.insert(event["name"]);
+    }
+    CHECK(threads.contains(1));
+    CHECK(end_of.size() >= 1);
+    CHECK(end_of.size() <= 2);
+    for (const char* step : {"cells", "classify", "cut edges", "cut triangles", "caps", "islands"})
+        CHECK(steps.contains(step));
+}
+
+TEST_CASE("profile finds out where classification is faster, and says so") {
+    const Folder folder;
+    const Outcome outcome =
+        brittle(folder, "profile shape:icosphere -n 20 --classify auto --warm-up 0 --repeats 1 --frames 0 --json");
+    INFO(outcome.output);
+    if (no_vulkan(outcome)) return;
+    REQUIRE(outcome.exit_code == 0);
+    const auto profile = nlohmann::json::parse(outcome.output);
+    const auto& scenario = profile["scenarios"][0];
+    CHECK(scenario["name"] == "icosphere 20 auto");
+    const auto where = scenario["classify"].get<std::string>();
+    CHECK((where == "cpu" || where == "gpu"));
+    CHECK(scenario["classify_why"].get<std::string>().starts_with(where + ": the fracture takes "));
+    CHECK(scenario["fracture"].contains("pass classify vertices") == (where == "gpu"));
+    CHECK(has(brittle(folder, "profile shape:cube -n 3 --classify auto --warm-up 0 --repeats 1 --frames 0"),
+              "classification on the "));
 }
 
 TEST_CASE("profile compares with an earlier run: alike, slower, and what is no profile") {

@@ -108,7 +108,7 @@ TEST_CASE("profile: lists on the command line are multiplied in their order") {
     REQUIRE(all.size() == 8);
     CHECK(all[0].name == "torus 10 cpu");
     CHECK(all[1].name == "torus 10 gpu");
-    CHECK(all[1].classify_on_device);
+    CHECK(all[1].classify == ClassifyPath::gpu);
     CHECK(all[7].name == "b 20 gpu");
     CHECK(all[7].fracture.mesh == "folder/b.obj");
     CHECK(all[7].fracture.pattern.count == 20);
@@ -122,7 +122,7 @@ TEST_CASE("profile: one mesh and one count are one scenario") {
     const std::vector<Scenario> all = make_scenarios({}, {}, base);
     REQUIRE(all.size() == 1);
     CHECK(all[0].name == "cube 5 cpu");
-    CHECK_FALSE(all[0].classify_on_device);
+    CHECK(all[0].classify == ClassifyPath::cpu);
 }
 
 TEST_CASE("profile: a plan's groups take the place of the lists, which stand in for what a group leaves out") {
@@ -175,7 +175,7 @@ TEST_CASE("profile: what is wrong with a plan is said with its place") {
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"counts": [0]}]})"),
         "/scenarios/0/counts: expected a whole");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"counts": 5}]})"), "a list [ ]");
-    has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"classify": ["tpu"]}]})"), "\"cpu\" or \"gpu\"");
+    has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"classify": ["tpu"]}]})"), "\"auto\", \"cpu\" or \"gpu\"");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"meshes": [1]}]})"), "text in quotes");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"mesh": "a"}]})"),
         "unknown key; there are: name, recipe, meshes");
@@ -188,13 +188,13 @@ TEST_CASE("profile: the plans in assets/ are read, and the schema knows their ke
     const auto schema = nlohmann::json::parse(std::ifstream(BRITTLE_ASSETS "/profile.schema.json"));
     const auto& keys = schema["properties"];
     const auto& group_keys = keys["scenarios"]["items"]["properties"];
-    for (const char* name : {"shapes.json", "sweep.json"}) {
+    for (const auto& [name, least] : {std::pair{"shapes.json", 6u}, {"sweep.json", 6u}, {"gpu_classify.json", 4u}}) {
         const fs::path file = fs::path(BRITTLE_ASSETS) / "profiles" / name;
         ProfilePlan plan;
         read_profile_plan(file, plan);
         FractureOptions base;
         base.mesh = "shape:cube";
-        CHECK(make_scenarios(plan, {}, base).size() >= 6);
+        CHECK(make_scenarios(plan, {}, base).size() >= least);
         const auto json = nlohmann::json::parse(std::ifstream(file));
         for (const auto& [key, value] : json.items()) CHECK(keys.contains(key));
         for (const auto& group : json["scenarios"])
@@ -230,6 +230,7 @@ TEST_CASE("profile: a trace nests, and orders what overlaps by a rounding") {
     trace.add(Track::main, 0, "next", 5'000, 5'000);
     trace.add(Track::worker, 1, "orphan", 900, 800); // ends before it begins, and stands in nothing
     trace.mark("now", 3'000);
+    trace.add(share_track(1), 0, "cells", 2'000, 2'500, 40, 80);
     const Json json = Json::parse(trace.json({{"device", "none"}}).dump());
     CHECK(json["otherData"]["device"] == "none");
 
@@ -264,9 +265,9 @@ TEST_CASE("profile: a trace nests, and orders what overlaps by a rounding") {
         outer.push_back(slice);
         slices[slice.name] = slice;
     }
-    CHECK(names == 4); // the process and three threads
+    CHECK(names == 5); // the process and four threads
     CHECK(marks == 1);
-    CHECK(slices.size() == 8);
+    CHECK(slices.size() == 9);
     CHECK(slices["second"].begin == slices["first"].end);
     CHECK(slices["late"].end == slices["all"].end); // cut
     CHECK(slices["b"].begin == slices["a"].end);

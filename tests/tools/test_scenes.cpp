@@ -1,6 +1,7 @@
-// Every scene under assets/scenes against its golden in tests/images/scenes: the last picture that `brittle render` makes of
-// it. tools/update-goldens rewrites them; look at them then. Of a scene that fails and moves, the replay log is left beside
-// the pictures.
+// Every scene under assets/scenes against its goldens: the last picture that `brittle render` makes of it
+// (tests/images/scenes), and which piece each pixel shows before anything has moved (NAME.ids.png beside it), which is
+// exact. tools/update-goldens rewrites them; look at them then. Of a scene that fails and moves, the replay log is left
+// beside the pictures.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -18,26 +19,48 @@ namespace fs = std::filesystem;
 using namespace brittle::engine;
 using namespace brittle::engine::test;
 
-TEST_CASE("every scene looks as it did") {
-    std::string folder = (fs::temp_directory_path() / "brittle-scenes-XXXXXX").string();
-    REQUIRE(mkdtemp(folder.data()) != nullptr);
-    std::vector<fs::path> scenes;
+namespace {
+
+class Folder {
+  public:
+    Folder() {
+        path = (fs::temp_directory_path() / "brittle-scenes-XXXXXX").string();
+        REQUIRE(mkdtemp(path.data()) != nullptr);
+    }
+    ~Folder() { fs::remove_all(path); }
+    std::string path;
+};
+
+std::vector<fs::path> scenes() {
+    std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(BRITTLE_ASSETS "/scenes"))
-        if (entry.path().extension() == ".json") scenes.push_back(entry.path());
-    std::sort(scenes.begin(), scenes.end());
-    REQUIRE(scenes.size() >= 9);
-    for (const fs::path& scene : scenes) {
+        if (entry.path().extension() == ".json") files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    REQUIRE(files.size() >= 9);
+    return files;
+}
+
+void render(const fs::path& scene, const std::string& options, const std::string& folder) {
+    const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene.string()
+                                + " --size 480x300 --device cpu --validation " + options + " > " + folder + "/log 2>&1";
+    REQUIRE(std::system(command.c_str()) == 0);
+}
+
+constexpr BitmapTolerance exact{.ignore = 0, .channel = 0, .fraction = 0.0};
+
+} // namespace
+
+TEST_CASE("every scene looks as it did") {
+    const Folder folder;
+    for (const fs::path& scene : scenes()) {
         const std::string name = scene.stem().string();
         CAPTURE(name);
-        const std::string file = folder + "/" + name + ".png";
-        const std::string log = folder + "/" + name + ".log";
+        const std::string file = folder.path + "/" + name + ".png";
+        const std::string log = folder.path + "/" + name + ".log";
         brittle::tools::FractureOptions options;
         brittle::tools::read_recipe(scene, options);
         const bool whole = options.picture.whole || options.picture.planes > 0; // nothing moves
-        const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene.string()
-                                    + " --size 480x300 --device cpu --validation -o " + file
-                                    + (whole ? "" : " --record " + log) + " > " + folder + "/log 2>&1";
-        REQUIRE(std::system(command.c_str()) == 0);
+        render(scene, "-o " + file + (whole ? "" : " --record " + log), folder.path);
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
         continue; // other code, other roundings: what falls lies elsewhere
 #endif
@@ -51,5 +74,37 @@ TEST_CASE("every scene looks as it did") {
         fs::copy_file(log, kept, fs::copy_options::overwrite_existing);
         FAIL_CHECK("brittle replay ", kept, " --render repeats it");
     }
-    fs::remove_all(folder);
+}
+
+TEST_CASE("every pixel of every scene shows the piece that it did, until something moves") {
+    const Folder folder;
+    for (const fs::path& scene : scenes()) {
+        const std::string name = scene.stem().string();
+        CAPTURE(name);
+        const std::string file = folder.path + "/" + name + "_ids.png";
+        render(scene, "--frames 0 -o " + folder.path + "/picture.png --ids " + file, folder.path);
+        const auto ids = read_png(file);
+        REQUIRE(ids);
+        const GoldenCheck check = check_golden(*ids, name + ".ids", exact, golden_folder() + "/scenes");
+        CHECK_MESSAGE(check.passed, check.message);
+    }
+}
+
+TEST_CASE("one pixel with another piece is found") {
+    if (is_updating_goldens()) return;
+    auto ids = read_png(golden_folder() + "/scenes/figure_11_icosphere_falls_apart.ids.png");
+    REQUIRE(ids);
+    const auto check = [&] {
+        return check_golden(*ids, "figure_11_icosphere_falls_apart.ids", exact, golden_folder() + "/scenes").passed;
+    };
+    CHECK(check());
+    uint8_t* const middle = ids->at(ids->width / 2, ids->height / 2);
+    REQUIRE(middle[3] == 255); // a piece
+    middle[2] ^= 1;
+    CHECK_FALSE(check());
+    middle[2] ^= 1;
+    uint8_t* const corner = ids->at(0, 0);
+    REQUIRE(corner[3] == 0); // none
+    corner[3] = 255;
+    CHECK_FALSE(check());
 }

@@ -37,6 +37,7 @@ struct RenderCommand {
     uint32_t every = 10; // write each so many-th frame
     std::string video;   // a file of all frames, by ffmpeg; empty: none
     std::string record;  // a replay log; empty: none
+    std::string ids;     // where each picture's piece numbers go (id_picture.h), named like output; empty: nowhere
     std::string graph;   // where the frame graph goes, as DOT; empty: nowhere
     std::string classify = "cpu"; // auto, cpu or gpu
 };

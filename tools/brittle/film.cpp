@@ -2,14 +2,16 @@
 
 #include "engine/core/bitmap.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/id_picture.h"
 #include "tools/brittle/picture_name.h"
 
 namespace brittle::tools {
 
 void check_film(const FilmOptions& options) {
-    if (options.output.empty() || is_numbered(options.output) || is_plain(options.output)) return;
-    throw Failure(exit_usage, "'" + options.output + "' is no file name: put %04d where the frame's number is to go, or no "
-                                                     "% at all for one picture of the end");
+    for (const std::string& name : {options.output, options.ids})
+        if (!name.empty() && !is_numbered(name) && !is_plain(name))
+            throw Failure(exit_usage, "'" + name + "' is no file name: put %04d where the frame's number is to go, or no "
+                                                   "% at all for one picture of the end");
 }
 
 Film::Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture, const ViewOptions& view,
@@ -31,6 +33,10 @@ void Film::frame(Stage& stage, uint32_t number, bool last) {
     if (!wanted) return;
     last_ = picture_name(options_.output, number);
     must(engine::write_png(image, last_));
+    if (!options_.ids.empty()) {
+        const engine::IdImage ids = must(renderer_.render_ids(scene, {view_.width, view_.height}));
+        must(engine::write_png(id_picture(ids), picture_name(options_.ids, number)));
+    }
     ++pictures_;
 }
 

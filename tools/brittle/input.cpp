@@ -135,13 +135,14 @@ Input load_input(const FractureOptions& options, bool with_looks) {
 
 Broken break_input(const Input& input, const FractureOptions& options,
                    const std::function<void(double)>& progress, fracture::Classifier* classifier,
-                   const std::function<bool()>& cancelled) {
+                   const std::function<bool()>& cancelled, fracture::WorkLog* work_log) {
     const fracture::Settings settings{.algorithm = options.algorithm,
                                       .threads = options.threads,
                                       .groups = input.groups,
                                       .weights = input.weights,
                                       .min_volume = options.min_volume,
                                       .classifier = classifier,
+                                      .work_log = work_log,
                                       .progress = progress,
                                       .cancelled = [&] { return is_interrupted() || (cancelled && cancelled()); }};
     const Stopwatch stopwatch;

@@ -56,11 +56,12 @@ void use_material(const std::string& name, FractureOptions& options);
 
 [[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
 
-// Fractures with `progress` called, `classifier` asked and `cancelled` watched as in fracture::Settings; Ctrl+C cancels
-// in any case.
+// Fractures with `progress` called, `classifier` asked, `cancelled` watched and `work_log` filled as in
+// fracture::Settings; Ctrl+C cancels in any case.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
                                  const std::function<void(double)>& progress = {},
                                  fracture::Classifier* classifier = nullptr,
-                                 const std::function<bool()>& cancelled = {});
+                                 const std::function<bool()>& cancelled = {},
+                                 fracture::WorkLog* work_log = nullptr);
 
 } // namespace brittle::tools

@@ -222,9 +222,9 @@ void add_profile(CLI::App& app, std::function<int()>& run) {
         ->type_name("N,N,...");
     profile
         ->add_option("--classify", command.lists.classify,
-                     "Where vertices and triangles are classified: cpu, gpu (the Vulkan device, even if that is a CPU) "
-                     "or both")
-        ->check(CLI::IsMember({"cpu", "gpu"}))
+                     "Where vertices and triangles are classified: cpu, gpu (the Vulkan device, even if that is a CPU), "
+                     "auto (whichever a few trials find faster) or several of them")
+        ->check(CLI::IsMember({"auto", "cpu", "gpu"}))
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("WHERE,...")
@@ -372,6 +372,10 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
                        "Also write all frames as a video, by the program ffmpeg; without -o no pictures then")
         ->type_name("FILE.mp4");
     add_record_option(*render, render_command.record);
+    render->add_option("--ids", render_command.ids,
+                       "Also write which piece each pixel shows, one colour a piece, as a PNG beside each picture; "
+                       "docs/files.md says how to read it")
+        ->type_name("FILE.png");
     render->add_option("--graph", render_command.graph, "Also write the frame graph of the last picture, for `dot -Tsvg`")
         ->type_name("FILE.dot");
     add_world_options(*render, render_command.fracture.world);

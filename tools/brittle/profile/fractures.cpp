@@ -14,14 +14,16 @@ FractureTimes measure_fractures(const Scenario& scenario, const Input& input, co
     FractureTimes times;
     Progress progress("fracturing " + scenario.name);
     const uint32_t runs = plan.warm_up + plan.repeats;
+    fracture::WorkLog work;
     for (uint32_t run = 0; run < runs; ++run) {
         const int64_t begin = trace_clock();
-        const Broken broken = break_input(input, scenario.fracture, {}, classifier);
+        work.clear();
+        const Broken broken = break_input(input, scenario.fracture, {}, classifier, {}, trace ? &work : nullptr);
         check_classifier(classifier);
         progress.update(static_cast<double>(run + 1) / runs);
         if (run == 0) times.first_milliseconds = broken.milliseconds;
         times.certificate = broken.certificate;
-        if (trace) trace_fracture(*trace, Track::main, 1, begin, broken, classifier);
+        if (trace) trace_fracture(*trace, Track::main, 1, begin, broken, work, classifier);
         if (run < plan.warm_up) continue;
         double named = 0.0;
         for (const fracture::Milliseconds& t : broken.fragments.timings) {
@@ -36,12 +38,15 @@ FractureTimes measure_fractures(const Scenario& scenario, const Input& input, co
 }
 
 void trace_fracture(Trace& trace, Track track, int depth, int64_t begin, const Broken& broken,
-                    const engine::GpuClassifier* classifier) {
+                    const fracture::WorkLog& work, const engine::GpuClassifier* classifier) {
     trace.add(track, depth, "fracture", begin, begin + std::llround(broken.milliseconds * 1e6));
     // Phases follow one another; what little lies between them comes at the end.
     std::vector<Trace::Step> steps;
     for (const fracture::Milliseconds& t : broken.fragments.timings) steps.push_back({t.phase, t.milliseconds});
     trace.add_steps(track, depth + 1, steps, begin);
+    for (size_t thread = 0; thread < work.threads(); ++thread)
+        for (const fracture::WorkLog::Slice& slice : work.of_thread(thread))
+            trace.add(share_track(thread), 0, slice.step, slice.from, slice.to, slice.begin, slice.end);
     if (classifier) trace_passes(trace, Track::classifier, classifier->timings());
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/compute/gpu_classifier.h"
+#include "fracture/parallel.h"
 #include "tools/brittle/input.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
@@ -19,9 +20,9 @@ struct FractureTimes {
 [[nodiscard]] FractureTimes measure_fractures(const Scenario& scenario, const Input& input, const ProfilePlan& plan,
                                               engine::GpuClassifier* classifier, Trace* trace);
 
-// One fracture that began at `begin` (trace_clock()): its phases and the classifier's passes.
+// One fracture that began at `begin` (trace_clock()): its phases, what each thread did of them, and the classifier's passes.
 void trace_fracture(Trace& trace, Track track, int depth, int64_t begin, const Broken& broken,
-                    const engine::GpuClassifier* classifier);
+                    const fracture::WorkLog& work, const engine::GpuClassifier* classifier);
 
 // What a classifier's device refused ends the profile: the CPU's times would go by its name.
 void check_classifier(const engine::GpuClassifier* classifier);

@@ -90,10 +90,11 @@ FrameTimes measure_frames(const Scenario& scenario, const Input& input, uint32_t
     }
 
     int64_t begin = 0;
+    fracture::WorkLog work;
     times.breaking_from = times.milliseconds.size();
     std::future<Broken> breaking = std::async(std::launch::async, [&] {
         begin = trace_clock();
-        return break_input(input, scenario.fracture, {}, classifier);
+        return break_input(input, scenario.fracture, {}, classifier, {}, trace ? &work : nullptr);
     });
     do {
         times.milliseconds.push_back(drawer.draw(times.breaking));
@@ -102,7 +103,7 @@ FrameTimes measure_frames(const Scenario& scenario, const Input& input, uint32_t
     check_classifier(classifier);
     times.fracture_frame = times.milliseconds.size();
     if (trace) {
-        trace_fracture(*trace, Track::worker, 0, begin, broken, classifier);
+        trace_fracture(*trace, Track::worker, 0, begin, broken, work, classifier);
         trace->mark("the pieces are there", trace_clock());
     }
     times.milliseconds.push_back(drawer.draw(times.taking_over, &broken.fragments));

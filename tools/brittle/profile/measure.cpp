@@ -28,11 +28,15 @@ Json recipe_without_folders(FractureOptions options) {
 Profiler::Profiler(const ProfilePlan& plan, const ViewOptions& view, Trace* trace)
     : plan_(plan), view_(view), trace_(trace) {}
 
-engine::GpuClassifier* Profiler::classifier_for(const Scenario& scenario) {
-    if (!scenario.classify_on_device) return nullptr;
-    if (!compute_device_) compute_device_ = open_device(view_);
-    if (!classifier_) classifier_ = must(engine::GpuClassifier::create(*compute_device_));
-    return classifier_.get();
+ClassifyChoice Profiler::choose(const Scenario& scenario, const Input& input) {
+    if (scenario.classify == ClassifyPath::cpu) return {.why = "cpu, as asked for"};
+    try {
+        if (!compute_device_) compute_device_ = open_device(view_);
+    } catch (const Failure& failure) {
+        if (scenario.classify == ClassifyPath::gpu) throw;
+        return {.why = std::string("cpu: ") + failure.what()};
+    }
+    return choose_classifier(scenario.classify, *compute_device_, input, scenario.fracture);
 }
 
 engine::Renderer& Profiler::renderer() {
@@ -46,16 +50,19 @@ engine::Renderer& Profiler::renderer() {
 
 Json Profiler::measure(const Scenario& scenario) {
     const Input input = placed_on_stage(load_input(scenario.fracture));
-    engine::GpuClassifier* const classifier = classifier_for(scenario);
+    const ClassifyChoice choice = choose(scenario, input);
+    engine::GpuClassifier* const classifier = choice.classifier.get();
     const int64_t begin = trace_clock();
     const FractureTimes times = measure_fractures(scenario, input, plan_, classifier, trace_);
     Json json{{"name", scenario.name},
               {"mesh", input.name},
+              {"vertices", input.model.mesh.positions.size()},
               {"triangles", input.model.mesh.triangles.size()},
               {"sites", input.sites.size()},
               {"pieces", times.certificate.pieces},
               {"closed", times.certificate.closed},
-              {"classify", scenario.classify_on_device ? "gpu" : "cpu"},
+              {"classify", classifier ? "gpu" : "cpu"},
+              {"classify_why", choice.why},
               {"recipe", recipe_without_folders(scenario.fracture)},
               {"import", input.import_milliseconds},
               {"first", times.first_milliseconds},

@@ -9,7 +9,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/compute/gpu_classifier.h"
 #include "engine/render/renderer.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/profile/scenario.h"
@@ -22,7 +21,8 @@ class Profiler {
     // `trace` may be null; it and the other two must outlive the profiler.
     Profiler(const ProfilePlan& plan, const ViewOptions& view, Trace* trace);
 
-    // Keys: name, mesh, triangles, sites, pieces, closed, classify, recipe; import and first (ms: reading the mesh, and
+    // Keys: name, mesh, vertices, triangles, sites, pieces, closed, classify ("cpu" or "gpu"), classify_why (for people),
+    // recipe; import and first (ms: reading the mesh, and
     // the fracture before any warm-up); fracture {phase: statistics of ms, ..., rest, total, pass NAME, ...}.
     // With frames also
     //   frames {whole, breaking, taking over, falling: {frame, physics, scene, draw, pass NAME, ...}}
@@ -39,7 +39,7 @@ class Profiler {
     void check() const;
 
   private:
-    [[nodiscard]] engine::GpuClassifier* classifier_for(const Scenario& scenario);
+    [[nodiscard]] ClassifyChoice choose(const Scenario& scenario, const Input& input);
     [[nodiscard]] engine::Renderer& renderer();
 
     const ProfilePlan& plan_;
@@ -47,7 +47,6 @@ class Profiler {
     Trace* trace_;
     // Two devices, because one thread may classify while another draws.
     std::unique_ptr<engine::Device> compute_device_, render_device_;
-    std::unique_ptr<engine::GpuClassifier> classifier_;
     std::unique_ptr<engine::Renderer> renderer_;
 };
 

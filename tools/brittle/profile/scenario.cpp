@@ -42,7 +42,8 @@ ScenarioGroup read_group(JsonReader& reader, const std::filesystem::path& folder
     for (const Json& count : list_of(reader, "counts"))
         group.counts.push_back(static_cast<uint32_t>(reader.whole_of("counts", count, 1, 1'000'000)));
     for (const Json& where : list_of(reader, "classify")) {
-        if (where != "cpu" && where != "gpu") reader.fail("classify", "\"cpu\" or \"gpu\"", where);
+        if (where != "auto" && where != "cpu" && where != "gpu")
+            reader.fail("classify", "\"auto\", \"cpu\" or \"gpu\"", where);
         group.classify.push_back(where.get<std::string>());
     }
     reader.refuse_unknown_keys();
@@ -67,7 +68,7 @@ Scenario make_scenario(const ScenarioGroup& group, FractureOptions options, cons
         throw Failure(exit_usage, "no mesh to profile: give MESH, --meshes A,B or a recipe that names one");
     const std::string name = (group.name.empty() ? "" : group.name + " ") + stem(options.mesh) + " "
                              + sites_name(options) + " " + classify;
-    return {name, std::move(options), classify == "gpu"};
+    return {name, std::move(options), classify_path(classify)};
 }
 
 } // namespace

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/brittle/classify_choice.h"
 #include "tools/brittle/input.h"
 
 namespace brittle::tools {
@@ -21,7 +22,7 @@ struct ScenarioGroup {
     std::string recipe; // outdoes the command line; empty: none
     std::vector<std::string> meshes;
     std::vector<uint32_t> counts;      // of sites
-    std::vector<std::string> classify; // "cpu", "gpu"
+    std::vector<std::string> classify; // "auto", "cpu", "gpu"
 };
 
 struct ProfilePlan {
@@ -34,7 +35,7 @@ struct ProfilePlan {
 struct Scenario {
     std::string name; // "bunny 100 cpu": how two profiles know the same scenario
     FractureOptions fracture;
-    bool classify_on_device = false;
+    ClassifyPath classify = ClassifyPath::cpu;
 };
 
 // Takes over what the file says; what it does not mention stays. Relative paths in it count from its folder. Throws a

@@ -28,6 +28,7 @@ void print_scenario(const Json& scenario) {
                 text_of(scenario, "name").c_str(), scenario["triangles"].get<size_t>(), scenario["sites"].get<size_t>(),
                 scenario["pieces"].get<unsigned>(), scenario["closed"].get<bool>() ? "all closed" : "NOT ALL CLOSED",
                 scenario["first"].get<double>());
+    std::printf("classification on the %s\n", text_of(scenario, "classify_why").c_str());
     print_rows("fracture", scenario["fracture"]);
     if (!scenario.contains("frames")) return;
     for (const auto& [name, rows] : scenario["frames"].items()) print_rows("frames, " + name, rows);

@@ -16,24 +16,36 @@ using Json = nlohmann::ordered_json;
 constexpr int process = 1;
 constexpr int most_depth = 8;
 
-constexpr std::array<std::pair<Track, const char*>, 4> tracks{{{Track::main, "main thread"},
-                                                               {Track::worker, "fracture thread"},
-                                                               {Track::device, "Vulkan device, drawing"},
-                                                               {Track::classifier, "Vulkan device, classifying"}}};
+std::string name_of(Track track) {
+    switch (track) {
+    case Track::main: return "main thread";
+    case Track::worker: return "fracture thread";
+    case Track::device: return "Vulkan device, drawing";
+    case Track::classifier: return "Vulkan device, classifying";
+    case Track::share: break;
+    }
+    return "worker " + std::to_string(static_cast<int>(track) - static_cast<int>(Track::share));
+}
 
 // Down to an eighth, which a double holds exactly: a reader's ts + dur meets the next ts.
 double microseconds(int64_t nanoseconds) {
     return static_cast<double>(nanoseconds / 125) / 8.0;
 }
 
-Json name_event(const char* what, const char* name, int thread) {
+Json name_event(const char* what, const std::string& name, int thread) {
     return {{"name", what}, {"ph", "M"}, {"pid", process}, {"tid", thread}, {"args", {{"name", name}}}};
 }
 
 } // namespace
 
 void Trace::add(Track track, int depth, const std::string& name, int64_t begin, int64_t end) {
-    slices_.push_back({track, std::clamp(depth, 0, most_depth - 1), name, begin, std::max(begin, end)});
+    slices_.push_back({track, std::clamp(depth, 0, most_depth - 1), name, begin, std::max(begin, end), {}});
+}
+
+void Trace::add(Track track, int depth, const std::string& name, int64_t begin, int64_t end, uint32_t from_item,
+                uint32_t to_item) {
+    add(track, depth, name, begin, end);
+    slices_.back().items = {from_item, to_item};
 }
 
 void Trace::add_steps(Track track, int depth, const std::vector<Step>& steps, int64_t begin) {
@@ -60,9 +72,9 @@ Json Trace::json(const Json& metadata) const {
 
     Json events = Json::array();
     events.push_back(name_event("process_name", "brittle profile", 0));
-    for (const auto& [track, name] : tracks)
-        if (std::any_of(slices.begin(), slices.end(), [&](const Slice& s) { return s.track == track; }))
-            events.push_back(name_event("thread_name", name, static_cast<int>(track)));
+    for (size_t i = 0; i < slices.size(); ++i)
+        if (i == 0 || slices[i - 1].track != slices[i].track)
+            events.push_back(name_event("thread_name", name_of(slices[i].track), static_cast<int>(slices[i].track)));
 
     // Of the track at hand: the last slice of each depth.
     std::array<Slice, most_depth> last;
@@ -70,7 +82,7 @@ Json Trace::json(const Json& metadata) const {
         Slice& slice = slices[i];
         const auto depth = static_cast<size_t>(slice.depth);
         if (i == 0 || slices[i - 1].track != slice.track)
-            last.fill({slice.track, 0, "", std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::min()});
+            last.fill({slice.track, 0, "", std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::min(), {}});
         const bool has_parent = depth > 0 && slice.begin <= last[depth - 1].end;
         if (has_parent) slice.end = std::min(slice.end, last[depth - 1].end);
         for (size_t d = depth; d < most_depth; ++d) slice.begin = std::max(slice.begin, last[d].end);
@@ -78,12 +90,14 @@ Json Trace::json(const Json& metadata) const {
         if (has_parent && slice.begin > last[depth - 1].end) continue; // nothing of it is left
         last[depth] = slice;
         events.push_back({{"name", slice.name},
-                          {"cat", slice.track >= Track::device ? "device" : "cpu"},
+                          {"cat", slice.track == Track::device || slice.track == Track::classifier ? "device" : "cpu"},
                           {"ph", "X"},
                           {"ts", microseconds(slice.begin - origin)},
                           {"dur", microseconds(slice.end - origin) - microseconds(slice.begin - origin)},
                           {"pid", process},
                           {"tid", static_cast<int>(slice.track)}});
+        if (slice.items)
+            events.back()["args"] = {{"from", slice.items->first}, {"to", slice.items->second}};
     }
     for (const Mark& mark : marks_)
         events.push_back({{"name", mark.name},

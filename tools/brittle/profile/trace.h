@@ -1,5 +1,5 @@
 // A time line for Perfetto (https://ui.perfetto.dev) or chrome://tracing: slices of the main thread, of the thread that
-// breaks the mesh, and of the devices that draw and classify, on one clock.
+// breaks the mesh, of the threads that share that work, and of the devices that draw and classify, on one clock.
 //
 //     Trace trace;
 //     trace.add(Track::main, 0, "frame", begin, end);        // nanoseconds of std::chrono::steady_clock
@@ -9,7 +9,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -21,13 +23,20 @@ namespace brittle::tools {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-enum class Track { main = 1, worker, device, classifier };
+// Those that share a fracture's work come after the last: share_track().
+enum class Track { main = 1, worker, device, classifier, share };
+[[nodiscard]] inline Track share_track(size_t thread) {
+    return static_cast<Track>(static_cast<int>(Track::share) + static_cast<int>(thread));
+}
 
 class Trace {
   public:
     // A slice of time. `depth` is 0 for what stands alone; a slice of depth d + 1 belongs to the one of depth d that it
     // begins in.
     void add(Track track, int depth, const std::string& name, int64_t begin, int64_t end);
+    // The same with the run of items that was worked on: shown as the slice's arguments "from" and "to".
+    void add(Track track, int depth, const std::string& name, int64_t begin, int64_t end, uint32_t from_item,
+             uint32_t to_item);
     // Slices one after the other from `begin`, each so many milliseconds long.
     struct Step {
         std::string name;
@@ -48,6 +57,7 @@ class Trace {
         int depth;
         std::string name;
         int64_t begin, end; // ns
+        std::optional<std::pair<uint32_t, uint32_t>> items{};
     };
     struct Mark {
         std::string name;
