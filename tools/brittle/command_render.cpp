@@ -30,7 +30,8 @@ void check_recording(const RenderCommand& command) {
 int run_render(const RenderCommand& command) {
     const PictureOptions& picture = command.fracture.picture;
     const WorldOptions& world = command.fracture.world;
-    const FilmOptions film_options{command.output, command.ids, command.every, command.video};
+    const FilmOptions film_options{
+        .output = command.output, .ids = command.ids, .every = command.every, .video = command.video};
     check_film(film_options);
     check_recording(command);
     catch_interrupts();

@@ -44,7 +44,7 @@ void draw(const ReplayCommand& command, const ReplayLog& log, Player& player, co
     stage.stand(fragments, log.recipe.world);
     if (player.difference()) return;
     schedule(log, stage.simulation());
-    Film film(*renderer, {command.pictures, command.every, command.video}, log.recipe.picture, command.view,
+    Film film(*renderer, {.output = command.pictures, .every = command.every, .video = command.video}, log.recipe.picture, command.view,
               stage.home_bounds());
     Progress progress("rendering");
     for (uint32_t frame = 0;; ++frame) {
@@ -62,7 +62,7 @@ void draw(const ReplayCommand& command, const ReplayLog& log, Player& player, co
 } // namespace
 
 int run_replay(const ReplayCommand& command) {
-    check_film({command.pictures, command.every, command.video});
+    check_film({.output = command.pictures, .every = command.every, .video = command.video});
     catch_interrupts();
     ReplayLog log = read_replay_log(command.log);
     log.recipe.threads = command.threads;

@@ -17,10 +17,10 @@ namespace brittle::tools {
 constexpr double film_frame_seconds = 1.0 / 60.0;
 
 struct FilmOptions {
-    std::string output;  // of pictures, with %04d for the frame's number or without; empty: none
-    std::string ids;     // of each picture's piece numbers (id_picture.h), named like output; empty: none
+    std::string output{};  // of pictures, with %04d for the frame's number or without; empty: none
+    std::string ids{};     // of each picture's piece numbers (id_picture.h), named like output; empty: none
     uint32_t every = 10; // so many-th frame becomes a picture
-    std::string video;   // a file of all frames; empty: none
+    std::string video{};   // a file of all frames; empty: none
 };
 
 // Throws a Failure with exit_usage for what is no name of a picture.
