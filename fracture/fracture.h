@@ -54,7 +54,7 @@ struct Settings {
     // What guesses where vertices and triangles lie, on a GPU for instance (classifier.h); null for none. The pieces are
     // the same. For the exact algorithm.
     Classifier* classifier = nullptr;
-    // Receives what each thread did and when (parallel.h); null for nothing. For the exact algorithm.
+    // Receives what each thread did and when (work_log.h); null for nothing. For the exact algorithm.
     WorkLog* work_log = nullptr;
     // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be empty.
     std::function<void(double)> progress{};

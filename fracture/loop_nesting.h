@@ -1,14 +1,14 @@
 // The loops of a region, split where they visit a point twice and nested: which loop is a hole of which. Internal to
-// triangulate.cpp, which cuts the ears.
+// triangulate.cpp, which cuts the ears. Keeps its memory for the next region.
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numeric>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -42,44 +42,47 @@ enum class Side { outside, boundary, inside };
 
 class Nesting {
   public:
-    Nesting(std::span<const glm::dvec2> points, std::span<const Loop> loops) : points_(points) {
+    void run(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
+        points_ = points;
+        count_ = 0;
+        if (position_.size() < points.size()) position_.resize(points.size(), none);
         for (const Loop& loop : loops) {
             assert(loop.size() >= 3);
             split(loop);
         }
-        for (LoopInfo& loop : loops_) measure(loop);
-        if (loops_.size() > 1) nest();
+        for (LoopInfo& loop : all()) measure(loop);
+        if (count_ > 1) nest();
     }
 
-    [[nodiscard]] const std::vector<LoopInfo>& loops() const { return loops_; }
+    [[nodiscard]] std::span<const LoopInfo> loops() const { return {loops_.data(), count_}; }
 
   private:
     // A loop that visits a point twice is two loops that touch there. Parts of fewer than three points (there
     // and back again) bound nothing and their edges cancel.
     void split(const Loop& loop) {
-        std::unordered_map<uint32_t, size_t> position; // on the open path
-        std::vector<uint32_t> path;
-        path.reserve(loop.size());
-        position.reserve(loop.size());
+        path_.clear(); // position_ is its inverse, and holds nothing else
         for (const uint32_t id : loop) {
-            const auto [at, is_new] = position.try_emplace(id, path.size());
-            if (!is_new) {
-                const auto begin = path.begin() + static_cast<std::ptrdiff_t>(at->second);
-                keep(std::vector<uint32_t>(begin, path.end()));
-                for (auto k = begin + 1; k != path.end(); ++k) position.erase(*k);
-                path.erase(begin + 1, path.end());
+            const uint32_t at = position_[id];
+            if (at == none) {
+                position_[id] = static_cast<uint32_t>(path_.size());
+                path_.push_back(id);
                 continue;
             }
-            path.push_back(id);
+            keep(std::span(path_).subspan(at));
+            for (size_t k = at + 1; k < path_.size(); ++k) position_[path_[k]] = none;
+            path_.resize(at + 1);
         }
-        keep(std::move(path));
+        keep(path_);
+        for (const uint32_t id : path_) position_[id] = none;
     }
 
-    void keep(std::vector<uint32_t>&& ids) {
+    void keep(std::span<const uint32_t> ids) {
         if (ids.size() < 3) return;
-        LoopInfo info;
-        info.ids = std::move(ids);
-        loops_.push_back(std::move(info));
+        if (loops_.size() == count_) loops_.emplace_back();
+        LoopInfo& info = loops_[count_++];
+        info.ids.assign(ids.begin(), ids.end());
+        info.area = 0.0;
+        info.hole_of = none;
     }
 
     void measure(LoopInfo& loop) const {
@@ -101,29 +104,29 @@ class Nesting {
     // layers (self-intersecting input) and inside-out input, where the outermost loops run clockwise, all
     // find their match.
     void nest() {
-        std::vector<uint32_t> order(loops_.size());
-        std::iota(order.begin(), order.end(), 0u);
-        std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-            return std::abs(loops_[a].area) > std::abs(loops_[b].area);
+        order_.resize(count_);
+        std::iota(order_.begin(), order_.end(), 0u);
+        std::sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
+            const double area_a = std::abs(loops_[a].area), area_b = std::abs(loops_[b].area);
+            return area_a > area_b || (area_a == area_b && a < b);
         });
-        std::vector<uint32_t> innermost_open(loops_.size(), none); // for what lies directly inside this loop
-        std::vector<uint32_t> open_around(loops_.size(),
-                                          none); // of an opening loop: the next open one outwards
-        for (size_t k = 0; k < order.size(); ++k) {
-            LoopInfo& loop = loops_[order[k]];
+        innermost_open_.assign(count_, none);
+        open_around_.assign(count_, none);
+        for (size_t k = 0; k < order_.size(); ++k) {
+            LoopInfo& loop = loops_[order_[k]];
             if (loop.area == 0.0) break; // the rest of the order bounds no area: rings of their own
             uint32_t top = none;
             for (size_t j = k; j-- > 0;) {
-                if (!contains(loops_[order[j]], loop)) continue;
-                top = innermost_open[order[j]];
+                if (!contains(loops_[order_[j]], loop)) continue;
+                top = innermost_open_[order_[j]];
                 break;
             }
             if (top != none && (loops_[top].area > 0.0) != (loop.area > 0.0)) {
                 loop.hole_of = top;
-                innermost_open[order[k]] = open_around[top];
+                innermost_open_[order_[k]] = open_around_[top];
             } else {
-                open_around[order[k]] = top;
-                innermost_open[order[k]] = order[k];
+                open_around_[order_[k]] = top;
+                innermost_open_[order_[k]] = order_[k];
             }
         }
     }
@@ -159,8 +162,16 @@ class Nesting {
         return true;
     }
 
+    [[nodiscard]] std::span<LoopInfo> all() { return {loops_.data(), count_}; }
+
     std::span<const glm::dvec2> points_;
-    std::vector<LoopInfo> loops_;
+    std::vector<LoopInfo> loops_; // the first count_ are the region's
+    size_t count_ = 0;
+    std::vector<uint32_t> path_;
+    std::vector<uint32_t> position_;       // of each point on the path, or none
+    std::vector<uint32_t> order_;          // from the largest area to the least
+    std::vector<uint32_t> innermost_open_; // for what lies directly inside this loop
+    std::vector<uint32_t> open_around_;    // of an opening loop: the next open one outwards
 };
 
 } // namespace brittle::fracture::triangulation

@@ -71,10 +71,12 @@ glm::dvec3 mean_of_corners(std::span<const glm::dvec3> positions, std::span<cons
 // two long ones would be many times the area. Of the positions as they are: even moving them to another origin costs a
 // needle digits.
 glm::dvec3 area_vector(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-    const glm::dvec3 ab = b - a, bc = c - b, ca = a - c;
-    const double ab2 = dot(ab, ab), bc2 = dot(bc, bc), ca2 = dot(ca, ca);
-    if (bc2 >= ab2 && bc2 >= ca2) return cross(ca, ab);
-    return ca2 >= ab2 ? cross(ab, bc) : cross(bc, ca);
+    const std::array<glm::dvec3, 5> edges{b - a, c - b, a - c, b - a, c - b};
+    const double ab2 = dot(edges[0], edges[0]), bc2 = dot(edges[1], edges[1]), ca2 = dot(edges[2], edges[2]);
+    // By index: which edge is the longest is as good as random, and a branch predicted wrongly costs more than the rest.
+    const bool bc_is_longest = static_cast<bool>((bc2 >= ab2) & (bc2 >= ca2));
+    const size_t longest = bc_is_longest ? 1 : 2 * static_cast<size_t>(ca2 >= ab2);
+    return cross(edges[longest + 1], edges[longest + 2]);
 }
 
 // Sums term(a, b, c, normal) over all triangles with corners relative to origin.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <tuple>
 #include <utility>
 
@@ -13,6 +14,7 @@
 
 #include "fracture/loop_nesting.h"
 #include "fracture/plane_predicates.h"
+#include "fracture/ring_nodes.h"
 
 namespace brittle::fracture {
 namespace {
@@ -32,141 +34,27 @@ constexpr uint32_t max_bridge_tries = 1024;
 // Lawson's flips end by themselves; the bound keeps adversarial input from taking quadratic time.
 constexpr size_t max_flips_per_triangle = 32;
 
-// A set of undirected edges between point indices: open addressing, grows, never forgets.
-class EdgeSet {
-  public:
-    void insert(uint32_t a, uint32_t b) {
-        if (2 * (size_ + 1) > slots_.size()) grow();
-        uint64_t& slot = slots_[find(key(a, b))];
-        size_ += slot == empty;
-        slot = key(a, b);
-    }
-    [[nodiscard]] bool contains(uint32_t a, uint32_t b) const {
-        return !slots_.empty() && slots_[find(key(a, b))] != empty;
-    }
-
-  private:
-    static constexpr uint64_t empty = std::numeric_limits<uint64_t>::max();
-
-    static uint64_t key(uint32_t a, uint32_t b) {
-        return static_cast<uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-    }
-    [[nodiscard]] size_t find(uint64_t wanted) const {
-        const size_t mask = slots_.size() - 1;
-        size_t at = static_cast<size_t>((wanted * 0x9e3779b97f4a7c15ull) >> 32) & mask;
-        while (slots_[at] != empty && slots_[at] != wanted) at = (at + 1) & mask;
-        return at;
-    }
-    void grow() {
-        std::vector<uint64_t> old(std::max<size_t>(64, slots_.size() * 2), empty);
-        old.swap(slots_);
-        for (const uint64_t k : old) {
-            if (k != empty) slots_[find(k)] = k;
-        }
-    }
-
-    std::vector<uint64_t> slots_;
-    size_t size_ = 0;
-};
-
-// ---------------------------------------------------------------------------------------------------------------
-// One ring of nodes: an outer loop with its holes bridged in
-
-// A corner of the ring. Points may have several nodes (both ends of a bridge, touching loops).
-struct Node {
-    glm::dvec2 p{0.0};
-    uint32_t id = 0;
-    uint32_t prev = none;
-    uint32_t next = none;
-    uint32_t outer =
-        none; // what lies across the edge to next: nothing, a half-edge of a triangle, or a bridge
-    uint32_t waiting = none; // first Wait of those whose ear this node blocks
-    bool reflex = false;     // interior angle not strictly below 180 degrees
-    bool queued = false;
-    bool cut = false;
-};
-
-struct Wait {
-    uint32_t node;
-    uint32_t next;
-};
-
-// Reflex nodes in a uniform grid, for "which of them lie in this triangle's box". Nodes that stop being
-// reflex are skipped, and dropped when the grid is built anew after half of them have gone.
-class ReflexGrid {
-  public:
-    void build(const std::vector<Node>& nodes) {
-        members_.clear();
-        late_.clear();
-        glm::dvec2 low(0.0), high(0.0);
-        for (uint32_t i = 0; i < nodes.size(); ++i) {
-            if (nodes[i].cut || !nodes[i].reflex) continue;
-            low = members_.empty() ? nodes[i].p : glm::min(low, nodes[i].p);
-            high = members_.empty() ? nodes[i].p : glm::max(high, nodes[i].p);
-            members_.push_back(i);
-        }
-        live_ = built_ = members_.size();
-        // Few nodes are scanned faster than looked up.
-        side_ = live_ < 48
-                    ? 1
-                    : std::min(1024u, static_cast<uint32_t>(2.0 * std::sqrt(static_cast<double>(live_))));
-        origin_ = low;
-        const glm::dvec2 size = high - low;
-        per_unit_ = {size.x > 0.0 ? side_ / size.x : 0.0, size.y > 0.0 ? side_ / size.y : 0.0};
-        begin_.assign(size_t{side_} * side_ + 1, 0);
-        for (const uint32_t i : members_) ++begin_[cell(nodes[i].p) + 1];
-        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-        sorted_.resize(members_.size());
-        std::vector<uint32_t> cursor(begin_.begin(), begin_.end() - 1);
-        for (const uint32_t i : members_) sorted_[cursor[cell(nodes[i].p)]++] = i;
-    }
-
-    void remove() { --live_; }
-    // Only forced cuts make a node reflex that was not.
-    void add(uint32_t node) {
-        late_.push_back(node);
-        ++live_;
-    }
-    [[nodiscard]] bool is_stale() const { return (built_ >= 48 && live_ * 2 < built_) || late_.size() > 64; }
-
-    // The first reflex node in the box for which accept() is true, or none.
-    template<class Accept>
-    uint32_t find(const glm::dvec2& low, const glm::dvec2& high, Accept&& accept) const {
-        for (const uint32_t i : late_) {
-            if (accept(i)) return i;
-        }
-        const uint32_t x0 = column(low.x), x1 = column(high.x);
-        const uint32_t y0 = row(low.y), y1 = row(high.y);
-        for (uint32_t y = y0; y <= y1; ++y) {
-            const size_t base = size_t{y} * side_;
-            for (uint32_t k = begin_[base + x0]; k < begin_[base + x1 + 1]; ++k) {
-                if (accept(sorted_[k])) return sorted_[k];
-            }
-        }
-        return none;
-    }
-
-  private:
-    // Written so that NaN lands in the first cell.
-    [[nodiscard]] uint32_t clamp_cell(double at) const {
-        if (!(at > 0.0)) return 0;
-        return at >= side_ ? side_ - 1 : static_cast<uint32_t>(at);
-    }
-    [[nodiscard]] uint32_t column(double x) const { return clamp_cell((x - origin_.x) * per_unit_.x); }
-    [[nodiscard]] uint32_t row(double y) const { return clamp_cell((y - origin_.y) * per_unit_.y); }
-    [[nodiscard]] size_t cell(const glm::dvec2& p) const { return size_t{row(p.y)} * side_ + column(p.x); }
-
-    std::vector<uint32_t> members_, begin_, sorted_, late_;
-    glm::dvec2 origin_{0.0}, per_unit_{0.0};
-    uint32_t side_ = 1;
-    size_t live_ = 0, built_ = 0;
-};
-
+// One ring of nodes, an outer loop with its holes bridged in; and its memory for the next.
 class Ring {
   public:
     // edges: of all loops and of what has been cut so far; null where no diagonal
     // can repeat an edge.
-    Ring(std::span<const glm::dvec2> points, EdgeSet* edges) : points_(points), edges_(edges) {}
+    void start(std::span<const glm::dvec2> points, EdgeSet* edges) {
+        points_ = points;
+        edges_ = edges;
+        nodes_.clear();
+        start_ = none;
+        count_ = 0;
+        reversed_ = false;
+        queue_.clear();
+        head_ = 0;
+        waits_.clear();
+        forced_ = 0;
+        vertex_tests_ = 0;
+        triangles_.clear();
+        twin_.clear();
+        bridge_half_edge_.clear();
+    }
 
     // Phase 1: the outer loop. Clockwise ones are turned round, and their triangles back when they are
     // emitted.
@@ -178,21 +66,24 @@ class Ring {
 
     // Phase 2: holes, by their lexicographically largest vertex, largest first: each can then see a vertex of
     // what is already merged, and no hole still to come is in the way (Eberly).
-    void bridge_holes(const std::vector<const LoopInfo*>& holes) {
-        std::vector<uint32_t> tips;
-        for (const LoopInfo* hole : holes) {
-            const uint32_t first = add_loop(*hole);
+    void bridge_holes(std::span<const LoopInfo> loops, uint32_t outer) {
+        tips_.clear();
+        for (const LoopInfo& hole : loops) {
+            if (hole.hole_of != outer) continue;
+            const uint32_t first = add_loop(hole);
             uint32_t tip = first;
             for (uint32_t i = first; i < nodes_.size(); ++i) {
                 if (lexicographically_less(nodes_[tip].p, nodes_[i].p)) tip = i;
             }
-            tips.push_back(tip);
-            count_ += static_cast<uint32_t>(hole->ids.size());
+            tips_.push_back(tip);
+            count_ += static_cast<uint32_t>(hole.ids.size());
         }
-        std::stable_sort(tips.begin(), tips.end(), [&](uint32_t a, uint32_t b) {
-            return lexicographically_less(nodes_[b].p, nodes_[a].p);
-        });
-        for (const uint32_t tip : tips) bridge(tip, find_bridge(tip));
+        if (tips_.size() > 1) {
+            std::stable_sort(tips_.begin(), tips_.end(), [&](uint32_t a, uint32_t b) {
+                return lexicographically_less(nodes_[b].p, nodes_[a].p);
+            });
+        }
+        for (const uint32_t tip : tips_) bridge(tip, find_bridge(tip));
     }
 
     // Phase 3: ears until a triangle is left.
@@ -226,24 +117,24 @@ class Ring {
     // either an old one was not (a forced ear), or the circle test certainly asks for it. Each flip lowers
     // the number of non-positive triangles or the lifted surface, so the sequence ends.
     void flip_edges() {
-        EdgeSet own;
         EdgeSet* edges = edges_;
         if (!edges && forced_ > 0) { // overlapping triangles may propose an edge that exists elsewhere
+            own_edges_.clear();
             for (const Triangle& t : triangles_) {
-                for (int k = 0; k < 3; ++k) own.insert(nodes_[t[k]].id, nodes_[t[(k + 1) % 3]].id);
+                for (int k = 0; k < 3; ++k) own_edges_.insert(nodes_[t[k]].id, nodes_[t[(k + 1) % 3]].id);
             }
-            edges = &own;
+            edges = &own_edges_;
         }
-        std::vector<uint32_t> stack;
+        stack_.clear();
         for (uint32_t h = 0; h < twin_.size(); ++h) {
-            if (twin_[h] != none && h < twin_[h]) stack.push_back(h);
+            if (twin_[h] != none && h < twin_[h]) stack_.push_back(h);
         }
         size_t flips_left = max_flips_per_triangle * triangles_.size();
-        while (!stack.empty() && flips_left > 0) {
-            const uint32_t h = stack.back();
-            stack.pop_back();
+        while (!stack_.empty() && flips_left > 0) {
+            const uint32_t h = stack_.back();
+            stack_.pop_back();
             if (twin_[h] == none || !should_flip(h, edges)) continue;
-            flip(h, edges, stack);
+            flip(h, edges);
             --flips_left;
         }
     }
@@ -311,9 +202,10 @@ class Ring {
     }
 
     // The nearest node of the ring that sees the hole's tip.
-    uint32_t find_bridge(uint32_t tip) const {
+    uint32_t find_bridge(uint32_t tip) {
         const Node& m = nodes_[tip];
-        std::vector<std::pair<double, uint32_t>> candidates;
+        std::vector<std::pair<double, uint32_t>>& candidates = candidates_;
+        candidates.clear();
         uint32_t i = start_;
         do {
             const glm::dvec2 d = nodes_[i].p - m.p;
@@ -590,7 +482,7 @@ class Ring {
     }
 
     // (a, b, c), (b, a, d) become (a, d, c), (d, b, c).
-    void flip(uint32_t h, EdgeSet* edges, std::vector<uint32_t>& stack) {
+    void flip(uint32_t h, EdgeSet* edges) {
         const Quad q = quad_at(h);
         const uint32_t g = twin_[h];
         const auto next = [](uint32_t e) { return e - e % 3 + (e + 1) % 3; };
@@ -606,7 +498,7 @@ class Ring {
             twin_[e] = across;
             if (across == none) return;
             twin_[across] = e;
-            stack.push_back(e);
+            stack_.push_back(e);
         };
         join(3 * s, across_ad);
         join(3 * s + 2, across_ca);
@@ -619,8 +511,11 @@ class Ring {
     }
 
     std::span<const glm::dvec2> points_;
-    EdgeSet* edges_;
+    EdgeSet* edges_ = nullptr;
+    EdgeSet own_edges_; // where edges_ is null and ears were forced
     std::vector<Node> nodes_;
+    std::vector<uint32_t> tips_; // of the holes
+    std::vector<std::pair<double, uint32_t>> candidates_; // for a bridge: distance and node
     uint32_t start_ = none; // a node of the ring
     uint32_t count_ = 0;    // nodes in the ring, with those of holes not bridged yet
     bool reversed_ = false;
@@ -635,51 +530,70 @@ class Ring {
     std::vector<Triangle> triangles_; // of node indices
     std::vector<uint32_t> twin_;      // per half-edge 3 t + k (corner k to k + 1): the one across, or none
     std::vector<uint32_t> bridge_half_edge_; // per bridge the side that came first
+    std::vector<uint32_t> stack_;            // half-edges to look at for flips
 };
 
-bool has_repeated_ids(const std::vector<LoopInfo>& loops) {
-    if (loops.size() < 2) return false; // within a loop ids are distinct once it is split
-    std::vector<uint32_t> ids;
-    for (const LoopInfo& loop : loops) ids.insert(ids.end(), loop.ids.begin(), loop.ids.end());
-    std::sort(ids.begin(), ids.end());
-    return std::adjacent_find(ids.begin(), ids.end()) != ids.end();
-}
-
-bool has_hole(const std::vector<LoopInfo>& loops) {
+bool has_hole(std::span<const LoopInfo> loops) {
     return std::any_of(loops.begin(), loops.end(), [](const LoopInfo& loop) { return loop.hole_of != none; });
 }
 
 } // namespace
 
-Triangulation triangulate(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
-    const Nesting nesting(points, loops);
-    const std::vector<LoopInfo>& parts = nesting.loops();
+struct Triangulator::State {
+    [[nodiscard]] bool has_repeated_ids(std::span<const LoopInfo> loops) {
+        if (loops.size() < 2) return false; // within a loop ids are distinct once it is split
+        ids.clear();
+        for (const LoopInfo& loop : loops) ids.insert(ids.end(), loop.ids.begin(), loop.ids.end());
+        std::sort(ids.begin(), ids.end());
+        return std::adjacent_find(ids.begin(), ids.end()) != ids.end();
+    }
+
+    Nesting nesting;
     EdgeSet edges;
+    Ring ring;
+    std::vector<uint32_t> ids;
+    Triangulation result;
+};
+
+Triangulator::Triangulator() = default;
+Triangulator::~Triangulator() = default;
+Triangulator::Triangulator(Triangulator&&) noexcept = default;
+Triangulator& Triangulator::operator=(Triangulator&&) noexcept = default;
+
+const Triangulation& Triangulator::run(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
+    if (!state_) state_ = std::make_unique<State>();
+    State& s = *state_;
+    s.result.triangles.clear();
+    s.result.forced_ears = 0;
+    s.result.vertex_tests = 0;
+    s.nesting.run(points, loops);
+    const std::span<const LoopInfo> parts = s.nesting.loops();
     // The ends of a bridge are two nodes each; only then, or where loops share ids, can a diagonal repeat an
     // edge.
-    const bool repeated = has_repeated_ids(parts) || has_hole(parts);
+    const bool holes = has_hole(parts), repeated = holes || s.has_repeated_ids(parts);
     if (repeated) {
+        s.edges.clear();
         for (const LoopInfo& loop : parts) {
             for (size_t k = 0; k < loop.ids.size(); ++k) {
-                edges.insert(loop.ids[k], loop.ids[(k + 1) % loop.ids.size()]);
+                s.edges.insert(loop.ids[k], loop.ids[(k + 1) % loop.ids.size()]);
             }
         }
     }
-    std::vector<std::vector<const LoopInfo*>> holes(parts.size());
-    for (const LoopInfo& loop : parts) {
-        if (loop.hole_of != none) holes[loop.hole_of].push_back(&loop);
-    }
-    Triangulation result;
-    for (size_t i = 0; i < parts.size(); ++i) {
+    for (uint32_t i = 0; i < parts.size(); ++i) {
         if (parts[i].hole_of != none) continue;
-        Ring ring(points, repeated ? &edges : nullptr);
-        ring.set_outer(parts[i]);
-        ring.bridge_holes(holes[i]);
-        ring.clip();
-        ring.flip_edges();
-        ring.emit(result);
+        s.ring.start(points, repeated ? &s.edges : nullptr);
+        s.ring.set_outer(parts[i]);
+        if (holes) s.ring.bridge_holes(parts, i);
+        s.ring.clip();
+        s.ring.flip_edges();
+        s.ring.emit(s.result);
     }
-    return result;
+    return s.result;
+}
+
+Triangulation triangulate(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
+    Triangulator triangulator;
+    return triangulator.run(points, loops);
 }
 
 glm::dvec2 project(const glm::dvec3& point, const glm::dvec3& normal) {

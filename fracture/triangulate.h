@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,22 @@ struct Triangulation {
 //
 // Near-linear time on simple loops (10,000 points: 3 ms), quadratic at worst on tangled ones.
 [[nodiscard]] Triangulation triangulate(std::span<const glm::dvec2> points, std::span<const Loop> loops);
+
+// The same with memory that is kept: for many regions, hardly anything is allocated after the first. One for each thread.
+class Triangulator {
+  public:
+    Triangulator();
+    ~Triangulator();
+    Triangulator(Triangulator&&) noexcept;
+    Triangulator& operator=(Triangulator&&) noexcept;
+
+    // Valid until the next call.
+    const Triangulation& run(std::span<const glm::dvec2> points, std::span<const Loop> loops);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 // Projects points on a plane onto two dimensions by dropping the dominant axis of the normal;
 // counter-clockwise seen against the normal stays counter-clockwise.

@@ -40,43 +40,39 @@ void merge_equal(std::vector<Bond>& bonds) {
     bonds.resize(kept);
 }
 
-// The piece of a site that has a point.
-class PieceLookup {
-  public:
-    PieceLookup(const Fragments& fragments, size_t sites) : first_(sites + 1, 0) {
-        for (const Piece& piece : fragments.pieces) ++first_[piece.site + 1];
-        for (size_t site = 0; site < sites; ++site) first_[site + 1] += first_[site];
-        for (uint32_t p = 0; p < fragments.pieces.size(); ++p) {
-            const Piece& piece = fragments.pieces[p];
-            if (count(piece.site) < 2) continue;
-            for (uint32_t v = piece.vertices.begin; v < piece.vertices.end; ++v)
-                islands_.push_back({piece.site, fragments.vertex_point[v], p});
-        }
-        std::sort(islands_.begin(), islands_.end());
-    }
-
-    // kNone where there is none.
-    [[nodiscard]] uint32_t find(uint32_t site, uint32_t point) const {
-        if (count(site) == 0) return kNone;
-        if (count(site) == 1) return first_[site];
-        const auto at = std::lower_bound(islands_.begin(), islands_.end(), Entry{site, point, 0});
-        if (at == islands_.end() || (*at)[0] != site || (*at)[1] != point) return kNone;
-        return (*at)[2];
-    }
-
-  private:
-    using Entry = std::array<uint32_t, 3>; // site, point, piece
-    [[nodiscard]] uint32_t count(uint32_t site) const { return first_[site + 1] - first_[site]; }
-
-    std::vector<uint32_t> first_; // piece of each site
-    std::vector<Entry> islands_;  // of sites with several pieces
-};
-
 } // namespace
 
-void find_bonds(std::span<const glm::dvec3> sites, Fragments& out) {
+// Only corners of cuts are asked for: points that a cut made, and mesh vertices where slivers.h moved one to them.
+void BondFinder::index_pieces(size_t sites, const Fragments& fragments) {
+    constexpr uint32_t first_cut_point = 1u << 30; // as in Fragments::vertex_point
+    first_piece_.assign(sites + 1, 0);
+    for (const Piece& piece : fragments.pieces) ++first_piece_[piece.site + 1];
+    for (size_t site = 0; site < sites; ++site) first_piece_[site + 1] += first_piece_[site];
+    islands_.clear();
+    for (uint32_t p = 0; p < fragments.pieces.size(); ++p) {
+        const Piece& piece = fragments.pieces[p];
+        if (pieces_of(piece.site) < 2) continue;
+        const auto points = std::span(fragments.vertex_point).subspan(piece.vertices.begin, piece.vertices.size());
+        for (const uint32_t point : points)
+            if (point >= first_cut_point) islands_.push_back({piece.site, point, p});
+        for (const Triangle& t : fragments.triangles_of(piece).subspan(piece.exterior_triangles))
+            for (const uint32_t v : {t.x, t.y, t.z})
+                if (points[v] < first_cut_point) islands_.push_back({piece.site, points[v], p});
+    }
+    std::sort(islands_.begin(), islands_.end());
+}
+
+uint32_t BondFinder::find_piece(uint32_t site, uint32_t point) const {
+    if (pieces_of(site) == 0) return kNone;
+    if (pieces_of(site) == 1) return first_piece_[site];
+    const auto at = std::lower_bound(islands_.begin(), islands_.end(), Entry{site, point, 0});
+    if (at == islands_.end() || (*at)[0] != site || (*at)[1] != point) return kNone;
+    return (*at)[2];
+}
+
+void BondFinder::run(std::span<const glm::dvec3> sites, Fragments& out) {
     out.bonds.clear();
-    const PieceLookup lookup(out, sites.size());
+    index_pieces(sites.size(), out);
     for (uint32_t a = 0; a < out.pieces.size(); ++a) {
         const Piece& piece = out.pieces[a];
         const auto positions = out.positions_of(piece);
@@ -89,7 +85,7 @@ void find_bonds(std::span<const glm::dvec3> sites, Fragments& out) {
                 normal = glm::normalize(sites[other] - sites[piece.site]);
             }
             const Triangle& corners = out.triangles[t];
-            const uint32_t b = lookup.find(other, out.vertex_point[piece.vertices.begin + corners.x]);
+            const uint32_t b = find_piece(other, out.vertex_point[piece.vertices.begin + corners.x]);
             if (b == kNone) continue;
             const glm::dvec3 &p = positions[corners.x], &q = positions[corners.y], &r = positions[corners.z];
             const double area = 0.5 * glm::dot(glm::cross(q - p, r - p), normal);

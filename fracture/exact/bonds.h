@@ -1,7 +1,10 @@
 // Who touches whom after a fracture: a bond for each pair of pieces that share a cap.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -9,9 +12,22 @@
 
 namespace brittle::fracture::exact {
 
-// Fills out.bonds, ordered by (a, b), from pieces, triangle_source and vertex_point; only directions between
-// sites matter. Several caps between two pieces (a facet cut into separate regions) make one bond; caps
-// without area make none.
-void find_bonds(std::span<const glm::dvec3> sites, Fragments& out);
+class BondFinder {
+  public:
+    // Fills out.bonds, ordered by (a, b), from pieces, triangle_source and vertex_point; only directions between
+    // sites matter. Several caps between two pieces (a facet cut into separate regions) make one bond; caps
+    // without area make none.
+    void run(std::span<const glm::dvec3> sites, Fragments& out);
+
+  private:
+    using Entry = std::array<uint32_t, 3>; // site, point, piece
+    void index_pieces(size_t sites, const Fragments& fragments);
+    // The piece of a site that has a corner of a cut; kNone where there is none.
+    [[nodiscard]] uint32_t find_piece(uint32_t site, uint32_t point) const;
+    [[nodiscard]] uint32_t pieces_of(uint32_t site) const { return first_piece_[site + 1] - first_piece_[site]; }
+
+    std::vector<uint32_t> first_piece_; // of each site
+    std::vector<Entry> islands_;        // of sites with several pieces
+};
 
 } // namespace brittle::fracture::exact

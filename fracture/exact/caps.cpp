@@ -101,6 +101,7 @@ class Capper::Worker {
     std::vector<Loop> loops_; // the first loop_count_ are the cap's
     std::vector<glm::dvec2> flat_;
     EarClipper ears_;
+    Triangulator triangulator_;
 };
 
 Capper::Capper() = default;
@@ -259,7 +260,7 @@ void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiag
     }
     if (simple) return;
     out.triangles.resize(cap.triangles_begin);
-    const Triangulation done = triangulate(flat_, std::span(loops_).first(loop_count_));
+    const Triangulation& done = triangulator_.run(flat_, std::span(loops_).first(loop_count_));
     forced_ears += done.forced_ears;
     out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());
 }

@@ -34,6 +34,7 @@ struct Workspace::State {
     Assembler assembler;
     SliverCollapser slivers;
     IslandSplitter islands;
+    BondFinder bonds;
     Statistics statistics;
 };
 
@@ -145,7 +146,7 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
 
     s.threads.name_step("islands");
     s.islands.run(input, s.assembler.cells(), s.threads, out);
-    find_bonds(s.scene.sites, out);
+    s.bonds.run(s.scene.sites, out);
     if (!clock.done("islands", 1.0)) return cancelled();
     return {};
 }

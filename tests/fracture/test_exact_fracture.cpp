@@ -7,10 +7,10 @@
 #include <doctest/doctest.h>
 
 #include "fracture/certificate.h"
-#include "fracture/parallel.h"
 #include "fracture/random.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
+#include "fracture/work_log.h"
 
 using namespace brittle::fracture;
 using namespace brittle::fracture::test;

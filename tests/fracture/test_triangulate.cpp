@@ -305,6 +305,27 @@ TEST_CASE("random stars with random holes and islands are triangulated without f
     }
 }
 
+TEST_CASE("a triangulator used before gives the same triangles as a fresh one") {
+    Triangulator used;
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    std::vector<Polygons> all = corpus();
+    for (const Polygons& p : corpus()) all.push_back(welded(p));
+    all.push_back({"nothing", {}, {}, 0.0, false});
+    all.push_back({"not finite", {{0, 0}, {nan, 0}, {1, nan}, {2, 2}}, {{0, 1, 2, 3}}, 0.0, false});
+    // Twice, the second time backwards: large regions after small ones, and the other way round.
+    for (int pass = 0; pass < 2; ++pass) {
+        for (const Polygons& p : all) {
+            CAPTURE(p.name);
+            const Triangulation fresh = triangulate(p.points, p.loops);
+            const Triangulation& again = used.run(p.points, p.loops);
+            CHECK(again.triangles == fresh.triangles);
+            CHECK(again.forced_ears == fresh.forced_ears);
+            CHECK(again.vertex_tests == fresh.vertex_tests);
+        }
+        std::reverse(all.begin(), all.end());
+    }
+}
+
 TEST_CASE("random tangles on a coarse lattice never fail to close") {
     Random random(3);
     for (int round = 0; round < 3000; ++round) {

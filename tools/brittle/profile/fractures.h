@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/compute/gpu_classifier.h"
-#include "fracture/parallel.h"
+#include "fracture/work_log.h"
 #include "tools/brittle/input.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
