@@ -24,10 +24,11 @@ vec3 place(Pose pose, vec3 position, vec3 origin) {
     return turn(pose.rotation, position * pose.position_and_scale.w) + (pose.position_and_scale.xyz - origin);
 }
 
-// Of a draw range, in linear light.
-vec3 albedo_of(DrawData draw) {
+// Of a draw range, in linear light; alpha: how much of it is left as it fades.
+vec4 albedo_of(DrawData draw) {
     vec4 material = frame.materials[draw.material];
-    return material.rgb * mix(vec3(1.0), unpackUnorm4x8(draw.tint).rgb, material.w);
+    vec4 tint = unpackUnorm4x8(draw.tint);
+    return vec4(material.rgb * mix(vec3(1.0), tint.rgb, material.w), tint.a);
 }
 
 // Lines on a surface must win against it: they come nearer by a fraction of their depth.

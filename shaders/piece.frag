@@ -3,6 +3,7 @@
 #include "piece.glsl"
 
 void main() {
+    leave_out(albedo.a);
     vec3 normal = flat_normal();
     light_piece(normal, normal);
 }

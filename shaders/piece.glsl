@@ -2,10 +2,11 @@
 #ifndef BRITTLE_PIECE_GLSL
 #define BRITTLE_PIECE_GLSL
 
+#include "fade.glsl"
 #include "light.glsl"
 
 layout(location = 0) in vec3 from_eye;
-layout(location = 1) flat in vec3 albedo;
+layout(location = 1) flat in vec4 albedo;
 layout(location = 0) out vec4 colour;
 
 // The triangle's normal from screen derivatives, so that vertices are shared. The order of the product is Vulkan's, with
@@ -23,7 +24,7 @@ vec3 flat_normal() {
 void light_piece(vec3 facet, vec3 normal) {
     float height = from_eye.y + frame.eye.y - frame.ground.w;
     colour = display(
-        shade(albedo, normal, sun_visibility(from_eye, facet), height, sky_visibility(from_eye)));
+        shade(albedo.rgb, normal, sun_visibility(from_eye, facet), height, sky_visibility(from_eye)));
 }
 
 #endif

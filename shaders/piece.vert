@@ -5,7 +5,7 @@
 
 layout(location = 0) in vec3 position;
 layout(location = 0) out vec3 from_eye;
-layout(location = 1) flat out vec3 albedo;
+layout(location = 1) flat out vec4 albedo;
 
 void main() {
     DrawData draw = draws[gl_InstanceIndex];

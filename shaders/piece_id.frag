@@ -1,8 +1,12 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#include "fade.glsl"
 
 layout(location = 0) flat in uint id;
+layout(location = 1) flat in float left;
 layout(location = 0) out uint colour;
 
 void main() {
+    leave_out(left);
     colour = id;
 }

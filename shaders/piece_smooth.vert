@@ -6,7 +6,7 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 0) out vec3 from_eye;
-layout(location = 1) flat out vec3 albedo;
+layout(location = 1) flat out vec4 albedo;
 layout(location = 2) out vec3 smooth_normal;
 
 void main() {

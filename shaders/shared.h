@@ -32,6 +32,7 @@ const uint binding_image = 0; // in the occlusion pass, depth; when shading, wha
 // Specialization constants.
 const uint constant_soft_shadows = 0;     // bool: 16 taps instead of 1
 const uint constant_ambient_occlusion = 1; // bool: binding_image says how much of the sky is seen
+const uint constant_fading = 2; // bool: pixels are left out by how far the piece has faded; see fade.glsl
 
 const uint cull_group_size = 64;
 const uint view_camera = 0;
@@ -72,8 +73,8 @@ struct Pose {
 struct DrawData {
     uint body; // index of its Pose
     uint material;
-    uint tint; // linear, as packUnorm4x8
-    uint piece;
+    uint tint; // linear, as packUnorm4x8; alpha: how much of the piece is left as it fades, 1 for all
+    uint piece; // its handle
     vec4 sphere; // around the piece, in the frame of its body: centre, radius
 };
 

@@ -117,7 +117,7 @@ void FrameLayout::update(VkDescriptorSet set, const Bindings& bindings) const {
     const VkDescriptorBufferInfo frame{bindings.frame, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo poses{bindings.poses, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo draws{bindings.draws, 0, VK_WHOLE_SIZE};
-    const VkDescriptorBufferInfo commands{bindings.commands, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo commands{bindings.commands, 0, bindings.commands_size};
     const VkDescriptorBufferInfo for_camera{bindings.culled_for_camera, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo for_light{bindings.culled_for_light, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo drawn{bindings.drawn, 0, VK_WHOLE_SIZE};
@@ -271,18 +271,24 @@ void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands) {
     pass.read(commands, Access::indirect_read);
 }
 
-void draw_pieces(Frame& frame, const PassContext& context, Buffer commands) {
+void draw_pieces(Frame& frame, const PassContext& context, Buffer commands, const PiecePipelines& pipelines) {
     const VkBuffer vertices = context.buffer(frame.vertices);
     const VkDeviceSize start = 0;
     vkCmdBindVertexBuffers(context.commands, 0, 1, &vertices, &start);
     vkCmdBindIndexBuffer(context.commands, context.buffer(frame.indices), 0, VK_INDEX_TYPE_UINT32);
     constexpr uint32_t stride = sizeof(VkDrawIndexedIndirectCommand);
-    for (uint32_t first = 0; first < frame.pieces.draws(); first += frame.most_draws) {
-        const uint32_t count = std::min(frame.most_draws, frame.pieces.draws() - first);
-        vkCmdDrawIndexedIndirect(context.commands, context.buffer(commands), uint64_t{first} * stride, count,
-                                 stride);
-        ++frame.stats.indirect_calls;
-    }
+    const auto draw = [&](const Pipeline& pipeline, uint32_t begin, uint32_t end) {
+        if (begin == end) return;
+        vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle());
+        for (uint32_t first = begin; first < end; first += frame.most_draws) {
+            const uint32_t count = std::min(frame.most_draws, end - first);
+            vkCmdDrawIndexedIndirect(context.commands, context.buffer(commands), uint64_t{first} * stride, count,
+                                     stride);
+            ++frame.stats.indirect_calls;
+        }
+    };
+    draw(pipelines.solid, 0, frame.pieces.solid_draws());
+    if (pipelines.fading) draw(*pipelines.fading, frame.pieces.solid_draws(), frame.pieces.draws());
 }
 
 } // namespace brittle::engine

@@ -35,6 +35,7 @@ class FrameLayout {
     struct Bindings {
         VkBuffer frame, poses, draws;
         VkBuffer commands, culled_for_camera, culled_for_light, drawn; // for the cull pass
+        VkDeviceSize commands_size; // bytes: the cull pass takes the number of commands from it
         VkImageView shadow;
     };
     // Point a set, which no submitted frame may be using, at these.
@@ -77,6 +78,9 @@ struct Frame {
     Image colour, depth, samples;
     Image occlusion; // valid if the quality has it
 
+    PieceUpload upload; // of geometry, before anything is drawn
+    Buffer staging;     // what is to be uploaded; valid if upload.staged is not 0
+
     // For the passes that draw into the target: the last of them resolves the samples.
     void write_colour(PassBuilder& pass, Access access, bool last);
     [[nodiscard]] Rendering colour_rendering(const PassContext& context, VkAttachmentLoadOp load,
@@ -98,8 +102,24 @@ struct TargetFormat {
 // What the shaders are told about a scene.
 [[nodiscard]] shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shadow_size);
 
-// For the passes that draw pieces: their reads, and the multi-draw, by the commands of one view.
+// For the passes that draw pieces: their reads, and the multi-draws by the commands of one view, one with each pipeline
+// that has pieces to draw. Without a pipeline for them, pieces that fade are left out.
 void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands);
-void draw_pieces(Frame& frame, const PassContext& context, Buffer commands);
+struct PiecePipelines {
+    const Pipeline& solid;
+    const Pipeline* fading = nullptr; // its fragment shader leaves pixels out
+};
+void draw_pieces(Frame& frame, const PassContext& context, Buffer commands, const PiecePipelines& pipelines);
+
+// The specialization that fading pipelines share, beside what else the shader has.
+struct FadingConstant {
+    VkBool32 fading = VK_TRUE;
+    VkSpecializationMapEntry entry{shared::constant_fading, 0, sizeof(VkBool32)};
+    VkSpecializationInfo info{1, &entry, sizeof(VkBool32), &fading};
+
+    FadingConstant() = default;
+    FadingConstant(const FadingConstant&) = delete; // it points into itself
+    FadingConstant& operator=(const FadingConstant&) = delete;
+};
 
 } // namespace brittle::engine

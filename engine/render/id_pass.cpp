@@ -8,13 +8,18 @@ namespace brittle::engine {
 IdPass::IdPass(const Device& device, VkPipelineLayout layout) {
     const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
-    pipeline_ = Pipeline(device, {.name = "ids of pieces",
-                                  .layout = layout,
-                                  .vertex = piece_id_vert,
-                                  .fragment = piece_id_frag,
-                                  .bindings = {&binding, 1},
-                                  .attributes = {&attribute, 1},
-                                  .colour = VK_FORMAT_R32_UINT});
+    PipelineDesc desc{.name = "ids of pieces",
+                      .layout = layout,
+                      .vertex = piece_id_vert,
+                      .fragment = piece_id_frag,
+                      .bindings = {&binding, 1},
+                      .attributes = {&attribute, 1},
+                      .colour = VK_FORMAT_R32_UINT};
+    pipeline_ = Pipeline(device, desc);
+    const FadingConstant fading;
+    desc.name = "ids of fading pieces";
+    desc.constants = &fading.info;
+    fading_ = Pipeline(device, desc);
 }
 
 Image IdPass::declare(Frame& frame, VkExtent2D extent) const {
@@ -36,10 +41,7 @@ Image IdPass::declare(Frame& frame, VkExtent2D extent) const {
                                                .colour_load = VK_ATTACHMENT_LOAD_OP_CLEAR,
                                                .depth = context.view(depth),
                                                .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
-            if (frame.draws_pieces()) {
-                vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.handle());
-                draw_pieces(frame, context, frame.camera_commands);
-            }
+            if (frame.draws_pieces()) draw_pieces(frame, context, frame.camera_commands, {pipeline_, &fading_});
             vkCmdEndRendering(context.commands);
         });
     return ids;

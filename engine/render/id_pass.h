@@ -10,11 +10,12 @@ class IdPass {
   public:
     IdPass(const Device& device, VkPipelineLayout layout);
 
-    // The image, of Format::r32_uint and one sample: a piece's index plus 1, or 0.
+    // The image, of Format::r32_uint and one sample: a piece's handle, or 0.
     [[nodiscard]] Image declare(Frame& frame, VkExtent2D extent) const;
 
   private:
     Pipeline pipeline_;
+    Pipeline fading_;
 };
 
 } // namespace brittle::engine

@@ -1,6 +1,7 @@
 #include "engine/render/occlusion_pass.h"
 
 #include "compiled/background_vert.h"
+#include "compiled/fade_frag.h"
 #include "compiled/ground_vert.h"
 #include "compiled/occlusion_frag.h"
 #include "compiled/piece_vert.h"
@@ -15,6 +16,14 @@ OcclusionPass::OcclusionPass(const Device& device, VkPipelineLayout layout) {
                                 .vertex = piece_vert,
                                 .bindings = {&binding, 1},
                                 .attributes = {&attribute, 1}});
+    const FadingConstant fading;
+    fading_ = Pipeline(device, {.name = "depth of fading pieces",
+                                .layout = layout,
+                                .vertex = piece_vert,
+                                .fragment = fade_frag,
+                                .bindings = {&binding, 1},
+                                .attributes = {&attribute, 1},
+                                .constants = &fading.info});
     ground_ = Pipeline(device, {.name = "depth of the ground", .layout = layout, .vertex = ground_vert});
     occlusion_ = Pipeline(device, {.name = "occlusion",
                                    .layout = layout,
@@ -40,10 +49,7 @@ void OcclusionPass::declare(Frame& frame, VkExtent2D extent) const {
             begin_rendering(commands, {.extent = context.extent(depth),
                                        .depth = context.view(depth),
                                        .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
-            if (frame.draws_pieces()) {
-                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pieces_.handle());
-                draw_pieces(frame, context, frame.camera_commands);
-            }
+            if (frame.draws_pieces()) draw_pieces(frame, context, frame.camera_commands, {pieces_, &fading_});
             if (frame.scene.ground) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.handle());
                 vkCmdDraw(commands, 6, 1, 0, 0);

@@ -16,6 +16,7 @@ class OcclusionPass {
 
   private:
     Pipeline pieces_;
+    Pipeline fading_;
     Pipeline ground_;
     Pipeline occlusion_;
 };

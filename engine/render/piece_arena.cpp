@@ -2,145 +2,294 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
-#include <vector>
-
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
-#include <glm/packing.hpp>
 
 #include "engine/gpu/device.h"
-#include "engine/graph/upload.h"
-#include "engine/render/smooth_normals.h"
-#include "shaders/shared.h"
 
 namespace brittle::engine {
 
-struct PieceArena::Arrays {
-    std::vector<glm::vec3> vertices;
-    std::vector<glm::vec3> normals;
-    std::vector<uint32_t> indices;
-    std::vector<shared::DrawData> draws;
-    std::vector<VkDrawIndexedIndirectCommand> commands;
-    uint32_t pieces = 0;
-    uint32_t bodies = 0;
-};
-
 namespace {
 
-Error invalid(size_t piece, const std::string& what) {
-    return {Status::invalid_argument, "cannot draw piece " + std::to_string(piece) + ": " + what};
+constexpr uint32_t solid = 255;
+// Vertex offsets are signed 32 bits, first indices unsigned 32 bits.
+constexpr uint32_t most_vertices = std::numeric_limits<int32_t>::max();
+constexpr uint32_t most_indices = std::numeric_limits<uint32_t>::max();
+
+struct ArenaKind {
+    const char* name;
+    uint64_t element; // bytes
+    VkBufferUsageFlags usage;
+};
+constexpr std::array<ArenaKind, piece_arenas> kinds{
+    {{"piece vertices", sizeof(glm::vec3), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
+     {"piece normals", sizeof(glm::vec3), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
+     {"piece indices", sizeof(uint32_t), VK_BUFFER_USAGE_INDEX_BUFFER_BIT}}};
+
+// Room for so much more: doubled, so that pieces that come one by one are rarely moved.
+bool make_room(RangeAllocator& space, uint64_t size, uint64_t most) {
+    const uint64_t needed = uint64_t{space.capacity()} + size;
+    if (needed > most) return false;
+    space.grow(static_cast<uint32_t>(std::min(most, std::max(needed, 2 * uint64_t{space.capacity()}))));
+    return true;
 }
 
-Result<void> check_piece(size_t index, const PieceMesh& piece, uint32_t most_bodies) {
-    if (piece.exterior_triangles > piece.triangles.size())
-        return invalid(index, "it says that " + std::to_string(piece.exterior_triangles) + " of its "
-                                  + std::to_string(piece.triangles.size()) + " triangles are exterior");
-    if (piece.body >= most_bodies)
-        return invalid(index, "its body is number " + std::to_string(piece.body) + ", the device takes "
-                                  + std::to_string(most_bodies) + " bodies");
-    for (size_t t = 0; t < piece.triangles.size(); ++t) {
-        const glm::uvec3 corner = piece.triangles[t];
-        const uint32_t largest = std::max({corner.x, corner.y, corner.z});
-        if (largest >= piece.positions.size())
-            return invalid(index, "triangle " + std::to_string(t) + " names vertex " + std::to_string(largest)
-                                      + " of " + std::to_string(piece.positions.size()));
+// In one range, if the space has one. Otherwise the space grows.
+std::optional<uint32_t> place(RangeAllocator& space, uint32_t size, uint64_t most) {
+    if (const std::optional<uint32_t> at = space.allocate(size)) return at;
+    if (!make_room(space, size, most)) return std::nullopt;
+    return space.allocate(size);
+}
+
+// What is free in all; a large batch then finds its place in one growth instead of several.
+void make_room_for_all(RangeAllocator& space, uint64_t size, uint64_t most) {
+    const uint64_t unused = space.capacity() - space.used();
+    if (size > unused) (void)make_room(space, size - unused, most);
+}
+
+// Appends a copy, or makes the one before it longer.
+void append(std::vector<VkBufferCopy>& copies, const VkBufferCopy& next) {
+    if (next.size == 0) return;
+    if (!copies.empty()) {
+        VkBufferCopy& last = copies.back();
+        if (last.srcOffset + last.size == next.srcOffset && last.dstOffset + last.size == next.dstOffset) {
+            last.size += next.size;
+            return;
+        }
     }
-    return {};
-}
-
-// Around all of the piece: about the middle of its box, so not the smallest.
-glm::vec4 sphere_around(std::span<const glm::vec3> positions) {
-    if (positions.empty()) return glm::vec4(0.0f);
-    glm::vec3 low = positions[0], high = positions[0];
-    for (const glm::vec3& p : positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    const glm::vec3 centre = (low + high) * 0.5f;
-    float squared = 0.0f;
-    for (const glm::vec3& p : positions) squared = std::max(squared, glm::dot(p - centre, p - centre));
-    return {centre, std::sqrt(squared)};
-}
-
-DeviceBuffer arena(const Device& device, const char* name, uint64_t size, VkBufferUsageFlags usage) {
-    return {device, name, size, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device};
-}
-
-template<class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-    return std::as_bytes(std::span(values));
+    copies.push_back(next);
 }
 
 } // namespace
 
-PieceArena::PieceArena(const Device& device) : PieceArena(device, Arrays{}) {}
-
-PieceArena::PieceArena(const Device& device, const Arrays& arrays)
-    : pieces_(arrays.pieces), bodies_(arrays.bodies), draws_(static_cast<uint32_t>(arrays.draws.size())),
-      triangles_(arrays.indices.size() / 3),
-      vertices_(arena(device, "piece vertices", bytes_of(arrays.vertices).size(),
-                      VK_BUFFER_USAGE_VERTEX_BUFFER_BIT)),
-      normals_(
-          arena(device, "piece normals", bytes_of(arrays.normals).size(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT)),
-      indices_(
-          arena(device, "piece indices", bytes_of(arrays.indices).size(), VK_BUFFER_USAGE_INDEX_BUFFER_BIT)),
-      draw_data_(
-          arena(device, "draw data", bytes_of(arrays.draws).size(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)),
-      commands_(arena(device, "draw commands", bytes_of(arrays.commands).size(),
-                      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)) {
-    const Upload uploads[] = {{&vertices_, bytes_of(arrays.vertices), Access::vertex_read},
-                              {&normals_, bytes_of(arrays.normals), Access::vertex_read},
-                              {&indices_, bytes_of(arrays.indices), Access::index_read},
-                              {&draw_data_, bytes_of(arrays.draws), draw_data_accesses},
-                              {&commands_, bytes_of(arrays.commands), commands_accesses}};
-    upload(device, uploads);
+bool PieceUpload::empty() const {
+    return std::ranges::all_of(
+        arenas, [](const Arena& a) { return a.from_staging.empty() && a.from_old.empty(); });
 }
 
-Result<PieceArena> PieceArena::create(const Device& device, std::span<const PieceMesh> pieces) {
-    const auto most_bodies =
-        static_cast<uint32_t>(device.limits().maxStorageBufferRange / sizeof(shared::Pose));
-    size_t vertices = 0, triangles = 0;
-    for (size_t i = 0; i < pieces.size(); ++i) {
-        if (Result<void> valid = check_piece(i, pieces[i], most_bodies); !valid) return valid.error();
-        vertices += pieces[i].positions.size() + 3 * size_t{pieces[i].exterior_triangles}; // split at most so
-        triangles += pieces[i].triangles.size();
-    }
-    // Vertex offsets are signed 32 bits, first indices unsigned 32 bits.
-    if (vertices > std::numeric_limits<int32_t>::max() || triangles > std::numeric_limits<uint32_t>::max() / 3
-        || 2 * pieces.size() > device.limits().maxStorageBufferRange / sizeof(shared::DrawData))
-        return Error{Status::invalid_argument, "cannot draw " + std::to_string(pieces.size()) + " pieces of "
-                                                   + std::to_string(triangles)
-                                                   + " triangles: too many to address"};
+const char* PieceArena::name(size_t arena) {
+    return kinds[arena].name;
+}
 
-    Arrays arrays;
-    arrays.indices.reserve(3 * triangles);
-    arrays.pieces = static_cast<uint32_t>(pieces.size());
-    for (uint32_t index = 0; index < arrays.pieces; ++index) {
-        const PieceMesh& piece = pieces[index];
-        const glm::vec4 sphere = sphere_around(piece.positions);
-        const auto add_range = [&](std::span<const glm::uvec3> range, uint32_t material) {
-            if (range.empty()) return;
-            const auto draw = static_cast<uint32_t>(arrays.draws.size());
-            arrays.commands.push_back({static_cast<uint32_t>(3 * range.size()), 1,
-                                       static_cast<uint32_t>(arrays.indices.size()),
-                                       static_cast<int32_t>(arrays.vertices.size()), draw});
-            arrays.draws.push_back(
-                {piece.body, material, glm::packUnorm4x8(glm::vec4(piece.tint, 1.0f)), index, sphere});
-            for (const glm::uvec3& corner : range)
-                arrays.indices.insert(arrays.indices.end(), {corner.x, corner.y, corner.z});
-        };
-        const SmoothSurface exterior =
-            smooth_normals(piece.positions, piece.triangles.first(piece.exterior_triangles));
-        add_range(exterior.triangles, shared::material_exterior);
-        add_range(piece.triangles.subspan(piece.exterior_triangles), shared::material_interior);
-        arrays.vertices.insert(arrays.vertices.end(), piece.positions.begin(), piece.positions.end());
-        for (const uint32_t vertex : exterior.copies) arrays.vertices.push_back(piece.positions[vertex]);
-        arrays.normals.insert(arrays.normals.end(), exterior.normals.begin(), exterior.normals.end());
-        arrays.bodies = std::max(arrays.bodies, piece.body + 1);
+bool PieceArena::Spaces::place(Piece& piece) {
+    const std::optional<uint32_t> vertex = engine::place(vertices, piece.batch.vertices, most_vertices);
+    const std::optional<uint32_t> index = engine::place(indices, piece.batch.indices(), most_indices);
+    if (!vertex || !index) return false;
+    piece.vertex = *vertex;
+    piece.index = *index;
+    return true;
+}
+
+void PieceArena::Spaces::free(const Piece& piece) {
+    vertices.free(piece.vertex, piece.batch.vertices);
+    indices.free(piece.index, piece.batch.indices());
+}
+
+Result<void> PieceArena::check(const PieceBatch& batch, size_t others) const {
+    const uint64_t storage = device_.limits().maxStorageBufferRange;
+    const uint64_t most_bodies = storage / sizeof(shared::Pose);
+    for (size_t i = 0; i < batch.pieces().size(); ++i)
+        if (const uint32_t body = batch.pieces()[i].body; body >= most_bodies)
+            return Error{Status::invalid_argument, "cannot draw piece " + std::to_string(i)
+                                                       + ": its body is number " + std::to_string(body)
+                                                       + ", the device takes " + std::to_string(most_bodies)
+                                                       + " bodies"};
+    const uint64_t all = others + batch.pieces().size();
+    if (2 * all > storage / sizeof(shared::DrawData)
+        || batch.pieces().size() > std::numeric_limits<uint32_t>::max() - last_handle_)
+        return Error{Status::invalid_argument,
+                     "cannot draw " + std::to_string(all) + " pieces: too many to address"};
+    return {};
+}
+
+Result<std::vector<PieceHandle>> PieceArena::add(PieceBatch batch) {
+    if (Result<void> valid = check(batch, pieces_.size()); !valid) return valid.error();
+    return add(std::move(batch), spaces_, pieces_);
+}
+
+Result<std::vector<PieceHandle>> PieceArena::replace_all(PieceBatch batch) {
+    if (Result<void> valid = check(batch, 0); !valid) return valid.error();
+    Spaces spaces = spaces_;
+    for (const Piece& piece : pieces_) spaces.free(piece);
+    return add(std::move(batch), std::move(spaces), {});
+}
+
+// Works on copies until nothing can fail any more.
+Result<std::vector<PieceHandle>> PieceArena::add(PieceBatch batch, Spaces spaces, std::vector<Piece> pieces) {
+    const auto source = std::make_shared<const PieceBatch>(std::move(batch));
+    make_room_for_all(spaces.vertices, source->positions().size(), most_vertices);
+    make_room_for_all(spaces.indices, source->indices().size(), most_indices);
+    std::vector<PieceHandle> handles;
+    handles.reserve(source->pieces().size());
+    pieces.reserve(pieces.size() + source->pieces().size());
+    uint32_t handle = last_handle_;
+    for (const PieceBatch::Piece& part : source->pieces()) {
+        Piece piece{.handle = {++handle}, .batch = part, .source = source, .vertex = 0, .index = 0, .visible = solid};
+        if (!spaces.place(piece))
+            return Error{Status::invalid_argument, "cannot draw more than " + std::to_string(pieces.size())
+                                                       + " pieces: their geometry is too large to address"};
+        handles.push_back(piece.handle);
+        pieces.push_back(std::move(piece));
     }
-    return PieceArena(device, arrays);
+    fit_buffers(spaces);
+    pending_ = pending_ || !handles.empty();
+    pieces_ = std::move(pieces);
+    spaces_ = std::move(spaces);
+    last_handle_ = handle;
+    refresh();
+    return handles;
+}
+
+// Buffers of the spaces' capacity; the last step that may fail.
+void PieceArena::fit_buffers(const Spaces& spaces) {
+    const std::array<uint32_t, piece_arenas> capacity{spaces.vertices.capacity(), spaces.vertices.capacity(),
+                                                      spaces.indices.capacity()};
+    PieceBuffers larger;
+    bool grown = false;
+    for (size_t i = 0; i < piece_arenas; ++i) {
+        const uint64_t bytes = kinds[i].element * capacity[i];
+        if (bytes == buffers_[i].size()) continue;
+        grown = true;
+        larger[i] = {device_, kinds[i].name, bytes,
+                     kinds[i].usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                     MemoryKind::device};
+    }
+    if (!grown) return;
+    for (size_t i = 0; i < piece_arenas; ++i) {
+        if (!larger[i].handle()) continue;
+        // Of several growths between two frames, only the first takes a buffer away that a frame has written.
+        if (resident_[i]) old_[i] = std::move(buffers_[i]);
+        resident_[i] = false;
+        buffers_[i] = std::move(larger[i]);
+    }
+    pending_ = true;
+}
+
+Result<std::vector<size_t>> PieceArena::find(std::span<const PieceHandle> handles) const {
+    std::vector<size_t> found;
+    found.reserve(handles.size());
+    for (const PieceHandle handle : handles) {
+        const auto at = std::ranges::lower_bound(pieces_, handle, {}, &Piece::handle);
+        if (at == pieces_.end() || at->handle != handle)
+            return Error{Status::invalid_argument,
+                         "there is no piece with the handle " + std::to_string(handle.number)
+                             + ": it was removed, or never added"};
+        found.push_back(static_cast<size_t>(at - pieces_.begin()));
+    }
+    return found;
+}
+
+Result<void> PieceArena::remove(std::span<const PieceHandle> handles) {
+    Result<std::vector<size_t>> found = find(handles);
+    if (!found) return found.error();
+    std::ranges::sort(*found);
+    const auto repeated = std::ranges::unique(*found);
+    found->erase(repeated.begin(), repeated.end());
+    size_t kept = 0, next = 0;
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+        if (next < found->size() && (*found)[next] == i) {
+            spaces_.free(pieces_[i]);
+            ++next;
+            continue;
+        }
+        if (kept != i) pieces_[kept] = std::move(pieces_[i]);
+        ++kept;
+    }
+    pieces_.resize(kept);
+    refresh();
+    return {};
+}
+
+Result<void> PieceArena::fade(std::span<const PieceHandle> handles, float fade) {
+    if (!(fade >= 0.0f && fade <= 1.0f))
+        return Error{Status::invalid_argument,
+                     "pieces cannot fade by " + std::to_string(fade) + ": it must be 0 to 1"};
+    Result<std::vector<size_t>> found = find(handles);
+    if (!found) return found.error();
+    const auto visible = static_cast<uint32_t>(std::lround((1.0f - fade) * static_cast<float>(solid)));
+    for (const size_t i : *found) pieces_[i].visible = visible;
+    refresh();
+    return {};
+}
+
+// What follows from the list of pieces.
+void PieceArena::refresh() {
+    bodies_ = draws_ = solid_draws_ = 0;
+    triangles_ = 0;
+    for (const Piece& piece : pieces_) {
+        bodies_ = std::max(bodies_, piece.batch.body + 1);
+        triangles_ += piece.batch.indices() / 3;
+        const uint32_t ranges = (piece.batch.exterior_indices > 0) + (piece.batch.interior_indices > 0);
+        if (piece.visible > 0) draws_ += ranges;
+        if (piece.visible == solid) solid_draws_ += ranges;
+    }
+    ++version_;
+}
+
+void PieceArena::write_draws(std::span<shared::DrawData> data,
+                             std::span<VkDrawIndexedIndirectCommand> commands) const {
+    uint32_t next_solid = 0, next_fading = solid_draws_;
+    for (const Piece& piece : pieces_) {
+        if (piece.visible == 0) continue;
+        uint32_t& next = piece.visible == solid ? next_solid : next_fading;
+        const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
+            if (indices == 0) return;
+            commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
+            data[next] = {piece.batch.body, material, piece.batch.tint | piece.visible << 24,
+                          piece.handle.number, piece.batch.sphere};
+            ++next;
+        };
+        add(piece.batch.exterior_indices, piece.index, shared::material_exterior);
+        add(piece.batch.interior_indices, piece.index + piece.batch.exterior_indices, shared::material_interior);
+    }
+}
+
+PieceUpload PieceArena::next_upload() const {
+    PieceUpload upload;
+    if (!pending_) return upload;
+    for (size_t i = 0; i < piece_arenas; ++i) {
+        PieceUpload::Arena& arena = upload.arenas[i];
+        const uint64_t element = kinds[i].element;
+        for (const Piece& piece : pieces_) {
+            const uint64_t offset = element * (i == 2 ? piece.index : piece.vertex);
+            const uint64_t size = element * (i == 2 ? piece.batch.indices() : piece.batch.vertices);
+            if (piece.source) {
+                append(arena.from_staging, {upload.staged, offset, size});
+                upload.staged += size;
+            } else if (old_[i].handle()) {
+                append(arena.from_old, {offset, offset, size});
+            }
+        }
+    }
+    return upload;
+}
+
+void PieceArena::write_staging(std::byte* staging) const {
+    for (size_t i = 0; i < piece_arenas; ++i)
+        for (const Piece& piece : pieces_) {
+            if (!piece.source) continue;
+            const std::span<const std::byte> all =
+                i == 0   ? std::as_bytes(piece.source->positions())
+                : i == 1 ? std::as_bytes(piece.source->normals())
+                         : std::as_bytes(piece.source->indices());
+            const uint64_t first = i == 2 ? piece.batch.first_index : piece.batch.first_vertex;
+            const uint64_t count = i == 2 ? piece.batch.indices() : piece.batch.vertices;
+            const std::span<const std::byte> bytes = all.subspan(first * kinds[i].element, count * kinds[i].element);
+            if (bytes.empty()) continue;
+            std::memcpy(staging, bytes.data(), bytes.size());
+            staging += bytes.size();
+        }
+}
+
+void PieceArena::uploaded(std::vector<DeviceBuffer>& retired) {
+    if (!pending_) return;
+    for (Piece& piece : pieces_) piece.source.reset();
+    for (size_t i = 0; i < piece_arenas; ++i) {
+        resident_[i] = true;
+        if (old_[i].handle()) retired.push_back(std::move(old_[i]));
+    }
+    pending_ = false;
 }
 
 } // namespace brittle::engine

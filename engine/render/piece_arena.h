@@ -1,60 +1,121 @@
-// The geometry of all pieces: one vertex and one index arena, the draw ranges in them, and the indirect
-// commands that draw all of it in one multi-draw.
+// The geometry of all pieces: one arena of vertices and one of indices, and what is drawn of them.
 //
-// A piece has up to two draw ranges: exterior, then interior. Range i is instance i: its indirect command has
-// i as first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h).
+// Pieces come and go without a wait for the device. Where a piece lies is decided here at once; its geometry is copied
+// by the next frame, in a pass of its own (upload_pass.h), so that the frame graph orders the copy after the frames
+// that still read what lay there before. Arenas grow by doubling: the same pass moves what is there.
+//
+//     arena.add(batch);                                     // any number of changes
+//     PieceUpload upload = arena.next_upload();             // each frame
+//     arena.write_staging(upload, mapped); ... record and submit the copies ...
+//     arena.uploaded(retired);                              // only if that was submitted
+//
+// A piece has up to two draw ranges, side by side: exterior, then interior. Range i is instance i: its command has i as
+// first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h). Ranges are in the order
+// in which pieces were added, first those of solid pieces, then those of fading ones. The lists are made anew for each
+// change: 52 bytes a range.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
+#include "engine/core/range_allocator.h"
 #include "engine/core/result.h"
 #include "engine/gpu/memory.h"
-#include "engine/graph/access.h"
+#include "engine/render/piece_batch.h"
 #include "engine/render/scene.h"
+#include "shaders/shared.h"
 
 namespace brittle::engine {
 
 class Device;
 
+// The arenas: positions and normals (glm::vec3) beside each other, indices (uint32_t).
+inline constexpr size_t piece_arenas = 3;
+using PieceBuffers = std::array<DeviceBuffer, piece_arenas>;
+
+// What the device is to copy before it draws the arenas.
+struct PieceUpload {
+    struct Arena {
+        std::vector<VkBufferCopy> from_staging; // ascending in it
+        std::vector<VkBufferCopy> from_old;
+    };
+    std::array<Arena, piece_arenas> arenas;
+    uint64_t staged = 0; // bytes to come from the CPU
+
+    [[nodiscard]] bool empty() const;
+};
+
 class PieceArena {
   public:
-    // What passes do with the buffers, once they are uploaded.
-    static constexpr AccessSet draw_data_accesses =
-        Access::storage_read_vertex | Access::storage_read_compute;
-    static constexpr AccessSet commands_accesses = Access::indirect_read | Access::storage_read_compute;
+    [[nodiscard]] static const char* name(size_t arena);
 
-    // No pieces; with buffers all the same, since descriptors must name some.
-    explicit PieceArena(const Device& device);
+    explicit PieceArena(const Device& device) : device_(device) {}
 
-    // Copies the pieces to the device. Fails with invalid_argument as Renderer::set_pieces() says; throws
-    // VulkanFailure.
-    [[nodiscard]] static Result<PieceArena> create(const Device& device, std::span<const PieceMesh> pieces);
+    // Fail with invalid_argument, or throw VulkanFailure, and then change nothing. Renderer says more.
+    [[nodiscard]] Result<std::vector<PieceHandle>> add(PieceBatch batch);
+    [[nodiscard]] Result<std::vector<PieceHandle>> replace_all(PieceBatch batch);
+    [[nodiscard]] Result<void> remove(std::span<const PieceHandle> handles);
+    [[nodiscard]] Result<void> fade(std::span<const PieceHandle> handles, float fade);
 
-    [[nodiscard]] uint32_t pieces() const { return pieces_; }
+    [[nodiscard]] uint32_t pieces() const { return static_cast<uint32_t>(pieces_.size()); }
     [[nodiscard]] uint32_t bodies() const { return bodies_; }
     [[nodiscard]] uint32_t draws() const { return draws_; }
+    [[nodiscard]] uint32_t solid_draws() const { return solid_draws_; } // the first so many
     [[nodiscard]] uint64_t triangles() const { return triangles_; }
+    [[nodiscard]] uint64_t version() const { return version_; } // another one after each change of what follows
 
-    [[nodiscard]] const DeviceBuffer& vertices() const { return vertices_; } // glm::vec3
-    [[nodiscard]] const DeviceBuffer& normals() const { return normals_; }   // glm::vec3, for smooth shading
-    [[nodiscard]] const DeviceBuffer& indices() const { return indices_; }   // uint32_t
-    [[nodiscard]] const DeviceBuffer& draw_data() const { return draw_data_; } // shared::DrawData
-    [[nodiscard]] const DeviceBuffer& commands() const { return commands_; }   // VkDrawIndexedIndirectCommand
+    // For each draw range, its data and its command; both spans are of draws() elements.
+    void write_draws(std::span<shared::DrawData> data, std::span<VkDrawIndexedIndirectCommand> commands) const;
+
+    [[nodiscard]] const DeviceBuffer& vertices() const { return buffers_[0]; }
+    [[nodiscard]] const DeviceBuffer& normals() const { return buffers_[1]; } // for smooth shading
+    [[nodiscard]] const DeviceBuffer& indices() const { return buffers_[2]; }
+    // That from_old copies from: valid until uploaded().
+    [[nodiscard]] const PieceBuffers& old_buffers() const { return old_; }
+
+    [[nodiscard]] PieceUpload next_upload() const;
+    void write_staging(std::byte* staging) const; // as next_upload() planned it, of PieceUpload::staged bytes
+    // The copies were submitted. Appends buffers that may go once the device is done with that submission.
+    void uploaded(std::vector<DeviceBuffer>& retired);
 
   private:
-    struct Arrays;
-    PieceArena(const Device& device, const Arrays& arrays);
+    struct Piece {
+        PieceHandle handle;
+        PieceBatch::Piece batch;                  // its part of the batch
+        std::shared_ptr<const PieceBatch> source; // until it was uploaded
+        uint32_t vertex, index;                   // where it begins in the arenas
+        uint32_t visible;                         // 255: solid; 0: not drawn
+    };
+    struct Spaces {
+        RangeAllocator vertices, indices;
 
-    uint32_t pieces_ = 0;
+        [[nodiscard]] bool place(Piece& piece);
+        void free(const Piece& piece);
+    };
+
+    [[nodiscard]] Result<void> check(const PieceBatch& batch, size_t others) const;
+    [[nodiscard]] Result<std::vector<PieceHandle>> add(PieceBatch batch, Spaces spaces, std::vector<Piece> pieces);
+    void fit_buffers(const Spaces& spaces);
+    [[nodiscard]] Result<std::vector<size_t>> find(std::span<const PieceHandle> handles) const;
+    void refresh();
+
+    const Device& device_;
+    std::vector<Piece> pieces_; // ascending in handles
+    Spaces spaces_;
+    PieceBuffers buffers_;
+    PieceBuffers old_; // what submitted frames read until buffers_ took over; may be none
+    std::array<bool, piece_arenas> resident_{}; // whether a submitted frame wrote buffers_
+    bool pending_ = false; // there is something to upload
+    uint32_t last_handle_ = 0;
     uint32_t bodies_ = 0;
     uint32_t draws_ = 0;
+    uint32_t solid_draws_ = 0;
     uint64_t triangles_ = 0;
-    DeviceBuffer vertices_;
-    DeviceBuffer normals_;
-    DeviceBuffer indices_;
-    DeviceBuffer draw_data_;
-    DeviceBuffer commands_;
+    uint64_t version_ = 1;
 };
 
 } // namespace brittle::engine

@@ -20,6 +20,7 @@
 #include "engine/render/shade_pass.h"
 #include "engine/render/shadow_pass.h"
 #include "engine/render/ui_pass.h"
+#include "engine/render/upload_pass.h"
 
 namespace brittle::engine {
 
@@ -28,6 +29,9 @@ namespace {
 constexpr uint32_t frames_in_flight = 2;
 constexpr uint32_t least_shadow_size = 64;
 constexpr uint32_t most_shadow_size = 8192;
+// Bytes of staging that a slot keeps from frame to frame, so that pieces that trickle in allocate nothing; what a large
+// mesh needed is given back.
+constexpr uint64_t most_staging_kept = 4 << 20;
 
 // What one frame in flight has to itself. The CPU writes its buffers while the device reads another slot's.
 struct FrameSlot {
@@ -46,7 +50,13 @@ struct FrameSlot {
     DeviceBuffer drawn;  // written by both
     bool culled = false; // the newest frame counts in `drawn`
     DeviceBuffer camera_commands, light_commands;
+    DeviceBuffer draw_data, draw_commands; // one a draw range, of PieceArena::version()
+    uint64_t pieces_version = 0;
+    DeviceBuffer staging;              // of geometry that this frame uploads
+    std::vector<DeviceBuffer> retired; // that nothing needs after this frame
     DeviceBuffer poses;
+    uint32_t posed_bodies = 0;  // the first so many of poses hold what was written at the moment
+    uint64_t poses_moment = 0;  // 0: not known
     DeviceBuffer lines;
     DeviceBuffer spheres;
     CommandSlot commands; // last: its destructor waits before the others go
@@ -125,8 +135,19 @@ struct Renderer::State {
     void collect(FrameSlot& slot);
     Frame begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
     void import_slot(Frame& frame, FrameSlot& slot);
-    void import_pieces(Frame& frame);
+    void import_pieces(Frame& frame, FrameSlot& slot);
     void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
+    void write_poses(FrameSlot& slot, const Scene& scene);
+    void write_pieces(FrameSlot& slot);
+    void write_marks(FrameSlot& slot, const Scene& scene);
+    void submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphore signal);
+    // Calls the function as guarded() does, and remembers a lost device.
+    template<class Function>
+    auto run(Function&& function) {
+        auto result = lost ? decltype(guarded(function))(*lost) : guarded(function);
+        if (!result && result.error().status == Status::device_lost) lost = result.error();
+        return result;
+    }
     void declare_cull(Frame& frame, FrameSlot& slot, bool for_shadow);
     void declare_read_back(Frame& frame, Image image, VkExtent2D extent);
     void declare_scene(Frame& frame, FrameSlot& slot, const Target& target);
@@ -155,6 +176,7 @@ struct Renderer::State {
     std::vector<PassTime> timings;
     FrameStats stats;
     std::string dot;
+    std::optional<Error> lost; // once the device was: changes of pieces do not ask it
 };
 
 Passes& Renderer::State::passes_for(Format format) {
@@ -175,6 +197,8 @@ Passes& Renderer::State::passes_for(Format format) {
 FrameSlot& Renderer::State::next_slot() {
     FrameSlot& slot = *slots[frame_number++ % frames_in_flight];
     slot.commands.wait();
+    slot.retired.clear();
+    if (slot.staging.size() > most_staging_kept) slot.staging = {};
     collect(slot);
     return slot;
 }
@@ -191,13 +215,57 @@ void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D
     const shared::FrameData data = frame_data(scene, {extent.width, extent.height}, shadow_size());
     std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
 
+    write_poses(slot, scene);
+    write_pieces(slot);
+    write_marks(slot, scene);
+    layout.update(slot.set, {.frame = slot.uniforms.handle(),
+                             .poses = slot.poses.handle(),
+                             .draws = slot.draw_data.handle(),
+                             .commands = slot.draw_commands.handle(),
+                             .culled_for_camera = slot.camera_commands.handle(),
+                             .culled_for_light = slot.light_commands.handle(),
+                             .drawn = slot.drawn.handle(),
+                             .commands_size = std::max(pieces.draws(), 1u) * sizeof(shared::DrawCommand),
+                             .shadow = shadow_map.view()});
+}
+
+void Renderer::State::write_poses(FrameSlot& slot, const Scene& scene) {
     const uint32_t bodies = pieces.bodies();
+    if (slot.poses.size() < bodies * sizeof(BodyPose)) slot.poses_moment = 0;
     reserve(device, slot.poses, "poses", std::max(bodies, 1u) * sizeof(BodyPose),
             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const std::span<BodyPose> poses = slot.poses.mapped_as<BodyPose>(0, bodies);
-    std::ranges::fill(poses, BodyPose{}); // so that a caller who sets positions alone gets whole poses
-    if (scene.write_poses) scene.write_poses(poses);
+    const bool known = scene.write_poses && bodies <= slot.posed_bodies && slot.poses_moment <= scene.moment;
+    const uint64_t since = known ? slot.poses_moment : 0;
+    // So that a caller who sets positions alone gets whole poses.
+    if (since == 0) std::ranges::fill(poses, BodyPose{});
+    slot.poses_moment = 0; // the callback may throw half-way
+    if (!scene.write_poses) return;
+    scene.write_poses(poses, since);
+    slot.poses_moment = scene.moment;
+    slot.posed_bodies = bodies;
+}
 
+void Renderer::State::write_pieces(FrameSlot& slot) {
+    const uint32_t draws = pieces.draws(), room = std::max(draws, 1u);
+    constexpr VkBufferUsageFlags storage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    constexpr VkBufferUsageFlags commands = VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | storage;
+    const uint64_t commands_size = room * sizeof(shared::DrawCommand);
+    if (slot.pieces_version != pieces.version()) {
+        slot.pieces_version = 0; // an allocation may fail half-way
+        reserve(device, slot.draw_data, "draw data", room * sizeof(shared::DrawData), storage);
+        reserve(device, slot.draw_commands, "draw commands", commands_size, commands);
+        pieces.write_draws(slot.draw_data.mapped_as<shared::DrawData>(0, draws),
+                           slot.draw_commands.mapped_as<VkDrawIndexedIndirectCommand>(0, draws));
+        slot.pieces_version = pieces.version();
+    }
+    const uint64_t culled_size = cull ? commands_size : 0;
+    reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands, MemoryKind::device);
+    reserve(device, slot.light_commands, "commands for the light", culled_size, commands, MemoryKind::device);
+    std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
+}
+
+void Renderer::State::write_marks(FrameSlot& slot, const Scene& scene) {
     if (!scene.lines.empty()) {
         reserve(device, slot.lines, "lines", scene.lines.size_bytes(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
         std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
@@ -208,20 +276,6 @@ void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D
                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
         std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
     }
-    constexpr VkBufferUsageFlags culled =
-        VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    const uint64_t culled_size = cull ? pieces.commands().size() : 0;
-    reserve(device, slot.camera_commands, "commands for the camera", culled_size, culled, MemoryKind::device);
-    reserve(device, slot.light_commands, "commands for the light", culled_size, culled, MemoryKind::device);
-    std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
-    layout.update(slot.set, {.frame = slot.uniforms.handle(),
-                             .poses = slot.poses.handle(),
-                             .draws = pieces.draw_data().handle(),
-                             .commands = pieces.commands().handle(),
-                             .culled_for_camera = slot.camera_commands.handle(),
-                             .culled_for_light = slot.light_commands.handle(),
-                             .drawn = slot.drawn.handle(),
-                             .shadow = shadow_map.view()});
 }
 
 void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
@@ -238,21 +292,27 @@ void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
     if (!frame.scene.spheres.empty()) frame.spheres = import("spheres", slot.spheres);
 }
 
-void Renderer::State::import_pieces(Frame& frame) {
-    // upload() made them visible to these reads for good.
-    const auto import = [&](const char* name, const DeviceBuffer& buffer, AccessSet read) {
-        return frame.graph.import_buffer(name, {buffer.size()},
-                                         {.initial = read,
-                                          .final = {},
-                                          .read_only = true,
-                                          .external = frame.external.add(buffer.handle())});
+void Renderer::State::import_pieces(Frame& frame, FrameSlot& slot) {
+    const auto import = [&](const char* name, const DeviceBuffer& buffer, Access access) {
+        return frame.graph.import_buffer(
+            name, {buffer.size()},
+            {.initial = access, .final = {}, .external = frame.external.add(buffer.handle())});
     };
-    if (pieces.draws() == 0) return;
-    frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
-    frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
-    frame.indices = import("piece indices", pieces.indices(), Access::index_read);
-    frame.draw_data = import("draw data", pieces.draw_data(), PieceArena::draw_data_accesses);
-    frame.commands = import("draw commands", pieces.commands(), PieceArena::commands_accesses);
+    frame.upload = pieces.next_upload();
+    if (frame.draws_pieces() || !frame.upload.empty()) {
+        // The passes of frames before read them; an upload waits for those.
+        frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
+        frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
+        frame.indices = import("piece indices", pieces.indices(), Access::index_read);
+    }
+    if (frame.upload.staged > 0) {
+        reserve(device, slot.staging, "staging", frame.upload.staged, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
+        pieces.write_staging(slot.staging.mapped());
+        frame.staging = import("staging", slot.staging, Access::host_write);
+    }
+    if (!frame.draws_pieces()) return;
+    frame.draw_data = import("draw data", slot.draw_data, Access::host_write);
+    frame.commands = import("draw commands", slot.draw_commands, Access::host_write);
     frame.camera_commands = frame.light_commands = frame.commands;
 }
 
@@ -272,7 +332,7 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, VkExtent
                        .draws = pieces.draws(),
                        .triangles = pieces.triangles()};
     import_slot(frame, slot);
-    import_pieces(frame);
+    import_pieces(frame, slot);
     return frame;
 }
 
@@ -351,9 +411,14 @@ void Renderer::State::declare_read_back(Frame& frame, Image image, VkExtent2D ex
         });
 }
 
+void Renderer::State::submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphore signal) {
+    slot.commands.submit(wait, signal);
+    pieces.uploaded(slot.retired);
+}
+
 void Renderer::State::finish(Frame& frame, FrameSlot& slot) {
     record(frame, slot);
-    slot.commands.submit({}, VK_NULL_HANDLE);
+    submit(slot, {}, VK_NULL_HANDLE);
     slot.commands.wait();
     collect(slot);
 }
@@ -362,6 +427,7 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
     FrameSlot& slot = next_slot();
     const VkExtent2D extent = target.extent;
     Frame frame = begin_frame(slot, scene, target.extent);
+    declare_upload(frame);
     frame.colour = frame.graph.create_image(
         "colour", {.width = extent.width, .height = extent.height, .format = target.format});
     declare_scene(frame, slot, target);
@@ -379,6 +445,7 @@ IdImage Renderer::State::draw_ids(const Scene& scene, VkExtent2D extent) {
     if (!ids) ids.emplace(device, layout.pipeline_layout());
     FrameSlot& slot = next_slot();
     Frame frame = begin_frame(slot, scene, extent);
+    declare_upload(frame);
     declare_cull(frame, slot, false);
     declare_read_back(frame, ids->declare(frame, extent), extent);
     finish(frame, slot);
@@ -405,6 +472,7 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     const Target target{swapchain->format(), swapchain->extent()};
     ui->build(draw_ui);
     Frame frame = begin_frame(slot, scene, target.extent);
+    declare_upload(frame);
     frame.colour = frame.graph.import_image(
         "swapchain", {.width = target.extent.width, .height = target.extent.height, .format = target.format},
         {.initial = Access::acquired,
@@ -413,8 +481,7 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     declare_scene(frame, slot, target);
     ui->declare(frame, *image);
     record(frame, slot);
-    slot.commands.submit({swapchain->acquired(turn), to_vulkan(Access::acquired).stages},
-                         swapchain->finished(*image));
+    submit(slot, {swapchain->acquired(turn), to_vulkan(Access::acquired).stages}, swapchain->finished(*image));
     shadow_kept = true;
     swapchain->present(*image);
     return true;
@@ -437,14 +504,46 @@ const Quality& Renderer::quality() const {
     return state_->quality();
 }
 
-Result<void> Renderer::set_pieces(std::span<const PieceMesh> pieces) {
-    return guarded([&]() -> Result<void> {
-        Result<PieceArena> arena = PieceArena::create(state_->device, pieces);
-        if (!arena) return arena.error();
-        state_->device.wait_idle();
-        state_->pieces = *std::move(arena);
+Result<std::vector<PieceHandle>> Renderer::set_pieces(std::span<const PieceMesh> pieces) {
+    return state_->run([&]() -> Result<std::vector<PieceHandle>> {
+        Result<PieceBatch> batch = PieceBatch::create(pieces);
+        if (!batch) return batch.error();
+        Result<std::vector<PieceHandle>> handles = state_->pieces.replace_all(*std::move(batch));
+        if (!handles) return handles;
         state_->shadow_kept = false;
-        return {};
+        // A body's number means another body now.
+        for (const auto& slot : state_->slots) slot->poses_moment = 0;
+        return handles;
+    });
+}
+
+Result<std::vector<PieceHandle>> Renderer::add_pieces(std::span<const PieceMesh> pieces) {
+    Result<PieceBatch> batch = state_->run([&] { return PieceBatch::create(pieces); });
+    if (!batch) return batch.error();
+    return add_pieces(*std::move(batch));
+}
+
+Result<std::vector<PieceHandle>> Renderer::add_pieces(PieceBatch batch) {
+    return state_->run([&]() -> Result<std::vector<PieceHandle>> {
+        Result<std::vector<PieceHandle>> handles = state_->pieces.add(std::move(batch));
+        if (handles) state_->shadow_kept = false;
+        return handles;
+    });
+}
+
+Result<void> Renderer::remove_pieces(std::span<const PieceHandle> handles) {
+    return state_->run([&]() -> Result<void> {
+        Result<void> removed = state_->pieces.remove(handles);
+        if (removed) state_->shadow_kept = false;
+        return removed;
+    });
+}
+
+Result<void> Renderer::fade_pieces(std::span<const PieceHandle> handles, float fade) {
+    return state_->run([&]() -> Result<void> {
+        Result<void> faded = state_->pieces.fade(handles, fade);
+        if (faded) state_->shadow_kept = false;
+        return faded;
     });
 }
 
@@ -453,21 +552,21 @@ uint32_t Renderer::body_count() const {
 }
 
 Result<Bitmap> Renderer::render(const Scene& scene, glm::uvec2 size) {
-    return guarded([&]() -> Result<Bitmap> {
+    return state_->run([&]() -> Result<Bitmap> {
         if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
         return state_->draw_off_screen(scene, {Format::rgba8_unorm, {size.x, size.y}});
     });
 }
 
 Result<IdImage> Renderer::render_ids(const Scene& scene, glm::uvec2 size) {
-    return guarded([&]() -> Result<IdImage> {
+    return state_->run([&]() -> Result<IdImage> {
         if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
         return state_->draw_ids(scene, {size.x, size.y});
     });
 }
 
 Result<void> Renderer::attach(Window& window) {
-    return guarded([&]() -> Result<void> {
+    return state_->run([&]() -> Result<void> {
         if (state_->window)
             return Error{Status::invalid_argument, "the renderer already draws into a window"};
         auto swapchain = std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
@@ -479,7 +578,7 @@ Result<void> Renderer::attach(Window& window) {
 }
 
 Result<bool> Renderer::present(const Scene& scene, const std::function<void()>& ui) {
-    return guarded([&]() -> Result<bool> {
+    return state_->run([&]() -> Result<bool> {
         if (!state_->window) return Error{Status::invalid_argument, "present() needs attach() first"};
         return state_->draw_in_window(scene, ui);
     });
@@ -494,22 +593,29 @@ bool Renderer::ui_wants_keyboard() const {
 }
 
 Result<void> Renderer::warm_up() {
-    return guarded([&]() -> Result<void> {
+    return state_->run([&]() -> Result<void> {
         // One triangle, when there is no piece that would make the driver compile the pieces' shaders.
         const glm::vec3 corners[] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
         const glm::uvec3 triangle(0, 1, 2);
         const PieceMesh piece{.positions = corners, .triangles = {&triangle, 1}, .exterior_triangles = 1};
-        const bool stand_in = state_->pieces.draws() == 0;
-        if (stand_in)
-            if (Result<void> set = set_pieces({&piece, 1}); !set) return set.error();
-
+        std::vector<PieceHandle> stand_in;
+        if (state_->pieces.draws() == 0) {
+            Result<std::vector<PieceHandle>> added = add_pieces({&piece, 1});
+            if (!added) return added.error();
+            stand_in = *std::move(added);
+        }
         const LineVertex line[] = {{{0.0f, 0.0f, 0.0f}}, {{1.0f, 0.0f, 0.0f}}};
         const Sphere sphere{};
         const Scene scene{.lines = line, .spheres = {&sphere, 1}};
         const Format format = state_->swapchain ? state_->swapchain->format() : Format::rgba8_unorm;
-        (void)state_->draw_off_screen(scene, {format, {16, 16}});
+        const Result<void> drawn = guarded([&]() -> Result<void> {
+            (void)state_->draw_off_screen(scene, {format, {16, 16}});
+            return {};
+        });
         state_->shadow_kept = false;
-        return stand_in ? set_pieces({}) : Result<void>{};
+        if (stand_in.empty() || (!drawn && drawn.error().status == Status::device_lost)) return drawn;
+        const Result<void> removed = remove_pieces(stand_in);
+        return drawn ? removed : drawn;
     });
 }
 

@@ -4,9 +4,9 @@
 //
 //     auto device = Device::create({});                      // Results: check each
 //     auto renderer = Renderer::create(**device);
-//     (*renderer)->set_pieces(pieces);
+//     (*renderer)->add_pieces(pieces);
 //     Scene scene{.camera = look_at_bounds(bounds, 0.5f, 0.3f, 16.0f / 9.0f), .bounds = bounds};
-//     scene.write_poses = [&](std::span<BodyPose> poses) { world.poses(poses); };
+//     scene.write_poses = [&](std::span<BodyPose> poses, uint64_t) { world.poses(poses); };
 //     Result<Bitmap> image = (*renderer)->render(scene, {1280, 720});
 //     write_png(*image, "frame.png");
 //
@@ -41,6 +41,7 @@
 #include "engine/core/result.h"
 #include "engine/gpu/device.h"
 #include "engine/graph/pass_time.h"
+#include "engine/render/piece_batch.h"
 #include "engine/render/scene.h"
 
 namespace brittle::engine {
@@ -73,7 +74,8 @@ struct FrameStats {
     // Those in the camera's view, of the newest frame that the device has finished; without culling, all of
     // them.
     uint32_t pieces_in_view = 0;
-    uint32_t draws = 0; // draw ranges in the indirect buffer: one for each exterior, one for each interior
+    uint32_t draws = 0; // draw ranges in the indirect buffer: one for each exterior, one for each interior, but for
+                        // pieces that have faded away
     uint32_t indirect_calls = 0; // multi-draw calls that draw them, over all passes
     uint64_t triangles = 0;      // of the pieces
     bool shadow_drawn = false;   // false when the kept shadow map was used
@@ -83,7 +85,7 @@ struct FrameStats {
 struct IdImage {
     uint32_t width = 0;
     uint32_t height = 0;
-    std::vector<uint32_t> ids; // row by row from the top: a piece's index in set_pieces() plus 1; 0: none
+    std::vector<uint32_t> ids; // row by row from the top: PieceHandle::number, 0: none
 
     [[nodiscard]] uint32_t at(uint32_t x, uint32_t y) const { return ids[size_t{y} * width + x]; }
 };
@@ -98,10 +100,21 @@ class Renderer {
 
     [[nodiscard]] const Quality& quality() const; // as chosen: every member is set
 
-    // Replaces all pieces. Copies what it needs before it returns; waits for the frames in flight. No piece
-    // at all is fine. Fails with invalid_argument on an index out of range or more exterior triangles than
-    // triangles, with the piece's number, or with out_of_memory, and then keeps the old pieces.
-    [[nodiscard]] Result<void> set_pieces(std::span<const PieceMesh> pieces);
+    // Pieces come and go between frames. Nothing here waits for the device: the next frame copies the geometry, and
+    // the space of removed pieces is used again in the order of frames. Handles are in the order of the pieces. Fails
+    // with invalid_argument as PieceBatch::create() says, and on a body or an amount that the device cannot address,
+    // or with out_of_memory; then nothing changes. A piece whose frame fails comes with the next.
+    [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(PieceBatch batch);
+    [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(std::span<const PieceMesh> pieces);
+    // Fails with invalid_argument on a handle of no piece that is there, and then removes none.
+    [[nodiscard]] Result<void> remove_pieces(std::span<const PieceHandle> handles);
+    // How far pieces have faded, from 0, as they come, to 1, where they are not drawn: by a fixed pattern of 8x8
+    // pixels that they leave out, in their shadow as well; their wireframe is not drawn. Fails with invalid_argument
+    // as remove_pieces() does, and on other values. While pieces fade, they alone cost a depth test late in the
+    // pipeline.
+    [[nodiscard]] Result<void> fade_pieces(std::span<const PieceHandle> handles, float fade);
+    // Removes all pieces and adds these.
+    [[nodiscard]] Result<std::vector<PieceHandle>> set_pieces(std::span<const PieceMesh> pieces);
     [[nodiscard]] uint32_t body_count() const; // one more than the largest PieceMesh::body; 0 without pieces
 
     // Draws one frame off screen and reads it back. Width and height from 1 to the device's limit.

@@ -1,9 +1,10 @@
 // What a frame shows. Plain data that the caller fills each frame; the geometry of pieces is uploaded apart
-// from it, by Renderer::set_pieces().
+// from it, by Renderer::add_pieces().
 //
 // Right-handed, Y up, metres. Colours are linear light in [0, 1] unless they are called sRGB.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -22,6 +23,14 @@ struct PieceMesh {
     uint32_t exterior_triangles = 0;         // the first so many; the rest are interior
     uint32_t body = 0;                       // the pose that moves it; several pieces may share one
     glm::vec3 tint{1.0f};                    // multiplies both materials; see piece_tint()
+};
+
+// A piece that was uploaded; never given again in a renderer's life. Compares and sorts in the order of adding. 0 is
+// no piece.
+struct PieceHandle {
+    uint32_t number = 0;
+
+    friend constexpr auto operator<=>(PieceHandle, PieceHandle) = default;
 };
 
 // A body's place in the world, as the GPU reads it: Scene::write_poses writes these straight into mapped
@@ -76,9 +85,14 @@ struct Scene {
     // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
     // depth range; what sticks out is drawn, without a shadow.
     Bounds bounds{};
-    // Called once in each draw, with one pose a body (Renderer::body_count()), each BodyPose{} so far. Unset:
-    // every body at the origin.
-    std::function<void(std::span<BodyPose>)> write_poses{};
+    // Called once in each draw, with one pose a body (Renderer::body_count()): the memory of the frame in flight,
+    // which holds what was written into it at the moment `since`. A body whose pose has not changed after that
+    // moment need not be written. At `since` 0 all are to be written, and each is BodyPose{} so far. Unset: every body
+    // at the origin.
+    std::function<void(std::span<BodyPose>, uint64_t since)> write_poses{};
+    // The caller's count of changes to poses, which grows with them: the moment of this frame. 0: not counted,
+    // `since` is always 0. A body new to the renderer makes it 0 as well; so does a moment less than the one before.
+    uint64_t moment = 0;
     // False promises that no pose differs from the previous draw's: the shadow map is then kept.
     bool moved = true;
 

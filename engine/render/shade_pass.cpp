@@ -16,36 +16,46 @@ namespace brittle::engine {
 
 ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
                      const Quality& quality) {
-    const VkBool32 values[] = {*quality.soft_shadows, *quality.ambient_occlusion};
     const VkSpecializationMapEntry entries[] = {
         {shared::constant_soft_shadows, 0, sizeof(VkBool32)},
-        {shared::constant_ambient_occlusion, sizeof(VkBool32), sizeof(VkBool32)}};
-    const VkSpecializationInfo constants{2, entries, sizeof values, values};
+        {shared::constant_ambient_occlusion, sizeof(VkBool32), sizeof(VkBool32)},
+        {shared::constant_fading, 2 * sizeof(VkBool32), sizeof(VkBool32)}};
+    const VkBool32 values[] = {*quality.soft_shadows, *quality.ambient_occlusion, VK_FALSE};
+    const VkBool32 fading_values[] = {values[0], values[1], VK_TRUE};
+    const VkSpecializationInfo constants{3, entries, sizeof values, values};
+    const VkSpecializationInfo fading{3, entries, sizeof values, fading_values};
 
     const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
-    pieces_ = Pipeline(device, {.name = "pieces",
-                                .layout = layout,
-                                .vertex = piece_vert,
-                                .fragment = piece_frag,
-                                .bindings = {&binding, 1},
-                                .attributes = {&attribute, 1},
-                                .colour = target.colour,
-                                .samples = target.samples,
-                                .constants = &constants});
+    PipelineDesc desc{.name = "pieces",
+                      .layout = layout,
+                      .vertex = piece_vert,
+                      .fragment = piece_frag,
+                      .bindings = {&binding, 1},
+                      .attributes = {&attribute, 1},
+                      .colour = target.colour,
+                      .samples = target.samples,
+                      .constants = &constants};
+    // Pipelines of their own for pieces that fade: a fragment shader that may leave pixels out is tested for depth late.
+    PipelineDesc fading_desc = desc;
+    fading_desc.name = "fading pieces";
+    fading_desc.constants = &fading;
+    pieces_ = Pipeline(device, desc);
+    fading_pieces_ = Pipeline(device, fading_desc);
     const VkVertexInputBindingDescription smooth_bindings[] = {
         binding, {1, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}};
     const VkVertexInputAttributeDescription smooth_attributes[] = {attribute,
                                                                    {1, 1, VK_FORMAT_R32G32B32_SFLOAT, 0}};
-    smooth_pieces_ = Pipeline(device, {.name = "smooth pieces",
-                                       .layout = layout,
-                                       .vertex = piece_smooth_vert,
-                                       .fragment = piece_smooth_frag,
-                                       .bindings = smooth_bindings,
-                                       .attributes = smooth_attributes,
-                                       .colour = target.colour,
-                                       .samples = target.samples,
-                                       .constants = &constants});
+    for (PipelineDesc* of : {&desc, &fading_desc}) {
+        of->vertex = piece_smooth_vert;
+        of->fragment = piece_smooth_frag;
+        of->bindings = smooth_bindings;
+        of->attributes = smooth_attributes;
+    }
+    desc.name = "smooth pieces";
+    fading_desc.name = "smooth fading pieces";
+    smooth_pieces_ = Pipeline(device, desc);
+    fading_smooth_pieces_ = Pipeline(device, fading_desc);
     if (device.has_line_mode())
         edges_ = Pipeline(device, {.name = "edges of pieces",
                                    .layout = layout,
@@ -104,13 +114,11 @@ void ShadePass::declare(Frame& frame) const {
                     const VkDeviceSize start = 0;
                     vkCmdBindVertexBuffers(commands, 1, 1, &normals, &start);
                 }
-                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
-                                  smooth ? smooth_pieces_.handle() : pieces_.handle());
-                draw_pieces(frame, context, frame.camera_commands);
-                if (frame.scene.wireframe && edges_.handle()) {
-                    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, edges_.handle());
-                    draw_pieces(frame, context, frame.camera_commands);
-                }
+                draw_pieces(frame, context, frame.camera_commands,
+                            smooth ? PiecePipelines{smooth_pieces_, &fading_smooth_pieces_}
+                                   : PiecePipelines{pieces_, &fading_pieces_});
+                if (frame.scene.wireframe && edges_.handle())
+                    draw_pieces(frame, context, frame.camera_commands, {edges_});
             }
             if (frame.scene.ground) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.handle());

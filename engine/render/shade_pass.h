@@ -15,8 +15,8 @@ class ShadePass {
     void declare(Frame& frame) const; // replaces frame.colour's and frame.depth's contents
 
   private:
-    Pipeline pieces_;
-    Pipeline smooth_pieces_;
+    Pipeline pieces_, fading_pieces_;
+    Pipeline smooth_pieces_, fading_smooth_pieces_;
     Pipeline edges_; // none where the device cannot draw triangles as lines
     Pipeline ground_;
     Pipeline background_;

@@ -1,5 +1,7 @@
 #include "engine/render/shadow_pass.h"
 
+#include "compiled/fade_frag.h"
+#include "compiled/shadow_fading_vert.h"
 #include "compiled/shadow_vert.h"
 
 namespace brittle::engine {
@@ -14,6 +16,15 @@ ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout) {
                                   .vertex = shadow_vert,
                                   .bindings = {&binding, 1},
                                   .attributes = {&attribute, 1}});
+    // What is left of a piece that fades throws the shadow of a sieve.
+    const FadingConstant fading;
+    fading_ = Pipeline(device, {.name = "shadow of fading pieces",
+                                .layout = layout,
+                                .vertex = shadow_fading_vert,
+                                .fragment = fade_frag,
+                                .bindings = {&binding, 1},
+                                .attributes = {&attribute, 1},
+                                .constants = &fading.info});
 }
 
 void ShadowPass::declare(Frame& frame) const {
@@ -31,10 +42,7 @@ void ShadowPass::declare(Frame& frame) const {
             begin_rendering(context.commands, {.extent = context.extent(frame.shadow),
                                                .depth = context.view(frame.shadow),
                                                .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
-            if (frame.draws_pieces()) {
-                vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.handle());
-                draw_pieces(frame, context, frame.light_commands);
-            }
+            if (frame.draws_pieces()) draw_pieces(frame, context, frame.light_commands, {pipeline_, &fading_});
             vkCmdEndRendering(context.commands);
         });
 }

@@ -13,6 +13,7 @@ class ShadowPass {
 
   private:
     Pipeline pipeline_;
+    Pipeline fading_;
 };
 
 } // namespace brittle::engine

@@ -11,21 +11,27 @@ namespace brittle::engine::test {
 
 inline constexpr glm::uvec2 small{96, 64};
 
-// A device and a renderer, checked at the end for silence of the validation layer. Empty where there is no
-// device.
+inline constexpr Quality plain_quality{.shadow_size = 512,
+                                       .soft_shadows = false,
+                                       .samples = 1,
+                                       .ambient_occlusion = false};
+inline constexpr Quality automatic_quality{.shadow_size = 128, .soft_shadows = false};
+
+// A renderer on a device that can be told to fail, checked at the end for silence of the validation layer. Empty where
+// there is no device.
 struct Fixture {
-    std::unique_ptr<Device> device = make_device();
+    FaultInjector faults; // of this fixture, unless it was given another
+    std::unique_ptr<Device> device;
     std::unique_ptr<Renderer> renderer;
 
-    explicit Fixture(const Quality& quality = {.shadow_size = 512,
-                                               .soft_shadows = false,
-                                               .samples = 1,
-                                               .ambient_occlusion = false}) {
+    explicit Fixture(const RendererSettings& settings, FaultInjector* other_faults = nullptr)
+        : device(make_device(other_faults ? other_faults : &faults)) {
         if (!device) return;
-        Result<std::unique_ptr<Renderer>> made = Renderer::create(*device, {.quality = quality});
+        Result<std::unique_ptr<Renderer>> made = Renderer::create(*device, settings);
         REQUIRE(made);
         renderer = *std::move(made);
     }
+    explicit Fixture(const Quality& quality = plain_quality) : Fixture(RendererSettings{.quality = quality}) {}
     ~Fixture() {
         if (!device) return;
         const auto messages = device->share_validation_messages();
@@ -33,6 +39,8 @@ struct Fixture {
         device.reset();
         CHECK(messages->empty());
     }
+    Fixture(const Fixture&) = delete;
+    Fixture& operator=(const Fixture&) = delete;
     explicit operator bool() const { return renderer != nullptr; }
 
     Bitmap draw(const Scene& scene, glm::uvec2 size = small) const {

@@ -1,5 +1,6 @@
 #include "support.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -104,8 +105,8 @@ KnownScene::KnownScene() {
 
     scene.bounds = {{-1.5f, 0.0f, -1.0f}, {1.3f, 1.3f, 1.0f}};
     scene.camera = look_at_bounds(scene.bounds, 0.35f, 0.4f, 1.6f);
-    scene.write_poses = [this](std::span<BodyPose> out) {
-        std::copy(poses.begin(), poses.end(), out.begin());
+    scene.write_poses = [this](std::span<BodyPose> out, uint64_t) {
+        std::copy_n(poses.begin(), std::min(poses.size(), out.size()), out.begin());
     };
     scene.lines = lines;
     scene.spheres = spheres;

@@ -39,7 +39,7 @@ struct Grid {
                               0.0f},
                  .scale = i % 7 == 3 ? 1.4f : 1.0f});
         }
-        scene.write_poses = [this](std::span<BodyPose> out) {
+        scene.write_poses = [this](std::span<BodyPose> out, uint64_t) {
             std::copy(poses.begin(), poses.end(), out.begin());
         };
         scene.bounds = {glm::vec3(-middle - 1.0f, -middle - 1.0f, -1.0f),
@@ -112,7 +112,7 @@ TEST_CASE("what is out of the camera's view still throws its shadow into it") {
     REQUIRE(f.renderer->set_pieces({&piece, 1}));
     Scene scene{.camera = {{3.0f, 3.0f, 0.001f}, {3.0f, 0.0f, 0.0f}, 0.3f},
                 .bounds = {{-0.5f, 2.5f, -0.5f}, {0.5f, 3.5f, 0.5f}}};
-    scene.write_poses = [](std::span<BodyPose> poses) { poses[0].position = {0.0f, 3.0f, 0.0f}; };
+    scene.write_poses = [](std::span<BodyPose> poses, uint64_t) { poses[0].position = {0.0f, 3.0f, 0.0f}; };
     scene.look.to_light = {-1.0f, 1.0f, 0.0f};
     const Bitmap image = f.draw(scene);
     CHECK(f.renderer->stats().pieces_in_view == 0);
@@ -130,4 +130,36 @@ TEST_CASE("ten thousand pieces are one call a pass") {
     CHECK(f.renderer->stats().pieces_in_view == 10000);
     CHECK(f.renderer->stats().draws == 20000);
     CHECK(f.renderer->stats().indirect_calls == 2);
+}
+
+TEST_CASE("a device without multi-draws draws the same pictures, with a call a draw range") {
+    const Fixture with;
+    if (!with || !with.device->has_multi_draw()) return;
+    FaultInjector faults;
+    faults.hide("multiDrawIndirect");
+    KnownScene known;
+    REQUIRE(with.renderer->set_pieces(known.pieces()));
+    const Bitmap expected = with.draw(known.scene);
+    const Result<IdImage> expected_ids = with.renderer->render_ids(known.scene, small);
+    REQUIRE(expected_ids);
+    const auto check_without = [&](const Quality& asked, bool culls) {
+        const Fixture without({.quality = asked}, &faults);
+        CHECK_FALSE(without.device->has_multi_draw());
+        CHECK(*without.renderer->quality().culling == culls);
+        const auto handles = without.renderer->set_pieces(known.pieces());
+        REQUIRE(handles);
+        CHECK(without.draw(known.scene).pixels == expected.pixels);
+        CHECK(without.renderer->stats().draws == 6);
+        CHECK(without.renderer->stats().indirect_calls == 12); // shadow and shade
+        CHECK(without.renderer->stats().pieces_in_view == 4);
+        const Result<IdImage> ids = without.renderer->render_ids(known.scene, small);
+        REQUIRE(ids);
+        CHECK(ids->ids == expected_ids->ids);
+        // A list of two parts, drawn range by range.
+        REQUIRE(without.renderer->fade_pieces(std::span(*handles).first(1), 0.5f));
+        (void)without.draw(known.scene);
+        CHECK(without.renderer->stats().indirect_calls == 12);
+    };
+    check_without(plain_quality, false);
+    check_without(quality(true), true);
 }

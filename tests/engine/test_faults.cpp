@@ -9,47 +9,24 @@
 #include "engine/compute/gpu_classifier.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
-#include "support.h"
+#include "renderer_fixture.h"
 
 using namespace brittle::engine;
 using namespace brittle::engine::test;
 
 namespace {
 
-constexpr glm::uvec2 small{96, 64};
-
 bool has(const Error& error, const std::string& text) {
     return error.message.find(text) != std::string::npos;
 }
 
-// A renderer on a device that can be told to fail, and silence of the validation layer at the end of both.
-struct Fixture {
-    FaultInjector faults;
-    std::unique_ptr<Device> device = make_device(&faults);
-    std::unique_ptr<Renderer> renderer;
+// With the known scene.
+struct KnownFixture : Fixture {
     KnownScene known;
 
-    Fixture() {
-        if (!device) return;
-        Result<std::unique_ptr<Renderer>> made =
-            Renderer::create(*device, {.quality = {.shadow_size = 128, .soft_shadows = false}});
-        REQUIRE(made);
-        renderer = *std::move(made);
-    }
-    ~Fixture() {
-        if (!device) return;
-        const auto messages = device->share_validation_messages();
-        renderer.reset();
-        device.reset();
-        CHECK(messages->empty());
-    }
-    explicit operator bool() const { return renderer != nullptr; }
-
-    Bitmap draw() const {
-        Result<Bitmap> image = renderer->render(known.scene, small);
-        REQUIRE(image);
-        return *std::move(image);
-    }
+    KnownFixture() : Fixture(automatic_quality) {}
+    using Fixture::draw;
+    [[nodiscard]] Bitmap draw() const { return draw(known.scene); }
 };
 
 } // namespace
@@ -199,7 +176,7 @@ TEST_CASE("memory that runs out at any allocation of a renderer is an error, and
 }
 
 TEST_CASE("memory that runs out in set_pieces names the size, and the old pieces stay") {
-    Fixture f;
+    KnownFixture f;
     if (!f) return;
     REQUIRE(f.renderer->set_pieces(f.known.pieces()));
     const Bitmap before = f.draw();
@@ -208,7 +185,7 @@ TEST_CASE("memory that runs out in set_pieces names the size, and the old pieces
     int refused = 0;
     for (uint32_t n = 1;; ++n, ++refused) {
         f.faults.fail(Call::allocate, VK_ERROR_OUT_OF_DEVICE_MEMORY, n);
-        const Result<void> set = f.renderer->set_pieces({&piece, 1});
+        const auto set = f.renderer->set_pieces({&piece, 1});
         f.faults.fail(Call::allocate, VK_SUCCESS);
         if (set) break;
         CHECK(set.error().status == Status::out_of_memory);
@@ -217,12 +194,12 @@ TEST_CASE("memory that runs out in set_pieces names the size, and the old pieces
         CHECK(f.renderer->body_count() == 4);
         CHECK(f.draw().pixels == before.pixels);
     }
-    CHECK(refused == 6); // five arenas and the staging buffer
+    CHECK(refused == 3); // the arenas of vertices, normals and indices
     CHECK(f.renderer->body_count() == 8);
 }
 
 TEST_CASE("memory that runs out while drawing fails that frame only") {
-    Fixture f;
+    KnownFixture f;
     if (!f) return;
     REQUIRE(f.renderer->set_pieces(f.known.pieces()));
     const Bitmap before = f.draw();
@@ -242,12 +219,12 @@ TEST_CASE("memory that runs out while drawing fails that frame only") {
 }
 
 TEST_CASE("an exhausted host memory in a callback fails that frame only") {
-    Fixture f;
+    KnownFixture f;
     if (!f) return;
     REQUIRE(f.renderer->set_pieces(f.known.pieces()));
     const Bitmap before = f.draw();
     Scene scene = f.known.scene;
-    scene.write_poses = [](std::span<BodyPose>) { throw std::bad_alloc(); };
+    scene.write_poses = [](std::span<BodyPose>, uint64_t) { throw std::bad_alloc(); };
     const Result<Bitmap> image = f.renderer->render(scene, small);
     REQUIRE_FALSE(image);
     CHECK(image.error().status == Status::out_of_memory);
@@ -256,7 +233,7 @@ TEST_CASE("an exhausted host memory in a callback fails that frame only") {
 
 TEST_CASE("a lost device is reported by whatever meets it, and all can be destroyed") {
     for (const Call kind : {Call::submit, Call::wait}) {
-        Fixture f;
+        KnownFixture f;
         if (!f) return;
         REQUIRE(f.renderer->set_pieces(f.known.pieces()));
         (void)f.draw();
@@ -271,7 +248,7 @@ TEST_CASE("a lost device is reported by whatever meets it, and all can be destro
             REQUIRE_FALSE(next);
             CHECK(next.error().status == Status::device_lost);
         }
-        const Result<void> set = f.renderer->set_pieces(f.known.pieces());
+        const auto set = f.renderer->set_pieces(f.known.pieces());
         REQUIRE_FALSE(set);
         CHECK(set.error().status == Status::device_lost);
         CHECK(f.renderer->body_count() == 4);
@@ -280,17 +257,39 @@ TEST_CASE("a lost device is reported by whatever meets it, and all can be destro
 }
 
 TEST_CASE("a device that is lost while pieces are copied to it keeps nothing alive") {
-    Fixture f;
+    KnownFixture f;
     if (!f) return;
+    REQUIRE(f.renderer->set_pieces(f.known.pieces())); // for the next frame to copy
     f.faults.fail(Call::wait, VK_ERROR_DEVICE_LOST);
-    const Result<void> set = f.renderer->set_pieces(f.known.pieces());
-    REQUIRE_FALSE(set);
-    CHECK(set.error().status == Status::device_lost);
-    CHECK(f.renderer->body_count() == 0);
+    const Result<Bitmap> image = f.renderer->render(f.known.scene, small);
+    REQUIRE_FALSE(image);
+    CHECK(image.error().status == Status::device_lost);
+}
+
+TEST_CASE("pieces whose frame fails come with the next one, moved to larger arenas or not") {
+    KnownFixture f;
+    if (!f) return;
+    const std::vector<PieceMesh> pieces = f.known.pieces();
+    REQUIRE(f.renderer->set_pieces(pieces));
+    const Bitmap expected = f.draw();
+    REQUIRE(f.renderer->set_pieces({}));
+    int failed = 0;
+    for (size_t i = 0; i < pieces.size(); ++i) { // each outgrows the arenas
+        for (const Call kind : {Call::allocate, Call::map, Call::submit}) {
+            REQUIRE(f.renderer->add_pieces({&pieces[i], 1}));
+            f.faults.fail(kind, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+            failed += !f.renderer->render(f.known.scene, small);
+            f.faults.fail(kind, VK_SUCCESS);
+        }
+        (void)f.draw();
+    }
+    CHECK(failed > 4);
+    CHECK(f.renderer->stats().pieces == 12);
+    CHECK(f.draw().pixels == expected.pixels); // each piece three times in one place
 }
 
 TEST_CASE("a device that hangs is reported like a lost one, with the time that it was given") {
-    Fixture f;
+    KnownFixture f;
     if (!f) return;
     REQUIRE(f.renderer->set_pieces(f.known.pieces()));
     f.faults.fail(Call::wait, VK_TIMEOUT);

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "support.h"
+#include "renderer_fixture.h"
 
 using namespace brittle::engine;
 using namespace brittle::engine::test;
@@ -22,19 +22,14 @@ BitmapTolerance tolerance_of(const Device& device) {
 
 // Quality is fixed, so that every device draws the same picture.
 void check_picture(const char* name, const Quality& quality, const std::function<void(Scene&)>& change) {
-    const std::unique_ptr<Device> device = make_device();
-    if (!device) return;
-    Result<std::unique_ptr<Renderer>> renderer = Renderer::create(*device, {.quality = quality});
-    REQUIRE(renderer);
+    const Fixture f(quality);
+    if (!f) return;
     KnownScene known;
     change(known.scene);
-    REQUIRE((*renderer)->set_pieces(known.pieces()));
-    const Result<Bitmap> image = (*renderer)->render(known.scene, size);
-    REQUIRE(image);
-    const GoldenCheck check = check_golden(*image, name, tolerance_of(*device), golden_folder());
+    REQUIRE(f.renderer->set_pieces(known.pieces()));
+    const GoldenCheck check =
+        check_golden(f.draw(known.scene, size), name, tolerance_of(*f.device), golden_folder());
     CHECK_MESSAGE(check.passed, check.message);
-    renderer->reset();
-    CHECK(device->validation_messages().empty());
 }
 
 constexpr Quality plain{.shadow_size = 1024, .soft_shadows = false, .samples = 1, .ambient_occlusion = false};

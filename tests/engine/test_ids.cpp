@@ -72,7 +72,7 @@ TEST_CASE("the piece in front has the pixel, and interiors are their piece's") {
     REQUIRE(f.renderer->set_pieces(pieces));
     std::vector<BodyPose> poses(2);
     Scene scene = empty_stage();
-    scene.write_poses = [&](std::span<BodyPose> out) { std::copy(poses.begin(), poses.end(), out.begin()); };
+    scene.write_poses = [&](std::span<BodyPose> out, uint64_t) { std::copy(poses.begin(), poses.end(), out.begin()); };
     const auto middle = [&] { return ids_of(f, scene).at(small.x / 2, small.y / 2); };
     poses[1].position.z = 1.0f;
     CHECK(middle() == 2);

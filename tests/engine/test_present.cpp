@@ -11,43 +11,31 @@
 
 #include "engine/core/window.h"
 #include "engine/gpu/swapchain.h"
-#include "support.h"
+#include "renderer_fixture.h"
 
 using namespace brittle::engine;
 using namespace brittle::engine::test;
 
 namespace {
 
-// A window with the known scene, on a device that can be told to fail, and silence of the validation layer at
-// the end.
-struct Fixture {
-    FaultInjector faults;
+struct OpenWindow {
     std::unique_ptr<Window> window;
-    std::unique_ptr<Device> device;
-    std::unique_ptr<Renderer> renderer;
-    KnownScene known;
 
-    Fixture() {
+    OpenWindow() {
         Result<std::unique_ptr<Window>> opened =
             Window::create({.title = "faults", .width = 120, .height = 90});
         REQUIRE(opened);
         window = *std::move(opened);
-        device = make_device(&faults);
-        if (!device) return;
-        Result<std::unique_ptr<Renderer>> made = Renderer::create(
-            *device, {.quality = {.shadow_size = 128, .soft_shadows = false}, .vsync = false});
-        REQUIRE(made);
-        renderer = *std::move(made);
-        REQUIRE(renderer->set_pieces(known.pieces()));
     }
-    ~Fixture() {
-        if (!device) return;
-        const auto messages = device->share_validation_messages();
-        renderer.reset();
-        device.reset();
-        CHECK(messages->empty());
+};
+
+// A window with the known scene. The window outlives the renderer.
+struct WindowFixture : OpenWindow, Fixture {
+    KnownScene known;
+
+    WindowFixture() : Fixture({.quality = automatic_quality, .vsync = false}) {
+        if (renderer) REQUIRE(renderer->set_pieces(known.pieces()));
     }
-    explicit operator bool() const { return renderer != nullptr; }
 
     Result<bool> present() {
         window->poll();
@@ -103,7 +91,7 @@ TEST_CASE("a present mode that is not offered is replaced by FIFO") {
 }
 
 TEST_CASE("a device without swapchains is refused for a window, with the way out") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     FaultInjector faults;
     faults.hide("VK_KHR_swapchain");
@@ -120,7 +108,7 @@ TEST_CASE("a device without swapchains is refused for a window, with the way out
 }
 
 TEST_CASE("a swapchain that is out of date is made again, and the frame is shown") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.attach();
     f.show();
@@ -141,7 +129,7 @@ TEST_CASE("a swapchain that is out of date is made again, and the frame is shown
 }
 
 TEST_CASE("a suboptimal swapchain is shown and made again, but not for ever") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.attach();
     f.show();
@@ -158,7 +146,7 @@ TEST_CASE("a suboptimal swapchain is shown and made again, but not for ever") {
 }
 
 TEST_CASE("a lost surface is made again") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.attach();
     f.show();
@@ -171,7 +159,7 @@ TEST_CASE("a lost surface is made again") {
 }
 
 TEST_CASE("a window system that keeps its images costs that frame only") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.attach();
     f.show();
@@ -183,7 +171,7 @@ TEST_CASE("a window system that keeps its images costs that frame only") {
 }
 
 TEST_CASE("memory that runs out at any call of a frame is an error, and the next frame is shown") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.attach();
     for (const VkResult result : {VK_ERROR_OUT_OF_DEVICE_MEMORY, VK_ERROR_OUT_OF_HOST_MEMORY})
@@ -193,11 +181,11 @@ TEST_CASE("memory that runs out at any call of a frame is an error, and the next
             CAPTURE(static_cast<int>(kind));
             f.faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR); // the swapchain is made again, too
             f.show(1);
-            if (kind == Call::allocate) { // for which the pieces must be new
+            if (kind == Call::allocate) { // for which the pieces must outgrow the arenas
                 f.faults.fail(kind, result);
-                const Result<void> set = f.renderer->set_pieces(f.known.pieces());
-                REQUIRE_FALSE(set);
-                CHECK(set.error().status == Status::out_of_memory);
+                const auto added = f.renderer->add_pieces(f.known.pieces());
+                REQUIRE_FALSE(added);
+                CHECK(added.error().status == Status::out_of_memory);
                 continue;
             }
             f.faults.fail(kind, result);
@@ -209,7 +197,7 @@ TEST_CASE("memory that runs out at any call of a frame is an error, and the next
 }
 
 TEST_CASE("a window cannot be attached without memory, and can with it") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.faults.fail(Call::submit, VK_ERROR_OUT_OF_DEVICE_MEMORY);
     const Result<void> attached = f.renderer->attach(*f.window);
@@ -221,7 +209,7 @@ TEST_CASE("a window cannot be attached without memory, and can with it") {
 
 TEST_CASE("a device that is lost under a window is reported, and all can be destroyed") {
     for (const Call kind : {Call::acquire, Call::submit, Call::wait, Call::present}) {
-        Fixture f;
+        WindowFixture f;
         if (!f) return;
         f.attach();
         f.show();
@@ -235,7 +223,7 @@ TEST_CASE("a device that is lost under a window is reported, and all can be dest
 }
 
 TEST_CASE("a device that hangs under a window is reported, and all can be destroyed") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.attach();
     f.show();
@@ -246,7 +234,7 @@ TEST_CASE("a device that hangs under a window is reported, and all can be destro
 }
 
 TEST_CASE("a minimised window shows nothing, and comes back") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.attach();
     f.show();
@@ -265,7 +253,7 @@ TEST_CASE("a minimised window shows nothing, and comes back") {
 }
 
 TEST_CASE("a window that is resized before every frame is drawn into at each size") {
-    Fixture f;
+    WindowFixture f;
     if (!f) return;
     f.attach();
     int shown = 0;

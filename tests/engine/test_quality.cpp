@@ -108,7 +108,7 @@ TEST_CASE("ambient occlusion darkens the ground at a box's foot, and nothing in 
     const PieceMesh piece = cube.piece(0);
     Scene scene{.camera = {{0.0f, 1.5f, 5.0f}, {0.0f, 0.3f, 0.0f}, 0.6f},
                 .bounds = {{-0.5f, 0.0f, -0.5f}, {0.5f, 1.0f, 0.5f}}};
-    scene.write_poses = [](std::span<BodyPose> poses) { poses[0].position = {0.0f, 0.5f, 0.0f}; };
+    scene.write_poses = [](std::span<BodyPose> poses, uint64_t) { poses[0].position = {0.0f, 0.5f, 0.0f}; };
     REQUIRE(off.renderer->set_pieces({&piece, 1}));
     REQUIRE(on.renderer->set_pieces({&piece, 1}));
     const glm::uvec2 size{192, 128};
@@ -161,7 +161,7 @@ TEST_CASE("the shadow map covers everything within the bounds") {
     REQUIRE(f.renderer->set_pieces(pieces));
     Scene scene{.camera = {{0.0f, 40.0f, 0.01f}, {0.0f, 0.0f, 0.0f}, 0.6f},
                 .bounds = {{-10.5f, 0.0f, -0.5f}, {10.5f, 1.0f, 0.5f}}};
-    scene.write_poses = [](std::span<BodyPose> poses) {
+    scene.write_poses = [](std::span<BodyPose> poses, uint64_t) {
         poses[0].position = {-10.0f, 0.5f, 0.0f};
         poses[1].position = {10.0f, 0.5f, 0.0f};
     };

@@ -121,7 +121,7 @@ engine::Scene Stage::scene() {
             scene.bounds.min = glm::min(scene.bounds.min, centre - radii_[i]);
             scene.bounds.max = glm::max(scene.bounds.max, centre + radii_[i]);
         }
-        scene.write_poses = [this](std::span<engine::BodyPose> out) {
+        scene.write_poses = [this](std::span<engine::BodyPose> out, uint64_t) {
             for (size_t i = 0; i < std::min(out.size(), poses_.size()); ++i) {
                 out[i] = {.rotation = poses_[i].orientation, .position = poses_[i].position};
             }

@@ -1,0 +1,90 @@
+#include "engine/render/piece_batch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/packing.hpp>
+
+#include "engine/render/smooth_normals.h"
+
+namespace brittle::engine {
+
+namespace {
+
+Error invalid(size_t piece, const std::string& what) {
+    return {Status::invalid_argument, "cannot draw piece " + std::to_string(piece) + ": " + what};
+}
+
+Result<void> check_piece(size_t index, const PieceMesh& piece) {
+    if (piece.exterior_triangles > piece.triangles.size())
+        return invalid(index, "it says that " + std::to_string(piece.exterior_triangles) + " of its "
+                                  + std::to_string(piece.triangles.size()) + " triangles are exterior");
+    for (size_t t = 0; t < piece.triangles.size(); ++t) {
+        const glm::uvec3 corner = piece.triangles[t];
+        const uint32_t largest = std::max({corner.x, corner.y, corner.z});
+        if (largest >= piece.positions.size())
+            return invalid(index, "triangle " + std::to_string(t) + " names vertex " + std::to_string(largest)
+                                      + " of " + std::to_string(piece.positions.size()));
+    }
+    return {};
+}
+
+// Around all of the piece: about the middle of its box, so not the smallest.
+glm::vec4 sphere_around(std::span<const glm::vec3> positions) {
+    if (positions.empty()) return glm::vec4(0.0f);
+    glm::vec3 low = positions[0], high = positions[0];
+    for (const glm::vec3& p : positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const glm::vec3 centre = (low + high) * 0.5f;
+    float squared = 0.0f;
+    for (const glm::vec3& p : positions) squared = std::max(squared, glm::dot(p - centre, p - centre));
+    return {centre, std::sqrt(squared)};
+}
+
+} // namespace
+
+Result<PieceBatch> PieceBatch::create(std::span<const PieceMesh> pieces) {
+    size_t vertices = 0, triangles = 0;
+    for (size_t i = 0; i < pieces.size(); ++i) {
+        if (Result<void> valid = check_piece(i, pieces[i]); !valid) return valid.error();
+        vertices += pieces[i].positions.size() + 3 * size_t{pieces[i].exterior_triangles}; // split at most so
+        triangles += pieces[i].triangles.size();
+    }
+    // Vertex offsets are signed 32 bits, first indices unsigned 32 bits.
+    if (vertices > std::numeric_limits<int32_t>::max() || triangles > std::numeric_limits<uint32_t>::max() / 3)
+        return Error{Status::invalid_argument, "cannot draw " + std::to_string(pieces.size()) + " pieces of "
+                                                   + std::to_string(triangles)
+                                                   + " triangles: too many to address"};
+    PieceBatch batch;
+    batch.pieces_.reserve(pieces.size());
+    batch.indices_.reserve(3 * triangles);
+    for (const PieceMesh& piece : pieces) batch.add(piece);
+    return batch;
+}
+
+void PieceBatch::add(const PieceMesh& piece) {
+    const SmoothSurface exterior =
+        smooth_normals(piece.positions, piece.triangles.first(piece.exterior_triangles));
+    const std::span interior = piece.triangles.subspan(piece.exterior_triangles);
+    pieces_.push_back({.first_vertex = static_cast<uint32_t>(positions_.size()),
+                       .vertices = static_cast<uint32_t>(exterior.normals.size()),
+                       .first_index = static_cast<uint32_t>(indices_.size()),
+                       .exterior_indices = static_cast<uint32_t>(3 * exterior.triangles.size()),
+                       .interior_indices = static_cast<uint32_t>(3 * interior.size()),
+                       .body = piece.body,
+                       .tint = glm::packUnorm4x8(glm::vec4(piece.tint, 0.0f)),
+                       .sphere = sphere_around(piece.positions)});
+    positions_.insert(positions_.end(), piece.positions.begin(), piece.positions.end());
+    for (const uint32_t vertex : exterior.copies) positions_.push_back(piece.positions[vertex]);
+    normals_.insert(normals_.end(), exterior.normals.begin(), exterior.normals.end());
+    for (const std::span<const glm::uvec3> range : {std::span<const glm::uvec3>(exterior.triangles), interior})
+        for (const glm::uvec3& corner : range) indices_.insert(indices_.end(), {corner.x, corner.y, corner.z});
+}
+
+} // namespace brittle::engine

@@ -1,0 +1,10 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The depth of a piece that fades.
+#include "fade.glsl"
+
+layout(location = 1) flat in vec4 albedo;
+
+void main() {
+    leave_out(albedo.a);
+}

@@ -1,0 +1,13 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// As shadow.vert, for pieces that fade.
+#include "frame.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) flat out vec4 albedo;
+
+void main() {
+    DrawData draw = draws[gl_InstanceIndex];
+    albedo = albedo_of(draw);
+    gl_Position = frame.shadow_clip_from_world * vec4(place(poses[draw.body], position, vec3(0.0)), 1.0);
+}

@@ -1,0 +1,319 @@
+// Pieces that come, fade and go between frames; the oracle is the same set, set at once.
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "renderer_fixture.h"
+
+using namespace brittle::engine;
+using namespace brittle::engine::test;
+
+namespace {
+
+// A piece of its own shape at its own place, on a grid in the x-y plane; its body is its number.
+struct Made {
+    Shape shape;
+    uint32_t body;
+
+    explicit Made(uint32_t number) : body(number) {
+        const float size = 0.04f + 0.01f * static_cast<float>(number % 7);
+        shape = number % 3 == 0 ? icosphere(size, static_cast<int>(number % 2))
+                                : box({size, size * 0.7f, size * 0.5f}, number % 5);
+        for (glm::vec3& p : shape.positions)
+            p += glm::vec3(static_cast<float>(number % 12) * 0.17f - 0.9f,
+                           static_cast<float>(number / 12 % 8) * 0.17f - 0.6f, 0.0f);
+    }
+    [[nodiscard]] PieceMesh mesh() const { return shape.piece(body, piece_tint(body)); }
+};
+
+std::vector<PieceHandle> add(const Fixture& f, std::span<const PieceMesh> meshes) {
+    Result<std::vector<PieceHandle>> handles = f.renderer->add_pieces(meshes);
+    REQUIRE(handles);
+    REQUIRE(handles->size() == meshes.size());
+    return *std::move(handles);
+}
+
+IdImage ids_of(const Fixture& f, const Scene& scene) {
+    Result<IdImage> image = f.renderer->render_ids(scene, small);
+    REQUIRE(image);
+    return *std::move(image);
+}
+
+} // namespace
+
+TEST_CASE("no pieces are added and removed without a word, and unknown handles are refused") {
+    const Fixture f;
+    if (!f) return;
+    CHECK(add(f, {}).empty());
+    CHECK(f.renderer->add_pieces(PieceBatch{}));
+    CHECK(f.renderer->remove_pieces({}));
+    CHECK(f.renderer->fade_pieces({}, 0.5f));
+    const Made made(4);
+    const PieceMesh mesh = made.mesh();
+    const std::vector<PieceHandle> handles = add(f, {&mesh, 1});
+    CHECK(handles[0].number != 0);
+    const PieceHandle strangers[] = {handles[0], {}, {handles[0].number + 1}};
+    for (const size_t last : {1, 2}) {
+        const PieceHandle two[] = {strangers[0], strangers[last]};
+        for (const Result<void>& result : {f.renderer->remove_pieces(two), f.renderer->fade_pieces(two, 0.5f)}) {
+            REQUIRE_FALSE(result);
+            CHECK(result.error().status == Status::invalid_argument);
+            CHECK(result.error().message.find("handle " + std::to_string(two[1].number)) != std::string::npos);
+        }
+    }
+    for (const float fade : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()})
+        CHECK_FALSE(f.renderer->fade_pieces(handles, fade));
+    CHECK(f.renderer->body_count() == 5);
+    const PieceHandle twice[] = {handles[0], handles[0]};
+    CHECK(f.renderer->remove_pieces(twice));
+    CHECK(f.renderer->body_count() == 0);
+    CHECK_FALSE(f.renderer->remove_pieces(handles));
+    (void)f.draw(empty_stage());
+    CHECK(f.renderer->stats().pieces == 0);
+}
+
+TEST_CASE("pieces that contradict themselves add nothing") {
+    const Fixture f;
+    if (!f) return;
+    const Made made(1);
+    const PieceMesh good = made.mesh();
+    (void)add(f, {&good, 1});
+    const Bitmap before = f.draw(empty_stage());
+    PieceMesh bad_exterior = good, bad_body = good;
+    bad_exterior.exterior_triangles = 13;
+    bad_body.body = std::numeric_limits<uint32_t>::max();
+    for (const PieceMesh& bad : {bad_exterior, bad_body}) {
+        const PieceMesh two[] = {good, bad};
+        const auto added = f.renderer->add_pieces(two);
+        REQUIRE_FALSE(added);
+        CHECK(added.error().message.find("piece 1") != std::string::npos);
+    }
+    CHECK(f.draw(empty_stage()).pixels == before.pixels);
+    CHECK(f.renderer->stats().pieces == 1);
+}
+
+TEST_CASE("pieces without triangles or vertices have a handle and a body, and nothing to draw") {
+    const Fixture f;
+    if (!f) return;
+    const std::vector<glm::vec3> lonely(3);
+    const Made made(2);
+    const PieceMesh meshes[] = {{}, {.positions = lonely, .body = 3}, made.mesh()};
+    const std::vector<PieceHandle> handles = add(f, meshes);
+    CHECK(f.renderer->body_count() == 4);
+    (void)f.draw(empty_stage());
+    CHECK(f.renderer->stats().pieces == 3);
+    CHECK(f.renderer->stats().draws == 2);
+    REQUIRE(f.renderer->remove_pieces(std::span(handles).last(2)));
+    CHECK(f.renderer->body_count() == 1);
+    (void)f.draw(empty_stage());
+    CHECK(f.renderer->stats().draws == 0);
+}
+
+TEST_CASE("a batch made on another thread is drawn like the meshes it was made of") {
+    const Fixture f;
+    if (!f) return;
+    const KnownScene known;
+    REQUIRE(f.renderer->set_pieces(known.pieces()));
+    const Bitmap expected = f.draw(known.scene);
+    REQUIRE(f.renderer->set_pieces({}));
+    PieceBatch batch;
+    std::thread([&] { batch = *PieceBatch::create(known.pieces()); }).join();
+    CHECK(batch.pieces().size() == 4);
+    REQUIRE(f.renderer->add_pieces(std::move(batch)));
+    CHECK(f.draw(known.scene).pixels == expected.pixels);
+}
+
+TEST_CASE("whatever came and went, pictures, numbers and counts are those of what is left") {
+    const Fixture changed, fresh;
+    if (!changed) return;
+    std::mt19937 random(11);
+    std::vector<Made> all;
+    for (uint32_t i = 0; i < 96; ++i) all.emplace_back(i);
+    std::map<PieceHandle, uint32_t> live; // by handle: in the order of adding
+    const auto remove = [&](uint32_t count) {
+        std::vector<PieceHandle> gone;
+        while (gone.size() < std::min<size_t>(count, live.size())) {
+            const PieceHandle handle = std::next(live.begin(), random() % live.size())->first;
+            if (std::ranges::find(gone, handle) == gone.end()) gone.push_back(handle);
+        }
+        REQUIRE(changed.renderer->remove_pieces(gone));
+        for (const PieceHandle handle : gone) live.erase(handle);
+    };
+    Scene scene = empty_stage();
+    scene.ground = true;
+    scene.ground_height = -0.8f;
+    for (int round = 0; round < 120; ++round) {
+        // Several changes between two frames, among them some that take back what was not drawn yet.
+        for (uint32_t change = random() % 4; change > 0; --change) {
+            if (random() % 12 == 0) {
+                REQUIRE(changed.renderer->set_pieces({}));
+                live.clear();
+            } else if (random() % 2 == 0) {
+                remove(random() % 20);
+            } else {
+                std::vector<uint32_t> numbers;
+                std::vector<PieceMesh> meshes;
+                for (uint32_t n = random() % 30; n > 0; --n) {
+                    const uint32_t number = random() % all.size();
+                    const auto is = [&](const auto& entry) { return entry.second == number; };
+                    if (std::ranges::any_of(live, is) || std::ranges::count(numbers, number)) continue;
+                    numbers.push_back(number);
+                    meshes.push_back(all[number].mesh());
+                }
+                const std::vector<PieceHandle> handles = add(changed, meshes);
+                for (size_t i = 0; i < handles.size(); ++i) live[handles[i]] = numbers[i];
+            }
+        }
+        scene.moved = round % 3 == 0; // changes of pieces make a kept shadow map invalid by themselves
+        std::vector<PieceMesh> meshes;
+        std::vector<PieceHandle> expected_handles;
+        for (const auto& [handle, number] : live) {
+            meshes.push_back(all[number].mesh());
+            expected_handles.push_back(handle);
+        }
+        const auto set = fresh.renderer->set_pieces(meshes);
+        REQUIRE(set);
+        CAPTURE(round);
+        REQUIRE(changed.renderer->body_count() == fresh.renderer->body_count());
+        REQUIRE(changed.draw(scene).pixels == fresh.draw(scene).pixels);
+        const FrameStats &is = changed.renderer->stats(), &should = fresh.renderer->stats();
+        REQUIRE(is.pieces == should.pieces);
+        REQUIRE(is.pieces_in_view == should.pieces_in_view);
+        REQUIRE(is.draws == should.draws);
+        REQUIRE(is.triangles == should.triangles);
+        // One renderer may have kept its shadow map, where nothing changed.
+        REQUIRE(is.indirect_calls == (is.draws == 0 ? 0u : is.shadow_drawn ? 2u : 1u));
+        if (round % 4 != 0) continue;
+        const IdImage ids = ids_of(changed, scene), should_ids = ids_of(fresh, scene);
+        for (size_t i = 0; i < ids.ids.size(); ++i) {
+            REQUIRE((ids.ids[i] == 0) == (should_ids.ids[i] == 0));
+            if (ids.ids[i] == 0) continue;
+            const auto place = std::ranges::find(*set, PieceHandle{should_ids.ids[i]}) - set->begin();
+            REQUIRE(ids.ids[i] == expected_handles[static_cast<size_t>(place)].number);
+        }
+    }
+}
+
+TEST_CASE("ten thousand pieces that come and go need no more memory than the first few") {
+    Fixture f;
+    if (!f) return;
+    std::mt19937 random(3);
+    std::vector<Shape> shapes;
+    for (uint32_t i = 0; i < 8; ++i) shapes.push_back(i % 2 == 0 ? box(glm::vec3(0.02f), i % 6) : icosphere(0.02f, 0));
+    const Shape large = icosphere(0.02f, 1);
+    std::vector<PieceHandle> live;
+    uint32_t allocations = 0;
+    for (int cycle = 0; cycle < 10000; ++cycle) {
+        // The first are the largest, so that no later frame needs more than one of those did.
+        const Shape& shape = cycle < 200 ? large : shapes[random() % shapes.size()];
+        const PieceMesh mesh = shape.piece(static_cast<uint32_t>(cycle % 32));
+        live.push_back(add(f, {&mesh, 1})[0]);
+        if (live.size() > 32) {
+            std::swap(live[random() % live.size()], live.back());
+            REQUIRE(f.renderer->remove_pieces({&live.back(), 1}));
+            live.pop_back();
+        }
+        if (cycle % 20 == 0) (void)f.draw(empty_stage(), {8, 8});
+        if (cycle == 200) allocations = f.faults.count(Call::allocate);
+    }
+    CHECK(f.faults.count(Call::allocate) == allocations);
+    CHECK(f.renderer->stats().pieces <= 32);
+}
+
+TEST_CASE("fading leaves out more and more pixels, and the same ones each time") {
+    for (const uint32_t samples : {1u, 4u}) {
+        Quality quality = plain_quality;
+        quality.samples = samples;
+        quality.ambient_occlusion = samples == 4;
+        const Fixture f(quality);
+        if (!f) return;
+        const Shape cube = box(glm::vec3(0.8f), 1), other = box(glm::vec3(0.2f));
+        const PieceMesh meshes[] = {cube.piece(0), other.piece(1)};
+        const std::vector<PieceHandle> handles = add(f, meshes);
+        const std::span faded(handles.data(), 1);
+        Scene scene = empty_stage();
+        scene.write_poses = [](std::span<BodyPose> poses, uint64_t) { poses[1].position.x = 1.2f; };
+        const IdImage whole = ids_of(f, scene);
+        const Bitmap solid = f.draw(scene);
+        const auto count = [&](PieceHandle handle) {
+            const IdImage ids = ids_of(f, scene);
+            for (size_t i = 0; i < ids.ids.size(); ++i) REQUIRE((ids.ids[i] == 0 || ids.ids[i] == whole.ids[i]));
+            return static_cast<int>(std::ranges::count(ids.ids, handle.number));
+        };
+        const int all = count(handles[0]), others = count(handles[1]);
+        int before = all;
+        for (const float fade : {0.25f, 0.5f, 0.75f, 1.0f}) {
+            REQUIRE(f.renderer->fade_pieces(faded, fade));
+            const int left = count(handles[0]);
+            CHECK(left < before);
+            CHECK(static_cast<float>(left) == doctest::Approx((1.0f - fade) * static_cast<float>(all)).epsilon(0.05));
+            CHECK(count(handles[1]) == others);
+            const Bitmap picture = f.draw(scene);
+            CHECK(picture.pixels != solid.pixels);
+            CHECK(f.draw(scene).pixels == picture.pixels);
+            CHECK(f.renderer->stats().pieces == 2);
+            CHECK(f.renderer->stats().draws == (fade < 1.0f ? 3u : 1u));
+            before = left;
+        }
+        const Bitmap gone = f.draw(scene);
+        REQUIRE(f.renderer->fade_pieces(faded, 0.0f));
+        CHECK(f.draw(scene).pixels == solid.pixels);
+        REQUIRE(f.renderer->remove_pieces(faded));
+        CHECK(f.draw(scene).pixels == gone.pixels);
+    }
+}
+
+TEST_CASE("where a piece fades the picture is that of what is behind, elsewhere that of the piece") {
+    const Fixture f;
+    if (!f) return;
+    const Shape cube = box(glm::vec3(0.5f));
+    const PieceMesh meshes[] = {cube.piece(0), cube.piece(1, {0.2f, 0.4f, 1.0f})};
+    const std::vector<PieceHandle> handles = add(f, meshes);
+    Scene scene = empty_stage();
+    scene.look.sun = glm::vec3(0.0f); // no shadows, so that pixels have nothing to do with each other
+    scene.write_poses = [](std::span<BodyPose> poses, uint64_t) { poses[1].position = {0.3f, 0.1f, -1.2f}; };
+    for (const bool smooth : {false, true}) {
+        scene.smooth = smooth;
+        REQUIRE(f.renderer->fade_pieces(handles, 0.0f));
+        const Bitmap with = f.draw(scene);
+        REQUIRE(f.renderer->fade_pieces(std::span(handles).first(1), 1.0f));
+        const Bitmap without = f.draw(scene);
+        REQUIRE(f.renderer->fade_pieces(std::span(handles).first(1), 0.4f));
+        const Bitmap faded = f.draw(scene);
+        const IdImage ids = ids_of(f, scene);
+        for (uint32_t y = 0; y < small.y; ++y)
+            for (uint32_t x = 0; x < small.x; ++x) {
+                const bool left = ids.at(x, y) == handles[0].number;
+                REQUIRE(pixel(faded, x, y) == pixel(left ? with : without, x, y));
+            }
+    }
+}
+
+TEST_CASE("the shadow of a piece fades with it") {
+    const Fixture f;
+    if (!f) return;
+    const Shape cube = box(glm::vec3(0.5f));
+    const PieceMesh piece = cube.piece(0);
+    const std::vector<PieceHandle> handles = add(f, {&piece, 1});
+    // Seen from above is the ground alone, where the shadow falls.
+    Scene scene{.camera = {{3.0f, 3.0f, 0.001f}, {3.0f, 0.0f, 0.0f}, 0.3f},
+                .bounds = {{-0.5f, 2.5f, -0.5f}, {0.5f, 3.5f, 0.5f}}};
+    scene.write_poses = [](std::span<BodyPose> poses, uint64_t) { poses[0].position = {0.0f, 3.0f, 0.0f}; };
+    scene.look.to_light = {-1.0f, 1.0f, 0.0f};
+    const auto brightness = [&](float fade) {
+        REQUIRE(f.renderer->fade_pieces(handles, fade));
+        scene.moved = false; // a change of fade draws the shadow map again by itself
+        const Bitmap image = f.draw(scene);
+        CHECK(f.renderer->stats().shadow_drawn);
+        double sum = 0.0;
+        for (const uint8_t byte : image.pixels) sum += byte;
+        return sum;
+    };
+    const double dark = brightness(0.0f), light = brightness(1.0f);
+    CHECK(dark < 0.9 * light);
+    CHECK(brightness(0.5f) == doctest::Approx(0.5 * (dark + light)).epsilon(0.02));
+    (void)f.draw(scene);
+    CHECK_FALSE(f.renderer->stats().shadow_drawn);
+}
