@@ -389,45 +389,56 @@ void Destruction::commit_due(World& world, double budget) {
     statistics_.longest_commit = std::max(statistics_.longest_commit, longest);
 }
 
-// False where it must wait: a piece of a structure that is still held to others.
+// A piece of a structure that is still held to others: its structure lets go of it with the next update.
+bool Destruction::is_held(const Live& piece) const {
+    if (piece.bonded == none) return false;
+    const BodyId body = body_of(piece);
+    return std::ranges::count_if(objects_.at(piece.object).bonded, [&](PieceId other) {
+               const auto at = pieces_.find(other);
+               return at != pieces_.end() && body_of(at->second) == body;
+           }) > 1;
+}
+
+// False where it must wait.
 bool Destruction::commit(World& world, uint32_t number) {
     Job job = jobs_.at(number);
-    const PieceId old = job.piece;
-    Structure* const structure = objects_.at(pieces_.at(old).object).structure.get();
-    const uint32_t bonded = pieces_.at(old).bonded;
-    if (bonded != none && std::ranges::count_if(objects_.at(pieces_.at(old).object).bonded, [&](PieceId other) {
-            const auto at = pieces_.find(other);
-            return at != pieces_.end() && at->second.bonded != none && body_of(at->second) == body_of(pieces_.at(old));
-        }) > 1)
-        return false;
+    Live& piece = pieces_.at(job.piece);
+    if (is_held(piece)) return false;
     const Broken broken = background_.take(number);
     jobs_.erase(number);
-    Live& piece = pieces_.at(old);
     piece.job = none;
     const std::optional<Hit> waiting = std::exchange(piece.waiting, std::nullopt);
     ++statistics_.commits;
-    if (broken.pieces.size() < 2) {
-        statistics_.failed += broken.failure.empty() ? 0 : 1;
-        statistics_.withstood += broken.failure.empty() ? 1 : 0;
-        if (!broken.failure.empty()) {
-            statistics_.last_failure = broken.failure;
-            piece.unbreakable = true;
-        } else if (waiting) {
-            start_job(world, old, *waiting);
-        }
-        return true;
+    if (!broken.failure.empty()) {
+        ++statistics_.failed;
+        statistics_.last_failure = broken.failure;
+        piece.unbreakable = true;
+    } else if (broken.pieces.size() < 2) {
+        ++statistics_.withstood;
+        if (waiting) start_job(world, job.piece, *waiting);
+    } else {
+        exchange(world, piece, broken, job.hit);
+        const std::vector<PieceId> made = replace(world, job.piece, broken);
+        if (const PieceId hit = nearest_of(made, job.hit.blow.point); hit != PieceId{})
+            solve_anew(world, pieces_.at(hit), job.hit);
+        if (!waiting) return true;
+        const PieceId next = nearest_of(made, waiting->blow.point);
+        if (next != PieceId{} && waiting->sharp > pieces_.at(next).solid->bearable) start_job(world, next, *waiting);
     }
-    exchange(world, old, job, broken, job.hit);
-    const std::optional<Motion> motion = motion_of(world, piece);
-    const Live parent = piece;
-    if (bonded != none)
-        structure->take_piece(world, bonded);
+    return true;
+}
+
+// Takes a piece's body out and puts what it broke into in, with its motion.
+std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broken& broken) {
+    const Live parent = pieces_.at(old);
+    const Motion motion = *motion_of(world, parent);
+    Object& object = objects_.at(parent.object);
+    if (parent.bonded != none)
+        object.structure->take_piece(world, parent.bonded);
     else
         world.remove_body(parent.own);
     forget_piece(old);
-    ++objects_.at(parent.object).pieces; // kept while its new pieces come
-    PieceId nearest, waits;
-    double least = std::numeric_limits<double>::infinity(), least_waiting = least;
+    std::vector<PieceId> made;
     for (size_t i = 0; i < broken.pieces.size(); ++i) {
         const Result<PieceId> added = add_piece(world,
                                                 {.object = parent.object,
@@ -435,26 +446,29 @@ bool Destruction::commit(World& world, uint32_t number) {
                                                  .depth = parent.depth + 1,
                                                  .seed = seed_of(parent.seed, i),
                                                  .born = world.steps_taken()},
-                                                *motion, parent.solid->mass.centre_of_mass);
-        if (!added) { // single precision cannot hold its mass
+                                                motion, parent.solid->mass.centre_of_mass);
+        if (added)
+            made.push_back(*added);
+        else // a speck whose mass single precision cannot hold
             statistics_.last_failure = added.error().message;
-            continue;
-        }
-        if (const double d = distance_to(*broken.pieces[i], job.hit.blow.point); d < least) least = d, nearest = *added;
-        if (!waiting) continue;
-        if (const double d = distance_to(*broken.pieces[i], waiting->blow.point); d < least_waiting)
-            least_waiting = d, waits = *added;
     }
-    --objects_.at(parent.object).pieces;
-    if (nearest != PieceId{}) solve_anew(world, pieces_.at(nearest), job.hit);
-    if (waits != PieceId{} && waiting->sharp > pieces_.at(waits).solid->bearable) start_job(world, waits, *waiting);
-    return true;
+    return made;
+}
+
+PieceId Destruction::nearest_of(std::span<const PieceId> made, const glm::dvec3& point) const {
+    PieceId nearest;
+    double least = std::numeric_limits<double>::infinity();
+    for (const PieceId id : made)
+        if (const double d = distance_to(*pieces_.at(id).solid, point); d < least) {
+            least = d;
+            nearest = id;
+        }
+    return nearest;
 }
 
 // Gives back what is owed, less what the cracks took: f of an impulse brings back f^2 of the energy. Not where the two
 // have gone other ways since and it would bring more than was lost.
-void Destruction::exchange(World& world, PieceId old, const Job& job, const Broken& broken, Hit& hit) const {
-    const Live& piece = pieces_.at(old);
+void Destruction::exchange(World& world, const Live& piece, const Broken& broken, Hit& hit) const {
     const BodyId own = body_of(piece);
     const float impulse = glm::length(hit.owed);
     if (!(impulse > 0.0f) || !world.contains(hit.striker) || !world.contains(own)) {
@@ -464,16 +478,15 @@ void Destruction::exchange(World& world, PieceId old, const Job& job, const Brok
     double surface = -piece.solid->mass.area;
     for (const SolidPtr& made : broken.pieces) surface += made->mass.area;
     const double cracks = 0.5 * std::max(surface, 0.0) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
-    const auto left = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cracks / job.hit.blow.energy)));
+    const auto left = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cracks / hit.blow.energy)));
     hit.owed *= left;
     const Pose pose = world.pose(own);
-    const glm::vec3 point =
-        moved(pose, job.hit.blow.point - piece.solid->mass.centre_of_mass).position;
+    const glm::vec3 point = moved(pose, hit.blow.point - piece.solid->mass.centre_of_mass).position;
     const double before = kinetic_of(world, own) + kinetic_of(world, hit.striker);
     push(world, own, -hit.owed, point);
     push(world, hit.striker, hit.owed, point);
     const double gained = kinetic_of(world, own) + kinetic_of(world, hit.striker) - before;
-    if (gained <= job.hit.blow.energy) return;
+    if (gained <= hit.blow.energy) return;
     push(world, own, hit.owed, point);
     push(world, hit.striker, -hit.owed, point);
     hit.owed = glm::vec3(0.0f);

@@ -13,7 +13,8 @@
 // - Cutting, masses, hulls and what a renderer draws are made by a job on another thread. Until it is committed the piece
 //   moves on whole, with what hit it resting at it: a bounce off what is about to give way is taken back. Pieces then start
 //   with the motion of that moment, v + w x r. The impulse that the contact had is given back to both sides, less what the
-//   cracks took of the energy, and solved anew against the piece that was hit alone. Momentum and angular momentum are kept.
+//   cracks took of the energy, and solved anew against the piece that was hit alone. Momentum and angular momentum are kept. (Of bonded pieces the
+//   contact stays as Structure leaves it.)
 // - One job a piece at a time. Later blows to it are summed up, and what comes out nearest to the hardest takes them.
 // - A piece that reaches into an anchor is fixed; what no longer does, falls.
 // - Commits: a job is committed as a whole, in the order of job numbers. What the main thread does then is to take one body
@@ -223,7 +224,10 @@ class Destruction {
     void take_back_bounce(World& world, BodyId own, const BodyBlow& blow, Hit& hit) const;
     void commit_due(World& world, double budget);
     bool commit(World& world, uint32_t job);
-    void exchange(World& world, PieceId old, const Job& job, const Broken& broken, Hit& hit) const;
+    [[nodiscard]] bool is_held(const Live& piece) const;
+    std::vector<PieceId> replace(World& world, PieceId old, const Broken& broken);
+    [[nodiscard]] PieceId nearest_of(std::span<const PieceId> made, const glm::dvec3& point) const;
+    void exchange(World& world, const Live& piece, const Broken& broken, Hit& hit) const;
     static void solve_anew(World& world, const Live& piece, const Hit& hit);
     void update_debris(World& world);
 

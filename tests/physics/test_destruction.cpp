@@ -235,6 +235,47 @@ TEST_CASE("a ball that breaks what it hits keeps momentum with it, and no energy
     }
 }
 
+TEST_CASE("two that break each other keep their momentum, and no energy comes of it") {
+    World world(empty_space);
+    Destruction destruction;
+    BreakableDesc desc = desc_of(0.12);
+    for (const float side : {-1.0f, 1.0f}) {
+        desc.motion = {.placement = {{side * 1.2f, side * 0.2f, 0.1f}, {1, 0, 0, 0}}, .linear_velocity = {-side * 8.0f, 0, 0}};
+        must_add(destruction, world, fracture::cube(1.0), desc);
+    }
+    const double energy = world.mechanics().kinetic, scale = 2400.0 * 8.0; // of one of them, kg m/s
+    double most = energy;
+    for (int step = 0; step < 60; ++step) {
+        world.step();
+        const Mechanics stepped = world.mechanics();
+        destruction.update(world);
+        const Mechanics now = world.mechanics();
+        most = std::max({most, stepped.kinetic, now.kinetic});
+        CHECK(glm::length(now.momentum) < 1e-4 * scale);
+        CHECK(glm::length(now.angular_momentum - stepped.angular_momentum) < 1e-4 * scale);
+    }
+    MESSAGE(destruction.pieces().size(), " pieces, energy at most ", most / energy, " of the blow's");
+    CHECK(destruction.pieces().size() > 10);
+    CHECK(most <= energy * 1.001);
+}
+
+TEST_CASE("a diagram made beforehand is what an object breaks along") {
+    World world(empty_space);
+    Destruction destruction;
+    BreakableDesc desc = desc_of(0.01);
+    desc.pattern.diagram = {{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 2.0, 0.0}, {0.0, 3.0, 0.0}};
+    must_add(destruction, world, fracture::cube(1.0), desc);
+    REQUIRE(destruction.strike(world, destruction.pieces()[0], {0.0f, 0.5f, 0.0f}, {0.0f, -1.0f, 0.0f}, 1e5)); // all of it
+    run(world, destruction, 3);
+    // Four sites in a row, fitted to the cube's height: cuts at -1/3, 0 and 1/3 of it.
+    std::vector<double> volumes;
+    for (const PieceId piece : destruction.pieces()) volumes.push_back(destruction.solid(piece)->mass.volume);
+    std::ranges::sort(volumes);
+    REQUIRE(volumes.size() == 4);
+    CHECK(volumes[0] == doctest::Approx(1.0 / 6.0));
+    CHECK(volumes[3] == doctest::Approx(1.0 / 3.0));
+}
+
 TEST_CASE("soft touches break nothing, hard ones do") {
     const auto pieces_after = [](float speed) {
         World world(empty_space);
