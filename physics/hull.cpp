@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/mass_properties.h"
+#include "fracture/parallel.h"
 #include "fracture/principal_axes.h"
 
 namespace brittle::physics {
@@ -24,6 +25,9 @@ constexpr double flat_half_thickness = 5e-5;
 constexpr double point_half_thickness = 5e-5;
 // Range of HullSettings::margin_fraction: something to stand on, and something left in the middle.
 constexpr double least_fraction = 1e-3, greatest_fraction = 0.45;
+// Directions in which a piece's points are looked through before its exact hull is made: 16 degrees apart.
+constexpr size_t extreme_directions = 160;
+constexpr double golden_angle = 2.399963229728653; // rad; of Vogel's spiral
 // Cosine of 3 degrees: planes closer in direction are one face to the eye.
 constexpr double same_face = 0.9986;
 
@@ -181,6 +185,33 @@ OrientedExtents oriented_extents(const std::vector<glm::dvec3>& points) {
     return extents;
 }
 
+// Of many points those that are extreme in one of a number of directions spread evenly over the sphere, once
+// the piece is scaled to a cube: vertices of the full hull, without those that barely stick out. The exact
+// hull of 700 points costs two milliseconds, this a fiftieth of it.
+std::vector<glm::dvec3> extreme_points(const std::vector<glm::dvec3>& points,
+                                       const OrientedExtents& extents) {
+    if (points.size() <= extreme_directions) return points;
+    std::vector<uint8_t> extreme(points.size(), 0);
+    for (size_t i = 0; i < extreme_directions; ++i) { // a spiral of equal areas
+        const double y = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(extreme_directions);
+        const double angle = golden_angle * static_cast<double>(i), around = std::sqrt(1.0 - y * y);
+        const glm::dvec3 spread =
+            glm::dvec3(around * std::cos(angle), y, around * std::sin(angle)) / extents.half;
+        const glm::dvec3 direction = extents.axes * spread;
+        size_t best = 0;
+        double farthest = -std::numeric_limits<double>::infinity();
+        for (size_t p = 0; p < points.size(); ++p) {
+            const double reach = glm::dot(points[p], direction);
+            if (reach > farthest) farthest = reach, best = p;
+        }
+        extreme[best] = 1;
+    }
+    std::vector<glm::dvec3> kept;
+    for (size_t p = 0; p < points.size(); ++p)
+        if (extreme[p]) kept.push_back(points[p]);
+    return kept;
+}
+
 // For flakes, needles and points: every thin axis gets a thickness, the others keep their outline. The margin
 // takes half of the thickness.
 CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExtents& extents,
@@ -219,15 +250,21 @@ CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExt
 
 CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin,
                              const HullSettings& settings) {
-    const size_t max_vertices = std::max<size_t>(settings.max_vertices, 8);
     const std::vector<glm::dvec3> local = finite_points(points, origin);
     const OrientedExtents extents = oriented_extents(local);
     const double longest = std::max({extents.half.x, extents.half.y, extents.half.z});
     const double thinnest = std::min({extents.half.x, extents.half.y, extents.half.z});
+    const bool crumb = 2.0 * longest < settings.crumb_size;
+    const size_t max_vertices = std::max<size_t>(
+        crumb ? std::min(settings.max_vertices, settings.crumb_vertices) : settings.max_vertices, 8);
     if (thinnest <= longest * flat_ratio) return flat_hull(local, extents, max_vertices);
-    const std::optional<FullHull> full = full_hull(local);
+    std::optional<FullHull> full = full_hull(extreme_points(local, extents));
     if (!full || full->inner <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
 
+    // Moving planes in is exact arithmetic as well: of no more vertices than are left in the end.
+    if (full->vertices.size() > max_vertices)
+        if (std::optional<FullHull> fewer = full_hull(spread_subset(full->vertices, max_vertices)))
+            full = std::move(fewer);
     const double fraction = std::clamp<double>(settings.margin_fraction, least_fraction, greatest_fraction);
     const double margin = std::min(std::max<double>(settings.max_margin, 1e-6), 2.0 * fraction * full->inner);
     std::optional<InnerHull> inner = planes_moved_in(*full, margin);
@@ -238,6 +275,20 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     for (const glm::dvec3& vertex : spread_subset(inner->vertices, max_vertices))
         hull.points.push_back(glm::vec3(vertex));
     return hull;
+}
+
+PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSettings& settings,
+                           uint32_t threads) {
+    PieceHulls hulls(fragments.pieces.size());
+    fracture::Threads pool(threads);
+    pool.for_chunks(static_cast<uint32_t>(hulls.size()), 4, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            const fracture::Piece& piece = fragments.pieces[i];
+            hulls[i] = std::make_shared<const CollisionHull>(
+                collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, settings));
+        }
+    });
+    return hulls;
 }
 
 std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points) {
@@ -272,7 +323,8 @@ fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points) {
     fracture::TriangleMesh mesh;
     if (points.empty()) return mesh;
     btConvexHullComputer computer;
-    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f,
+                     0.0f);
     for (int v = 0; v < computer.vertices.size(); ++v) {
         const btVector3& p = computer.vertices[v];
         mesh.positions.emplace_back(p.x(), p.y(), p.z());
@@ -285,7 +337,8 @@ fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points) {
             mesh.triangles.emplace_back(apex, static_cast<uint32_t>(edge->getSourceVertex()),
                                         static_cast<uint32_t>(edge->getTargetVertex()));
     }
-    if (fracture::signed_volume(mesh.positions, mesh.triangles) < 0.0) // whichever way the computer goes around faces
+    if (fracture::signed_volume(mesh.positions, mesh.triangles)
+        < 0.0) // whichever way the computer goes around faces
         for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
     return mesh;
 }

@@ -13,12 +13,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
+#include "fracture/fragments.h"
 #include "fracture/mesh.h"
 
 namespace brittle::physics {
@@ -27,6 +29,9 @@ struct HullSettings {
     // Upper bound on the vertices of a hull, at least 8. The cost of a pair of hulls grows linearly with it;
     // below about 16, pieces visibly rock on corners that they do not have.
     uint32_t max_vertices = 32;
+    // Pieces whose longest extent is below this, m, have at most so many vertices, at least 8: nobody sees them rock.
+    float crumb_size = 0.03f;
+    uint32_t crumb_vertices = 12;
     // Collision margin as a fraction of the thinnest extent of the piece. The margin rounds sharp corners off
     // by a few times its size. Overlap beyond it takes Bullet's slow path. Clamped to 0.001 .. 0.45.
     float margin_fraction = 0.02f;
@@ -49,6 +54,13 @@ struct CollisionHull {
 // ignored: check before calling if that matters.
 [[nodiscard]] CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin,
                                            const HullSettings& settings = {});
+
+// One hull a piece of the fragments, in their order, each relative to the piece's centre of mass: nearly all of what making
+// bodies costs, and all of it that may be done ahead and on any thread. Hulls are made side by side on so many threads
+// (0: one a core); the result does not depend on it.
+using PieceHulls = std::vector<std::shared_ptr<const CollisionHull>>;
+[[nodiscard]] PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSettings& settings = {},
+                                         uint32_t threads = 0);
 
 // An edge of a hull: two indices into its points, the lower one first.
 using HullEdge = std::pair<uint32_t, uint32_t>;

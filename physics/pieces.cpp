@@ -14,12 +14,14 @@ namespace {
 using fracture::Error;
 using fracture::Fragments;
 using fracture::Piece;
+using fracture::Status;
 
 Result<BodyId> add_piece(World& world, const Fragments& fragments, const Piece& piece,
-                         const Material& material, const PlacedMotion& motion, const HullSettings& hull) {
+                         const Material& material, const PlacedMotion& motion,
+                         const std::shared_ptr<const CollisionHull>& hull) {
     const glm::dvec3 arm = glm::dquat(motion.placement.orientation) * piece.mass.centre_of_mass;
     BodyDesc desc;
-    desc.hull = collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, hull);
+    desc.parts = {{hull, glm::vec3(0.0f)}};
     desc.pose = {glm::vec3(glm::dvec3(motion.placement.position) + arm), motion.placement.orientation};
     desc.linear_velocity = motion.linear_velocity + glm::cross(motion.angular_velocity, glm::vec3(arm));
     desc.angular_velocity = motion.angular_velocity;
@@ -42,10 +44,20 @@ Result<BodyId> add_piece(World& world, const Fragments& fragments, const Piece& 
 Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments, const Material& material,
                                        const PlacedMotion& motion, const HullSettings& hull) {
     if (const Result<void> checked = check_pieces(fragments, material); !checked) return checked.error();
+    return add_pieces(world, fragments, material, motion, collision_hulls(fragments, hull));
+}
+
+Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments, const Material& material,
+                                       const PlacedMotion& motion, const PieceHulls& hulls) {
+    if (const Result<void> checked = check_pieces(fragments, material); !checked) return checked.error();
+    if (hulls.size() != fragments.pieces.size())
+        return Error{Status::invalid_setting, std::to_string(hulls.size()) + " hulls were given for "
+                                                  + std::to_string(fragments.pieces.size()) + " pieces"};
     std::vector<BodyId> bodies;
     bodies.reserve(fragments.pieces.size());
     for (size_t i = 0; i < fragments.pieces.size(); ++i) {
-        const Result<BodyId> body = add_piece(world, fragments, fragments.pieces[i], material, motion, hull);
+        const Result<BodyId> body =
+            add_piece(world, fragments, fragments.pieces[i], material, motion, hulls[i]);
         if (!body) {
             for (const BodyId added : bodies) world.remove_body(added);
             return Error{body.error().status, "piece " + std::to_string(i) + ": " + body.error().message};

@@ -79,9 +79,14 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
         if (piece >= fragments.pieces.size())
             return Error{Status::invalid_setting, "piece " + std::to_string(piece) + " is to be anchored, but there are "
                                                       + std::to_string(fragments.pieces.size())};
+    if (!desc.hulls.empty() && desc.hulls.size() != fragments.pieces.size())
+        return Error{Status::invalid_setting, std::to_string(desc.hulls.size()) + " hulls were given for "
+                                                  + std::to_string(fragments.pieces.size()) + " pieces"};
+    const PieceHulls hulls = desc.hulls.empty() ? collision_hulls(fragments, desc.hull) : desc.hulls;
     Structure structure;
     structure.desc_ = desc;
     structure.desc_.anchored.clear();
+    structure.desc_.hulls.clear();
     structure.steps_seen_ = world.steps_taken();
     structure.graph_ = BondGraph(fragments, desc.material);
     std::vector<uint32_t> all;
@@ -93,8 +98,7 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
         state.inertia = mass.inertia;
         state.bearable =
             static_cast<double>(toughness(desc.material)) * std::pow(mass.mass / desc.material.density, 2.0 / 3.0);
-        state.hull = std::make_shared<const CollisionHull>(
-            collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, desc.hull));
+        state.hull = hulls[all.size()];
         all.push_back(static_cast<uint32_t>(all.size()));
     }
     for (const uint32_t piece : desc.anchored) structure.pieces_[piece].anchored = true;
@@ -441,12 +445,13 @@ std::vector<BodyId> Structure::bodies() const {
     return ids;
 }
 
-size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha) const {
+size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha,
+                                         uint64_t since) const {
     const size_t count = std::min(out.size(), pieces_.size());
     for (const BodyState& body : bodies_) {
-        if (body.pieces.empty() || !world.contains(body.id)) continue;
+        if (body.pieces.empty() || !world.contains(body.id) || world.last_moved_step(body.id) < since) continue;
         Pose pose = world.pose(body.id);
-        if (alpha < 1.0f) {
+        if (alpha < 1.0f && world.last_moved_step(body.id) == world.steps_taken()) {
             const Pose before = world.previous_pose(body.id);
             pose = {glm::mix(before.position, pose.position, alpha),
                     glm::slerp(before.orientation, pose.orientation, alpha)};

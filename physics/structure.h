@@ -53,6 +53,7 @@ struct StructureDesc {
     Material material{};
     PlacedMotion motion{}; // an anchored body keeps its placement and does not move
     HullSettings hull{};
+    PieceHulls hulls{}; // made ahead, one a piece (collision_hulls()); if there are any, hull is not looked at
     std::vector<uint32_t> anchored{}; // pieces held by the world
     float impact_speed = 0.5f;        // m/s; slower contacts are no blows
     bool continuous = false;          // as BodyDesc::continuous, for all its bodies
@@ -128,9 +129,9 @@ class Structure {
     [[nodiscard]] std::vector<BodyId> bodies() const; // in the order in which they were made
 
     // Poses of all pieces in their order: of their centres of mass, as add_pieces() would have it; interpolated as
-    // World::write_transforms(). Those of pieces that are gone are left as they are. Writes as many as fit and
-    // returns how many.
-    size_t write_piece_transforms(const World& world, std::span<Pose> out, float alpha = 1.0f) const;
+    // World::write_transforms(). Those of pieces that are gone, or that have not moved since a step, are
+    // left as they are. Writes as many as fit and returns how many that are.
+    size_t write_piece_transforms(const World& world, std::span<Pose> out, float alpha = 1.0f, uint64_t since = 0) const;
 
   private:
     struct PieceState {

@@ -102,11 +102,15 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     body->rigid->setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
     body->rigid->setUserIndex(static_cast<int>(impl_->bodies.size()));
     if (!impl_->settings.sleeping) body->rigid->setActivationState(DISABLE_DEACTIVATION);
+    body->moved_step = impl_->steps;
     body->previous = body->pose();
     if (desc.previous) body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
 
     gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
-    impl_->engine->world->addRigidBody(body->rigid.get());
+    const bool debris =
+        !desc.fixed && longest_extent(*body->collision_shape()) < impl_->settings.debris_size * bullet_units;
+    impl_->engine->world->addRigidBody(body->rigid.get(), group_of(desc.fixed, debris),
+                                       partners_of(desc.fixed, debris));
     impl_->order_of_id.push_back(static_cast<uint32_t>(impl_->bodies.size()));
     impl_->ids.push_back(body->id);
     impl_->bodies.push_back(std::move(body));
@@ -161,12 +165,17 @@ uint64_t World::steps_taken() const {
 }
 
 void World::step() {
-    for (const auto& body : impl_->bodies) body->previous = body->pose();
+    for (const auto& body : impl_->bodies) {
+        body->stepped_from = body->rigid->getWorldTransform();
+        if (body->moved_step >= impl_->steps) body->previous = body->pose(); // else they are the same
+    }
     gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
     impl_->engine->solver.contacts.clear();
     impl_->engine->world->stepSimulation(impl_->settings.step, 0); // 0: one step of just that length
     impl_->engine->solver.report_sleeping(impl_->engine->dispatcher);
     ++impl_->steps;
+    for (const auto& body : impl_->bodies)
+        if (!(body->rigid->getWorldTransform() == body->stepped_from)) body->moved_step = impl_->steps;
 }
 
 float World::advance(double seconds, const std::function<void()>& after_step) {
@@ -185,16 +194,23 @@ float World::advance(double seconds, const std::function<void()>& after_step) {
     return static_cast<float>(impl_->pending_seconds / step_seconds);
 }
 
-size_t World::write_transforms(std::span<Pose> out, float alpha) const {
+size_t World::write_transforms(std::span<Pose> out, float alpha, uint64_t since) const {
     const size_t count = std::min(out.size(), impl_->bodies.size());
     for (size_t i = 0; i < count; ++i) {
+        if (impl_->bodies[i]->moved_step < since) continue;
         const Pose now = impl_->bodies[i]->pose();
         const Pose& before = impl_->bodies[i]->previous;
-        out[i] = alpha >= 1.0f ? now
-                               : Pose{glm::mix(before.position, now.position, alpha),
-                                      glm::slerp(before.orientation, now.orientation, alpha)};
+        // Who stands still has no rounding of an interpolation, whatever alpha is.
+        const bool still = impl_->bodies[i]->moved_step < impl_->steps;
+        out[i] = alpha >= 1.0f || still ? now
+                                        : Pose{glm::mix(before.position, now.position, alpha),
+                                               glm::slerp(before.orientation, now.orientation, alpha)};
     }
     return count;
+}
+
+uint64_t World::last_moved_step(BodyId id) const {
+    return impl_->get(id).moved_step;
 }
 
 Pose World::pose(BodyId id) const {

@@ -62,6 +62,9 @@ struct WorldSettings {
     // A pair of bodies is examined closely when their boxes come within this distance, m. Bullet's own
     // default of 5 cm is made for crates: among centimetre pieces it finds many times more pairs than touch.
     float broadphase_margin = 0.01f;
+    // Bodies whose longest extent is below this, m, are debris: they collide with the ground, with fixed bodies and with
+    // all that is larger, but not with each other. What a blow leaves by the hundred then costs a tenth. 0: no debris.
+    float debris_size = 0.02f;
     // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of
     // the time its remaining jitter is damped away, after the whole time it sleeps, together with all it
     // touches, until something disturbs it. What only rocks in place, or trembles in a heap of which nine tenths of the
@@ -183,8 +186,12 @@ class World {
     [[nodiscard]] uint64_t steps_taken() const;
 
     // Poses of all bodies in body order, interpolated from those before the last step (alpha 0) to the
-    // current ones (alpha 1). Writes as many as fit and returns how many.
-    size_t write_transforms(std::span<Pose> out, float alpha = 1.0f) const;
+    // current ones (alpha 1), as many as fit; returns how many that are. Those that last_moved_step() says have not moved
+    // since a step are left as they are: give steps_taken() of the time when out was last written, and what has come to
+    // rest is not written again. After bodies were removed, later ones have other places: write all.
+    size_t write_transforms(std::span<Pose> out, float alpha = 1.0f, uint64_t since = 0) const;
+    // The last step in which the pose changed, counted as steps_taken() after it, or the steps taken when it was added.
+    [[nodiscard]] uint64_t last_moved_step(BodyId id) const;
 
     // One body; each asserts that it exists. A velocity is that after the last step.
     [[nodiscard]] Pose pose(BodyId id) const;

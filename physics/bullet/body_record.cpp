@@ -33,6 +33,24 @@ float swept_radius(const btCollisionShape& shape) {
     return swept_part * least_extent(shape);
 }
 
+float longest_extent(const btCollisionShape& shape) {
+    btVector3 low, high;
+    shape.getAabb(btTransform::getIdentity(), low, high);
+    const btVector3 size = high - low;
+    return size[size.maxAxis()];
+}
+
+int group_of(bool fixed, bool debris) {
+    return fixed    ? btBroadphaseProxy::StaticFilter
+           : debris ? btBroadphaseProxy::DebrisFilter
+                    : btBroadphaseProxy::DefaultFilter;
+}
+
+int partners_of(bool fixed, bool debris) {
+    return fixed || debris ? btBroadphaseProxy::AllFilter ^ group_of(fixed, debris)
+                           : static_cast<int>(btBroadphaseProxy::AllFilter);
+}
+
 Mechanics mechanics_of(const BodyRecord& body, const glm::vec3& gravity) {
     if (body.fixed) return {};
     const btRigidBody& rigid = *body.rigid;

@@ -1,6 +1,7 @@
 // A body of the world as Bullet has it: shapes and rigid body, and what Bullet does not keep.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -31,11 +32,13 @@ struct BodyRecord {
     bool fixed = false;
     float swept_radius = 0.0f; // Bullet's units; 0: not continuous
     Pose previous;
+    btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame before the step
+    uint64_t moved_step = 0;                               // see World::last_moved_step()
     float still_seconds = 0.0f; // how long it has been slow while touching something
     float quiet_seconds = 0.0f; // how long nearly all of what it touches, directly or not, has been
     btTransform rest = btTransform::getIdentity(); // where it was when it last had moved away
     float rest_seconds = 0.0f;                     // how long it has touched something near there
-    bool touching = false;      // in the last step
+    bool touching = false;                         // in the last step
     std::vector<HullEdge>
         edges; // for debug lines, indices into the points of shape; filled when first asked for
     std::unique_ptr<btConvexHullShape> shape;         // of a body with one hull; null for a compound
@@ -60,6 +63,13 @@ void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& o
 
 // The radius of the ball that is swept for a continuous body, in Bullet's units.
 [[nodiscard]] float swept_radius(const btCollisionShape& shape);
+
+// The longest side of the shape's box in its own axes, in Bullet's units.
+[[nodiscard]] float longest_extent(const btCollisionShape& shape);
+
+// Who meets whom, for Bullet's filter: fixed bodies do not meet each other, debris does not either.
+[[nodiscard]] int group_of(bool fixed, bool debris);
+[[nodiscard]] int partners_of(bool fixed, bool debris);
 
 // Sums of one body; see World::mechanics().
 [[nodiscard]] Mechanics mechanics_of(const BodyRecord& body, const glm::vec3& gravity);

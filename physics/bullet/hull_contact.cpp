@@ -43,6 +43,11 @@ btScalar reach(const btConvexHullShape& hull, const btTransform& frame, const bt
     return farthest + direction.dot(frame.getOrigin());
 }
 
+bool is_debris(const btCollisionObjectWrapper& object) {
+    return object.getCollisionObject()->getBroadphaseHandle()->m_collisionFilterGroup
+           == btBroadphaseProxy::DebrisFilter;
+}
+
 class HullPair final : public btCollisionAlgorithm {
   public:
     HullPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* first,
@@ -57,6 +62,7 @@ class HullPair final : public btCollisionAlgorithm {
         margins_ = a.getMargin() + b.getMargin();
         near_ = std::min(a.getContactBreakingThreshold(near_part), b.getContactBreakingThreshold(near_part));
         still_ = still_part * near_;
+        looks_ahead_ = is_debris(*first) || is_debris(*second);
         axis_ = (first->getWorldTransform().getOrigin() - second->getWorldTransform().getOrigin())
                 * first->getWorldTransform().getBasis();
         if (axis_.fuzzyZero()) axis_ = {0, 1, 0};
@@ -69,9 +75,10 @@ class HullPair final : public btCollisionAlgorithm {
         const btTransform& a = first->getWorldTransform();
         const btTransform& b = second->getWorldTransform();
         const btTransform relative = first_moves_ ? b.inverseTimes(a) : a.inverseTimes(b);
-        if (!(moved_since(relative) < free_)) {
+        const btScalar ahead = looks_ahead_ ? approach(*first, *second) * info.m_timeStep : 0.0f;
+        if (!(moved_since(relative) + ahead < free_)) {
             seen_ = relative;
-            free_ = look(*first, *second, info, *result);
+            free_ = look(*first, *second, near_ + ahead, info, *result);
         }
         if (!own_ || !manifold_) return;
         result->setPersistentManifold(manifold_);
@@ -98,6 +105,20 @@ class HullPair final : public btCollisionAlgorithm {
         return (relative.getOrigin() - seen_.getOrigin()).length() + std::sqrt(turned) * radius_;
     }
 
+    // How fast the hulls can come closer.
+    [[nodiscard]] btScalar approach(const btCollisionObjectWrapper& first,
+                                    const btCollisionObjectWrapper& second) const {
+        const btCollisionObject& a = *first.getCollisionObject();
+        const btCollisionObject& b = *second.getCollisionObject();
+        const btRigidBody& body_a = *btRigidBody::upcast(&a);
+        const btRigidBody& body_b = *btRigidBody::upcast(&b);
+        const btVector3 middle = (first_moves_ ? first : second).getWorldTransform().getOrigin();
+        const btVector3 apart = body_a.getVelocityInLocalPoint(middle - body_a.getCenterOfMassPosition())
+                                - body_b.getVelocityInLocalPoint(middle - body_b.getCenterOfMassPosition());
+        const btVector3 turning = body_a.getAngularVelocity() - body_b.getAngularVelocity();
+        return apart.length() + turning.length() * radius_;
+    }
+
     // The gap between the hulls in a direction from the second to the first: what separates them at least.
     [[nodiscard]] btScalar gap(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                                const btVector3& direction) const {
@@ -108,9 +129,9 @@ class HullPair final : public btCollisionAlgorithm {
     // Finds a contact, if there is one, and says by how much the hulls may move until it must be called
     // again.
     btScalar look(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                  const btDispatcherInfo& info, btManifoldResult& result) {
+                  btScalar near, const btDispatcherInfo& info, btManifoldResult& result) {
         const btTransform& a = first.getWorldTransform();
-        const btScalar known = gap(first, second, a.getBasis() * axis_) - near_;
+        const btScalar known = gap(first, second, a.getBasis() * axis_) - near;
         if (known > 0.0f) return known;
 
         const int before = manifold_ ? manifold_->getNumContacts() : 0;
@@ -119,13 +140,14 @@ class HullPair final : public btCollisionAlgorithm {
         btGjkPairDetector::ClosestPointInput input;
         input.m_transformA = a;
         input.m_transformB = second.getWorldTransform();
-        input.m_maximumDistanceSquared = (margins_ + near_) * (margins_ + near_);
+        input.m_maximumDistanceSquared = (margins_ + near) * (margins_ + near);
         Found found;
         gjk.getClosestPoints(input, found, info.m_debugDraw);
-        if (found.is && found.distance <= near_) {
+        if (found.is && found.distance <= near) {
             if (!manifold_)
                 manifold_ =
                     m_dispatcher->getNewManifold(first.getCollisionObject(), second.getCollisionObject());
+            if (looks_ahead_) manifold_->setContactBreakingThreshold(near);
             result.setPersistentManifold(manifold_);
             result.addContactPoint(found.normal, found.point, found.distance);
             return manifold_->getNumContacts() == before ? still_ : -1.0f;
@@ -134,7 +156,7 @@ class HullPair final : public btCollisionAlgorithm {
         if (direction.fuzzyZero()) return -1.0f;
         direction.normalize();
         axis_ = direction * a.getBasis();
-        return gap(first, second, direction) - near_;
+        return gap(first, second, direction) - near;
     }
 
     struct Found final : btDiscreteCollisionDetectorInterface::Result {
@@ -160,6 +182,7 @@ class HullPair final : public btCollisionAlgorithm {
     btScalar radius_;       // of it
     btScalar margins_;      // of both
     btScalar near_;         // closer is a contact
+    bool looks_ahead_;      // debris
     btScalar still_;        // movement that contacts bear
     btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look
     btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame

@@ -1,13 +1,15 @@
 // Contacts of convex hulls with each other, and which pairs of boxes are worth a look.
 //
-// Most pairs that Bullet's tree of boxes finds in a heap do not touch, and most that touch hardly move against each
-// other. Bullet runs GJK for all of them in every step. Here a pair remembers how its hulls stood when it last looked
-// closely, and what it saw:
-// - a gap: as long as one hull has moved against the other by less than that, there is still none of it gone; then the
+// Most pairs that Bullet's tree of boxes finds in a heap do not touch, and most that touch hardly move
+// against each other. Bullet runs GJK for all of them in every step. Here a pair remembers how its hulls
+// stood when it last looked closely, and what it saw:
+// - a gap: as long as one hull has moved against the other by less than that, there is still none of it gone;
+// then the
 //   same direction is tried again, and only where it no longer separates them, GJK looks for another one;
 // - contacts that are complete: they follow the bodies until those have moved against each other by
 //   a two-hundredth of the smaller one's radius.
-// The first is exact: a pair that touches is never passed over. Points, normals and the choice of four points are Bullet's.
+// The first is exact: a pair that touches is never passed over. Points, normals and the choice of four points
+// are Bullet's.
 #pragma once
 
 #include <memory>
@@ -18,7 +20,8 @@ namespace brittle::physics {
 
 class HullContacts {
   public:
-    // From now on the dispatcher uses it for pairs of hulls, alone or in compounds. Must outlive the dispatcher's pairs.
+    // From now on the dispatcher uses it for pairs of hulls, alone or in compounds. Must outlive the
+    // dispatcher's pairs.
     explicit HullContacts(btCollisionDispatcher& dispatcher);
     ~HullContacts();
 

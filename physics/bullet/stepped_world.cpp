@@ -19,9 +19,9 @@ constexpr float tremble_factor = 4.0f;
 constexpr float calm_part = 0.9f;
 constexpr float quiet_factor = 2.0f;
 // A body that after this multiple of the sleeping time still is within this part of what the sleeping speeds
-// make of the sleeping time (2 cm and 0.2 rad) from where it was rocks in place, however fast.
+// make of the sleeping time (4 cm and 0.4 rad) from where it was rocks in place, however fast.
 constexpr float place_factor = 2.0f;
-constexpr float place_part = 0.5f;
+constexpr float place_part = 1.0f;
 // Waiting counts up to this multiple of the sleeping time, so that a tremble does not at once wake a body
 // that waits for its neighbours.
 constexpr float patience = 1.5f;
@@ -154,6 +154,8 @@ void SteppedWorld::stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar sec
     btTransform from = rigid.getWorldTransform(), to = from;
     to.setOrigin(from.getOrigin() + velocity * seconds);
     FirstHit hit(rigid, from.getOrigin(), to.getOrigin(), radius);
+    hit.m_collisionFilterGroup = rigid.getBroadphaseProxy()->m_collisionFilterGroup;
+    hit.m_collisionFilterMask = rigid.getBroadphaseProxy()->m_collisionFilterMask;
     btSphereShape ball(radius);
     convexSweepTest(&ball, from, to, hit, getDispatchInfo().m_allowedCcdPenetration);
     if (!hit.hasHit()) return;

@@ -44,7 +44,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         bool fast = false;                   // one of it is on its way
     };
     std::vector<Island> islands_; // by island tag; scratch of one step
-    std::vector<Spin> spins_; // scratch of one step
+    std::vector<Spin> spins_;     // scratch of one step
     std::vector<std::pair<btRigidBody*, btVector3>>
         shortened_; // likewise: velocities of bodies that stop at a hit
 };

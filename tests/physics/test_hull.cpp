@@ -205,3 +205,40 @@ TEST_CASE("a sphere of two thousand points is reduced and loses little of its wi
         CHECK(width > 0.85);
     }
 }
+
+TEST_CASE("hulls made side by side are those made one by one, with any number of threads") {
+    const auto fragments = test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 60, 21);
+    for (const uint32_t threads : {1u, 2u, 5u}) {
+        const physics::PieceHulls hulls = physics::collision_hulls(fragments, {}, threads);
+        REQUIRE(hulls.size() == fragments.pieces.size());
+        for (size_t i = 0; i < hulls.size(); ++i) {
+            const fracture::Piece& piece = fragments.pieces[i];
+            const CollisionHull alone = collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass);
+            CHECK(hulls[i]->points == alone.points);
+            CHECK(hulls[i]->margin == alone.margin);
+        }
+    }
+    CHECK(physics::collision_hulls({}).empty());
+}
+
+TEST_CASE("of many points the hull keeps the corners, and crumbs have few") {
+    // A long box with a thousand points inside and on its sides: all eight corners stay, wherever they are in the list.
+    test::Random random(4);
+    std::vector<glm::dvec3> points;
+    const glm::dvec3 half(1.0, 0.2, 0.05);
+    for (int i = 0; i < 1000; ++i) points.push_back(random.point(-half, half));
+    for (int corner = 0; corner < 8; ++corner)
+        points.push_back(half * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1));
+    CHECK(overreach(collision_hull(points, glm::dvec3(0.0)), points, glm::dvec3(0.0)) < 1e-6);
+    const CollisionHull hull = collision_hull(points, glm::dvec3(0.0));
+    CHECK(hull.points.size() == 8);
+    for (const glm::vec3& point : hull.points)
+        for (int axis = 0; axis < 3; ++axis)
+            CHECK(std::abs(std::abs(point[axis]) - (half[axis] - static_cast<double>(hull.margin))) < 1e-4);
+
+    const std::vector<glm::dvec3> ball = sphere_points(2000, 0.014);
+    CHECK(collision_hull(ball, glm::dvec3(0.0)).points.size() <= 12);
+    CHECK(collision_hull(ball, glm::dvec3(0.0), {.crumb_vertices = 9}).points.size() <= 9);
+    CHECK(collision_hull(sphere_points(2000, 0.016), glm::dvec3(0.0)).points.size() > 12);
+    check_usable(collision_hull(ball, glm::dvec3(0.0)), 12);
+}

@@ -10,6 +10,7 @@
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
+#include "physics/structure.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -318,6 +319,72 @@ TEST_CASE("splinters dropped from two metres do not go through the ground") {
         CHECK(world.pose(id).position.y > -1e-3f);
         CHECK(world.pose(id).position.y < 0.5f);
     }
+}
+
+TEST_CASE("hulls made ahead give the same world, and a wrong number of them none") {
+    const auto fragments = test::voronoi_pieces({-0.25, 0.5, -0.25}, {0.25, 1.0, 0.25}, 30, 8);
+    PieceHulls hulls = collision_hulls(fragments, {}, 1);
+    World plain, ahead;
+    must_add(plain, fragments);
+    REQUIRE(add_pieces(ahead, fragments, {}, {}, hulls).has_value());
+    run(plain, 0.5f), run(ahead, 0.5f);
+    CHECK(plain.state_hash() == ahead.state_hash());
+
+    World empty;
+    hulls.back() = nullptr;
+    const Result<std::vector<BodyId>> missing = add_pieces(empty, fragments, {}, {}, hulls);
+    REQUIRE_FALSE(missing.has_value());
+    CHECK(missing.error().message.find("piece 29") != std::string::npos);
+    hulls.pop_back();
+    CHECK_FALSE(add_pieces(empty, fragments, {}, {}, hulls).has_value());
+    CHECK_FALSE(Structure::create(empty, fragments, {.hulls = hulls}).has_value());
+    CHECK(empty.body_count() == 0);
+}
+
+TEST_CASE("three hundred pieces of a cube, an animal and an arch fall asleep within ten seconds, none below the ground") {
+    for (const char* name : {"cube", "animal", "arch"})
+        for (const uint64_t seed : {1, 2, 3}) {
+            CAPTURE(name);
+            CAPTURE(seed);
+            fracture::TriangleMesh mesh = *fracture::shape(name);
+            const fracture::Box box = fracture::bounds(mesh);
+            const double longest = std::max({box.size().x, box.size().y, box.size().z});
+            for (glm::dvec3& p : mesh.positions)
+                p = (p - glm::dvec3(box.centre().x, box.min.y, box.centre().z)) / longest + glm::dvec3(0.0, 0.3, 0.0);
+            const auto sites = fracture::uniform_sites(fracture::bounds(mesh), 300, seed);
+            const auto fragments = fracture::fracture(mesh, sites);
+            REQUIRE(fragments);
+            World world;
+            const std::vector<BodyId> bodies = must_add(world, *fragments);
+            const double start = world.mechanics().kinetic + world.mechanics().potential;
+            double energy = start, rise = 0.0;
+            int steps = 0;
+            for (; steps < 1200 && world.awake_count() > 0; ++steps) {
+                world.step();
+                const Mechanics now = world.mechanics();
+                rise = std::max(rise, now.kinetic + now.potential - energy);
+                energy = now.kinetic + now.potential;
+            }
+            const float lowest = lowest_vertex(world, *fragments, bodies);
+            MESSAGE(std::string(name) << " " << seed << ": " << bodies.size() << " pieces asleep after " << steps / 120.0
+                         << " s, lowest vertex " << lowest << " m, steepest rise of energy " << rise / start);
+            CHECK(world.awake_count() == 0);
+            CHECK(rise < 1e-4 * start);
+            // What hulls of 32 points leave out of pieces a fifth of a metre long.
+            CHECK(lowest > -0.02f);
+            for (const BodyId id : bodies) CHECK(world.pose(id).position.y > -1e-3f); // slivers lie as deep as their margin
+        }
+}
+
+TEST_CASE("a thousand fresh pieces in empty space stay where they are") {
+    World world(empty_space);
+    must_add(world, test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 1000, 6));
+    float most = 0.0f;
+    for (int step = 0; step < 120; ++step) {
+        world.step();
+        most = std::max(most, greatest_speed(world));
+    }
+    CHECK(most < 1e-3f);
 }
 
 TEST_CASE("the same fracture falls the same way twice") {

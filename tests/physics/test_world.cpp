@@ -1,5 +1,6 @@
 #include "physics/world.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -92,6 +93,7 @@ TEST_CASE("settings outside their range are named with their value") {
         {{.solver_iterations = 0}, "solver_iterations"},
         {{.separation_speed = -1.0f}, "separation_speed"},
         {{.broadphase_margin = -1.0f}, "broadphase_margin"},
+        {{.debris_size = -1.0f}, "debris_size"},
         {{.sleep_linear_speed = nan_value}, "sleep_linear_speed"},
         {{.sleep_angular_speed = -1.0f}, "sleep_angular_speed"},
         {{.sleep_seconds = -1.0f}, "sleep_seconds"},
@@ -410,6 +412,67 @@ TEST_CASE("a body that touches nothing never sleeps, however slow") {
     run(world, 5.0f);
     CHECK(world.awake(id));
     CHECK(world.pose(id).position.x == doctest::Approx(0.05).epsilon(1e-3).scale(0.0));
+}
+
+TEST_CASE("what is written of the bodies that moved is what writing all gives") {
+    World world;
+    add_swarm(world, 40);
+    must_add(world, box({0.2f, 0.1f, 0.2f}, 8.0f, {9.0f, 0.1f, 0.0f}));
+    test::Random random(5);
+    constexpr Pose untouched{glm::vec3(-1e9f), {1.0f, 0.0f, 0.0f, 0.0f}};
+    std::vector<Pose> kept(world.body_count(), untouched), all(world.body_count()), marked(world.body_count());
+    uint64_t since = 0;
+    size_t most = 0, least = world.body_count();
+    for (int frame = 0; frame < 400; ++frame) {
+        if (frame == 200) { // some wake, and one is new
+            world.apply_impulse(world.bodies()[3], {0.0f, 2.0f, 0.0f}, world.pose(world.bodies()[3]).position);
+            must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {-9.0f, 1.0f, 0.0f}));
+            kept.resize(world.body_count(), untouched), all.resize(world.body_count());
+        }
+        const int steps = static_cast<int>(random.uniform(0.0, 4.0));
+        for (int i = 0; i < steps; ++i) world.step();
+        const auto alpha = static_cast<float>(random.uniform(0.0, 1.0));
+        world.write_transforms(all, alpha);
+        world.write_transforms(kept, alpha, since);
+        for (size_t i = 0; i < all.size(); ++i)
+            REQUIRE((kept[i].position == all[i].position && kept[i].orientation == all[i].orientation));
+        marked.assign(world.body_count(), untouched);
+        world.write_transforms(marked, alpha, since);
+        since = world.steps_taken();
+        const auto written = static_cast<size_t>(
+            std::ranges::count_if(marked, [&](const Pose& pose) { return pose.position != untouched.position; }));
+        most = std::max(most, written), least = std::min(least, written);
+    }
+    CHECK(most >= 41);
+    CHECK(world.awake_count() == 0);
+    CHECK(least == 0);
+    CHECK(world.last_moved_step(world.bodies()[0]) < world.steps_taken());
+}
+
+TEST_CASE("debris falls through debris, but not through what is larger or fixed, nor through the ground") {
+    WorldSettings settings;
+    settings.debris_size = 0.05f;
+    World world(settings);
+    BodyDesc shelf = box({0.2f, 0.05f, 0.2f}, 1.0f, {2.0f, 0.05f, 0.0f});
+    shelf.fixed = true;
+    must_add(world, shelf);
+    must_add(world, box({0.2f, 0.05f, 0.2f}, 10.0f, {4.0f, 0.05f, 0.0f}));
+    const glm::vec3 crumb(0.01f);
+    std::vector<BodyId> crumbs;
+    for (const auto& [x, floor] : {std::pair(0.0f, 0.0f), std::pair(2.0f, 0.1f), std::pair(4.0f, 0.1f)})
+        for (const float gap : {0.001f, 0.2f})
+            crumbs.push_back(must_add(world, box(crumb, 0.02f, {x, floor + 0.01f + gap, 0.0f})));
+    run(world, 2.0f);
+    for (size_t i = 0; i < crumbs.size(); ++i) {
+        CAPTURE(i);
+        CHECK(std::abs(world.pose(crumbs[i]).position.y - (i < 2 ? 0.01f : 0.11f)) < 2e-3f);
+    }
+    // The same in a world without debris: they lie on each other.
+    settings.debris_size = 0.0f;
+    World solid(settings);
+    for (const float y : {0.011f, 0.033f}) must_add(solid, box(crumb, 0.02f, {0.0f, y, 0.0f}));
+    run(solid, 2.0f);
+    CHECK(glm::length(solid.pose(solid.bodies()[0]).position - solid.pose(solid.bodies()[1]).position) > 0.018f);
 }
 
 TEST_CASE("two worlds with their own settings and a moved one do not disturb each other") {

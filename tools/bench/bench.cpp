@@ -4,6 +4,7 @@
 //
 // fracture/MESH/SITES/threads:N    in the steady state: workspace and output are reused
 // first/MESH/SITES/threads:N       the first time: nothing is known about the mesh, all memory is new
+// world/...                        steps of the world: world.h
 // certify/..., check/...           the certificate of the result; the front door's check, and the full one
 // impact/..., cycles/...           destruction at runtime: see impacts.h
 //
@@ -33,6 +34,7 @@
 #include "fracture/topology.h"
 #include "tools/bench/impacts.h"
 #include "tools/bench/memory_meter.h"
+#include "tools/bench/world.h"
 
 namespace brittle::tools {
 
@@ -247,6 +249,7 @@ void add_all() {
 int main(int argc, char** argv) {
     brittle::tools::add_all();
     brittle::tools::add_impact_benchmarks();
+    brittle::tools::add_world_benchmarks();
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
     benchmark::RunSpecifiedBenchmarks();
