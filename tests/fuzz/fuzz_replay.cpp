@@ -35,7 +35,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::string text = written(log);
     const fuzz::MemoryFile again(reinterpret_cast<const uint8_t*>(text.data()), text.size());
     try {
-        fuzz::require(written(read_replay_log(again.path())) == text, "a log that was written is read as another");
+        fuzz::require(written(read_replay_log(again.path())) == text,
+                      "a log that was written is read as another");
     } catch (const Failure& failure) {
         fuzz::require(false, failure.what());
     }

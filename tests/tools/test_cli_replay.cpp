@@ -51,7 +51,9 @@ struct Outcome {
 
 Outcome run(const Folder& folder, const std::string& arguments, const std::string& environment = "") {
     const std::string log = folder / "output";
-    const int status = std::system((environment + " /usr/bin/timeout 120 " BRITTLE_PROGRAM " " + arguments + " >" + log + " 2>&1").c_str());
+    const int status = std::system(
+        (environment + " /usr/bin/timeout 120 " BRITTLE_PROGRAM " " + arguments + " >" + log + " 2>&1")
+            .c_str());
     Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(log)};
     fs::remove(log);
     return outcome;
@@ -66,7 +68,8 @@ bool no_vulkan(const Outcome& outcome) {
 // A short run of the wall, with its log.
 Outcome record(const Folder& folder, const std::string& more = "") {
     return run(folder, "render " BRITTLE_ASSETS "/scenes/brick_wall_rammed.json --frames 30 --size 64x48 -o "
-                               + folder / "a_%02d.png" + " --every 10 --record " + folder / "run.log" + " " + more);
+                           + folder / "a_%02d.png" + " --every 10 --record " + folder / "run.log" + " "
+                           + more);
 }
 
 // A program of that name that does what the script says.
@@ -84,11 +87,13 @@ TEST_CASE("what render records is repeated without a device, and drawn again as 
     if (no_vulkan(recorded)) return;
     REQUIRE(recorded.exit_code == 0);
     // No driver is to be found.
-    const Outcome replayed = run(folder, "replay " + folder / "run.log", "VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null");
+    const Outcome replayed =
+        run(folder, "replay " + folder / "run.log", "VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null");
     INFO(replayed.output);
     CHECK(replayed.exit_code == 0);
     CHECK(replayed.has("59 steps, all equal; 1 actions, finished"));
-    const Outcome drawn = run(folder, "replay " + folder / "run.log" + " --size 64x48 --every 10 --render " + folder / "b_%02d.png");
+    const Outcome drawn = run(folder, "replay " + folder / "run.log" + " --size 64x48 --every 10 --render "
+                                          + folder / "b_%02d.png");
     INFO(drawn.output);
     CHECK(drawn.exit_code == 0);
     CHECK(drawn.has("all equal"));
@@ -135,8 +140,9 @@ TEST_CASE("a run that is interrupted leaves a log that can be repeated") {
     REQUIRE(child >= 0);
     if (child == 0) {
         if (!std::freopen(output.c_str(), "w", stderr) || !std::freopen("/dev/null", "w", stdout)) _exit(99);
-        execl(BRITTLE_PROGRAM, BRITTLE_PROGRAM, "render", "shape:cube", "-n", "20", "--frames", "100000", "--size", "64x48",
-              "--every", "1", "-o", (folder / "f_%06d.png").c_str(), "--record", log.c_str(), nullptr);
+        execl(BRITTLE_PROGRAM, BRITTLE_PROGRAM, "render", "shape:cube", "-n", "20", "--frames", "100000",
+              "--size", "64x48", "--every", "1", "-o", (folder / "f_%06d.png").c_str(), "--record",
+              log.c_str(), nullptr);
         _exit(98);
     }
     // Until it is about its pictures, or gave up for want of a device.
@@ -163,7 +169,8 @@ TEST_CASE("a run that is interrupted leaves a log that can be repeated") {
 
 TEST_CASE("a video gets all frames; ffmpeg's absence and failures are told") {
     const Folder folder;
-    const std::string render = "render shape:cube -n 5 --size 64x48 --frames 6 --video " + folder / "fall.mp4";
+    const std::string render =
+        "render shape:cube -n 5 --size 64x48 --frames 6 --video " + folder / "fall.mp4";
     fs::create_directory(folder / "bin");
     const std::string path = "PATH=" + folder / "bin";
 
@@ -174,8 +181,9 @@ TEST_CASE("a video gets all frames; ffmpeg's absence and failures are told") {
     CHECK(missing.has("needs the program ffmpeg"));
 
     // Stands in for ffmpeg: what it is given goes to the file that is named last.
-    make_program(folder / "bin/ffmpeg", "echo \"$@\" > '" + folder / "words" + "'\n"
-                                            "for last; do :; done\n/bin/cat > \"${last#file:}\"\n");
+    make_program(folder / "bin/ffmpeg", "echo \"$@\" > '" + folder / "words"
+                                            + "'\n"
+                                              "for last; do :; done\n/bin/cat > \"${last#file:}\"\n");
     const Outcome made = run(folder, render, path);
     INFO(made.output);
     CHECK(made.exit_code == 0);
@@ -198,7 +206,8 @@ TEST_CASE("a video gets all frames; ffmpeg's absence and failures are told") {
     CHECK(read(folder / "fall.mp4") == "old");
 
     make_program(folder / "bin/ffmpeg", "exit 1\n");
-    const Outcome deaf = run(folder, "render shape:cube -n 5 --size 640x480 --frames 6 --video " + folder / "fall.mp4", path);
+    const Outcome deaf =
+        run(folder, "render shape:cube -n 5 --size 640x480 --frames 6 --video " + folder / "fall.mp4", path);
     INFO(deaf.output);
     CHECK(deaf.exit_code == 5);
     CHECK(read(folder / "fall.mp4") == "old");
@@ -209,8 +218,9 @@ TEST_CASE("the schema of replay logs knows the actions and their fields, and no 
     const auto schema = nlohmann::json::parse(std::ifstream(BRITTLE_ASSETS "/replay.schema.json"));
     const auto& known = schema["$defs"]["action"]["properties"];
     size_t kinds = 0;
-    for (const Action& action : {Action(Shoot{}), Action(Damage{}), Action(Saw{}), Action(Hammer{}), Action(Release{}),
-                                 Action(Push{}), Action(Grab{}), Action(Drag{}), Action(LetGo{})}) {
+    for (const Action& action :
+         {Action(Shoot{}), Action(Damage{}), Action(Saw{}), Action(Hammer{}), Action(Release{}),
+          Action(Push{}), Action(Grab{}), Action(Drag{}), Action(LetGo{})}) {
         CHECK(action.index() == kinds++);
         nlohmann::ordered_json object;
         write_action(object, action);

@@ -1,9 +1,10 @@
 // Momentum and angular momentum across every break of every scene in which bonded things break.
 //
-// The books are kept around Structure::update(), between the step of the world and the next. What is free may get momentum
-// from what is not (the ground, an anchored body) in one way only: contacts of a body that breaks are taken back and
-// solved anew for its islands. So a break must change the sum by nothing; or by the impulses of the contacts between free
-// and fixed that are taken back, and by new impulses along the normals of those contacts that still have a fixed side.
+// The books are kept around Structure::update(), between the step of the world and the next. What is free may
+// get momentum from what is not (the ground, an anchored body) in one way only: contacts of a body that
+// breaks are taken back and solved anew for its islands. So a break must change the sum by nothing; or by the
+// impulses of the contacts between free and fixed that are taken back, and by new impulses along the normals
+// of those contacts that still have a fixed side.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -57,14 +58,15 @@ Wrench outside(Wrench w, std::vector<Wrench> directions) {
 
 struct Books : SimulationObserver {
     struct Touch {
-        Wrench normal, impulse;     // on a; of one N s, and as it was
-        std::array<bool, 2> free;   // a, b
+        Wrench normal, impulse;   // on a; of one N s, and as it was
+        std::array<bool, 2> free; // a, b
         std::array<physics::BodyId, 2> bodies;
         std::array<int64_t, 2> pieces; // that touch; -1 for balls and the ground
     };
     physics::Mechanics before;
     std::vector<Touch> touches;
-    // Breaks: nothing from what is fixed; a few contacts with it; so many contacts that they would explain anything.
+    // Breaks: nothing from what is fixed; a few contacts with it; so many contacts that they would explain
+    // anything.
     int closed = 0, answered = 0, unknown = 0;
     double worst = 0.0;
     uint64_t worst_step = 0;
@@ -75,8 +77,11 @@ struct Books : SimulationObserver {
         touches.clear();
         for (const physics::Contact& contact : world.contacts()) {
             Touch touch{wrench(glm::dvec3(contact.normal), glm::dvec3(contact.point)),
-                        wrench(glm::dvec3(contact.impulse * contact.normal + contact.friction), glm::dvec3(contact.point)),
-                        {}, {contact.a, contact.b}, {-1, -1}};
+                        wrench(glm::dvec3(contact.impulse * contact.normal + contact.friction),
+                               glm::dvec3(contact.point)),
+                        {},
+                        {contact.a, contact.b},
+                        {-1, -1}};
             for (const size_t side : {0u, 1u}) {
                 const physics::BodyId body = touch.bodies[side];
                 touch.free[side] = world.contains(body) && !world.fixed(body);
@@ -124,7 +129,8 @@ struct Books : SimulationObserver {
                 std::array<bool, 2> free = touch.free;
                 for (const size_t side : {0u, 1u})
                     if (touch.pieces[side] >= 0)
-                        free[side] = !world.fixed(simulation.body_of(static_cast<uint32_t>(touch.pieces[side])));
+                        free[side] =
+                            !world.fixed(simulation.body_of(static_cast<uint32_t>(touch.pieces[side])));
                 if (free[0] != free[1]) answers.push_back(touch.normal);
             }
             most_answers = std::max(most_answers, answers.size());
@@ -160,8 +166,8 @@ TEST_CASE("scenes: momentum and angular momentum are kept across every break, to
         simulation.start(break_input(input, options).fragments, options.world);
         while (simulation.steps() < 2 * options.picture.frames) simulation.step();
         MESSAGE(scene.stem().string(), ": ", books.closed, " breaks that changed nothing, ", books.answered,
-                " with answers of what is fixed, ", books.unknown, " with too many to tell; worst ", books.worst, " at step ",
-                books.worst_step);
+                " with answers of what is fixed, ", books.unknown, " with too many to tell; worst ",
+                books.worst, " at step ", books.worst_step);
         CHECK(books.worst < 1e-4);
         CHECK(books.closed + books.answered > 0);
         ++tested;

@@ -1,5 +1,5 @@
-// Simulations, their replay logs, and that a run repeats to the bit: from every scene that moves, at any frame rate, with any
-// number of threads.
+// Simulations, their replay logs, and that a run repeats to the bit: from every scene that moves, at any
+// frame rate, with any number of threads.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -116,8 +116,8 @@ std::string message_of(const fs::path& file) {
 TEST_CASE("body checks: texts are counted and compared; damaged ones are none") {
     CHECK(count_bodies("") == 0);
     CHECK(count_bodies("00ff(3)abcd(1)") == 6);
-    for (const char* bad : {"0", "00f", "00FF", "00fg", "(", "()", "(0)", "(3", "(-1)", "(3)1", "(99999999999999999999)",
-                            "(100000000)(100000000)", " 00ff", "(3 )"})
+    for (const char* bad : {"0", "00f", "00FF", "00fg", "(", "()", "(0)", "(3", "(-1)", "(3)1",
+                            "(99999999999999999999)", "(100000000)(100000000)", " 00ff", "(3 )"})
         CHECK_MESSAGE(!count_bodies(bad), bad);
     CHECK(!first_difference("00ff(3)abcd", "00ff(3)abcd"));
     CHECK(!first_difference("00ff(3)abcd", "00ff(1)(2)abcd"));
@@ -130,7 +130,8 @@ TEST_CASE("body checks: texts are counted and compared; damaged ones are none") 
 TEST_CASE("simulation: with nothing there, actions and steps do nothing") {
     Simulation simulation;
     CHECK(!simulation.running());
-    for (const Action& action : {Action(Damage{}), Action(Saw{}), Action(Release{}), Action(Drag{}), Action(LetGo{})})
+    for (const Action& action :
+         {Action(Damage{}), Action(Saw{}), Action(Release{}), Action(Drag{}), Action(LetGo{})})
         simulation.apply(action);
     simulation.step();
     CHECK(simulation.steps() == 1);
@@ -160,7 +161,9 @@ TEST_CASE("simulation: actions that make no sense are named") {
 TEST_CASE("simulation: what is scheduled takes effect at its step, in the order of calls") {
     struct Diary : SimulationObserver {
         std::string text;
-        void stepped(const Simulation& simulation) override { text += " " + std::to_string(simulation.steps()); }
+        void stepped(const Simulation& simulation) override {
+            text += " " + std::to_string(simulation.steps());
+        }
         void acted(uint64_t step, const Action& action) override {
             text += " @" + std::to_string(step) + "kind" + std::to_string(action.index());
         }
@@ -194,7 +197,8 @@ TEST_CASE("simulation: what is grabbed comes to the hand, stays there, and falls
         simulation.apply(Grab{0, glm::dvec3(position())});
         simulation.apply(Drag{{1.5, 4.0, -0.5}});
         for (int k = 0; k < 120; ++k) simulation.step();
-        // Ten times a second nearer by its distance, less what gravity pulls it off in a step: 1/1200 of it at most.
+        // Ten times a second nearer by its distance, less what gravity pulls it off in a step: 1/1200 of it
+        // at most.
         CHECK(glm::distance(position(), glm::vec3(1.5f, 4.0f, -0.5f)) < 0.02f);
         simulation.apply(LetGo{});
         const float before = position().y;
@@ -263,7 +267,8 @@ TEST_CASE("replay: at other frame rates and with other threads the states are eq
         simulation.observe(&player);
         simulation.start(broken(log.recipe), log.recipe.world);
         schedule(log, simulation);
-        while (!player.done()) simulation.advance(rate > 0.0 ? 1.0 / rate : static_cast<double>(random() % 50) * 1e-3);
+        while (!player.done())
+            simulation.advance(rate > 0.0 ? 1.0 / rate : static_cast<double>(random() % 50) * 1e-3);
         CHECK_FALSE(player.difference());
     }
 }
@@ -297,7 +302,8 @@ TEST_CASE("replay: what differs is found at its step, with the body") {
     const fracture::Fragments fragments = broken(options);
     // Out of the wall first, so that the second push is felt by this piece alone.
     const glm::dvec3 centre = fragments.pieces[7].mass.centre_of_mass;
-    const Push out{7, centre, {0.0, 0.0, 200.0}}, push{7, centre + glm::dvec3(0.0, 0.0, 1.0), {0.0, 0.0, 5.0}};
+    const Push out{7, centre, {0.0, 0.0, 200.0}},
+        push{7, centre + glm::dvec3(0.0, 0.0, 1.0), {0.0, 0.0, 5.0}};
     ReplayLog log = recorded(options, fragments, 40, {{0, out}, {25, push}}, folder.path / "run.log");
     CHECK_FALSE(replayed(log, fragments));
 
@@ -326,8 +332,10 @@ TEST_CASE("replay: what differs is found at its step, with the body") {
         const auto difference = replayed(log, fragments);
         REQUIRE(difference);
         CHECK(difference->step == 31);
-        CHECK(difference->what.find(std::to_string(fragments.pieces.size()) + " bodies were recorded, there are "
-                                    + std::to_string(fragments.pieces.size() + 1)) != std::string::npos);
+        CHECK(difference->what.find(std::to_string(fragments.pieces.size())
+                                    + " bodies were recorded, there are "
+                                    + std::to_string(fragments.pieces.size() + 1))
+              != std::string::npos);
     }
     SUBCASE("another hash") {
         log.states[13].hash ^= 1;
@@ -409,43 +417,48 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
         size_t line;
         const char *from, *to, *message;
     };
-    const Case cases[] = {{0, R"("brittle_log":1)", R"("brittle_log":2)", "run.log:1: /brittle_log: expected the log's version"},
-                          {0, R"("pieces":)", R"("pebbles":)", "run.log:1: /pieces: is missing"},
-                          {0, R"("step_seconds":)", R"("step_second":)", "run.log:1: /step_seconds: is missing"},
-                          {0, R"("pieces_hash":")", R"("pieces_hash":"z)", "run.log:1: /pieces_hash: expected sixteen"},
-                          {0, R"("build":{)", R"("build":3,"x":{)", "run.log:1: /build: expected an object"},
-                          {0, R"("recipe":{)", R"("recipes":{)", "run.log:1: /recipe: is missing"},
-                          {0, R"("anchored":true)", R"("anchored":1)", "run.log:1: /recipe/world/anchored: expected true or false"},
-                          {1, R"("step":0)", R"("step":1)", "run.log:2: /step: expected step 0, found 1"},
-                          {1, R"("hash":")", R"("hash":"0)", "run.log:2: /hash: expected sixteen"},
-                          {1, R"("bodies":")", R"("bodies":"x)", "run.log:2: /bodies: expected four"},
-                          {1, "{", "[", "run.log:2: the JSON cannot be read"},
-                          {3, R"("after":1)", R"("after":0)", "run.log:4: /after: 0 is not the step"},
-                          {3, R"("shoot")", R"("shout")", "run.log:4: /after: there is no action"},
-                          {3, R"("radius":0.1)", R"("radius":"big")", "run.log:4: /shoot/radius: expected a number"},
-                          {3, R"("radius":0.1)", R"("radius":99)", "run.log:4: /shoot: radius is 99"},
-                          {3, R"("radius":0.1)", R"("radios":0.1)", "run.log:4: /shoot/radius: is missing"},
-                          {3, R"("from":[0.0,)", R"("from":[)", "run.log:4: /shoot/from: expected three numbers"},
-                          {3, R"("shoot")", R"("let_go":{},"shoot")", "run.log:4: /let_go: there is another action"},
-                          {3, "}}", R"(},"and":1})", "run.log:4: /and: unknown key"},
-                          {4, R"({"step":2)", R"({"stop":2)", "run.log:5: expected a line with step, after or end"},
-                          {5, R"("steps":2)", R"("steps":3)", "run.log:6: /steps: 3 is not the step"},
-                          {5, R"("finished")", "7", "run.log:6: /end: expected text"},
-                          {5, "\n", "\n{}\n", "run.log:7: nothing may follow the end"}};
+    const Case cases[] = {
+        {0, R"("brittle_log":1)", R"("brittle_log":2)",
+         "run.log:1: /brittle_log: expected the log's version"},
+        {0, R"("pieces":)", R"("pebbles":)", "run.log:1: /pieces: is missing"},
+        {0, R"("step_seconds":)", R"("step_second":)", "run.log:1: /step_seconds: is missing"},
+        {0, R"("pieces_hash":")", R"("pieces_hash":"z)", "run.log:1: /pieces_hash: expected sixteen"},
+        {0, R"("build":{)", R"("build":3,"x":{)", "run.log:1: /build: expected an object"},
+        {0, R"("recipe":{)", R"("recipes":{)", "run.log:1: /recipe: is missing"},
+        {0, R"("anchored":true)", R"("anchored":1)",
+         "run.log:1: /recipe/world/anchored: expected true or false"},
+        {1, R"("step":0)", R"("step":1)", "run.log:2: /step: expected step 0, found 1"},
+        {1, R"("hash":")", R"("hash":"0)", "run.log:2: /hash: expected sixteen"},
+        {1, R"("bodies":")", R"("bodies":"x)", "run.log:2: /bodies: expected four"},
+        {1, "{", "[", "run.log:2: the JSON cannot be read"},
+        {3, R"("after":1)", R"("after":0)", "run.log:4: /after: 0 is not the step"},
+        {3, R"("shoot")", R"("shout")", "run.log:4: /after: there is no action"},
+        {3, R"("radius":0.1)", R"("radius":"big")", "run.log:4: /shoot/radius: expected a number"},
+        {3, R"("radius":0.1)", R"("radius":99)", "run.log:4: /shoot: radius is 99"},
+        {3, R"("radius":0.1)", R"("radios":0.1)", "run.log:4: /shoot/radius: is missing"},
+        {3, R"("from":[0.0,)", R"("from":[)", "run.log:4: /shoot/from: expected three numbers"},
+        {3, R"("shoot")", R"("let_go":{},"shoot")", "run.log:4: /let_go: there is another action"},
+        {3, "}}", R"(},"and":1})", "run.log:4: /and: unknown key"},
+        {4, R"({"step":2)", R"({"stop":2)", "run.log:5: expected a line with step, after or end"},
+        {5, R"("steps":2)", R"("steps":3)", "run.log:6: /steps: 3 is not the step"},
+        {5, R"("finished")", "7", "run.log:6: /end: expected text"},
+        {5, "\n", "\n{}\n", "run.log:7: nothing may follow the end"}};
     for (const Case& c : cases) {
         const std::string message = with(c.line, c.from, c.to);
         CAPTURE(c.message);
         CAPTURE(message);
         CHECK(message.find(c.message) != std::string::npos);
     }
-    CHECK(message_of(folder.write(lines[0])).find("has no end; it was cut after line 1") != std::string::npos);
+    CHECK(message_of(folder.write(lines[0])).find("has no end; it was cut after line 1")
+          != std::string::npos);
     CHECK(message_of(folder.write(std::string(100'000, '['))).find("nested too deeply") != std::string::npos);
 }
 
 TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused") {
     const Folder folder;
     const FractureOptions options = wall_options();
-    recorded(options, broken(options), 4, {{1, Shoot{}}, {2, Release{{1, 2}}}, {2, Grab{4, {0, 1, 0}}}}, folder.path / "good.log");
+    recorded(options, broken(options), 4, {{1, Shoot{}}, {2, Release{{1, 2}}}, {2, Grab{4, {0, 1, 0}}}},
+             folder.path / "good.log");
     const std::string good = content(folder.path / "good.log");
     for (size_t size = 0; size + 1 < good.size(); size += 7)
         CHECK(!message_of(folder.write(good.substr(0, size))).empty());
@@ -453,7 +466,8 @@ TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused"
     int refused = 0;
     for (int k = 0; k < 500; ++k) {
         std::string text = good;
-        for (uint32_t n = 1 + random() % 4; n > 0; --n) text[random() % text.size()] = static_cast<char>(random() % 256);
+        for (uint32_t n = 1 + random() % 4; n > 0; --n)
+            text[random() % text.size()] = static_cast<char>(random() % 256);
         const std::string message = message_of(folder.write(text));
         if (!message.empty()) ++refused;
         if (!message.empty()) CHECK(message.find("run.log") != std::string::npos);

@@ -1,8 +1,9 @@
-// What a person or a script does to a simulation while it runs. An action takes effect between two steps, so what follows
-// depends on the step and not on the frame rate; replay logs hold actions (docs/replay.md).
+// What a person or a script does to a simulation while it runs. An action takes effect between two steps, so
+// what follows depends on the step and not on the frame rate; replay logs hold actions (docs/replay.md).
 //
-// World coordinates of the stage: metres, kilograms, seconds. Pieces are indices into the fragments. To add a kind: a
-// struct here, a line in fault_of(), an overload in simulation.cpp, a row in replay/action_json.cpp and in the schema.
+// World coordinates of the stage: metres, kilograms, seconds. Pieces are indices into the fragments. To add a
+// kind: a struct here, a line in fault_of(), an overload in simulation.cpp, a row in replay/action_json.cpp
+// and in the schema.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +23,8 @@ struct Shoot {
     double density = 7800.0;  // kg/m^3
 };
 
-// Structure::damage(): bonds near the point lose health. Nothing where pieces are not bonded; so the following four.
+// Structure::damage(): bonds near the point lose health. Nothing where pieces are not bonded; so the
+// following three.
 struct Damage {
     glm::dvec3 point{0.0};
     double radius = 0.1; // m

@@ -34,7 +34,8 @@ void replay(const ReplayLog& log, Player& player, const fracture::Fragments& fra
     run_steps(simulation, player, log.states.size());
 }
 
-// Goes on after a difference, so that one can see what comes of it; but not with other pieces than the log is about.
+// Goes on after a difference, so that one can see what comes of it; but not with other pieces than the log is
+// about.
 void draw(const ReplayCommand& command, const ReplayLog& log, Player& player, const Input& input,
           const fracture::Fragments& fragments) {
     const std::unique_ptr<engine::Device> device = open_device(command.view);
@@ -52,7 +53,8 @@ void draw(const ReplayCommand& command, const ReplayLog& log, Player& player, co
         if (frame > 0) stage.advance(film_frame_seconds);
         film.frame(stage, frame, player.done());
         if (player.done()) break;
-        progress.update(static_cast<double>(stage.simulation().steps()) / static_cast<double>(log.states.size()));
+        progress.update(static_cast<double>(stage.simulation().steps())
+                        / static_cast<double>(log.states.size()));
     }
     film.finish();
     std::printf("%s: %s on %s\n", input.name.c_str(), film.summary().c_str(), device->info().name.c_str());
@@ -80,7 +82,8 @@ int run_replay(const ReplayCommand& command) {
         std::fprintf(stderr, "brittle: %s: step %llu of %zu differs: %s\n", command.log.c_str(),
                      static_cast<unsigned long long>(difference->step), steps, difference->what.c_str());
         if (const std::string other = other_build(log); !other.empty())
-            std::fprintf(stderr, "brittle: it was recorded with %s; states are equal on one build and machine only\n",
+            std::fprintf(stderr,
+                         "brittle: it was recorded with %s; states are equal on one build and machine only\n",
                          other.c_str());
         return exit_differs;
     }

@@ -14,15 +14,17 @@ void check_film(const FilmOptions& options) {
                                                    "% at all for one picture of the end");
 }
 
-Film::Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture, const ViewOptions& view,
-           const engine::Bounds& mesh)
+Film::Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture,
+           const ViewOptions& view, const engine::Bounds& mesh)
     : renderer_(renderer), options_(options), picture_(picture), view_(view),
-      camera_(picture_camera(picture, mesh, static_cast<float>(view.width) / static_cast<float>(view.height))) {
+      camera_(
+          picture_camera(picture, mesh, static_cast<float>(view.width) / static_cast<float>(view.height))) {
     if (!options_.video.empty()) video_ = std::make_unique<Video>(options_.video, 1.0 / film_frame_seconds);
 }
 
 void Film::frame(Stage& stage, uint32_t number, bool last) {
-    const bool wanted = !options_.output.empty() && (is_numbered(options_.output) ? number % options_.every == 0 : last);
+    const bool wanted =
+        !options_.output.empty() && (is_numbered(options_.output) ? number % options_.every == 0 : last);
     if (!wanted && !video_) return;
     engine::Scene scene = stage.scene();
     scene.camera = camera_;

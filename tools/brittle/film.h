@@ -1,5 +1,5 @@
-// Draws a stage frame by frame into numbered pictures, one picture of the end, or a video: what `brittle render` and
-// `brittle replay --render` have in common.
+// Draws a stage frame by frame into numbered pictures, one picture of the end, or a video: what `brittle
+// render` and `brittle replay --render` have in common.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,8 @@ void check_film(const FilmOptions& options);
 class Film {
   public:
     // The renderer must outlive it.
-    Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture, const ViewOptions& view,
-         const engine::Bounds& mesh);
+    Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture,
+         const ViewOptions& view, const engine::Bounds& mesh);
 
     // Draws what is wanted of this frame. Throws a Failure.
     void frame(Stage& stage, uint32_t number, bool last);

@@ -19,11 +19,12 @@ namespace {
 using physics::BodyId;
 using physics::Pose;
 
-// Of the handbook strengths of flawless samples, what things have against blows: at full strength a stone arch turns back
-// a ball of a quarter of a ton.
+// Of the handbook strengths of flawless samples, what things have against blows: at full strength a stone
+// arch turns back a ball of a quarter of a ton.
 constexpr float flawed = 0.1f;
 
-// What is grabbed comes to the hand with this share of the distance a second, no harder than this, and stops to swing.
+// What is grabbed comes to the hand with this share of the distance a second, no harder than this, and stops
+// to swing.
 constexpr float grab_rate = 10.0f;          // 1/s; higher: stiffer
 constexpr float grab_acceleration = 150.0f; // m/s^2; less would not hold what hangs from it in a fast hand
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
@@ -70,8 +71,9 @@ void Simulation::apply(const Action& action) {
 
 void Simulation::schedule(uint64_t step, const Action& action) {
     if (step <= steps()) return apply(action);
-    const auto later = std::upper_bound(due_.begin(), due_.end(), step,
-                                        [](uint64_t value, const auto& entry) { return value < entry.first; });
+    const auto later =
+        std::upper_bound(due_.begin(), due_.end(), step,
+                         [](uint64_t value, const auto& entry) { return value < entry.first; });
     due_.insert(later, {step, action});
 }
 
@@ -132,7 +134,8 @@ void Simulation::act(const Shoot& shot) {
     const fracture::TriangleMesh ball = fracture::icosphere(2, shot.radius);
     const double mass = shot.density * fracture::signed_volume(ball.positions, ball.triangles);
     const auto inertia = static_cast<float>(0.4 * mass * shot.radius * shot.radius);
-    balls_.push_back({must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}),
+    balls_.push_back({must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0),
+                                                                            {.max_vertices = 64}),
                                             .continuous = true,
                                             .mass = static_cast<float>(mass),
                                             .inertia = glm::mat3(inertia),
@@ -149,8 +152,8 @@ void Simulation::act(const Damage& damage) {
 
 void Simulation::act(const Saw& saw) {
     if (structure_)
-        structure_->damage_segment(world_, glm::vec3(saw.from), glm::vec3(saw.to), static_cast<float>(saw.radius),
-                                   static_cast<float>(saw.amount));
+        structure_->damage_segment(world_, glm::vec3(saw.from), glm::vec3(saw.to),
+                                   static_cast<float>(saw.radius), static_cast<float>(saw.amount));
 }
 
 void Simulation::act(const Hammer& hammer) {
@@ -186,8 +189,8 @@ void Simulation::act(const LetGo&) {
     held_.reset();
 }
 
-// An impulse that gives the point that is held the speed at which it should come, by the mass that is felt there; so it
-// never overshoots, however light or oddly held the body is.
+// An impulse that gives the point that is held the speed at which it should come, by the mass that is felt
+// there; so it never overshoots, however light or oddly held the body is.
 void Simulation::draw_held() {
     if (!held_) return;
     const BodyId body = body_of(held_->piece);
@@ -200,7 +203,8 @@ void Simulation::draw_held() {
     const glm::vec3 arm = pose.orientation * glm::vec3(held_->local);
     const glm::vec3 point = pose.position + arm;
     const glm::vec3 angular = world_.angular_velocity(body);
-    const glm::vec3 now = world_.linear_velocity(body) + glm::cross(angular, point - world_.pose(body).position);
+    const glm::vec3 now =
+        world_.linear_velocity(body) + glm::cross(angular, point - world_.pose(body).position);
     const glm::vec3 change = grab_rate * (glm::vec3(held_->to) - point) - now;
     const float speed = glm::length(change);
     const float step = world_.settings().step;

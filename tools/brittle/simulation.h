@@ -1,10 +1,11 @@
-// Pieces, bonds and balls in a world, moved in fixed steps and by actions; no window, no device. Stage draws one, replay
-// logs record and repeat one (replay/), tests run one alone.
+// Pieces, bonds and balls in a world, moved in fixed steps and by actions; no window, no device. Stage draws
+// one, replay logs record and repeat one (replay/), tests run one alone.
 //
-// - Each step, in this order: the world steps, bonds break (Structure::update), what is grabbed is drawn on, the observer
-//   is told, scheduled actions of this step take effect.
-// - Between calls a simulation always is between two steps: apply() takes effect at once. Equal fragments and equal
-//   actions after equal numbers of steps give equal states (World::state_hash), whatever advance() was called with.
+// - Each step, in this order: the world steps, bonds break (Structure::update), what is grabbed is drawn on,
+//   the observer is told, scheduled actions of this step take effect.
+// - Between calls a simulation always is between two steps: apply() takes effect at once. Equal fragments and
+//   equal actions after equal numbers of steps give equal states (World::state_hash), whatever advance() was
+//   called with.
 // - Actions on pieces that are gone, and on bonds where there are none, do nothing.
 // - Not thread-safe; as World, one at a time.
 //
@@ -32,7 +33,8 @@ namespace brittle::tools {
 
 class Simulation;
 
-// Is told in this order: started, then moved, updated and stepped for each step, acted whenever an action takes effect.
+// Is told in this order: started, then moved, updated and stepped for each step, acted whenever an action
+// takes effect.
 class SimulationObserver {
   public:
     virtual ~SimulationObserver() = default;
@@ -53,8 +55,9 @@ class Simulation {
     // `material` is a preset's name, or empty.
     explicit Simulation(const std::string& material = {});
 
-    // Pieces begin to move from where they are, and steps() to count. What was there is gone. Bonded and anchored as the
-    // options say; their shots are scheduled. Throws a Failure for pieces that cannot be bodies.
+    // Pieces begin to move from where they are, and steps() to count. What was there is gone. Bonded and
+    // anchored as the options say; their shots are scheduled. Throws a Failure for pieces that cannot be
+    // bodies.
     void start(const fracture::Fragments& fragments, const WorldOptions& options);
     // Nothing is there any more; the observer stays.
     void clear();

@@ -1,10 +1,12 @@
-// A video file made by ffmpeg, which gets the frames as they are drawn. Needs the program `ffmpeg` in PATH and no library.
+// A video file made by ffmpeg, which gets the frames as they are drawn. Needs the program `ffmpeg` in PATH
+// and no library.
 //
 //     Video video("fall.mp4", 60.0);
 //     video.add(image);            // all of one size
 //     video.finish();              // the file is there
 //
-// Atomic: ffmpeg writes `fall.part.mp4`, which is renamed at the end; without finish() the destructor removes it.
+// Atomic: ffmpeg writes `fall.part.mp4`, which is renamed at the end; without finish() the destructor removes
+// it.
 #pragma once
 
 #include <filesystem>
@@ -23,8 +25,8 @@ class Video {
     Video(const Video&) = delete;
     Video& operator=(const Video&) = delete;
 
-    // Both throw a Failure: exit_usage where there is no ffmpeg, exit_output where it fails; its own words are on
-    // standard error by then.
+    // Both throw a Failure: exit_usage where there is no ffmpeg, exit_output where it fails; its own words
+    // are on standard error by then.
     void add(const engine::Bitmap& image);
     void finish();
 

@@ -11,41 +11,55 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Each kind's name and fields, written once for both directions: a codec gets name and value of each field.
-template<class Codec> void fields(Codec& codec, Shoot& a) {
-    codec("from", a.from), codec("velocity", a.velocity), codec("radius", a.radius), codec("density", a.density);
+template<class Codec>
+void fields(Codec& codec, Shoot& a) {
+    codec("from", a.from), codec("velocity", a.velocity), codec("radius", a.radius),
+        codec("density", a.density);
 }
-template<class Codec> void fields(Codec& codec, Damage& a) {
+template<class Codec>
+void fields(Codec& codec, Damage& a) {
     codec("point", a.point), codec("radius", a.radius), codec("amount", a.amount);
 }
-template<class Codec> void fields(Codec& codec, Saw& a) {
+template<class Codec>
+void fields(Codec& codec, Saw& a) {
     codec("from", a.from), codec("to", a.to), codec("radius", a.radius), codec("amount", a.amount);
 }
-template<class Codec> void fields(Codec& codec, Hammer& a) {
+template<class Codec>
+void fields(Codec& codec, Hammer& a) {
     codec("piece", a.piece), codec("impulse", a.impulse);
 }
-template<class Codec> void fields(Codec& codec, Release& a) {
+template<class Codec>
+void fields(Codec& codec, Release& a) {
     codec("pieces", a.pieces);
 }
-template<class Codec> void fields(Codec& codec, Push& a) {
+template<class Codec>
+void fields(Codec& codec, Push& a) {
     codec("piece", a.piece), codec("point", a.point), codec("impulse", a.impulse);
 }
-template<class Codec> void fields(Codec& codec, Grab& a) {
+template<class Codec>
+void fields(Codec& codec, Grab& a) {
     codec("piece", a.piece), codec("point", a.point);
 }
-template<class Codec> void fields(Codec& codec, Drag& a) {
+template<class Codec>
+void fields(Codec& codec, Drag& a) {
     codec("to", a.to);
 }
-template<class Codec> void fields(Codec&, LetGo&) {}
+template<class Codec>
+void fields(Codec&, LetGo&) {}
 
 // By index into Action.
-constexpr const char* names[] = {"shoot", "damage", "saw", "hammer", "release", "push", "grab", "drag", "let_go"};
+constexpr const char* names[] = {"shoot", "damage", "saw",  "hammer", "release",
+                                 "push",  "grab",   "drag", "let_go"};
 static_assert(std::size(names) == std::variant_size_v<Action>);
 
 struct Writer {
     Json json = Json::object();
 
     void operator()(const char* name, const glm::dvec3& v) { json[name] = {v.x, v.y, v.z}; }
-    template<class Value> void operator()(const char* name, const Value& value) { json[name] = value; }
+    template<class Value>
+    void operator()(const char* name, const Value& value) {
+        json[name] = value;
+    }
 };
 
 struct Reader {
@@ -73,7 +87,8 @@ struct Reader {
     }
 };
 
-template<size_t Kind = 0> Action action_of_kind(size_t kind) {
+template<size_t Kind = 0>
+Action action_of_kind(size_t kind) {
     if constexpr (Kind + 1 < std::variant_size_v<Action>)
         if (kind != Kind) return action_of_kind<Kind + 1>(kind);
     return Action(std::in_place_index<Kind>);
@@ -87,7 +102,8 @@ void write_action(Json& object, const Action& action) {
     object[names[action.index()]] = std::move(writer.json);
 }
 
-std::optional<Action> read_action(const std::filesystem::path& where, JsonReader& reader, size_t piece_count) {
+std::optional<Action> read_action(const std::filesystem::path& where, JsonReader& reader,
+                                  size_t piece_count) {
     std::optional<Action> action;
     for (size_t kind = 0; kind < std::size(names); ++kind) {
         const Json* json = reader.find(names[kind]);

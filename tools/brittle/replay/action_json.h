@@ -15,8 +15,8 @@ namespace brittle::tools {
 // Adds the action to an object.
 void write_action(nlohmann::ordered_json& object, const Action& action);
 
-// The action among an object's keys, or nothing. `where` is the file for messages; all fields are required. Throws a
-// Failure that names the field, also for what fault_of() finds.
+// The action among an object's keys, or nothing. `where` is the file for messages; all fields are required.
+// Throws a Failure that names the field, also for what fault_of() finds.
 [[nodiscard]] std::optional<Action> read_action(const std::filesystem::path& where, JsonReader& reader,
                                                 size_t piece_count);
 

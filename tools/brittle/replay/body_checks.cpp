@@ -17,8 +17,8 @@ uint16_t check_of(const physics::World& world, physics::BodyId body) {
     const glm::vec3 linear = world.linear_velocity(body), angular = world.angular_velocity(body);
     const glm::quat& q = pose.orientation;
     uint64_t hash = 0xcbf29ce484222325; // FNV-1a on words
-    for (const float value : {pose.position.x, pose.position.y, pose.position.z, q.w, q.x, q.y, q.z, linear.x, linear.y,
-                              linear.z, angular.x, angular.y, angular.z}) {
+    for (const float value : {pose.position.x, pose.position.y, pose.position.z, q.w, q.x, q.y, q.z, linear.x,
+                              linear.y, linear.z, angular.x, angular.y, angular.z}) {
         hash ^= std::bit_cast<uint32_t>(value);
         hash *= 0x100000001b3;
     }
@@ -42,7 +42,8 @@ std::optional<Token> take(std::string_view& text) {
         Token run;
         const char* end = text.data() + text.size();
         const auto [at, error] = std::from_chars(text.data() + 1, end, run.bodies);
-        if (error != std::errc{} || at == end || *at != ')' || run.bodies == 0 || run.bodies > most_bodies) return {};
+        if (error != std::errc{} || at == end || *at != ')' || run.bodies == 0 || run.bodies > most_bodies)
+            return {};
         text.remove_prefix(static_cast<size_t>(at - text.data()) + 1);
         return run;
     }

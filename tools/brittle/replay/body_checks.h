@@ -1,8 +1,9 @@
-// What a replay log keeps of each body after a step, to tell which one differs: sixteen bits of a hash over its pose and
-// velocities, of bodies that changed. World::state_hash() says that something differs, and misses nothing.
+// What a replay log keeps of each body after a step, to tell which one differs: sixteen bits of a hash over
+// its pose and velocities, of bodies that changed. World::state_hash() says that something differs, and
+// misses nothing.
 //
-// As text, in body order: four hexadecimal digits for a body, `(3)` for three bodies in a row that are as they were after
-// the step before.
+// As text, in body order: four hexadecimal digits for a body, `(3)` for three bodies in a row that are as
+// they were after the step before.
 #pragma once
 
 #include <cstdint>

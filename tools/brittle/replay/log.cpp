@@ -31,7 +31,8 @@ uint64_t read_hash(JsonReader& reader, const char* key) {
     return hash;
 }
 
-template<class Whole> void required_whole(JsonReader& reader, const char* key, Whole& target, uint64_t most) {
+template<class Whole>
+void required_whole(JsonReader& reader, const char* key, Whole& target, uint64_t most) {
     if (!reader.find(key)) throw reader.failure(key, "is missing");
     reader.whole(key, target, 0, most);
 }
@@ -48,7 +49,8 @@ class LogReader {
         if (!first) throw Failure(exit_input, file_.string() + ": the replay log is empty");
         read_header(*first);
         while (const std::optional<std::string> line = next_line()) {
-            if (!log_.end.empty()) throw Failure(exit_input, where().string() + ": nothing may follow the end");
+            if (!log_.end.empty())
+                throw Failure(exit_input, where().string() + ": nothing may follow the end");
             read_entry(*line);
         }
         if (log_.end.empty())
@@ -65,7 +67,8 @@ class LogReader {
         ++line_;
         for (char c = 0; stream_.get(c) && c != '\n';) {
             line.push_back(c);
-            if (line.size() > longest_line) throw Failure(exit_input, where().string() + ": the line is too long for a replay log");
+            if (line.size() > longest_line)
+                throw Failure(exit_input, where().string() + ": the line is too long for a replay log");
         }
         if (line.empty() && !stream_) {
             --line_;
@@ -81,9 +84,11 @@ class LogReader {
         int written_for = 0;
         reader.whole("brittle_log", written_for, 0, INT32_MAX);
         if (written_for != version)
-            throw reader.failure("brittle_log", "expected the log's version, which is " + std::to_string(version));
+            throw reader.failure("brittle_log",
+                                 "expected the log's version, which is " + std::to_string(version));
         if (const Json* build = reader.find("build")) log_.build = *build;
-        if (!log_.build.is_object()) throw reader.failure("build", "expected an object { } that says what recorded it");
+        if (!log_.build.is_object())
+            throw reader.failure("build", "expected an object { } that says what recorded it");
         if (!reader.find("step_seconds")) throw reader.failure("step_seconds", "is missing");
         reader.number("step_seconds", log_.step_seconds, 1e-6, 1.0);
         required_whole(reader, "pieces", log_.pieces, UINT32_MAX);
@@ -102,13 +107,14 @@ class LogReader {
             uint64_t step = 0;
             reader.whole("step", step, 0, most_steps);
             if (step != log_.states.size())
-                throw reader.failure("step", "expected step " + std::to_string(log_.states.size()) + ", found "
-                                                 + std::to_string(step));
+                throw reader.failure("step", "expected step " + std::to_string(log_.states.size())
+                                                 + ", found " + std::to_string(step));
             ReplayLog::State& state = log_.states.emplace_back();
             state.hash = read_hash(reader, "hash");
             reader.text("bodies", state.bodies);
             if (!count_bodies(state.bodies))
-                throw reader.failure("bodies", "expected four hexadecimal digits a body, or (N) for N that are as before");
+                throw reader.failure(
+                    "bodies", "expected four hexadecimal digits a body, or (N) for N that are as before");
         } else if (reader.find("after")) {
             log_.actions.emplace_back(step_now(reader, "after"), Action{});
             std::optional<Action> action = read_action(at, reader, log_.pieces);
@@ -152,9 +158,12 @@ std::string hash_text(uint64_t hash) {
 }
 
 std::string header_line(const ReplayLog& log, const std::filesystem::path& folder) {
-    const Json json{{"brittle_log", version},        {"build", log.build},
-                    {"step_seconds", log.step_seconds}, {"pieces", log.pieces},
-                    {"pieces_hash", hash_text(log.pieces_hash)}, {"recipe", recipe_object(log.recipe, folder)}};
+    const Json json{{"brittle_log", version},
+                    {"build", log.build},
+                    {"step_seconds", log.step_seconds},
+                    {"pieces", log.pieces},
+                    {"pieces_hash", hash_text(log.pieces_hash)},
+                    {"recipe", recipe_object(log.recipe, folder)}};
     return json.dump() + "\n";
 }
 

@@ -1,5 +1,6 @@
-// A replay log: what a simulation began with, what was done to it and when, and a hash of its state after each step.
-// docs/replay.md and assets/replay.schema.json describe the file, a line of JSON for each of these.
+// A replay log: what a simulation began with, what was done to it and when, and a hash of its state after
+// each step. docs/replay.md and assets/replay.schema.json describe the file, a line of JSON for each of
+// these.
 #pragma once
 
 #include <cstddef>
@@ -26,9 +27,9 @@ struct ReplayLog {
         uint64_t hash = 0;  // World::state_hash()
         std::string bodies; // BodyChecks
     };
-    std::vector<State> states{};                         // [k]: after k steps; [0] before any action
-    std::vector<std::pair<uint64_t, Action>> actions{};  // with the steps they take effect after, ascending
-    std::string end{};                                   // "finished", or why it was cut short: "interrupted", "failed"
+    std::vector<State> states{};                        // [k]: after k steps; [0] before any action
+    std::vector<std::pair<uint64_t, Action>> actions{}; // with the steps they take effect after, ascending
+    std::string end{}; // "finished", or why it was cut short: "interrupted", "failed"
 };
 
 // Throws a Failure with exit_input that names line and field.

@@ -18,16 +18,18 @@ std::string describe(const Simulation& simulation, uint64_t index) {
     const physics::BodyId body = world.bodies()[index];
     const std::vector<uint32_t> pieces = simulation.pieces_of(body);
     std::string text = "body " + std::to_string(index) + " (";
-    if (pieces.empty()) text += "a ball";
-    else text += pieces.size() == 1 ? "piece " : "pieces ";
+    if (pieces.empty())
+        text += "a ball";
+    else
+        text += pieces.size() == 1 ? "piece " : "pieces ";
     for (size_t k = 0; k < pieces.size() && k < most_named; ++k)
         text += (k == 0 ? "" : ", ") + std::to_string(pieces[k]);
     if (pieces.size() > most_named) text += " and " + std::to_string(pieces.size() - most_named) + " more";
     const glm::vec3 p = world.pose(body).position, v = world.linear_velocity(body);
     char motion[200];
     std::snprintf(motion, sizeof motion, ") at (%.9g, %.9g, %.9g) m, moving at (%.9g, %.9g, %.9g) m/s",
-                  static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z), static_cast<double>(v.x),
-                  static_cast<double>(v.y), static_cast<double>(v.z));
+                  static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z),
+                  static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z));
     return text + motion;
 }
 
@@ -35,7 +37,8 @@ std::string describe(const Simulation& simulation, uint64_t index) {
 
 Player::Player(const ReplayLog& log) : log_(log) {}
 
-void Player::started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions&) {
+void Player::started(const Simulation& simulation, const fracture::Fragments& fragments,
+                     const WorldOptions&) {
     compared_ = 0;
     checks_ = {};
     difference_.reset();
@@ -80,7 +83,8 @@ std::string other_build(const ReplayLog& log) {
         const auto recorded = log.build.find(key);
         if (recorded != log.build.end() && *recorded == own[key]) continue;
         text += (text.empty() ? "" : ", ") + std::string(key) + " "
-                + (recorded == log.build.end() ? "unknown" : shown(*recorded)) + " instead of " + shown(own[key]);
+                + (recorded == log.build.end() ? "unknown" : shown(*recorded)) + " instead of "
+                + shown(own[key]);
     }
     return text;
 }

@@ -8,7 +8,8 @@
 //     while (!player.done()) simulation.step();
 //     if (player.difference()) ...
 //
-// It may as well be driven by Simulation::advance(), at any frame rate; steps beyond the log's are not compared.
+// It may as well be driven by Simulation::advance(), at any frame rate; steps beyond the log's are not
+// compared.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +23,7 @@
 namespace brittle::tools {
 
 struct Difference {
-    uint64_t step; // the first that differs; 0 is the state before the first step
+    uint64_t step;    // the first that differs; 0 is the state before the first step
     std::string what; // for people
 };
 
@@ -33,7 +34,8 @@ class Player : public SimulationObserver {
     [[nodiscard]] bool done() const { return compared_ >= log_.states.size(); }
     [[nodiscard]] const std::optional<Difference>& difference() const { return difference_; }
 
-    void started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions& world) override;
+    void started(const Simulation& simulation, const fracture::Fragments& fragments,
+                 const WorldOptions& world) override;
     void stepped(const Simulation& simulation) override;
 
   private:
@@ -48,7 +50,8 @@ class Player : public SimulationObserver {
 // The log's actions, each at its step.
 void schedule(const ReplayLog& log, Simulation& simulation);
 
-// What differs between the build that recorded and this one, for people; empty where nothing that matters does.
+// What differs between the build that recorded and this one, for people; empty where nothing that matters
+// does.
 [[nodiscard]] std::string other_build(const ReplayLog& log);
 
 } // namespace brittle::tools

@@ -36,7 +36,8 @@ std::string Recorder::text(const std::string& end) const {
     return text_ + end_line(steps_, end);
 }
 
-void Recorder::started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions& world) {
+void Recorder::started(const Simulation& simulation, const fracture::Fragments& fragments,
+                       const WorldOptions& world) {
     ReplayLog log{.build = environment(),
                   .step_seconds = static_cast<double>(simulation.world().settings().step),
                   .pieces = fragments.pieces.size(),

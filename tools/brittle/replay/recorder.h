@@ -1,13 +1,13 @@
-// Writes a replay log of a simulation. The log is kept in memory and written at the end, whole or not at all: about
-// a hundred bytes a step and four for each body that moves in it.
+// Writes a replay log of a simulation. The log is kept in memory and written at the end, whole or not at all:
+// about a hundred bytes a step and four for each body that moves in it.
 //
 //     Recorder recorder("run.log", options);      // before the pieces are there
 //     simulation.observe(&recorder);
 //     simulation.start(...), apply(...), advance(...) ...
 //     recorder.finish();
 //
-// Without finish(), as when Ctrl+C or a failure throws, the destructor writes what there is and says so on standard error.
-// Each start begins a new log, so the file tells the last run.
+// Without finish(), as when Ctrl+C or a failure throws, the destructor writes what there is and says so on
+// standard error. Each start begins a new log, so the file tells the last run.
 #pragma once
 
 #include <filesystem>
@@ -35,7 +35,8 @@ class Recorder : public SimulationObserver {
     // The log so far, with its end.
     [[nodiscard]] std::string text(const std::string& end) const;
 
-    void started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions& world) override;
+    void started(const Simulation& simulation, const fracture::Fragments& fragments,
+                 const WorldOptions& world) override;
     void acted(uint64_t step, const Action& action) override;
     void stepped(const Simulation& simulation) override;
 
