@@ -1,10 +1,13 @@
 #include "engine/render/piece_arena.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
+
+#include <glm/geometric.hpp>
 
 #include "engine/gpu/device.h"
 
@@ -227,22 +230,40 @@ void PieceArena::refresh() {
     ++version_;
 }
 
-void PieceArena::write_draws(std::span<shared::DrawData> data,
-                             std::span<VkDrawIndexedIndirectCommand> commands) const {
-    uint32_t next_solid = 0, next_fading = solid_draws_;
-    for (const Piece& piece : pieces_) {
-        if (piece.visible == 0) continue;
-        uint32_t& next = piece.visible == solid ? next_solid : next_fading;
-        const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
-            if (indices == 0) return;
-            commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
-            data[next] = {piece.batch.body, material, piece.batch.tint | piece.visible << 24,
-                          piece.handle.number, piece.batch.sphere};
-            ++next;
-        };
-        add(piece.batch.exterior_indices, piece.index, shared::material_exterior);
-        add(piece.batch.interior_indices, piece.index + piece.batch.exterior_indices, shared::material_interior);
+void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, Places& next_of) {
+    if (piece.visible == 0) return;
+    uint32_t& next = piece.visible == solid ? next_of.solid : next_of.fading;
+    const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
+        if (indices == 0) return;
+        lists.commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
+        lists.data[next] = {piece.batch.body, material, piece.batch.tint | piece.visible << 24,
+                            piece.handle.number, piece.batch.sphere};
+        ++next;
+    };
+    add(piece.batch.exterior_indices, piece.index, shared::material_exterior);
+    add(piece.batch.interior_indices, piece.index + piece.batch.exterior_indices, shared::material_interior);
+}
+
+void PieceArena::write_draws(const DrawLists& lists) const {
+    Places next{0, solid_draws_};
+    for (const Piece& piece : pieces_) write_piece(piece, lists, next);
+}
+
+void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> poses, const glm::vec3& eye) const {
+    // Sorted as numbers: the bits of a distance that is not negative, then the place in the list, so that no two are
+    // equal.
+    std::vector<uint64_t> order(pieces_.size());
+    for (size_t i = 0; i < order.size(); ++i) {
+        const BodyPose& pose = poses[pieces_[i].batch.body];
+        const glm::vec3 middle = pose.rotation * (pose.scale * glm::vec3(pieces_[i].batch.sphere));
+        const glm::vec3 way = middle + pose.position - eye;
+        const float squared = glm::dot(way, way);
+        const uint64_t far = std::isnan(squared) ? ~0u : std::bit_cast<uint32_t>(squared);
+        order[i] = far << 32 | i;
     }
+    std::ranges::sort(order);
+    Places next{0, solid_draws_};
+    for (const uint64_t key : order) write_piece(pieces_[key & ~0u], lists, next);
 }
 
 PieceUpload PieceArena::next_upload() const {

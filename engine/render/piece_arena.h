@@ -10,9 +10,9 @@
 //     arena.uploaded(retired);                              // only if that was submitted
 //
 // A piece has up to two draw ranges, side by side: exterior, then interior. Range i is instance i: its command has i as
-// first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h). Ranges are in the order
-// in which pieces were added, first those of solid pieces, then those of fading ones. The lists are made anew for each
-// change: 52 bytes a range.
+// first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h). First come the ranges of
+// solid pieces, then those of fading ones, each in the order in which pieces were added or from front to back. The lists
+// are made anew for each change: 52 bytes a range.
 #pragma once
 
 #include <array>
@@ -69,7 +69,13 @@ class PieceArena {
     [[nodiscard]] uint64_t version() const { return version_; } // another one after each change of what follows
 
     // For each draw range, its data and its command; both spans are of draws() elements.
-    void write_draws(std::span<shared::DrawData> data, std::span<VkDrawIndexedIndirectCommand> commands) const;
+    struct DrawLists {
+        std::span<shared::DrawData> data;
+        std::span<VkDrawIndexedIndirectCommand> commands;
+    };
+    void write_draws(const DrawLists& lists) const;
+    // The same with the pieces nearest to the eye first, by the middle of their spheres; `poses` by body.
+    void write_draws(const DrawLists& lists, std::span<const BodyPose> poses, const glm::vec3& eye) const;
 
     [[nodiscard]] const DeviceBuffer& vertices() const { return buffers_[0]; }
     [[nodiscard]] const DeviceBuffer& normals() const { return buffers_[1]; } // for smooth shading
@@ -102,6 +108,11 @@ class PieceArena {
     void fit_buffers(const Spaces& spaces);
     [[nodiscard]] Result<std::vector<size_t>> find(std::span<const PieceHandle> handles) const;
     void refresh();
+    // Where the next range goes in the lists, of solid and of fading pieces.
+    struct Places {
+        uint32_t solid, fading;
+    };
+    static void write_piece(const Piece& piece, const DrawLists& lists, Places& next);
 
     const Device& device_;
     std::vector<Piece> pieces_; // ascending in handles

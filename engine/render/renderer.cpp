@@ -80,6 +80,7 @@ Result<Quality> choose(Quality quality, const Device& device) {
     if (!quality.samples) quality.samples = cpu ? 1 : 4;
     if (!quality.ambient_occlusion) quality.ambient_occlusion = !cpu;
     if (!quality.culling) quality.culling = device.has_multi_draw();
+    if (!quality.front_to_back) quality.front_to_back = cpu;
 
     const uint32_t size = *quality.shadow_size;
     if (size < least_shadow_size || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
@@ -138,7 +139,7 @@ struct Renderer::State {
     void import_pieces(Frame& frame, FrameSlot& slot);
     void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
     void write_poses(FrameSlot& slot, const Scene& scene);
-    void write_pieces(FrameSlot& slot);
+    void write_pieces(FrameSlot& slot, const Scene& scene);
     void write_marks(FrameSlot& slot, const Scene& scene);
     void submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphore signal);
     // Calls the function as guarded() does, and remembers a lost device.
@@ -216,7 +217,7 @@ void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D
     std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
 
     write_poses(slot, scene);
-    write_pieces(slot);
+    write_pieces(slot, scene);
     write_marks(slot, scene);
     layout.update(slot.set, {.frame = slot.uniforms.handle(),
                              .poses = slot.poses.handle(),
@@ -246,19 +247,25 @@ void Renderer::State::write_poses(FrameSlot& slot, const Scene& scene) {
     slot.posed_bodies = bodies;
 }
 
-void Renderer::State::write_pieces(FrameSlot& slot) {
+void Renderer::State::write_pieces(FrameSlot& slot, const Scene& scene) {
     const uint32_t draws = pieces.draws(), room = std::max(draws, 1u);
     constexpr VkBufferUsageFlags storage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     constexpr VkBufferUsageFlags commands = VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | storage;
     const uint64_t commands_size = room * sizeof(shared::DrawCommand);
+    const auto lists = [&] {
+        return PieceArena::DrawLists{slot.draw_data.mapped_as<shared::DrawData>(0, draws),
+                                     slot.draw_commands.mapped_as<VkDrawIndexedIndirectCommand>(0, draws)};
+    };
     if (slot.pieces_version != pieces.version()) {
         slot.pieces_version = 0; // an allocation may fail half-way
         reserve(device, slot.draw_data, "draw data", room * sizeof(shared::DrawData), storage);
         reserve(device, slot.draw_commands, "draw commands", commands_size, commands);
-        pieces.write_draws(slot.draw_data.mapped_as<shared::DrawData>(0, draws),
-                           slot.draw_commands.mapped_as<VkDrawIndexedIndirectCommand>(0, draws));
+        pieces.write_draws(lists());
         slot.pieces_version = pieces.version();
     }
+    // Reads the mapped poses: on a CPU device they are in plain memory.
+    if (*quality().front_to_back)
+        pieces.write_draws(lists(), slot.poses.mapped_as<BodyPose>(0, pieces.bodies()), scene.camera.eye);
     const uint64_t culled_size = cull ? commands_size : 0;
     reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands, MemoryKind::device);
     reserve(device, slot.light_commands, "commands for the light", culled_size, commands, MemoryKind::device);

@@ -61,6 +61,9 @@ struct Quality {
     // Finds out on the device which pieces are in view, and draws no others: the same picture. Automatic:
     // where the device has multi-draws.
     std::optional<bool> culling{};
+    // Draws near pieces first, sorted by the CPU in each frame, so that hidden pixels are not shaded: the same picture
+    // but where surfaces coincide. Automatic: on a CPU only.
+    std::optional<bool> front_to_back{};
 };
 
 struct RendererSettings {
