@@ -16,7 +16,7 @@
 #include "tools/brittle/failure.h"
 #include "tools/brittle/input.h"
 #include "tools/brittle/recipe.h"
-#include "tools/brittle/replay/body_checks.h"
+#include "tools/brittle/replay/body_text.h"
 #include "tools/brittle/replay/log.h"
 #include "tools/brittle/replay/player.h"
 #include "tools/brittle/replay/recorder.h"

@@ -9,7 +9,7 @@
 #include "tools/brittle/json_reader.h"
 #include "tools/brittle/recipe.h"
 #include "tools/brittle/replay/action_json.h"
-#include "tools/brittle/replay/body_checks.h"
+#include "tools/brittle/replay/body_text.h"
 
 namespace brittle::tools {
 

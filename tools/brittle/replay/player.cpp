@@ -6,6 +6,7 @@
 #include "fracture/certificate.h"
 #include "tools/brittle/json_reader.h"
 #include "tools/brittle/profile/environment.h"
+#include "tools/brittle/replay/body_text.h"
 
 namespace brittle::tools {
 
