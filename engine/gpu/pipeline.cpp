@@ -75,7 +75,7 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = desc.depth,
         .depthWriteEnable = desc.depth && desc.depth_write,
-        .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
+        .depthCompareOp = desc.depth_test};
     const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xf};
     const bool has_colour = desc.colour != VK_FORMAT_UNDEFINED;
     const VkPipelineColorBlendStateCreateInfo blend{

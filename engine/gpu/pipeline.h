@@ -29,7 +29,8 @@ struct PipelineDesc {
     VkPolygonMode fill = VK_POLYGON_MODE_FILL;
     VkCullModeFlags cull = VK_CULL_MODE_BACK_BIT;
     bool depth = true;                               // there is a depth attachment
-    bool depth_write = true;                         // tested with less-or-equal in any case
+    bool depth_write = true;
+    VkCompareOp depth_test = VK_COMPARE_OP_LESS_OR_EQUAL;
     VkFormat colour = VK_FORMAT_UNDEFINED;           // undefined: no colour attachment
     uint32_t samples = 1;                            // of every attachment
     const VkSpecializationInfo* constants = nullptr; // of the fragment shader

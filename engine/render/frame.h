@@ -111,6 +111,10 @@ struct PiecePipelines {
 };
 void draw_pieces(Frame& frame, const PassContext& context, Buffer commands, const PiecePipelines& pipelines);
 
+// Where pieces touch, the cut of one and the exterior of another may be equally deep in a pixel of the seam. The first
+// drawn stays: from front to back that is the exterior, and the seam has no specks of the interior's colour.
+inline constexpr VkCompareOp piece_depth_test = VK_COMPARE_OP_LESS;
+
 // The specialization that fading pipelines share, beside what else the shader has.
 struct FadingConstant {
     VkBool32 fading = VK_TRUE;

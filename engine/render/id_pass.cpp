@@ -14,6 +14,7 @@ IdPass::IdPass(const Device& device, VkPipelineLayout layout) {
                       .fragment = piece_id_frag,
                       .bindings = {&binding, 1},
                       .attributes = {&attribute, 1},
+                      .depth_test = piece_depth_test,
                       .colour = VK_FORMAT_R32_UINT};
     pipeline_ = Pipeline(device, desc);
     const FadingConstant fading;

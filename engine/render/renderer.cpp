@@ -601,27 +601,25 @@ bool Renderer::ui_wants_keyboard() const {
 
 Result<void> Renderer::warm_up() {
     return state_->run([&]() -> Result<void> {
-        // One triangle, when there is no piece that would make the driver compile the pieces' shaders.
+        // Triangles of their own, one of which fades: there may be no piece that makes the driver compile their shaders.
         const glm::vec3 corners[] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
         const glm::uvec3 triangle(0, 1, 2);
         const PieceMesh piece{.positions = corners, .triangles = {&triangle, 1}, .exterior_triangles = 1};
-        std::vector<PieceHandle> stand_in;
-        if (state_->pieces.draws() == 0) {
-            Result<std::vector<PieceHandle>> added = add_pieces({&piece, 1});
-            if (!added) return added.error();
-            stand_in = *std::move(added);
-        }
+        const PieceMesh two[] = {piece, piece};
+        const Result<std::vector<PieceHandle>> stand_ins = add_pieces(two);
+        if (!stand_ins) return stand_ins.error();
+
         const LineVertex line[] = {{{0.0f, 0.0f, 0.0f}}, {{1.0f, 0.0f, 0.0f}}};
         const Sphere sphere{};
         const Scene scene{.lines = line, .spheres = {&sphere, 1}};
         const Format format = state_->swapchain ? state_->swapchain->format() : Format::rgba8_unorm;
         const Result<void> drawn = guarded([&]() -> Result<void> {
+            if (Result<void> faded = state_->pieces.fade({&stand_ins->back(), 1}, 0.5f); !faded) return faded;
             (void)state_->draw_off_screen(scene, {format, {16, 16}});
             return {};
         });
         state_->shadow_kept = false;
-        if (stand_in.empty() || (!drawn && drawn.error().status == Status::device_lost)) return drawn;
-        const Result<void> removed = remove_pieces(stand_in);
+        const Result<void> removed = state_->pieces.remove(*stand_ins);
         return drawn ? removed : drawn;
     });
 }

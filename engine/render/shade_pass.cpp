@@ -33,6 +33,7 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const Target
                       .fragment = piece_frag,
                       .bindings = {&binding, 1},
                       .attributes = {&attribute, 1},
+                      .depth_test = piece_depth_test,
                       .colour = target.colour,
                       .samples = target.samples,
                       .constants = &constants};

@@ -21,12 +21,15 @@ BitmapTolerance tolerance_of(const Device& device) {
 }
 
 // Quality is fixed, so that every device draws the same picture.
-void check_picture(const char* name, const Quality& quality, const std::function<void(Scene&)>& change) {
+void check_picture(const char* name, const Quality& quality, const std::function<void(Scene&)>& change,
+                   std::span<const float> fades = {}) {
     const Fixture f(quality);
     if (!f) return;
     KnownScene known;
     change(known.scene);
-    REQUIRE(f.renderer->set_pieces(known.pieces()));
+    const auto handles = f.renderer->set_pieces(known.pieces());
+    REQUIRE(handles);
+    for (size_t i = 0; i < fades.size(); ++i) REQUIRE(f.renderer->fade_pieces({&(*handles)[i], 1}, fades[i]));
     const GoldenCheck check =
         check_golden(f.draw(known.scene, size), name, tolerance_of(*f.device), golden_folder());
     CHECK_MESSAGE(check.passed, check.message);
@@ -89,6 +92,16 @@ TEST_CASE("the known scene looks as it did at its best") {
         scene.lines = {};
         scene.spheres = {};
     });
+}
+
+TEST_CASE("pieces that fade look as they did") {
+    const float fades[] = {0.25f, 0.5f, 0.75f, 0.0f};
+    const auto no_marks = [](Scene& scene) {
+        scene.lines = {};
+        scene.spheres = {};
+    };
+    check_picture("fading", plain, no_marks, fades);
+    check_picture("fading_best_quality", best, no_marks, fades);
 }
 
 TEST_CASE("smooth shading and the wireframe look as they did") {

@@ -1,10 +1,16 @@
 // Pieces that come, fade and go between frames; the oracle is the same set, set at once.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <random>
 #include <thread>
+#include <tuple>
 
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "engine/render/piece_arena.h"
 #include "renderer_fixture.h"
 
 using namespace brittle::engine;
@@ -316,4 +322,82 @@ TEST_CASE("the shadow of a piece fades with it") {
     CHECK(brightness(0.5f) == doctest::Approx(0.5 * (dark + light)).epsilon(0.02));
     (void)f.draw(scene);
     CHECK_FALSE(f.renderer->stats().shadow_drawn);
+}
+
+TEST_CASE("draws from front to back are the same draws, nearest piece first, pieces that fade last") {
+    const std::unique_ptr<Device> device = make_device();
+    if (!device) return;
+    PieceArena arena(*device);
+    std::mt19937 random(2);
+    std::vector<PieceMesh> meshes;
+    std::vector<Made> made;
+    for (uint32_t i = 0; i < 60; ++i) made.emplace_back(i);
+    for (const Made& one : made) meshes.push_back(one.mesh());
+    const auto handles = arena.add(*PieceBatch::create(meshes));
+    REQUIRE(handles);
+    REQUIRE(arena.fade(std::span(*handles).subspan(20, 10), 0.5f));
+    REQUIRE(arena.fade(std::span(*handles).subspan(40, 5), 1.0f));
+    std::vector<BodyPose> poses(60);
+    for (BodyPose& pose : poses) {
+        pose.position = {static_cast<float>(random() % 64) / 8.0f, static_cast<float>(random() % 64) / 8.0f, 0.5f};
+        pose.rotation = glm::angleAxis(static_cast<float>(random() % 6), glm::vec3(0.0f, 0.6f, 0.8f));
+        pose.scale = static_cast<float>(random() % 3);
+    }
+    poses[3].position.x = poses[23].position.y = std::numeric_limits<float>::quiet_NaN();
+    poses[5] = poses[6]; // not equally far: each has its place in its body
+    const glm::vec3 eye(1.0f, 2.0f, -3.0f);
+
+    struct Lists {
+        std::vector<brittle::engine::shared::DrawData> data;
+        std::vector<VkDrawIndexedIndirectCommand> commands;
+        explicit Lists(size_t size) : data(size), commands(size) {}
+        operator PieceArena::DrawLists() { return {data, commands}; }
+    };
+    Lists plain(arena.draws()), sorted(arena.draws());
+    arena.write_draws(plain);
+    arena.write_draws(sorted, poses, eye);
+
+    const auto distance = [&](const brittle::engine::shared::DrawData& draw) {
+        const BodyPose& pose = poses[draw.body];
+        const float d = glm::length(pose.position
+                                    + glm::mat3_cast(pose.rotation) * glm::vec3(draw.sphere) * pose.scale - eye);
+        return std::isnan(d) ? std::numeric_limits<float>::infinity() : d;
+    };
+    const auto contents = [](const Lists& lists, size_t i) {
+        const auto& command = lists.commands[i];
+        return std::tuple(lists.data[i].piece, lists.data[i].material, lists.data[i].tint, lists.data[i].body,
+                          command.indexCount, command.firstIndex, command.vertexOffset, command.instanceCount);
+    };
+    std::vector<decltype(contents(plain, 0))> is, should;
+    for (size_t i = 0; i < arena.draws(); ++i) {
+        is.push_back(contents(sorted, i));
+        should.push_back(contents(plain, i));
+        CHECK(sorted.commands[i].firstInstance == i);
+        CHECK((sorted.data[i].tint >> 24 == 255) == (i < arena.solid_draws()));
+        if (i == 0 || i == arena.solid_draws()) continue;
+        CHECK(distance(sorted.data[i - 1]) <= distance(sorted.data[i]) + 1e-5f);
+        const bool same = sorted.data[i - 1].piece == sorted.data[i].piece;
+        if (same) CHECK(sorted.data[i - 1].material < sorted.data[i].material); // side by side
+    }
+    CHECK(is != should);
+    std::ranges::sort(is);
+    std::ranges::sort(should);
+    CHECK(is == should);
+}
+
+TEST_CASE("the order of draws changes no picture") {
+    Quality quality = plain_quality;
+    quality.front_to_back = false;
+    const Fixture as_added(quality);
+    quality.front_to_back = true;
+    const Fixture sorted(quality);
+    if (!sorted) return;
+    KnownScene known;
+    REQUIRE(as_added.renderer->set_pieces(known.pieces()));
+    REQUIRE(sorted.renderer->set_pieces(known.pieces()));
+    for (int step = 0; step < 12; ++step) {
+        known.scene.camera = look_at_bounds(known.scene.bounds, 0.55f * static_cast<float>(step), 0.3f, 1.5f);
+        known.poses[0].position.y += 0.03f;
+        CHECK(sorted.draw(known.scene).pixels == as_added.draw(known.scene).pixels);
+    }
 }
