@@ -42,6 +42,7 @@ struct RenderCommand {
 struct DemoCommand {
     FractureOptions fracture;
     ViewOptions view;
+    double ui_scale = 0.0; // of text and panels; 0: as the display wants it
     std::string classify = "auto"; // auto, cpu or gpu
 };
 
