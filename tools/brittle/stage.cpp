@@ -21,6 +21,8 @@ constexpr double stage_size = 2.0;     // m, longest side of the mesh
 constexpr float flawed = 0.1f;
 constexpr float piece_tint_strength = 0.9f;
 constexpr float material_tint_strength = 0.15f; // a material shows its own colour
+constexpr float pull_rate = 10.0f;     // 1/s; a tenth of a second to the hand
+constexpr float pull_speed = 12.0f;    // m/s, at most
 constexpr float site_radius = 0.02f;   // m
 constexpr float bounds_limit = 12.0f;  // m, debris that rolls further away casts no shadow and moves no camera
 
@@ -96,6 +98,23 @@ void Stage::shoot(const Shot& shot) {
                                             .pose = {.position = glm::vec3(shot.from)},
                                             .linear_velocity = glm::vec3(shot.velocity)})),
                       static_cast<float>(shot.radius)});
+}
+
+void Stage::pull(uint32_t piece, const glm::vec3& grip, const glm::vec3& target) {
+    if (piece >= radii_.size() || !broken()) return;
+    const physics::BodyId body = structure_ ? structure_->body_of(piece) : world_.bodies()[piece];
+    if (!world_.contains(body) || world_.fixed(body)) return;
+    const physics::Pose pose = world_.pose(body);
+    const glm::vec3 arm = pose.orientation * (grip + (structure_ ? structure_->offset(piece) : glm::vec3(0.0f)));
+    const glm::vec3 velocity = world_.linear_velocity(body) + glm::cross(world_.angular_velocity(body), arm);
+    // Towards the velocity that would bring the grip there; half of it each frame gives, as a spring does.
+    glm::vec3 wanted = pull_rate * (target - pose.position - arm);
+    if (const float speed = glm::length(wanted); speed > pull_speed) wanted *= pull_speed / speed;
+    const glm::vec3 change = 0.5f * (wanted - velocity);
+    const float length = glm::length(change);
+    if (!(length > 0.0f)) return;
+    const float response = world_.response(body, pose.position + arm, change / length);
+    if (response > 0.0f) world_.apply_impulse(body, change / response, pose.position + arm);
 }
 
 // What is drawn of the fragments, with a body's pose a piece.

@@ -38,6 +38,9 @@ class Stage {
     void stand(const fracture::Fragments& fragments, const WorldOptions& world);
     // A ball flies from there; nothing while the mesh is whole.
     void shoot(const Shot& shot);
+    // Pulls a piece, as by a hand that holds it at a point of it (in its own frame) and is at `target`. Once a frame,
+    // before advance(). Nothing where there is no such piece or the world holds it.
+    void pull(uint32_t piece, const glm::vec3& grip, const glm::vec3& target);
     // The unbroken mesh again.
     void reset(const fracture::TriangleMesh& mesh);
 
@@ -54,6 +57,7 @@ class Stage {
     [[nodiscard]] engine::Scene scene();
     [[nodiscard]] engine::Bounds home_bounds() const { return home_; } // of the unbroken mesh, for the camera
     [[nodiscard]] const physics::World& world() const { return world_; }
+    [[nodiscard]] const physics::Structure* structure() const { return structure_ ? &*structure_ : nullptr; } // of bonded pieces
     [[nodiscard]] bool broken() const { return world_.body_count() > 0; }
 
   private:
