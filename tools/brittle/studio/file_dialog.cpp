@@ -22,6 +22,7 @@ void FileDialog::open(std::string title, const fs::path& folder, const std::stri
     endings_ = std::move(endings);
     saves_ = saves;
     open_ = appeared_ = true;
+    confirmed_ = false;
     std::error_code error;
     folder_ = fs::absolute(folder.empty() ? fs::path(".") : folder, error).lexically_normal();
     name_.assign(longest_name, '\0');
@@ -74,7 +75,8 @@ std::optional<fs::path> FileDialog::draw(float scale) {
     ImGui::SetNextItemWidth(-1.0f);
     if (appeared_) ImGui::SetKeyboardFocusHere();
     appeared_ = false;
-    const bool entered = ImGui::InputText("##name", name_.data(), name_.size(), ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+    ImGui::InputText("##name", name_.data(), name_.size(), ImGuiInputTextFlags_AutoSelectAll);
+    const bool entered = std::exchange(confirmed_, false);
     if ((ImGui::Button(saves_ ? "Save" : "Open", {96.0f * scale, 0.0f}) || entered) && name_[0]) chosen = folder_ / name_.data();
     ImGui::SameLine();
     if (ImGui::Button("Cancel", {96.0f * scale, 0.0f})) open_ = false;

@@ -18,6 +18,8 @@ class FileDialog {
               std::vector<std::string> endings, bool saves);
     [[nodiscard]] bool is_open() const { return open_; }
     void close() { open_ = false; }
+    // As the button does. Dear ImGui 1.86 misses a key that is pressed and released between two frames.
+    void confirm() { confirmed_ = open_; }
     // The chosen file, once.
     [[nodiscard]] std::optional<std::filesystem::path> draw(float scale);
 
@@ -31,6 +33,7 @@ class FileDialog {
     bool open_ = false;
     bool saves_ = false;
     bool appeared_ = false;
+    bool confirmed_ = false;
     std::string title_;
     std::filesystem::path folder_;
     std::vector<std::string> endings_;

@@ -6,41 +6,42 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "tools/brittle/view.h"
-
 namespace brittle::tools {
 
 namespace {
 
-constexpr float margin = 1.05f;     // of look_at_bounds(), as picture_camera() has it
+constexpr float margin = 1.05f;     // of look_at_bounds()
+constexpr int halvings = 30;        // of an interval of 10, beyond which a float says no more
 constexpr float fly_rate = 1.0f;    // distances to the target a second
 constexpr float zoom_factor = 0.9f; // of the distance, a notch; as OrbitCamera::zoom()
-
-float distance_of(const engine::Bounds& bounds, float azimuth, float elevation, float aspect, float fov) {
-    const engine::Camera camera = engine::look_at_bounds(bounds, azimuth, elevation, aspect, fov, margin);
-    return glm::length(camera.eye - camera.target);
-}
 
 } // namespace
 
 void Navigation::look_as(const PictureOptions& picture, const engine::Bounds& home, float aspect) {
-    const engine::Bounds bounds = stage_view(home);
+    const engine::Camera camera = picture_camera(picture, home, aspect);
     orbit_.azimuth = glm::radians(picture.azimuth);
     orbit_.elevation = glm::radians(picture.elevation);
-    orbit_.target = bounds.centre();
-    orbit_.distance = picture.distance * distance_of(bounds, orbit_.azimuth, orbit_.elevation, aspect, orbit_.vertical_fov);
+    orbit_.target = camera.target;
+    orbit_.distance = glm::distance(camera.eye, camera.target);
+    orbit_.vertical_fov = camera.vertical_fov;
 }
 
 void Navigation::tell(PictureOptions& picture, const engine::Bounds& home, float aspect) const {
-    const float around = distance_of(stage_view(home), orbit_.azimuth, orbit_.elevation, aspect, orbit_.vertical_fov);
     picture.azimuth = std::remainder(glm::degrees(orbit_.azimuth), 360.0f);
     picture.elevation = std::clamp(glm::degrees(orbit_.elevation), -89.0f, 89.0f);
-    picture.distance = std::clamp(orbit_.distance / around, 0.1f, 10.0f);
+    // The eye is the further away the larger the picture's distance, though not in proportion.
+    float low = 0.1f, high = 10.0f;
+    for (int k = 0; k < halvings; ++k) {
+        picture.distance = 0.5f * (low + high);
+        const engine::Camera camera = picture_camera(picture, home, aspect);
+        (glm::distance(camera.eye, camera.target) < orbit_.distance ? low : high) = picture.distance;
+    }
 }
 
 void Navigation::frame(const engine::Bounds& bounds, float aspect) {
     orbit_.target = bounds.centre();
-    orbit_.distance = distance_of(bounds, orbit_.azimuth, orbit_.elevation, aspect, orbit_.vertical_fov);
+    const engine::Camera camera = engine::look_at_bounds(bounds, orbit_.azimuth, orbit_.elevation, aspect, orbit_.vertical_fov, margin);
+    orbit_.distance = glm::distance(camera.eye, camera.target);
 }
 
 void Navigation::zoom(float notches, const Viewport& view, glm::vec2 cursor) {

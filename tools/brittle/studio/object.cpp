@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/topology.h"
+#include "tools/brittle/failure.h"
 #include "tools/brittle/stage.h"
 
 namespace brittle::tools {
@@ -25,6 +27,8 @@ std::vector<uint32_t> all_triangles(const fracture::TriangleMesh& mesh) {
 std::shared_ptr<const Object> Object::load(const FractureOptions& options) {
     Input input = load_mesh_only(options.mesh);
     prepare_mesh(options, input);
+    const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
+    if (!report.closed()) throw Failure(exit_mesh, input.name + ": " + fracture::describe(report));
     return std::shared_ptr<const Object>(new Object(std::move(input), options.world));
 }
 

@@ -19,7 +19,7 @@ struct Hit {
 
 class Object {
   public:
-    // Reads and prepares the mesh that the options name. Throws a Failure.
+    // Reads and prepares the mesh that the options name. Throws a Failure, also where it is not closed.
     [[nodiscard]] static std::shared_ptr<const Object> load(const FractureOptions& options);
     // The same mesh where another world wants it.
     [[nodiscard]] std::shared_ptr<const Object> placed_for(const WorldOptions& world) const;

@@ -11,9 +11,12 @@ namespace brittle::tools {
 namespace {
 
 constexpr float column = 276.0f; // widths and heights in pixels at scale 1
+constexpr float least_column = 232.0f;
 constexpr float bar_height = 42.0f;
 constexpr float line_height = 26.0f;
-constexpr float least_scene = 380.0f; // the width that columns leave
+constexpr float least_scene = 400.0f; // the width that columns leave, and that the tools need
+
+constexpr double message_seconds = 5.0; // good news go by themselves
 
 constexpr ImGuiWindowFlags docked = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings
                                     | ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
@@ -49,12 +52,13 @@ Layout layout_of(glm::vec2 window, float scale, bool panels) {
     Layout layout;
     layout.free_max = window;
     if (!panels) return layout;
-    const float width = column * scale, least = least_scene * scale;
+    const float spare = window.x / scale - least_scene; // for columns
     if (window.y >= 300.0f * scale) {
-        if (window.x >= width + least) layout.left = width;
-        if (window.x >= 2.0f * width + least) layout.right = width;
+        const bool both = spare >= 2.0f * least_column;
+        if (spare >= least_column) layout.left = scale * std::min(both ? 0.5f * spare : spare, column);
+        if (both) layout.right = layout.left;
     }
-    if (window.x - layout.left - layout.right >= least && window.y >= 240.0f * scale) {
+    if (spare >= 0.0f && window.y >= 240.0f * scale) {
         layout.top = bar_height * scale;
         layout.bottom = line_height * scale;
     }
@@ -135,7 +139,13 @@ void Panels::bar(const PanelState& state, const Layout& layout) {
     ImGui::Begin("tools", nullptr, docked | ImGuiWindowFlags_NoScrollWithMouse);
     const StudioColours colours;
     const float gap = ImGui::GetStyle().ItemSpacing.x;
-    const float width = (ImGui::GetContentRegionAvail().x - 6.0f * gap) / 7.0f;
+    // What names leave free is shared alike.
+    const auto text = [](std::string_view name) { return ImGui::CalcTextSize(name.data(), name.data() + name.size()).x; };
+    float names = text("Break") + text("Reset");
+    for (const Tool tool : all_tools) names += text(info_of(tool).name);
+    const float spare = std::max((ImGui::GetContentRegionAvail().x - 6.0f * gap - names) / 7.0f, 0.0f);
+    const auto size = [&](std::string_view name) { return ImVec2(text(name) + spare, 0.0f); };
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0.0f, ImGui::GetStyle().FramePadding.y}); // names are centred
     for (const Tool tool : all_tools) {
         const ToolInfo& info = info_of(tool);
         const bool active = state.tools.tool() == tool;
@@ -144,7 +154,7 @@ void Panels::bar(const PanelState& state, const Layout& layout) {
             ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colours.accent);
             ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(24, 20, 16, 255));
         }
-        if (ImGui::Button(std::string(info.name).c_str(), {width, 0.0f})) state.tools.choose(tool, state.session);
+        if (ImGui::Button(std::string(info.name).c_str(), size(info.name))) state.tools.choose(tool, state.session);
         if (active) ImGui::PopStyleColor(3);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s (%s)", info.hint, info.key);
         ImGui::SameLine();
@@ -152,12 +162,13 @@ void Panels::bar(const PanelState& state, const Layout& layout) {
     const bool broken = state.session.broken();
     ImGui::PushStyleColor(ImGuiCol_Button, IM_COL32(120, 70, 36, 255));
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, IM_COL32(158, 92, 42, 255));
-    if (ImGui::Button("Break", {width, 0.0f})) actions_.push_back(Action::break_all);
+    if (ImGui::Button("Break", size("Break"))) actions_.push_back(Action::break_all);
     ImGui::PopStyleColor(2);
     tip(broken ? "It is broken: Reset makes it whole again" : "Break it by the pattern or the sites (Space)");
     ImGui::SameLine();
-    if (ImGui::Button("Reset", {width, 0.0f})) actions_.push_back(Action::reset);
+    if (ImGui::Button("Reset", size("Reset"))) actions_.push_back(Action::reset);
     tip("Whole again (R)");
+    ImGui::PopStyleVar();
     ImGui::End();
     ImGui::PopStyleVar();
 }
@@ -172,14 +183,23 @@ void Panels::state_line(const PanelState& state, const Layout& layout) {
     ImGui::TextDisabled("%s: %s", std::string(info.name).c_str(), info.hint);
     const char* keys = state.session.playback.paused ? "paused (P)" : "H: keys";
     const float width = ImGui::CalcTextSize(keys).x;
-    ImGui::SameLine(ImGui::GetWindowWidth() - width - 8.0f * state.scale);
-    ImGui::TextDisabled("%s", keys);
+    const float at_x = ImGui::GetWindowWidth() - width - 8.0f * state.scale;
+    ImGui::SameLine();
+    if (ImGui::GetCursorPosX() < at_x) {
+        ImGui::SetCursorPosX(at_x);
+        ImGui::TextDisabled("%s", keys);
+    }
     ImGui::End();
     ImGui::PopStyleVar(2);
 }
 
 void Panels::message(const PanelState& state, const Layout& layout) {
     const Message& message = state.session.message();
+    if (message.text != told_) {
+        told_ = message.text;
+        told_at_ = ImGui::GetTime();
+    }
+    if (!told_.empty() && !message.fault && ImGui::GetTime() - told_at_ > message_seconds) state.session.say({});
     const bool hints = hint && state.tools.tool() == Tool::inspect && !state.session.broken() && message.text.empty() && layout.top > 0.0f;
     if (message.text.empty() && !hints) return;
     const float middle = 0.5f * (layout.free_min.x + layout.free_max.x);

@@ -84,6 +84,8 @@ class Panels {
     std::vector<Action> actions_;
     ExportKind export_ = ExportKind::none;
     uint64_t gesture_ = 0;
+    std::string told_; // the message that is shown, since when
+    double told_at_ = 0.0;
 };
 
 // --- for the panels ---

@@ -94,7 +94,12 @@ void Studio::run() {
 
 void Studio::handle(const engine::Input& input, double seconds) {
     for (const std::string& file : input.dropped) session_.open(file);
-    if (!renderer_.ui_wants_keyboard() || !ImGui::GetIO().WantTextInput) handle_keys(input);
+    if (dialog_.is_open()) {
+        if (input.pressed(engine::Key::escape)) dialog_.close();
+        if (input.pressed(engine::Key::enter)) dialog_.confirm();
+    } else if (!ImGui::GetIO().WantTextInput) {
+        handle_keys(input);
+    }
     const bool free = !renderer_.ui_wants_mouse() && !dialog_.is_open() && !panels_.export_open;
     tools_.handle(input, viewport(), free, session_, navigation_);
     if (tools_.right_held()) fly(seconds);
@@ -169,8 +174,7 @@ void Studio::perform(Action action) {
 }
 
 void Studio::quit_or_close() {
-    if (dialog_.is_open()) dialog_.close();
-    else if (panels_.export_open) panels_.export_open = false;
+    if (panels_.export_open) panels_.export_open = false;
     else if (panels_.help) panels_.help = false;
     else window_.close();
 }
@@ -223,7 +227,7 @@ void Studio::answer_recipe(const std::string& file) {
 void Studio::answer(const std::filesystem::path& file) {
     switch (asked_) {
     case Asked::open: session_.open(file.string()); break;
-    case Asked::recipe: answer_recipe(file.string()); break;
+    case Asked::recipe: answer_recipe(file.extension() == ".json" ? file.string() : file.string() + ".json"); break;
     case Asked::pieces: session_.export_pieces(file); break;
     case Asked::sequence:
         sequence_ = sequence_names(file.string());
