@@ -68,11 +68,11 @@ struct ButtonEvent {
 
 // What happened between two polls. Distances are in screen units (pixels, on most systems), y downwards.
 struct Input {
-    std::vector<Key> keys;  // pressed since the previous poll, in order; repeats of a held key are left out
-    std::vector<Modifiers> key_modifiers; // held when each of the keys was pressed
-    std::vector<ButtonEvent> buttons;     // pressed or released, in order
+    std::vector<Key> keys{}; // pressed since the previous poll, in order; repeats of a held key are left out
+    std::vector<Modifiers> key_modifiers{}; // held when each of the keys was pressed
+    std::vector<ButtonEvent> buttons{};   // pressed or released, in order
     Modifiers modifiers{};                // held now
-    std::vector<std::string> dropped;     // paths of files that were dropped on the window
+    std::vector<std::string> dropped{};   // paths of files that were dropped on the window
     glm::vec2 cursor{0.0f}; // position now, from the top left corner
     glm::vec2 drag_left{0.0f}; // motion of the cursor while this button was down
     glm::vec2 drag_middle{0.0f};
