@@ -68,17 +68,21 @@ void Tools::choose(Tool tool, Session& session) {
 
 void Tools::handle(const engine::Input& input, const Viewport& view, bool free, Session& session, Navigation& navigation) {
     cursor_ = input.cursor;
-    const bool was_right = right_, was_middle = middle_;
+    // Press, drag and release may all come in one slow frame.
+    bool orbits = drag_ == Drag::orbit, right = right_, middle = middle_;
     for (const engine::ButtonEvent& event : input.buttons) {
         const bool pressed = event.down && free && view.is_free(event.cursor);
         if (event.button == engine::Button::right) right_ = pressed;
         else if (event.button == engine::Button::middle) middle_ = pressed;
         else if (pressed) press(event, view, session);
         else if (!event.down && left_) release(event, view, session);
+        orbits |= drag_ == Drag::orbit;
+        right |= right_;
+        middle |= middle_;
     }
-    if (right_ && was_right) input.modifiers.shift ? navigation.pan(input.drag_right) : navigation.orbit(input.drag_right);
-    if (middle_ && was_middle) navigation.pan(input.drag_middle);
-    if (drag_ == Drag::orbit) navigation.orbit(input.drag_left);
+    if (right) input.modifiers.shift ? navigation.pan(input.drag_right) : navigation.orbit(input.drag_right);
+    if (middle) navigation.pan(input.drag_middle);
+    if (orbits) navigation.orbit(input.drag_left);
     else if (left_) drag_to(input.cursor, view, session);
     if (free && view.is_free(input.cursor)) {
         if (!input.modifiers.shift) {
@@ -132,6 +136,7 @@ void Tools::release(const engine::ButtonEvent& event, const Viewport& view, Sess
         const auto hit = session.first_piece(ray.from, ray.direction);
         session.piece = hit ? std::optional(hit->piece) : std::nullopt;
     }
+    drag_to(event.cursor, view, session); // the last of the way
     left_ = false;
     drag_ = Drag::none;
     session.let_go();
