@@ -99,4 +99,14 @@ std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const gl
     return nearest < infinity ? std::optional(nearest) : std::nullopt;
 }
 
+std::optional<double> first_hit(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                                const glm::dvec3& origin, const glm::dvec3& direction) {
+    double nearest = infinity;
+    for (const Triangle& t : triangles) {
+        const double at = distance_to(origin, direction, positions[t.x], positions[t.y], positions[t.z]);
+        if (at > 0.0 && at < nearest) nearest = at;
+    }
+    return nearest < infinity ? std::optional(nearest) : std::nullopt;
+}
+
 } // namespace brittle::fracture

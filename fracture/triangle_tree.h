@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -42,5 +43,9 @@ class TriangleTree {
     std::vector<Node> nodes_;
     uint32_t root_ = none;
 };
+
+// The same for a few triangles, without a tree.
+[[nodiscard]] std::optional<double> first_hit(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                                              const glm::dvec3& origin, const glm::dvec3& direction);
 
 } // namespace brittle::fracture

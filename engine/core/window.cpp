@@ -15,6 +15,10 @@ Window& window_of(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
 }
 
+Modifiers modifiers_of(int bits) {
+    return {(bits & GLFW_MOD_SHIFT) != 0, (bits & GLFW_MOD_CONTROL) != 0, (bits & GLFW_MOD_ALT) != 0};
+}
+
 } // namespace
 
 Result<std::unique_ptr<Window>> Window::create(const WindowSettings& settings) {
@@ -44,18 +48,27 @@ Window::~Window() {
 
 // Before Dear ImGui's own, which call these on (see Renderer::attach).
 void Window::install_callbacks() {
-    glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
-        if (action == GLFW_PRESS) window_of(w).collecting_.keys.push_back(static_cast<Key>(key));
+    glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
+        if (action != GLFW_PRESS) return;
+        window_of(w).collecting_.keys.push_back(static_cast<Key>(key));
+        window_of(w).collecting_.key_modifiers.push_back(modifiers_of(modifiers));
+    });
+    glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
+        window_of(w).collecting_.dropped.assign(paths, paths + count);
     });
     glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
         window_of(w).collecting_.scroll += static_cast<float>(y);
     });
     // A press moves the cursor's last known place, so that a drag starts at zero even where no motion came
     // before it.
-    glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int, int, int) {
+    glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int modifiers) {
         double x = 0.0, y = 0.0;
         glfwGetCursorPos(w, &x, &y);
-        window_of(w).collecting_.cursor = {static_cast<float>(x), static_cast<float>(y)};
+        Input& input = window_of(w).collecting_;
+        input.cursor = {static_cast<float>(x), static_cast<float>(y)};
+        if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
+        input.buttons.push_back(
+            {static_cast<Button>(button), action == GLFW_PRESS, input.cursor, modifiers_of(modifiers)});
     });
     glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
         Input& input = window_of(w).collecting_;
@@ -71,6 +84,12 @@ void Window::install_callbacks() {
 
 const Input& Window::poll() {
     glfwPollEvents();
+    const auto either = [this](int left, int right) {
+        return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
+    };
+    collecting_.modifiers = {either(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT),
+                             either(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL),
+                             either(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT)};
     input_ = collecting_;
     collecting_ = Input{.cursor = input_.cursor};
     return input_;
@@ -86,6 +105,16 @@ void Window::close() {
 
 void Window::set_title(const std::string& title) {
     glfwSetWindowTitle(window_, title.c_str());
+}
+
+bool Window::is_down(Key key) const {
+    return glfwGetKey(window_, static_cast<int>(key)) == GLFW_PRESS;
+}
+
+float Window::content_scale() const {
+    float x = 1.0f, y = 1.0f;
+    glfwGetWindowContentScale(window_, &x, &y);
+    return std::max(x, y);
 }
 
 glm::uvec2 Window::framebuffer_size() const {

@@ -38,12 +38,41 @@ enum class Key : int {
     down = 264,
     up = 265,
     f1 = 290,
-    f12 = 301
+    f2 = 291,
+    f3 = 292,
+    f4 = 293,
+    f5 = 294,
+    f12 = 301,
+    left_shift = 340,
+    left_control = 341,
+    left_alt = 342,
+    delete_ = 261
+};
+
+struct Modifiers {
+    bool shift = false;
+    bool control = false;
+    bool alt = false;
+
+    friend bool operator==(const Modifiers&, const Modifiers&) = default;
+};
+
+enum class Button { left, right, middle };
+
+struct ButtonEvent {
+    Button button = Button::left;
+    bool down = false; // pressed; else released
+    glm::vec2 cursor{0.0f};
+    Modifiers modifiers{};
 };
 
 // What happened between two polls. Distances are in screen units (pixels, on most systems), y downwards.
 struct Input {
-    std::vector<Key> keys;  // pressed since the previous poll, in order; repeats of a held key are left out
+    std::vector<Key> keys{}; // pressed since the previous poll, in order; repeats of a held key are left out
+    std::vector<Modifiers> key_modifiers{}; // held when each of the keys was pressed
+    std::vector<ButtonEvent> buttons{};   // pressed or released, in order
+    Modifiers modifiers{};                // held now
+    std::vector<std::string> dropped{};   // paths of files that were dropped on the window
     glm::vec2 cursor{0.0f}; // position now, from the top left corner
     glm::vec2 drag_left{0.0f}; // motion of the cursor while this button was down
     glm::vec2 drag_middle{0.0f};
@@ -76,6 +105,9 @@ class Window {
     [[nodiscard]] bool should_close() const;
     void close(); // should_close() is true from now on
     void set_title(const std::string& title);
+    [[nodiscard]] bool is_down(Key key) const; // held now
+    // Pixels by which the display wants text larger than usual: 1, or 2 on a display of high density.
+    [[nodiscard]] float content_scale() const;
 
     // In pixels; zero in both when the window is minimised.
     [[nodiscard]] glm::uvec2 framebuffer_size() const;

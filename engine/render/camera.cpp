@@ -52,6 +52,11 @@ CameraMatrices matrices(const Camera& camera, float aspect, const Bounds& bounds
     result.projection =
         glm::perspectiveRH_ZO(fov, std::max(aspect, 1e-3f), result.near_plane, result.far_plane);
     result.projection[1][1] *= -1.0f; // Vulkan's Y points down
+    if (std::isfinite(camera.shift.x) && std::isfinite(camera.shift.y)) {
+        // After the division by w = -z.
+        result.projection[2][0] -= camera.shift.x;
+        result.projection[2][1] -= camera.shift.y;
+    }
     return result;
 }
 
@@ -101,7 +106,7 @@ void OrbitCamera::zoom(float notches) {
 }
 
 Camera OrbitCamera::camera() const {
-    return {target + orbit_direction(azimuth, elevation) * distance, target, vertical_fov};
+    return {target + orbit_direction(azimuth, elevation) * distance, target, vertical_fov, shift};
 }
 
 } // namespace brittle::engine

@@ -28,6 +28,9 @@ struct Camera {
     glm::vec3 eye{0.0f, 1.0f, 4.0f};
     glm::vec3 target{0.0f};
     float vertical_fov = 0.6f; // radians, in (0, pi)
+    // Where the target appears, from the picture's centre, in half pictures: x to the right, y down. For pictures of
+    // which panels cover a part.
+    glm::vec2 shift{0.0f};
 };
 
 struct CameraMatrices {
@@ -57,6 +60,7 @@ struct OrbitCamera {
     float elevation = 0.3f; // radians, kept short of the poles
     float distance = 4.0f;  // metres, > 0
     float vertical_fov = 0.6f;
+    glm::vec2 shift{0.0f}; // as Camera::shift
 
     [[nodiscard]] static OrbitCamera around(const Bounds& bounds, float aspect);
     void rotate(glm::vec2 pixels);

@@ -572,12 +572,12 @@ Result<IdImage> Renderer::render_ids(const Scene& scene, glm::uvec2 size) {
     });
 }
 
-Result<void> Renderer::attach(Window& window) {
+Result<void> Renderer::attach(Window& window, const std::function<void()>& prepare_ui) {
     return state_->run([&]() -> Result<void> {
         if (state_->window)
             return Error{Status::invalid_argument, "the renderer already draws into a window"};
         auto swapchain = std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
-        state_->ui = std::make_unique<UiPass>(state_->device, window, *swapchain);
+        state_->ui = std::make_unique<UiPass>(state_->device, window, *swapchain, prepare_ui);
         state_->swapchain = std::move(swapchain);
         state_->window = &window;
         return {};

@@ -126,8 +126,9 @@ class Renderer {
     // Which piece each pixel's middle shows, through everything but pieces. Sizes as for render().
     [[nodiscard]] Result<IdImage> render_ids(const Scene& scene, glm::uvec2 size);
 
-    // Makes the swapchain and starts Dear ImGui on the window. Once in a renderer's life.
-    [[nodiscard]] Result<void> attach(Window& window);
+    // Makes the swapchain and starts Dear ImGui on the window. Once in a renderer's life. `prepare_ui` is called once
+    // Dear ImGui has its context: the place for fonts and style.
+    [[nodiscard]] Result<void> attach(Window& window, const std::function<void()>& prepare_ui = {});
 
     // Draws one frame into the attached window. `ui` makes Dear ImGui calls between its new-frame and render;
     // empty for none. Returns false when there was nothing to draw into because the window is minimised.

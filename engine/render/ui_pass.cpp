@@ -12,10 +12,12 @@
 
 namespace brittle::engine {
 
-UiPass::UiPass(const Device& device, const Window& window, const Swapchain& swapchain) : device_(device) {
+UiPass::UiPass(const Device& device, const Window& window, const Swapchain& swapchain,
+               const std::function<void()>& prepare)
+    : device_(device) {
     try {
         create_render_pass(to_vulkan(swapchain.format()));
-        start_imgui(window);
+        start_imgui(window, prepare);
     } catch (...) {
         destroy();
         throw;
@@ -58,7 +60,7 @@ void UiPass::create_render_pass(VkFormat format) {
     check(vkCreateRenderPass(device_.handle(), &info, nullptr, &render_pass_), "create a render pass");
 }
 
-void UiPass::start_imgui(const Window& window) {
+void UiPass::start_imgui(const Window& window, const std::function<void()>& prepare) {
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 8};
     const VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                           .flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT,
@@ -69,9 +71,7 @@ void UiPass::start_imgui(const Window& window) {
 
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr; // no files in the user's working folder
-    ImGui::StyleColorsDark();
-    ImGui::GetStyle().WindowRounding = 6.0f;
-    ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.78f;
+    if (prepare) prepare();
     ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
     ImGui_ImplVulkan_InitInfo info{};
     info.Instance = device_.instance();

@@ -21,8 +21,10 @@ class Window;
 // Dear ImGui has one context a process; so there is one UiPass at a time.
 class UiPass {
   public:
-    // The window's own callbacks are installed by now, and Dear ImGui's call them on. Throws VulkanFailure.
-    UiPass(const Device& device, const Window& window, const Swapchain& swapchain);
+    // The window's own callbacks are installed by now, and Dear ImGui's call them on. `prepare`, if any, chooses fonts
+    // and style, before the fonts are uploaded. Throws VulkanFailure.
+    UiPass(const Device& device, const Window& window, const Swapchain& swapchain,
+           const std::function<void()>& prepare = {});
     ~UiPass(); // the device must be idle
     UiPass(const UiPass&) = delete;
     UiPass& operator=(const UiPass&) = delete;
@@ -35,7 +37,7 @@ class UiPass {
 
   private:
     void create_render_pass(VkFormat format);
-    void start_imgui(const Window& window);
+    void start_imgui(const Window& window, const std::function<void()>& prepare);
     void destroy_framebuffers();
     void destroy();
 

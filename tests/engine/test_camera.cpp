@@ -111,3 +111,16 @@ TEST_CASE("tints are colours, bright, and differ between consecutive pieces") {
         CHECK(glm::length(a - b) > 0.08f);
     }
 }
+
+TEST_CASE("a shift moves all of the picture by that many half pictures, and nothing in depth") {
+    Camera camera{{0, 0, 5}, {0, 0, 0}};
+    const CameraMatrices plain = matrices(camera, 1.5f, {});
+    camera.shift = {0.25f, -0.5f};
+    const CameraMatrices shifted = matrices(camera, 1.5f, {});
+    for (const glm::vec3& p : {glm::vec3(0, 0, 0), glm::vec3(0.5f, -0.3f, 2), glm::vec3(-1, 1, -3)}) {
+        const glm::vec3 before = project(plain, p), after = project(shifted, p);
+        CHECK(after.x == doctest::Approx(before.x + 0.25f));
+        CHECK(after.y == doctest::Approx(before.y - 0.5f));
+        CHECK(after.z == doctest::Approx(before.z));
+    }
+}

@@ -75,6 +75,7 @@ FractureOptions everything() {
                        .grading = 0.75,
                        .inside = true};
     options.world = {.bonded = true, .anchored = true, .height = 1.5, .strength = 0.25, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+    options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
     options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
                        .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
     return options;
@@ -90,11 +91,19 @@ FractureOptions points() {
     return options;
 }
 
+// Sites that the recipe lists itself.
+FractureOptions listed() {
+    FractureOptions options;
+    options.mesh = "shape:cube";
+    options.points = {{0.1, -0.2, 1.0 / 3.0}, {1e-300, 5e-324, -0.0}, {0.5, 0.5, 0.5}};
+    return options;
+}
+
 } // namespace
 
 TEST_CASE("recipe: what is written is read again, to the bit") {
     const Folder folder;
-    for (const FractureOptions& options : {FractureOptions{}, everything(), points()}) {
+    for (const FractureOptions& options : {FractureOptions{}, everything(), points(), listed()}) {
         FractureOptions again;
         read_recipe(folder.write(recipe_json(options)), again);
         CHECK(recipe_json(again) == recipe_json(options));
@@ -141,6 +150,17 @@ TEST_CASE("recipe: a material says how it breaks, and the pattern outdoes it") {
     says(R"({"brittle": 1, "material": "cheese"})", "/material: there is no material 'cheese'; there are: glass, stone");
 }
 
+TEST_CASE("recipe: listed sites are the sites, and another pattern forgets them") {
+    const Folder folder;
+    FractureOptions options = points();
+    read_recipe(folder.write(recipe_json(listed())), options);
+    CHECK(options.sites_file.empty());
+    CHECK(sites_for(options, fracture::cube()).sites == listed().points);
+    read_recipe(folder.write(R"({"brittle": 1, "pattern": {"type": "uniform", "count": 7}})"), options);
+    CHECK(options.points.empty());
+    CHECK(sites_for(options, fracture::cube()).sites.size() == 7);
+}
+
 TEST_CASE("recipe: paths count from its folder") {
     const Folder folder;
     FractureOptions options;
@@ -166,6 +186,12 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "pattern": {"line": [[0, 0, 0], [1, "x", 0]]}})", "/pattern/line/1: expected three numbers");
     says(R"({"brittle": 1, "pattern": {"type": "glass"}})", "there is no pattern \"glass\"; there are: uniform");
     says(R"({"brittle": 1, "pattern": {"type": "points"}})", "/pattern/file: a pattern of points needs");
+    says(R"({"brittle": 1, "pattern": {"type": "points", "file": "a", "sites": [[0, 0, 0]]}})", "/pattern/file: a pattern of points needs");
+    says(R"({"brittle": 1, "pattern": {"type": "points", "sites": []}})", "/pattern/sites: expected 1 to 10000 points");
+    says(R"({"brittle": 1, "pattern": {"type": "points", "sites": [[0, 0, 0], [0, 1]]}})", "/pattern/sites/1: expected three numbers");
+    says(R"({"brittle": 1, "strikes": [{"at": [0, 0, 0]}, {"radius": -1}]})", "/strikes/1/radius: expected a number");
+    says(R"({"brittle": 1, "strikes": [{"where": 1}]})", "/strikes/0/where: unknown key");
+    says(R"({"brittle": 1, "strikes": {}})", "/strikes: expected a list");
     says(R"({"brittle": 1, "pattern": 7})", "/pattern: expected an object { }, found 7");
     says(R"({"brittle": 1, "repair": "yes"})", "/repair: expected true or false");
     says(R"({"brittle": 1, "algorithm": "fast"})", "/algorithm: expected \"exact\" or \"sequential\"");
@@ -209,8 +235,13 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
     const auto of_points = nlohmann::json::parse(recipe_json(points()))["pattern"];
     for (const auto& [key, value] : of_points.items())
         CHECK(schema["properties"]["pattern"]["properties"].contains(key));
+    const auto of_list = nlohmann::json::parse(recipe_json(listed()))["pattern"];
+    for (const auto& [key, value] : of_list.items()) CHECK(schema["properties"]["pattern"]["properties"].contains(key));
     for (const auto& [key, value] : schema["properties"]["pattern"]["properties"].items())
-        CHECK((all["pattern"].contains(key) || of_points.contains(key)));
+        CHECK((all["pattern"].contains(key) || of_points.contains(key) || of_list.contains(key)));
+    const auto& of_strike = schema["properties"]["strikes"]["items"]["properties"];
+    for (const auto& [key, value] : of_strike.items()) CHECK(all["strikes"][0].contains(key));
+    for (const auto& [key, value] : all["strikes"][0].items()) CHECK(of_strike.contains(key));
     const auto& materials = schema["properties"]["material"]["enum"];
     REQUIRE(materials.size() == physics::material_presets().size());
     for (size_t k = 0; k < materials.size(); ++k) CHECK(materials[k] == std::string(physics::material_presets()[k].name));

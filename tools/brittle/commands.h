@@ -55,6 +55,7 @@ struct DemoCommand {
     FractureOptions fracture;
     ViewOptions view;
     std::string record;            // a replay log of the last break; empty: none
+    double ui_scale = 0.0; // of text and panels; 0: as the display wants it
     std::string classify = "auto"; // auto, cpu or gpu
 };
 

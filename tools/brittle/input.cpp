@@ -81,15 +81,34 @@ Input load_mesh_only(const std::string& mesh, bool with_looks) {
 namespace {
 
 // Radii grow with the distances.
-void place_sites(Input& input, const fracture::Box& from, const fracture::Box& onto, const fracture::Placement& p) {
+void place_sites(SiteSet& set, const fracture::Box& from, const fracture::Box& onto, const fracture::Placement& p) {
     const glm::dvec3 ends[] = {glm::dvec3(0.0), glm::dvec3(1.0, 0.0, 0.0)};
     const auto moved = fracture::place(ends, from, onto, p);
     const glm::dvec3 unit = moved[1] - moved[0];
-    for (double& weight : input.weights) weight *= glm::dot(unit, unit);
-    input.sites = fracture::place(input.sites, from, onto, p);
+    for (double& weight : set.weights) weight *= glm::dot(unit, unit);
+    set.sites = fracture::place(set.sites, from, onto, p);
+}
+
+SiteSet sites_of_file(const FractureOptions& options, const fracture::TriangleMesh& mesh) {
+    fracture::SiteList list = must(fracture::read_sites(options.sites_file));
+    SiteSet set{std::move(list.sites), {}, std::move(list.weights)};
+    const fracture::Box own = fracture::bounds({set.sites, {}});
+    const fracture::Box onto = options.fit_sites ? fracture::bounds(mesh) : own;
+    const fracture::Placement& p = options.sites_placement;
+    if (options.fit_sites || p.scale != 1.0 || p.turn != glm::dvec3(0.0) || p.move != glm::dvec3(0.0))
+        place_sites(set, own, onto, p);
+    return set;
 }
 
 } // namespace
+
+SiteSet sites_for(const FractureOptions& options, const fracture::TriangleMesh& mesh) {
+    if (options.strikes.empty() && !options.points.empty()) return {options.points, {}, {}};
+    if (options.strikes.empty() && !options.sites_file.empty()) return sites_of_file(options, mesh);
+    fracture::PatternSites made = must(options.strikes.empty() ? fracture::make_sites(options.pattern, mesh)
+                                                               : strike_sites(options.strikes, options.pattern));
+    return {std::move(made.sites), std::move(made.groups), std::move(made.weights)};
+}
 
 void use_material(const std::string& name, FractureOptions& options) {
     const physics::MaterialPreset* preset = physics::material_preset(name);
@@ -106,30 +125,23 @@ void use_material(const std::string& name, FractureOptions& options) {
     options.pattern.slenderness = preset->pattern.slenderness;
 }
 
-Input load_input(const FractureOptions& options, bool with_looks) {
-    if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
-    Input input = load_mesh_only(options.mesh, with_looks);
-    if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
+void prepare_mesh(const FractureOptions& options, Input& input) {
     if (options.repair) {
         repair(input.model, input.name);
     } else {
         suggest_repair(input.model.mesh, input.name);
     }
-    if (!options.sites_file.empty()) {
-        fracture::SiteList list = must(fracture::read_sites(options.sites_file));
-        input.sites = std::move(list.sites);
-        input.weights = std::move(list.weights);
-        const fracture::Box own = fracture::bounds({input.sites, {}});
-        const fracture::Box onto = options.fit_sites ? fracture::bounds(input.model.mesh) : own;
-        const fracture::Placement& p = options.sites_placement;
-        if (options.fit_sites || p.scale != 1.0 || p.turn != glm::dvec3(0.0) || p.move != glm::dvec3(0.0))
-            place_sites(input, own, onto, p);
-    } else {
-        fracture::PatternSites made = must(fracture::make_sites(options.pattern, input.model.mesh));
-        input.sites = std::move(made.sites);
-        input.groups = std::move(made.groups);
-        input.weights = std::move(made.weights);
-    }
+}
+
+Input load_input(const FractureOptions& options, bool with_looks) {
+    if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
+    Input input = load_mesh_only(options.mesh, with_looks);
+    if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
+    prepare_mesh(options, input);
+    SiteSet set = sites_for(options, input.model.mesh);
+    input.sites = std::move(set.sites);
+    input.groups = std::move(set.groups);
+    input.weights = std::move(set.weights);
     return input;
 }
 

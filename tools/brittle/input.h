@@ -10,6 +10,7 @@
 #include "fracture/io/model.h"
 #include "fracture/pattern.h"
 #include "tools/brittle/picture.h"
+#include "tools/brittle/strike.h"
 #include "tools/brittle/world_options.h"
 
 namespace brittle::tools {
@@ -19,6 +20,8 @@ struct FractureOptions {
     std::string material; // --material: the name of a preset, or empty; its pattern is in `pattern` already
     fracture::Pattern pattern; // --pattern, -n, --seed and more: makes the sites
     std::string sites_file;    // --sites: takes the place of the pattern
+    std::vector<glm::dvec3> points; // sites by themselves, in the coordinates of the mesh: outdo the file and the pattern
+    std::vector<Strike> strikes;    // --strike: only what they hit breaks; outdo all sites, the pattern says how
     bool fit_sites = false;    // --fit-sites: moves and scales them onto the mesh's box, before the placement
     fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
     std::string save_recipe;   // --save-recipe: where load_input() writes all this; or empty
@@ -46,15 +49,28 @@ struct Broken {
     double milliseconds = 0.0; // of the fracture, without the certificate
 };
 
+struct SiteSet {
+    std::vector<glm::dvec3> sites;
+    std::vector<uint32_t> groups;
+    std::vector<double> weights;
+};
+
+// The sites that the options make for a mesh, in its coordinates. Throws a Failure.
+[[nodiscard]] SiteSet sites_for(const FractureOptions& options, const fracture::TriangleMesh& mesh);
+
 // `shape:NAME` gives a procedural shape, anything else is read as a file. A pattern is placed in the mesh's box.
 [[nodiscard]] Input load_input(const FractureOptions& options, bool with_looks = false);
 
-// The mesh alone, as it is in the file.
 // Takes over the preset's way to break; count, seed and the like stay. Throws a Failure with exit_usage for an unknown
 // name, and says which there are.
 void use_material(const std::string& name, FractureOptions& options);
 
+// The mesh alone, as it is in the file.
 [[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
+
+// Makes the mesh fit to be broken: repairs it if the options say so; else throws a Failure with exit_mesh that names
+// --repair where that would help.
+void prepare_mesh(const FractureOptions& options, Input& input);
 
 // Fractures with `progress` called, `classifier` asked, `cancelled` watched and `work_log` filled as in
 // fracture::Settings; Ctrl+C cancels in any case.

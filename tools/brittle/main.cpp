@@ -112,6 +112,22 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
     command.add_option("--scale-sites", options.sites_placement.scale, "Scale them about their middle")
         ->check(CLI::PositiveNumber);
     add_vector("--move-sites", options.sites_placement.move, "Move them, metres");
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--strike",
+            [&options](const std::vector<std::string>& strikes) {
+                options.strikes.clear();
+                for (const std::string& text : strikes) {
+                    Strike strike;
+                    char rest = 0;
+                    if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%c", &strike.at.x, &strike.at.y, &strike.at.z,
+                                    &strike.radius, &rest) != 4)
+                        throw CLI::ValidationError("--strike", "'" + text + "' is not X,Y,Z,RADIUS");
+                    options.strikes.push_back(strike);
+                }
+            },
+            "Break only what lies within RADIUS of a point of the mesh, metres; the rest stays one piece. May be given again")
+        ->type_name("X,Y,Z,RADIUS");
     command.add_flag("--repair", options.repair,
                      "First mend the mesh as `brittle repair` does; says what was done");
     const auto set_algorithm = [&options](const std::string& name) {
@@ -389,11 +405,13 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     add_replay(app, run);
 
     static DemoCommand demo_command;
-    auto* demo = app.add_subcommand("demo", "Break a mesh in a window (Space breaks, R resets, H lists all keys)");
+    auto* demo = app.add_subcommand("demo", "A window to break meshes in: tools, panels, preview (Space breaks, H lists all keys)");
     demo_command.fracture.mesh = "shape:animal";
     add_fracture_options(*demo, demo_command.fracture);
     demo->get_option("mesh")->capture_default_str();
     add_world_options(*demo, demo_command.fracture.world);
+    demo->add_option("--ui-scale", demo_command.ui_scale, "Of text and panels: 2 on a display of high density; asks the display if not given")
+        ->check(CLI::Range(0.5, 4.0));
     add_classify_option(*demo, demo_command.classify);
     add_record_option(*demo, demo_command.record);
     add_view_options(*demo, demo_command.view);

@@ -23,11 +23,16 @@ constexpr uint32_t cell_colour = engine::srgb8(38, 70, 140);
 } // namespace
 
 std::vector<engine::LineVertex> cell_lines(const Input& input) {
-    fracture::Box box = fracture::bounds(input.model.mesh);
+    return cell_lines(input.model.mesh, input.sites, input.weights);
+}
+
+std::vector<engine::LineVertex> cell_lines(const fracture::TriangleMesh& mesh, std::span<const glm::dvec3> sites,
+                                           std::span<const double> weights) {
+    fracture::Box box = fracture::bounds(mesh);
     const glm::dvec3 margin(cell_margin * glm::length(box.size()));
     box = {box.min - margin, box.max + margin};
     const fracture::VoronoiDiagram diagram =
-        must(fracture::voronoi_diagram(input.sites, box, 0, input.weights));
+        must(fracture::voronoi_diagram(sites, box, 0, weights));
     std::vector<engine::LineVertex> lines;
     for (const fracture::VoronoiDiagram::Edge& edge : diagram.edges) {
         lines.push_back({glm::vec3(diagram.vertices[edge.start].position), cell_colour});

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/render/camera.h"
 #include "engine/render/scene.h"
 #include "fracture/fragments.h"
+#include "fracture/mesh.h"
 
 namespace brittle::tools {
 
@@ -29,6 +31,8 @@ struct PictureOptions {
 };
 
 // Two a line: the edges of the Voronoi diagram in a box a little larger than the mesh's.
+[[nodiscard]] std::vector<engine::LineVertex> cell_lines(const fracture::TriangleMesh& mesh,
+                                                         std::span<const glm::dvec3> sites, std::span<const double> weights);
 [[nodiscard]] std::vector<engine::LineVertex> cell_lines(const Input& input);
 
 // One piece: what the first planes of site 0's cell leave of the mesh, as the paper's figure 9 shows it. Fewer planes where

@@ -22,6 +22,7 @@ using fracture::Pattern;
 constexpr int version = 1;
 constexpr std::string_view shape_prefix = "shape:";
 constexpr size_t longest_recipe = size_t{1} << 20; // bytes
+constexpr size_t most_strikes = 1000;
 
 Json vector_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
@@ -49,11 +50,26 @@ Json pattern_json(const Pattern& pattern, const Pattern& plain) {
 
 Json points_json(const FractureOptions& options) {
     const fracture::Placement plain, &placement = options.sites_placement;
-    Json json{{"type", "points"}, {"file", options.sites_file}};
+    Json json{{"type", "points"}};
+    if (!options.points.empty()) {
+        for (const glm::dvec3& p : options.points) json["sites"].push_back(vector_json(p));
+        return json;
+    }
+    json["file"] = options.sites_file;
     if (options.fit_sites) json["fit"] = true;
     if (placement.turn != plain.turn) json["turn"] = vector_json(placement.turn);
     if (placement.scale != plain.scale) json["scale"] = placement.scale;
     if (placement.move != plain.move) json["move"] = vector_json(placement.move);
+    return json;
+}
+
+Json strikes_json(const std::vector<Strike>& strikes) {
+    Json json = Json::array();
+    for (const Strike& strike : strikes)
+        json.push_back({{"at", vector_json(strike.at)},
+                        {"direction", vector_json(strike.direction)},
+                        {"radius", strike.radius},
+                        {"pieces", strike.pieces}});
     return json;
 }
 
@@ -98,8 +114,10 @@ Json recipe_object(const FractureOptions& options) {
     if (options.repair) recipe["repair"] = true;
     FractureOptions plain;
     if (!options.material.empty()) use_material(options.material, plain);
-    recipe["pattern"] =
-        options.sites_file.empty() ? pattern_json(options.pattern, plain.pattern) : points_json(options);
+    // A strike breaks as the pattern says.
+    const bool by_pattern = !options.strikes.empty() || (options.sites_file.empty() && options.points.empty());
+    recipe["pattern"] = by_pattern ? pattern_json(options.pattern, plain.pattern) : points_json(options);
+    if (!options.strikes.empty()) recipe["strikes"] = strikes_json(options.strikes);
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
     if (const Json world = world_json(options.world); !world.empty()) recipe["world"] = world;
@@ -107,13 +125,44 @@ Json recipe_object(const FractureOptions& options) {
     return recipe;
 }
 
+std::vector<glm::dvec3> read_points(JsonReader& reader) {
+    std::vector<glm::dvec3> points;
+    const Json* sites = reader.find("sites");
+    if (!sites) return points;
+    if (!sites->is_array() || sites->empty() || sites->size() > most_points)
+        reader.fail("sites", "1 to " + std::to_string(most_points) + " points [[x, y, z], ...]", *sites);
+    for (size_t k = 0; k < sites->size(); ++k)
+        points.push_back(reader.vector_of("sites/" + std::to_string(k), (*sites)[k]));
+    return points;
+}
+
+void read_strikes(const std::filesystem::path& file, JsonReader& reader, std::vector<Strike>& strikes) {
+    const Json* list = reader.find("strikes");
+    if (!list) return;
+    if (!list->is_array() || list->size() > most_strikes) reader.fail("strikes", "a list [{ }, ...]", *list);
+    strikes.clear();
+    for (size_t k = 0; k < list->size(); ++k) {
+        JsonReader inner(file, (*list)[k], "/strikes/" + std::to_string(k));
+        Strike strike;
+        inner.vector("at", strike.at);
+        inner.vector("direction", strike.direction);
+        inner.number("radius", strike.radius, 1e-30, 1e30);
+        inner.whole("pieces", strike.pieces, 1, 10'000);
+        inner.refuse_unknown_keys();
+        strikes.push_back(strike);
+    }
+}
+
 void read_pattern(JsonReader& reader, FractureOptions& options) {
     const auto names = fracture::pattern_names();
     std::string type(names[static_cast<size_t>(options.pattern.kind)]);
     reader.text("type", type);
     if (type == "points") {
+        options.sites_file.clear();
         reader.text("file", options.sites_file);
-        if (options.sites_file.empty()) throw reader.failure("file", "a pattern of points needs the file that they are in");
+        options.points = read_points(reader);
+        if (options.sites_file.empty() == options.points.empty())
+            throw reader.failure("file", "a pattern of points needs the file that they are in, or a list \"sites\" of them");
         reader.flag("fit", options.fit_sites);
         reader.vector("turn", options.sites_placement.turn);
         reader.number("scale", options.sites_placement.scale, 1e-9, 1e9);
@@ -127,6 +176,7 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
         throw reader.failure("type", "there is no pattern " + shown(type) + "; there are: " + list + "points");
     }
     options.sites_file.clear();
+    options.points.clear();
     Pattern& pattern = options.pattern;
     pattern.kind = static_cast<fracture::PatternKind>(at - names.begin());
     reader.whole("count", pattern.count, 1, 1'000'000);
@@ -228,6 +278,7 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
         inner.refuse_unknown_keys();
         from_here(options.sites_file);
     }
+    read_strikes(file, reader, options.strikes);
     if (const Json* world = reader.find("world")) {
         JsonReader inner(file, *world, path + "/world");
         read_world(file, path + "/world", inner, options.world);

@@ -12,6 +12,9 @@
 
 namespace brittle::tools {
 
+// Sites that a recipe may list itself: all of it stays below the longest file that is read, 1 MiB.
+inline constexpr size_t most_points = 10'000;
+
 // The options as a recipe. Paths are as in the options.
 [[nodiscard]] std::string recipe_json(const FractureOptions& options);
 // The same with paths relative to a folder, which is absolute; absolute paths and shapes stay.

@@ -1,0 +1,140 @@
+#include "tools/brittle/studio/document.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "tools/brittle/failure.h"
+#include "tools/brittle/recipe.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr size_t longest_history = 500; // steps; a step holds a recipe, some kilobytes
+
+// Ascending, each once, all of them sites.
+std::vector<uint32_t> existing(std::vector<uint32_t> sites, size_t count) {
+    std::sort(sites.begin(), sites.end());
+    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+    std::erase_if(sites, [count](uint32_t s) { return s >= count; });
+    return sites;
+}
+
+struct Applier {
+    FractureOptions& recipe;
+
+    void operator()(const SetMesh& edit) const {
+        recipe.mesh = edit.mesh;
+        recipe.repair = edit.repair;
+        recipe.points.clear();
+        recipe.strikes.clear();
+    }
+    void operator()(const SetMaterial& edit) const {
+        if (edit.name.empty()) {
+            recipe.material.clear();
+            return;
+        }
+        use_material(edit.name, recipe);
+    }
+    void operator()(const SetPattern& edit) const {
+        recipe.pattern = edit.pattern;
+        recipe.sites_file.clear();
+        recipe.points.clear();
+        recipe.strikes.clear();
+    }
+    void operator()(const SetWorld& edit) const { recipe.world = edit.world; }
+    void operator()(const SetSites& edit) const {
+        recipe.points = edit.sites;
+        recipe.sites_file.clear();
+        recipe.strikes.clear();
+    }
+    void operator()(const AddSite& edit) const {
+        recipe.points.push_back(edit.at);
+        recipe.sites_file.clear();
+        recipe.strikes.clear();
+    }
+    void operator()(const MoveSites& edit) const {
+        for (const uint32_t s : existing(edit.sites, recipe.points.size())) recipe.points[s] += edit.by;
+        recipe.strikes.clear();
+    }
+    void operator()(const RemoveSites& edit) const {
+        std::vector<uint32_t> sites = existing(edit.sites, recipe.points.size());
+        if (sites.size() == recipe.points.size() && !sites.empty()) sites.pop_back();
+        for (size_t k = sites.size(); k-- > 0;) recipe.points.erase(recipe.points.begin() + sites[k]);
+        recipe.strikes.clear();
+    }
+    void operator()(const DuplicateSites& edit) const {
+        for (const uint32_t s : existing(edit.sites, recipe.points.size())) recipe.points.push_back(recipe.points[s] + edit.by);
+        recipe.strikes.clear();
+    }
+    void operator()(const MirrorSites& edit) const {
+        const int axis = std::clamp(edit.axis, 0, 2);
+        for (const uint32_t s : existing(edit.sites, recipe.points.size())) {
+            glm::dvec3 image = recipe.points[s];
+            image[axis] = 2.0 * edit.plane - image[axis];
+            if (image != recipe.points[s]) recipe.points.push_back(image);
+        }
+        recipe.strikes.clear();
+    }
+    void operator()(const AddStrike& edit) const { recipe.strikes.push_back(edit.strike); }
+    void operator()(const ClearStrikes&) const { recipe.strikes.clear(); }
+    void operator()(const SetRecipe& edit) const { recipe = edit.recipe; }
+};
+
+} // namespace
+
+std::string_view name_of(const Edit& edit) {
+    static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{
+        "open a mesh",  "change the material", "change the pattern", "change the world", "set the sites",
+        "place a site", "move sites",          "delete sites",       "duplicate sites",  "mirror sites",
+        "strike",       "mend",                "open a recipe"};
+    return names[edit.index()];
+}
+
+bool Document::apply(const Edit& edit, uint64_t gesture) {
+    FractureOptions changed = recipe_;
+    std::visit(Applier{changed}, edit);
+    if (changed.points.size() > most_points)
+        throw Failure(exit_usage, "a recipe holds " + std::to_string(most_points) + " sites at most; write more into a file (--sites)");
+    if (recipe_json(changed) == recipe_json(recipe_)) return false;
+    const bool goes_on = gesture != 0 && !past_.empty() && past_.back().gesture == gesture && future_.empty();
+    if (!goes_on) past_.push_back({recipe_, name_of(edit), gesture});
+    if (past_.size() > longest_history) past_.erase(past_.begin());
+    future_.clear();
+    recipe_ = std::move(changed);
+    ++version_;
+    return true;
+}
+
+std::string_view Document::undo_name() const {
+    return past_.empty() ? std::string_view() : past_.back().name;
+}
+
+std::string_view Document::redo_name() const {
+    return future_.empty() ? std::string_view() : future_.back().name;
+}
+
+void Document::exchange(std::vector<Step>& from, std::vector<Step>& to) {
+    Step step = std::move(from.back());
+    from.pop_back();
+    step.before.picture = recipe_.picture; // no part of the history
+    std::swap(step.before, recipe_);
+    step.gesture = 0;
+    to.push_back(std::move(step));
+    ++version_;
+}
+
+bool Document::undo() {
+    if (past_.empty()) return false;
+    exchange(past_, future_);
+    return true;
+}
+
+bool Document::redo() {
+    if (future_.empty()) return false;
+    exchange(future_, past_);
+    return true;
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,82 @@
+#include "tools/brittle/studio/object.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/topology.h"
+#include "tools/brittle/failure.h"
+#include "tools/brittle/stage.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr double nudge = 1e-6; // m; a ray goes on so far behind a hit, so as not to find it again
+
+std::vector<uint32_t> all_triangles(const fracture::TriangleMesh& mesh) {
+    std::vector<uint32_t> all(mesh.triangles.size());
+    std::iota(all.begin(), all.end(), 0u);
+    return all;
+}
+
+} // namespace
+
+std::shared_ptr<const Object> Object::load(const FractureOptions& options) {
+    Input input = load_mesh_only(options.mesh);
+    prepare_mesh(options, input);
+    const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
+    if (!report.closed()) throw Failure(exit_mesh, input.name + ": " + fracture::describe(report));
+    return std::shared_ptr<const Object>(new Object(std::move(input), options.world));
+}
+
+std::shared_ptr<const Object> Object::placed_for(const WorldOptions& world) const {
+    return std::shared_ptr<const Object>(new Object(file_, world));
+}
+
+Object::Object(Input file, const WorldOptions& world)
+    : file_(std::move(file)), stage_(placed_on_stage(file_, world)), world_(world),
+      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)) {
+    const fracture::Box from = fracture::bounds(file_.model.mesh), onto = fracture::bounds(stage_.model.mesh);
+    const glm::dvec3 size = from.size();
+    const int longest = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+    if (size[longest] > 0.0) scale_ = onto.size()[longest] / size[longest];
+    foot_ = {from.centre().x, from.min.y, from.centre().z};
+    height_ = onto.min.y;
+}
+
+SiteSet Object::sites(const FractureOptions& options) const {
+    SiteSet set = sites_for(options, file_.model.mesh);
+    // The box alone says where the mesh goes.
+    const fracture::Box box = fracture::bounds(file_.model.mesh);
+    Input probe;
+    probe.model.mesh.positions = {box.min, box.max};
+    probe.sites = std::move(set.sites);
+    probe.weights = std::move(set.weights);
+    probe = placed_on_stage(std::move(probe), world_);
+    return {std::move(probe.sites), std::move(set.groups), std::move(probe.weights)};
+}
+
+Input Object::with_sites(const FractureOptions& options) const {
+    Input input = stage_;
+    SiteSet set = sites(options);
+    input.sites = std::move(set.sites);
+    input.groups = std::move(set.groups);
+    input.weights = std::move(set.weights);
+    return input;
+}
+
+std::optional<Hit> Object::first_hit(const glm::dvec3& from, const glm::dvec3& direction) const {
+    const std::optional<double> distance = tree_.first_hit(from, direction, fracture::no_index);
+    if (!distance) return std::nullopt;
+    return Hit{from + *distance * direction, *distance};
+}
+
+Hit Object::exit_after(const Hit& hit, const glm::dvec3& direction) const {
+    const std::optional<Hit> next = first_hit(hit.point + nudge * direction, direction);
+    return next ? Hit{next->point, hit.distance + nudge + next->distance} : hit;
+}
+
+} // namespace brittle::tools

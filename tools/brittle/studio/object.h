@@ -1,0 +1,59 @@
+// The mesh that the studio works on: as it is in its file, and as it stands on the stage. Immutable, so that the window
+// and its workers may share one.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "engine/render/camera.h"
+#include "fracture/triangle_tree.h"
+#include "tools/brittle/input.h"
+
+namespace brittle::tools {
+
+struct Hit {
+    glm::dvec3 point{0.0}; // on the stage, m
+    double distance = 0.0; // from the eye, m
+};
+
+class Object {
+  public:
+    // Reads and prepares the mesh that the options name. Throws a Failure, also where it is not closed.
+    [[nodiscard]] static std::shared_ptr<const Object> load(const FractureOptions& options);
+    // The same mesh where another world wants it.
+    [[nodiscard]] std::shared_ptr<const Object> placed_for(const WorldOptions& world) const;
+    Object(const Object&) = delete;
+    Object& operator=(const Object&) = delete;
+
+    [[nodiscard]] const std::string& name() const { return file_.name; }
+    [[nodiscard]] const Input& file() const { return file_; }                             // without sites
+    [[nodiscard]] const fracture::TriangleMesh& mesh() const { return stage_.model.mesh; } // on the stage
+    [[nodiscard]] double import_milliseconds() const { return file_.import_milliseconds; }
+
+    // Sites for the mesh on the stage, with the arithmetic of placed_on_stage(): pieces equal those of `brittle render`.
+    [[nodiscard]] SiteSet sites(const FractureOptions& options) const;
+    // For break_input().
+    [[nodiscard]] Input with_sites(const FractureOptions& options) const;
+
+    [[nodiscard]] glm::dvec3 to_stage(const glm::dvec3& p) const { return (p - foot_) * scale_ + glm::dvec3(0.0, height_, 0.0); }
+    [[nodiscard]] glm::dvec3 to_file(const glm::dvec3& p) const { return (p - glm::dvec3(0.0, height_, 0.0)) / scale_ + foot_; }
+    [[nodiscard]] double scale() const { return scale_; } // metres on the stage by those in the file
+
+    // Where a ray first meets the surface, from outside or inside. The direction is a unit one.
+    [[nodiscard]] std::optional<Hit> first_hit(const glm::dvec3& from, const glm::dvec3& direction) const;
+    // Where the same ray leaves the solid again after a hit; the hit itself if it does not.
+    [[nodiscard]] Hit exit_after(const Hit& hit, const glm::dvec3& direction) const;
+
+  private:
+    Object(Input file, const WorldOptions& world);
+
+    Input file_, stage_;
+    WorldOptions world_;
+    glm::dvec3 foot_{0.0};
+    double scale_ = 1.0;
+    double height_ = 0.0;
+    fracture::TriangleTree tree_;
+};
+
+} // namespace brittle::tools

@@ -1,0 +1,296 @@
+#include "tools/brittle/studio/panels.h"
+
+#include <algorithm>
+
+#include <imgui.h>
+
+#include "tools/brittle/studio/style.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr float column = 276.0f; // widths and heights in pixels at scale 1
+constexpr float least_column = 232.0f;
+constexpr float bar_height = 42.0f;
+constexpr float line_height = 26.0f;
+constexpr float least_scene = 400.0f; // the width that columns leave, and that the tools need
+
+constexpr double message_seconds = 5.0; // good news go by themselves
+
+constexpr ImGuiWindowFlags docked = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings
+                                    | ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+constexpr ImGuiWindowFlags sheet = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove
+                                   | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+
+ImVec2 at(glm::vec2 p) {
+    return {p.x, p.y};
+}
+
+void draw_overlay(const Overlay& overlay, float scale) {
+    const StudioColours colours;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    for (const Overlay::Axis& axis : overlay.axes) {
+        const float width = (axis.strong ? 4.0f : 2.5f) * scale;
+        list.AddLine(at(axis.from), at(axis.to), colours.outline, width + 2.0f * scale);
+        list.AddLine(at(axis.from), at(axis.to), colours.axis[axis.axis], width);
+        list.AddCircleFilled(at(axis.to), 5.0f * scale, colours.axis[axis.axis]);
+    }
+    for (const Overlay::Circle& circle : overlay.circles) {
+        list.AddCircle(at(circle.centre), circle.radius, colours.outline, 0, 4.0f * scale);
+        list.AddCircle(at(circle.centre), circle.radius, circle.strong ? colours.accent : colours.accent_soft, 0, 2.0f * scale);
+    }
+    if (overlay.string) {
+        list.AddLine(at((*overlay.string)[0]), at((*overlay.string)[1]), colours.accent, 2.0f * scale);
+        list.AddCircleFilled(at((*overlay.string)[0]), 4.0f * scale, colours.accent);
+    }
+}
+
+} // namespace
+
+Layout layout_of(glm::vec2 window, float scale, bool panels) {
+    Layout layout;
+    layout.free_max = window;
+    if (!panels) return layout;
+    const float spare = window.x / scale - least_scene; // for columns
+    if (window.y >= 300.0f * scale) {
+        const bool both = spare >= 2.0f * least_column;
+        if (spare >= least_column) layout.left = scale * std::min(both ? 0.5f * spare : spare, column);
+        if (both) layout.right = layout.left;
+    }
+    if (spare >= 0.0f && window.y >= 240.0f * scale) {
+        layout.top = bar_height * scale;
+        layout.bottom = line_height * scale;
+    }
+    layout.free_min = {layout.left, layout.top};
+    layout.free_max = window - glm::vec2(layout.right, layout.bottom);
+    return layout;
+}
+
+void control(const char* name, const char* tip_text) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(name);
+    tip(tip_text);
+    ImGui::SameLine(ImGui::GetWindowContentRegionMin().x + 0.42f * (ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x));
+    ImGui::SetNextItemWidth(-1.0f);
+}
+
+void tip(const char* text) {
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
+}
+
+bool wide_button(const char* name, const char* tip_text, float share) {
+    const float gap = ImGui::GetStyle().ItemSpacing.x, left = ImGui::GetContentRegionAvail().x;
+    const bool pressed = ImGui::Button(name, {share < 1.0f ? (left + gap) * share - gap : left, 0.0f});
+    tip(tip_text);
+    return pressed;
+}
+
+bool begin_panel(const char* name, bool open) {
+    return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None);
+}
+
+void Panels::edit(Session& session, const Edit& edit) {
+    if (gesture_ == 0) gesture_ = session.begin_gesture();
+    session.edit(edit, gesture_);
+}
+
+void Panels::draw(const PanelState& state, const Overlay& overlay) {
+    if (!ImGui::IsAnyItemActive()) gesture_ = 0;
+    const Layout layout = layout_of(state.window, state.scale, shown);
+    draw_overlay(overlay, state.scale);
+    if (layout.left > 0.0f) left_column(state, layout);
+    if (layout.right > 0.0f) right_column(state, layout);
+    if (layout.top > 0.0f) {
+        bar(state, layout);
+        state_line(state, layout);
+    }
+    message(state, layout);
+    progress(state, layout);
+    if (help) help_sheet(state);
+    if (export_open) export_window(state);
+}
+
+void Panels::left_column(const PanelState& state, const Layout& layout) {
+    ImGui::SetNextWindowPos({0.0f, 0.0f});
+    ImGui::SetNextWindowSize({layout.left, state.window.y});
+    ImGui::Begin("left", nullptr, docked & ~ImGuiWindowFlags_NoScrollbar);
+    object_panel(state);
+    pattern_panel(state);
+    sites_panel(state);
+    material_panel(state);
+    ImGui::End();
+}
+
+void Panels::right_column(const PanelState& state, const Layout& layout) {
+    ImGui::SetNextWindowPos({state.window.x - layout.right, 0.0f});
+    ImGui::SetNextWindowSize({layout.right, state.window.y});
+    ImGui::Begin("right", nullptr, docked & ~ImGuiWindowFlags_NoScrollbar);
+    physics_panel(state);
+    view_panel(state);
+    statistics_panel(state);
+    ImGui::End();
+}
+
+void Panels::bar(const PanelState& state, const Layout& layout) {
+    ImGui::SetNextWindowPos({layout.left, 0.0f});
+    ImGui::SetNextWindowSize({layout.free_max.x - layout.free_min.x, layout.top});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {8.0f * state.scale, 8.0f * state.scale});
+    ImGui::Begin("tools", nullptr, docked | ImGuiWindowFlags_NoScrollWithMouse);
+    const StudioColours colours;
+    const float gap = ImGui::GetStyle().ItemSpacing.x;
+    // What names leave free is shared alike.
+    const auto text = [](std::string_view name) { return ImGui::CalcTextSize(name.data(), name.data() + name.size()).x; };
+    float names = text("Break") + text("Reset");
+    for (const Tool tool : all_tools) names += text(info_of(tool).name);
+    const float spare = std::max((ImGui::GetContentRegionAvail().x - 6.0f * gap - names) / 7.0f, 0.0f);
+    const auto size = [&](std::string_view name) { return ImVec2(text(name) + spare, 0.0f); };
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0.0f, ImGui::GetStyle().FramePadding.y}); // names are centred
+    for (const Tool tool : all_tools) {
+        const ToolInfo& info = info_of(tool);
+        const bool active = state.tools.tool() == tool;
+        if (active) {
+            ImGui::PushStyleColor(ImGuiCol_Button, colours.accent);
+            ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colours.accent);
+            ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(24, 20, 16, 255));
+        }
+        if (ImGui::Button(std::string(info.name).c_str(), size(info.name))) state.tools.choose(tool, state.session);
+        if (active) ImGui::PopStyleColor(3);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s (%s)", info.hint, info.key);
+        ImGui::SameLine();
+    }
+    const bool broken = state.session.broken();
+    ImGui::PushStyleColor(ImGuiCol_Button, IM_COL32(120, 70, 36, 255));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, IM_COL32(158, 92, 42, 255));
+    if (ImGui::Button("Break", size("Break"))) actions_.push_back(Command::break_all);
+    ImGui::PopStyleColor(2);
+    tip(broken ? "It is broken: Reset makes it whole again" : "Break it by the pattern or the sites (Space)");
+    ImGui::SameLine();
+    if (ImGui::Button("Reset", size("Reset"))) actions_.push_back(Command::reset);
+    tip("Whole again (R)");
+    ImGui::PopStyleVar();
+    ImGui::End();
+    ImGui::PopStyleVar();
+}
+
+void Panels::state_line(const PanelState& state, const Layout& layout) {
+    ImGui::SetNextWindowPos({layout.left, layout.free_max.y});
+    ImGui::SetNextWindowSize({layout.free_max.x - layout.free_min.x, layout.bottom});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {8.0f * state.scale, 4.0f * state.scale});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1.0f, 1.0f});
+    ImGui::Begin("state", nullptr, docked | ImGuiWindowFlags_NoScrollWithMouse);
+    const ToolInfo& info = info_of(state.tools.tool());
+    ImGui::TextDisabled("%s: %s", std::string(info.name).c_str(), info.hint);
+    const char* keys = state.session.playback.paused ? "paused (P)" : "H: keys";
+    const float width = ImGui::CalcTextSize(keys).x;
+    const float at_x = ImGui::GetWindowWidth() - width - 8.0f * state.scale;
+    ImGui::SameLine();
+    if (ImGui::GetCursorPosX() < at_x) {
+        ImGui::SetCursorPosX(at_x);
+        ImGui::TextDisabled("%s", keys);
+    }
+    ImGui::End();
+    ImGui::PopStyleVar(2);
+}
+
+void Panels::message(const PanelState& state, const Layout& layout) {
+    const Message& message = state.session.message();
+    if (message.text != told_) {
+        told_ = message.text;
+        told_at_ = ImGui::GetTime();
+    }
+    if (!told_.empty() && !message.fault && ImGui::GetTime() - told_at_ > message_seconds) state.session.say({});
+    const bool hints = hint && state.tools.tool() == Tool::inspect && !state.session.broken() && message.text.empty() && layout.top > 0.0f;
+    if (message.text.empty() && !hints) return;
+    const float middle = 0.5f * (layout.free_min.x + layout.free_max.x);
+    const float width = std::min(0.9f * (layout.free_max.x - layout.free_min.x), 520.0f * state.scale);
+    ImGui::SetNextWindowPos({middle, layout.free_max.y - 12.0f * state.scale}, ImGuiCond_Always, {0.5f, 1.0f});
+    ImGui::SetNextWindowBgAlpha(0.92f);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
+    ImGui::Begin("message", nullptr, hints ? sheet | ImGuiWindowFlags_NoInputs : sheet);
+    if (hints) {
+        ImGui::TextUnformatted("Space breaks it. F3 takes the hammer: then click it.");
+    } else {
+        ImGui::PushTextWrapPos(width);
+        if (message.fault) ImGui::TextColored({0.98f, 0.52f, 0.42f, 1.0f}, "That did not work");
+        ImGui::TextUnformatted(message.text.c_str());
+        ImGui::PopTextWrapPos();
+        const std::string mend = message.mend;
+        bool close = false;
+        if (!mend.empty()) {
+            if (ImGui::Button("Mend and open")) {
+                state.session.say({});
+                state.session.open(mend, true);
+            }
+            ImGui::SameLine();
+        }
+        if (ImGui::Button("Close")) close = true;
+        if (close) state.session.say({});
+    }
+    ImGui::End();
+    ImGui::PopStyleVar();
+}
+
+void Panels::progress(const PanelState& state, const Layout& layout) {
+    const auto work = state.session.work();
+    if (!work && !recording) return;
+    const float middle = 0.5f * (layout.free_min.x + layout.free_max.x);
+    ImGui::SetNextWindowPos({middle, layout.free_min.y + 12.0f * state.scale}, ImGuiCond_Always, {0.5f, 0.0f});
+    ImGui::SetNextWindowBgAlpha(0.92f);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
+    ImGui::Begin("progress", nullptr, sheet);
+    const float share = recording ? static_cast<float>(recording->done) / static_cast<float>(std::max(recording->total, 1u))
+                                  : static_cast<float>(work->share);
+    ImGui::TextUnformatted(recording ? "writing pictures" : work->what.c_str());
+    ImGui::ProgressBar(std::max(share, 0.0f), {220.0f * state.scale, 0.0f}, share < 0.0f ? "..." : nullptr);
+    ImGui::SameLine();
+    if (ImGui::Button("Cancel")) recording ? recording.reset() : state.session.cancel();
+    ImGui::End();
+    ImGui::PopStyleVar();
+}
+
+void Panels::help_sheet(const PanelState& state) {
+    ImGui::SetNextWindowPos({0.5f * state.window.x, 0.5f * state.window.y}, ImGuiCond_Always, {0.5f, 0.5f});
+    ImGui::SetNextWindowBgAlpha(0.97f);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
+    ImGui::Begin("help", nullptr, sheet);
+    if (ImGui::BeginTable("keys", 4)) {
+        const auto row = [](const char* key, const char* what) {
+            ImGui::TableNextColumn();
+            ImGui::TextColored({0.93f, 0.62f, 0.36f, 1.0f}, "%s", key);
+            ImGui::TableNextColumn();
+            ImGui::TextUnformatted(what);
+        };
+        for (const MouseHelp& line : mouse_help()) row(line.shown, line.what);
+        for (const KeyBinding& binding : key_bindings())
+            if (*binding.shown) row(binding.shown, binding.what);
+        ImGui::EndTable();
+    }
+    ImGui::End();
+    ImGui::PopStyleVar(2);
+}
+
+void Panels::export_window(const PanelState& state) {
+    ImGui::SetNextWindowPos({0.5f * state.window.x, 0.5f * state.window.y}, ImGuiCond_Always, {0.5f, 0.5f});
+    ImGui::SetNextWindowSize({330.0f * state.scale, 0.0f});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
+    ImGui::Begin("Export", &export_open, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+    const auto choice = [this](const char* name, const char* tip_text, ExportKind kind) {
+        if (!wide_button(name, tip_text)) return;
+        export_ = kind;
+        export_open = false;
+    };
+    choice("Pieces: GLB, OBJ, PLY or STL ...", "The pieces of the recipe for other programs, as `brittle fracture` writes them", ExportKind::pieces);
+    choice("Recipe ...", "Mesh and options, to do it again; `brittle render` and `fracture` take it too", ExportKind::recipe);
+    choice("Screenshot", "What the window shows, without its panels, as PNG in the current folder (F12)", ExportKind::screenshot);
+    ImGui::Separator();
+    control("Frames", "Of the sequence; 60 are a second");
+    ImGui::SliderInt("##frames", &sequence_frames, 1, 600);
+    choice("Picture sequence ...", "What happens from now on, a PNG for each frame; a video too where the name ends with .mp4 and ffmpeg is installed", ExportKind::sequence);
+    ImGui::End();
+    ImGui::PopStyleVar(2);
+}
+
+} // namespace brittle::tools

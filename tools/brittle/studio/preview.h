@@ -1,0 +1,64 @@
+// What a fracture would look like, before it happens: the pieces in their places, cracks on the surface, cells as lines.
+// Made on a worker, the newest request only; a bunny of 70,000 triangles at 100 sites takes about 10 ms.
+//
+//     preview.request({object, document.recipe(), {}, version});
+//     each frame: if (auto shown = preview.take()) renderer.set_pieces(shown->meshes());
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/render/scene.h"
+#include "fracture/fracture.h"
+#include "tools/brittle/studio/object.h"
+#include "tools/brittle/studio/worker.h"
+
+namespace brittle::tools {
+
+struct PreviewRequest {
+    std::shared_ptr<const Object> object;
+    FractureOptions recipe;
+    std::optional<Strike> ghost{}; // a blow that may come, in the coordinates of the file
+    uint64_t key = 0;              // told apart by whoever asks
+};
+
+// All on the stage. Nothing in it where the recipe cannot be carried out; `fault` says why.
+struct Cracked {
+    uint64_t key = 0;
+    bool ghost = false;
+    std::vector<glm::dvec3> sites;
+    std::vector<engine::LineVertex> cracks; // a little above the surface, two a line
+    std::vector<engine::LineVertex> cells;  // edges of the Voronoi diagram around the mesh; none for strikes
+    uint32_t pieces = 0;
+    double milliseconds = 0.0; // of the fracture
+    std::string fault;
+
+    // For Renderer::set_pieces(): valid as long as this is.
+    [[nodiscard]] std::vector<engine::PieceMesh> meshes() const;
+
+    fracture::Fragments fragments;
+    std::vector<glm::vec3> positions;
+    std::vector<uint8_t> stays; // by piece: the largest, where only a part breaks
+};
+
+class Preview {
+  public:
+    void request(PreviewRequest request);
+    // What was finished since, once.
+    [[nodiscard]] std::shared_ptr<const Cracked> take();
+    [[nodiscard]] bool busy() const { return worker_.busy(); }
+
+  private:
+    [[nodiscard]] std::shared_ptr<Cracked> make(const PreviewRequest& request, const Worker::Cancelled& cancelled);
+
+    fracture::Workspace workspace_; // the worker's
+    std::mutex mutex_;
+    std::shared_ptr<const Cracked> finished_;
+    Worker worker_; // last: its destructor waits
+};
+
+} // namespace brittle::tools

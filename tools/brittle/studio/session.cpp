@@ -1,0 +1,472 @@
+#include "tools/brittle/studio/session.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "tools/brittle/failure.h"
+#include "tools/brittle/piece_export.h"
+#include "tools/brittle/recipe.h"
+#include "tools/brittle/studio/video.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr float preview_tint = 0.8f;
+constexpr float tint_of_the_struck = 0.12f;
+constexpr double physics_step = 1.0 / 120.0; // s, of World
+
+bool same(const Strike& a, const Strike& b) {
+    return a.at == b.at && a.direction == b.direction && a.radius == b.radius && a.pieces == b.pieces;
+}
+
+bool same_sites(const FractureOptions& a, const FractureOptions& b) {
+    const auto how = [](const FractureOptions& options) {
+        FractureOptions only;
+        only.pattern = options.pattern;
+        only.sites_file = options.sites_file;
+        only.points = options.points;
+        only.fit_sites = options.fit_sites;
+        only.sites_placement = options.sites_placement;
+        only.min_volume = options.min_volume;
+        only.algorithm = options.algorithm;
+        return recipe_json(only);
+    };
+    return how(a) == how(b);
+}
+
+bool same_strikes(const FractureOptions& a, const FractureOptions& b) {
+    return std::equal(a.strikes.begin(), a.strikes.end(), b.strikes.begin(), b.strikes.end(), same);
+}
+
+} // namespace
+
+Session::Session(FractureOptions recipe, std::shared_ptr<const Object> object, engine::Renderer& renderer,
+                 fracture::Classifier* classifier)
+    : document_(std::move(recipe)), object_(std::move(object)), renderer_(renderer), classifier_(classifier) {
+    make_stage();
+    sites_ = object_->sites(document_.recipe()).sites;
+}
+
+Session::~Session() {
+    worker_.cancel();
+}
+
+void Session::make_stage() {
+    stage_ = std::make_unique<Stage>(renderer_, object_->mesh(), recipe().material);
+    if (recorder_) stage_->simulation().observe(&*recorder_);
+    ++stages_;
+    shown_.reset();
+    asked_.reset();
+    piece.reset();
+}
+
+// --- the recipe ---
+
+void Session::edit(const Edit& edit, uint64_t gesture) {
+    const FractureOptions before = recipe();
+    try {
+        if (document_.apply(edit, gesture)) follow(before);
+    } catch (const Failure& failure) {
+        report(failure);
+    }
+}
+
+void Session::undo() {
+    const FractureOptions before = recipe();
+    if (document_.undo()) follow(before);
+}
+
+void Session::redo() {
+    const FractureOptions before = recipe();
+    if (document_.redo()) follow(before);
+}
+
+// Brings the stage up to date with the recipe.
+void Session::follow(const FractureOptions& before) {
+    const FractureOptions& now = recipe();
+    if (now.mesh != before.mesh || now.repair != before.repair) {
+        start("reading " + now.mesh, [this, now](const Worker::Cancelled&) {
+            auto object = Object::load(now);
+            post([this, object, mesh = now.mesh] {
+                if (recipe().mesh == mesh) adopt(object);
+            });
+        });
+        return;
+    }
+    const bool placed = now.world.anchored != before.world.anchored || now.world.height != before.world.height;
+    const bool sites = !same_sites(now, before), strikes = !same_strikes(now, before);
+    if (placed) object_ = object_->placed_for(now.world);
+    if (placed || now.material != before.material || ((sites || strikes) && (broken() || worker_.busy()))) make_stage();
+    if (placed || sites || strikes) {
+        try {
+            FractureOptions whole = now;
+            whole.strikes.clear();
+            sites_ = object_->sites(whole).sites;
+            if (!sites && !placed) return;
+            message_ = {};
+        } catch (const Failure& failure) {
+            sites_.clear();
+            report(failure);
+        }
+        std::erase_if(selection, [this](uint32_t s) { return s >= sites_.size(); });
+    }
+}
+
+void Session::adopt(std::shared_ptr<const Object> object) {
+    object_ = std::move(object);
+    selection.clear();
+    counts_.reset();
+    message_ = {};
+    make_stage();
+    try {
+        sites_ = object_->sites(recipe()).sites;
+    } catch (const Failure& failure) {
+        sites_.clear();
+        report(failure);
+    }
+    if (opened) opened(recipe().mesh);
+}
+
+void Session::take_sites(uint64_t gesture) {
+    if (!recipe().points.empty()) return;
+    std::vector<glm::dvec3> sites;
+    for (const glm::dvec3& s : sites_) sites.push_back(object_->to_file(s));
+    edit(SetSites{std::move(sites)}, gesture);
+}
+
+// --- what happens on the stage ---
+
+void Session::break_all() {
+    if (!recipe().strikes.empty()) edit(ClearStrikes{});
+    if (broken() || worker_.busy()) return;
+    start_breaking(recipe().world.bonded || recipe().world.anchored);
+}
+
+Strike Session::strike_at(const glm::dvec3& at, const glm::dvec3& direction) const {
+    return {object_->to_file(at), direction, tools.hammer_radius / object_->scale(), tools.hammer_pieces};
+}
+
+void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
+    if (worker_.busy()) return;
+    edit(AddStrike{strike_at(at, direction)});
+    start_breaking(recipe().world.bonded || recipe().world.anchored);
+}
+
+void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
+    if (broken()) {
+        stage_->shoot({.from = glm::dvec3(from), .velocity = glm::dvec3(tools.ball_speed * direction), .radius = tools.ball_radius});
+        return;
+    }
+    if (worker_.busy()) return;
+    shot_ = {from, direction};
+    start_breaking(true);
+}
+
+void Session::grab(const PieceHit& hit) {
+    stage_->simulation().apply(Grab{hit.piece, glm::dvec3(hit.point)});
+}
+
+void Session::drag(const glm::vec3& to) {
+    stage_->simulation().apply(Drag{glm::dvec3(to)});
+}
+
+void Session::let_go() {
+    stage_->simulation().apply(LetGo{});
+}
+
+void Session::record(const std::filesystem::path& file) {
+    recorder_.emplace(file, recipe());
+    stage_->simulation().observe(&*recorder_);
+}
+
+void Session::finish_recording() {
+    if (recorder_) recorder_->finish();
+}
+
+void Session::reset() {
+    worker_.cancel();
+    shot_.reset();
+    if (!recipe().strikes.empty()) edit(ClearStrikes{});
+    counts_.reset();
+    message_ = {};
+    make_stage();
+}
+
+void Session::start_breaking(bool bonded) {
+    start("breaking " + object_->name(), [this, object = object_, options = recipe(), bonded, stage = stages_](const Worker::Cancelled& cancelled) {
+        const Input input = object->with_sites(options);
+        auto made = std::make_shared<Broken>(
+            break_input(input, options, [this](double share) { work_share_ = share; }, classifier_, cancelled));
+        post([this, made, bonded, stage] {
+            if (stages_ == stage) take_pieces(std::move(*made), bonded);
+        });
+    });
+}
+
+void Session::take_pieces(Broken made, bool bonded) {
+    shown_.reset();
+    asked_.reset();
+    piece.reset();
+    if (recorder_) recorder_->use_recipe(recipe());
+    if (bonded) {
+        WorldOptions world = recipe().world;
+        world.bonded = true;
+        stage_->stand(made.fragments, world);
+    } else {
+        stage_->shatter(made.fragments);
+    }
+    counts_ = {made.certificate.pieces, 0, made.milliseconds, made.certificate, made.fragments.timings};
+    fragments_ = std::move(made.fragments);
+    radii_.clear();
+    for (const fracture::Piece& p : fragments_.pieces) {
+        double radius = 0.0;
+        for (const glm::dvec3& v : fragments_.positions_of(p)) radius = std::max(radius, glm::distance(v, p.mass.centre_of_mass));
+        radii_.push_back(static_cast<float>(radius));
+    }
+    poses_.assign(radii_.size(), {});
+    for (size_t k = 0; k < poses_.size(); ++k) poses_[k].position = glm::vec3(fragments_.pieces[k].mass.centre_of_mass);
+    fractured_ = true;
+    message_ = {};
+    if (const auto shot = std::exchange(shot_, std::nullopt)) shoot((*shot)[0], (*shot)[1]);
+}
+
+std::optional<PieceHit> Session::first_piece(const glm::dvec3& from, const glm::dvec3& direction) const {
+    if (!broken()) return std::nullopt;
+    std::optional<PieceHit> nearest;
+    for (uint32_t p = 0; p < fragments_.pieces.size(); ++p) {
+        const fracture::Piece& piece_p = fragments_.pieces[p];
+        const glm::dvec3 centre(poses_[p].position), to = centre - from;
+        const double along = glm::dot(to, direction);
+        if (glm::dot(to, to) - along * along > double{radii_[p]} * radii_[p]) continue;
+        const glm::dquat back = glm::conjugate(glm::dquat(poses_[p].rotation));
+        const glm::dvec3 origin = back * (from - centre) + piece_p.mass.centre_of_mass, way = back * direction;
+        const std::optional<double> distance =
+            fracture::first_hit(fragments_.positions_of(piece_p), fragments_.triangles_of(piece_p), origin, way);
+        if (!distance || (nearest && nearest->distance <= *distance)) continue;
+        nearest = PieceHit{p, glm::vec3(from + *distance * direction),
+                           glm::vec3(origin + *distance * way - piece_p.mass.centre_of_mass), *distance};
+    }
+    return nearest;
+}
+
+glm::dvec3 Session::at_home(const PieceHit& hit) const {
+    return glm::dvec3(hit.grip) + fragments_.pieces[hit.piece].mass.centre_of_mass;
+}
+
+engine::Bounds Session::piece_bounds(uint32_t of) const {
+    const glm::vec3 r(radii_[of]);
+    return {poses_[of].position - r, poses_[of].position + r};
+}
+
+void Session::step_once() {
+    playback.paused = true;
+    single_step_ = true;
+}
+
+// --- files ---
+
+void Session::open(const std::string& path, bool repair) {
+    FractureOptions options = recipe();
+    if (!path.ends_with(".json")) {
+        options.mesh = path;
+        options.repair = repair;
+        options.points.clear();
+        options.strikes.clear();
+    }
+    start("opening " + path, [this, path, options, repair](const Worker::Cancelled&) mutable {
+        try {
+            const bool is_recipe = path.ends_with(".json");
+            if (is_recipe) {
+                FractureOptions plain;
+                plain.threads = options.threads;
+                options = plain;
+                read_recipe(path, options);
+            }
+            auto object = Object::load(options);
+            post([this, path, options, object, is_recipe, repair] {
+                is_recipe ? document_.apply(SetRecipe{options}) : document_.apply(SetMesh{path, repair});
+                adopt(object);
+                if (is_recipe) {
+                    document_.mark_saved();
+                    if (opened) opened(path);
+                }
+            });
+        } catch (const Failure& failure) {
+            const bool mendable = std::string(failure.what()).find("--repair") != std::string::npos;
+            post([this, failure, mend = mendable ? path : std::string()] { report(failure, mend); });
+        }
+    });
+}
+
+void Session::save_recipe(const std::filesystem::path& file) {
+    try {
+        write_recipe(file, recipe());
+        document_.mark_saved();
+        say({"saved " + file.string()});
+        if (opened) opened(file.string());
+    } catch (const Failure& failure) {
+        report(failure);
+    }
+}
+
+void Session::export_pieces(const std::filesystem::path& file) {
+    start("writing " + file.string(), [this, file, options = recipe()](const Worker::Cancelled& cancelled) {
+        FractureCommand command;
+        command.fracture = options;
+        command.fracture.save_recipe.clear();
+        command.output = file.string();
+        const Input input = load_input(command.fracture, true);
+        const Broken made = break_input(input, options, [this](double share) { work_share_ = share; }, nullptr, cancelled);
+        const auto files = write_pieces(command, input, made, recipe_json(options));
+        post([this, count = made.certificate.pieces, first = files.front().string(), more = files.size() - 1] {
+            say({std::to_string(count) + " pieces in " + first + (more ? " and " + std::to_string(more) + " more" : "")});
+        });
+    });
+}
+
+void Session::make_video(const std::string& pictures, const std::string& video) {
+    start("encoding " + video, [this, pictures, video](const Worker::Cancelled&) {
+        const std::string fault = encode_video(pictures, video);
+        post([this, fault, video] { say({fault.empty() ? "wrote " + video : fault, !fault.empty()}); });
+    });
+}
+
+// --- work that takes long ---
+
+void Session::start(const std::string& what, Worker::Task task) {
+    work_name_ = what;
+    work_share_ = -1.0;
+    worker_.run([this, task = std::move(task)](const Worker::Cancelled& cancelled) {
+        try {
+            task(cancelled);
+        } catch (const Failure& failure) {
+            post([this, failure] { report(failure); });
+        } catch (const std::bad_alloc&) {
+            post([this] { say({"out of memory: use a smaller mesh or fewer sites", true}); });
+        }
+    });
+}
+
+void Session::post(std::function<void()> completion) {
+    const std::scoped_lock lock(mutex_);
+    completions_.push_back(std::move(completion));
+}
+
+void Session::report(const Failure& failure, const std::string& mend) {
+    shot_.reset();
+    if (failure.code() == exit_environment) throw failure; // the device is gone
+    if (failure.code() == exit_interrupted) say({"cancelled"});
+    else say({failure.what(), true, mend});
+}
+
+std::optional<Session::Work> Session::work() const {
+    if (!worker_.busy()) return std::nullopt;
+    return Work{work_name_, work_share_};
+}
+
+void Session::cancel() {
+    worker_.cancel();
+}
+
+// --- each frame ---
+
+void Session::update(double seconds) {
+    std::vector<std::function<void()>> completions;
+    {
+        const std::scoped_lock lock(mutex_);
+        completions.swap(completions_);
+    }
+    for (const auto& completion : completions) completion();
+    update_preview();
+    if (!broken()) return;
+    if (std::exchange(single_step_, false)) {
+        stage_->advance(physics_step);
+    } else if (!playback.paused) {
+        stage_->advance(seconds * playback.speed);
+    }
+    if (counts_) counts_->awake = stage_->world().awake_count();
+}
+
+bool Session::wants_preview() const {
+    return !broken() && (recipe().picture.cells || preview_wanted || ghost_);
+}
+
+void Session::update_preview() {
+    if (!wants_preview()) {
+        leave_preview();
+        return;
+    }
+    const bool asked = asked_ && asked_->version == document_.version() && asked_->object == object_.get()
+                       && asked_->ghost.has_value() == ghost_.has_value() && (!ghost_ || same(*asked_->ghost, *ghost_));
+    if (!asked) {
+        asked_ = Shown{document_.version(), object_.get(), ghost_};
+        preview_.request({object_, recipe(), ghost_, ++preview_key_});
+    }
+    std::shared_ptr<const Cracked> made = preview_.take();
+    // A drag asks faster than answers come: the newest answer is shown even if it is not the last word.
+    if (!made || made->ghost != ghost_.has_value() || !made->fault.empty()) return;
+    must(renderer_.set_pieces(made->meshes()));
+    shown_ = std::move(made);
+}
+
+void Session::leave_preview() {
+    asked_.reset();
+    (void)preview_.take();
+    if (!shown_) return;
+    shown_.reset();
+    if (!broken()) stage_->reset(object_->mesh());
+}
+
+void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {
+    const physics::Structure* structure = stage_->simulation().structure();
+    if (!structure) return;
+    const auto bonds_of = structure->graph().bonds();
+    const auto ratios = structure->wear().ratios();
+    for (size_t k = 0; k < bonds_of.size(); ++k) {
+        const auto& bond = bonds_of[k];
+        if (!bond.live() || bond.a >= poses_.size() || bond.b >= poses_.size()) continue;
+        // Green: idle, through yellow to red: breaks.
+        const double load = std::clamp(k < ratios.size() ? ratios[k] / bond.health : 0.0, 0.0, 1.0);
+        const uint32_t colour = engine::srgb8(static_cast<uint32_t>(60 + 190 * std::min(1.0, 2.0 * load)),
+                                              static_cast<uint32_t>(200 - 160 * std::max(0.0, 2.0 * load - 1.0)), 60);
+        lines.push_back({poses_[bond.a].position, colour});
+        lines.push_back({poses_[bond.b].position, colour});
+    }
+}
+
+engine::Scene Session::scene(const engine::Camera& camera) {
+    const PictureOptions& view = recipe().picture;
+    stage_->show_hulls(view.hulls);
+    stage_->explode(view.explode);
+    const bool marks_sites = !broken() && (view.sites || preview_wanted) && !ghost_ && recipe().strikes.empty();
+    stage_->show_sites(marks_sites || (broken() && view.sites) ? std::span(sites_) : std::span<const glm::dvec3>());
+    lines_.clear();
+    if (broken() && bonds) add_bond_lines(lines_);
+    if (shown_ && !shown_->ghost && view.cells) lines_ = shown_->cells;
+    if (shown_) lines_.insert(lines_.end(), shown_->cracks.begin(), shown_->cracks.end());
+    stage_->show_lines(lines_);
+    engine::Scene scene = stage_->scene();
+    // Only a part broke: the rest is to look as before.
+    if (broken() && !recipe().strikes.empty()) scene.look.tint = std::min(scene.look.tint, tint_of_the_struck);
+    if (shown_) {
+        scene.lines_on_top = false;
+        scene.look.tint = preview_tint;
+        scene.moved = true; // other meshes than in the frame before
+    }
+    if (broken() && scene.write_poses) scene.write_poses(poses_, 0);
+    scene.camera = camera;
+    scene.smooth = view.smooth;
+    scene.wireframe = view.wireframe;
+    return scene;
+}
+
+bool Session::take_fracture_mark() {
+    return std::exchange(fractured_, false);
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,202 @@
+// What the studio's window works on: the document, the mesh on its stage, the preview of its cracks, and work that takes
+// long. Panels and tools read it and call it; it knows neither Dear ImGui nor the mouse. All that it does to the object
+// is an edit of the recipe, so the command line can do it again.
+//
+//     Session session(options, object, renderer, classifier);
+//     session.edit(SetMaterial{"glass"});
+//     session.break_all();
+//     each frame: session.update(seconds); renderer.present(session.scene(camera), ui);
+//
+// One thread but for its workers. Failures of what a user asked for become message(); those of the device are thrown.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/render/renderer.h"
+#include "tools/brittle/commands.h"
+#include "tools/brittle/failure.h"
+#include "tools/brittle/replay/recorder.h"
+#include "tools/brittle/stage.h"
+#include "tools/brittle/studio/document.h"
+#include "tools/brittle/studio/object.h"
+#include "tools/brittle/studio/preview.h"
+#include "tools/brittle/studio/worker.h"
+
+namespace brittle::tools {
+
+// What a blow or a shot of the tools is like. Lengths on the stage, where the mesh is 2 m long.
+struct ToolSettings {
+    float hammer_radius = 0.3f;  // m
+    uint32_t hammer_pieces = 16; // cells in the ball
+    float ball_speed = 14.0f;    // m/s
+    float ball_radius = 0.1f;    // m
+};
+
+struct Playback {
+    bool paused = false;
+    float speed = 1.0f; // of the clock: 0.1 is slow motion
+};
+
+// A piece under the cursor.
+struct PieceHit {
+    uint32_t piece = 0;
+    glm::vec3 point{0.0f}; // in the world
+    glm::vec3 grip{0.0f};  // the same in the piece's frame
+    double distance = 0.0; // m
+};
+
+struct Message {
+    std::string text{};
+    bool fault = false;
+    std::string mend{}; // a mesh that repair would make fit: open it so
+};
+
+class Session {
+  public:
+    // The renderer and the classifier (null for the CPU) outlive the session.
+    Session(FractureOptions recipe, std::shared_ptr<const Object> object, engine::Renderer& renderer,
+            fracture::Classifier* classifier);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    // --- the recipe ---
+    [[nodiscard]] const Document& document() const { return document_; }
+    [[nodiscard]] const FractureOptions& recipe() const { return document_.recipe(); }
+    PictureOptions& picture() { return document_.picture(); }
+    void edit(const Edit& edit, uint64_t gesture = 0);
+    [[nodiscard]] uint64_t begin_gesture() { return document_.begin_gesture(); }
+    void undo();
+    void redo();
+    // Sites as they are on the stage, placed by hand or by the pattern.
+    [[nodiscard]] const std::vector<glm::dvec3>& sites() const { return sites_; }
+    // So that single ones can be edited: what the pattern made becomes sites placed by hand.
+    void take_sites(uint64_t gesture);
+
+    // --- what happens on the stage ---
+    [[nodiscard]] const Object& object() const { return *object_; }
+    [[nodiscard]] bool broken() const { return stage_->broken(); }
+    void break_all(); // by the pattern or the sites; forgets strikes
+    void strike(const glm::dvec3& at, const glm::dvec3& direction); // on the stage; breaks what is near
+    void aim(std::optional<Strike> ghost) { ghost_ = std::move(ghost); } // a strike to preview, or none
+    [[nodiscard]] Strike strike_at(const glm::dvec3& at, const glm::dvec3& direction) const; // in the file's coordinates
+    void shoot(const glm::vec3& from, const glm::vec3& direction); // a whole mesh is cut first and then stands
+    void grab(const PieceHit& hit);
+    void drag(const glm::vec3& to); // where what is grabbed shall come
+    void let_go();
+    void reset(); // whole again, without strikes
+    [[nodiscard]] std::optional<PieceHit> first_piece(const glm::dvec3& from, const glm::dvec3& direction) const;
+    // From a place on a piece to where that place was when all was whole.
+    [[nodiscard]] glm::dvec3 at_home(const PieceHit& hit) const;
+    [[nodiscard]] engine::Bounds piece_bounds(uint32_t of) const;
+    void step_once(); // a single step of physics
+    ToolSettings tools;
+    Playback playback;
+    bool bonds = false;                // show bonds and how much they carry
+    bool preview_wanted = false;       // by the tool in use, whatever the view says
+    std::vector<uint32_t> selection;   // sites
+    std::optional<uint32_t> piece;     // that is selected
+
+    // --- files ---
+    void open(const std::string& path, bool repair = false); // a mesh, shape:NAME or a recipe; on a worker
+    void save_recipe(const std::filesystem::path& file);
+    void export_pieces(const std::filesystem::path& file); // as `brittle fracture` does, on a worker
+    void make_video(const std::string& pictures, const std::string& video); // by ffmpeg, on a worker
+    std::function<void(const std::string&)> opened;        // told of each mesh and recipe, for the list of recent files
+
+    // --- work that takes long ---
+    struct Work {
+        std::string what;
+        double share = 0.0; // negative: unknown
+    };
+    [[nodiscard]] std::optional<Work> work() const;
+    void cancel();
+
+    [[nodiscard]] const Message& message() const { return message_; }
+    void say(Message message) { message_ = std::move(message); }
+
+    // --- the replay log (docs/replay.md) ---
+    void record(const std::filesystem::path& file); // what happens after each break; the log is of the last
+    void finish_recording();                        // writes it; nothing where nothing is recorded
+
+    // --- each frame ---
+    void update(double seconds);
+    [[nodiscard]] engine::Scene scene(const engine::Camera& camera);
+
+    struct Counts {
+        uint32_t pieces = 0;
+        size_t awake = 0;
+        double milliseconds = 0.0; // of the fracture
+        fracture::Certificate certificate;
+        std::vector<fracture::Milliseconds> phases;
+    };
+    [[nodiscard]] const std::optional<Counts>& counts() const { return counts_; } // of the last fracture
+    [[nodiscard]] const fracture::Fragments* fragments() const { return broken() ? &fragments_ : nullptr; }
+    [[nodiscard]] const Stage& stage() const { return *stage_; }
+    [[nodiscard]] uint32_t preview_pieces() const { return shown_ ? shown_->pieces : 0; }
+    [[nodiscard]] double preview_milliseconds() const { return shown_ ? shown_->milliseconds : 0.0; }
+    // True once after each fracture that was put on the stage: for the mark in the graph of frame times.
+    [[nodiscard]] bool take_fracture_mark();
+
+  private:
+    struct Shown { // what the preview was last asked for
+        uint64_t version;
+        const Object* object;
+        std::optional<Strike> ghost;
+    };
+
+    void follow(const FractureOptions& before);
+    void adopt(std::shared_ptr<const Object> object);
+    void make_stage();
+    void start_breaking(bool bonded);
+    void take_pieces(Broken broken, bool bonded);
+    void start(const std::string& what, Worker::Task task);
+    void post(std::function<void()> completion); // from a worker, to the next update()
+    void report(const Failure& failure, const std::string& mend = {});
+    void update_preview();
+    void leave_preview();
+    [[nodiscard]] bool wants_preview() const;
+    void add_bond_lines(std::vector<engine::LineVertex>& lines) const;
+
+    Document document_;
+    std::shared_ptr<const Object> object_;
+    engine::Renderer& renderer_;
+    fracture::Classifier* classifier_;
+    std::optional<Recorder> recorder_;
+    std::unique_ptr<Stage> stage_;
+    std::vector<glm::dvec3> sites_;
+    fracture::Fragments fragments_; // on the stage, once broken
+    std::vector<float> radii_;      // of its pieces
+    std::vector<engine::BodyPose> poses_;
+    std::optional<Counts> counts_;
+    std::optional<Strike> ghost_;
+    std::optional<std::array<glm::vec3, 2>> shot_; // to be fired when the pieces are there: from, direction
+    std::vector<engine::LineVertex> lines_;
+    std::vector<engine::Sphere> spheres_;
+    Message message_;
+    uint64_t stages_ = 0; // made so far: pieces for an older one come too late
+    bool fractured_ = false;
+    bool single_step_ = false;
+
+    std::shared_ptr<const Cracked> shown_; // uploaded in place of the whole mesh
+    std::optional<Shown> asked_;
+    uint64_t preview_key_ = 0;
+    Preview preview_;
+
+    mutable std::mutex mutex_;
+    std::vector<std::function<void()>> completions_;
+    std::string work_name_;
+    std::atomic<double> work_share_ = 0.0;
+    Worker worker_; // last: its destructor waits
+};
+
+} // namespace brittle::tools

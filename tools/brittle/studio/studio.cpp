@@ -1,0 +1,283 @@
+#include "tools/brittle/studio/studio.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <thread>
+#include <utility>
+
+#include <imgui.h>
+
+#include "engine/core/bitmap.h"
+#include "fracture/io/export.h"
+#include "fracture/io/import.h"
+#include "physics/material.h"
+#include "tools/brittle/failure.h"
+#include "tools/brittle/interrupt.h"
+#include "tools/brittle/picture_name.h"
+#include "tools/brittle/studio/video.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double recorded_frame = 1.0 / 60.0; // s
+constexpr auto idle = std::chrono::milliseconds(50); // between looks at a minimised window
+constexpr float exploded = 0.3f;                      // what the key X takes pieces apart by
+
+bool toggle(bool& on) {
+    on = !on;
+    return true;
+}
+
+} // namespace
+
+Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer& renderer, Session& session, float scale)
+    : window_(window), device_(device), renderer_(renderer), session_(session), scale_(scale),
+      recent_(RecentFiles::usual_place()), recipe_file_(session.recipe().save_recipe) {
+    session_.opened = [this](const std::string& file) {
+        recent_.add(file);
+        if (file.ends_with(".json")) recipe_file_ = file;
+    };
+    recent_.add(session_.recipe().mesh);
+    show_title();
+}
+
+glm::vec2 Studio::window_size() const {
+    const ImVec2 size = ImGui::GetIO().DisplaySize; // of the frame before; Input is in the same units
+    return size.x > 0.0f && size.y > 0.0f ? glm::vec2(size.x, size.y) : glm::vec2(window_.framebuffer_size());
+}
+
+float Studio::aspect() const {
+    const Layout layout = layout_of(window_size(), scale_, panels_.shown);
+    const glm::vec2 free = glm::max(layout.free_max - layout.free_min, glm::vec2(1.0f));
+    return free.x / free.y;
+}
+
+Viewport Studio::viewport() const {
+    const glm::vec2 size = window_size();
+    const Layout layout = layout_of(size, scale_, panels_.shown);
+    return {navigation_.camera(Viewport::shift(size, layout.free_min, layout.free_max)), size, layout.free_min, layout.free_max};
+}
+
+void Studio::run() {
+    must(renderer_.warm_up());
+    Clock::time_point last = Clock::now();
+    while (!window_.should_close()) {
+        throw_if_interrupted();
+        const engine::Input& input = window_.poll();
+        const Clock::time_point now = Clock::now();
+        const double seconds = std::chrono::duration<double>(now - last).count();
+        last = now;
+        times_.add(seconds);
+        if (seen_ != &session_.object()) {
+            const bool first = seen_ == nullptr;
+            seen_ = &session_.object();
+            if (first) navigation_.look_as(session_.recipe().picture, session_.stage().home_bounds(), aspect());
+        }
+        handle(input, seconds);
+        session_.update(panels_.recording ? recorded_frame : seconds);
+        if (session_.take_fracture_mark()) {
+            times_.mark();
+            panels_.hint = false;
+        }
+        const Viewport view = viewport();
+        const engine::Scene scene = session_.scene(view.camera());
+        if (std::exchange(screenshot_due_, false)) screenshot(scene);
+        if (panels_.recording) record(scene);
+        const bool drawn = must(renderer_.present(scene, [&] { draw(view); }));
+        if (!drawn) std::this_thread::sleep_for(idle); // minimised
+        take_panels();
+        show_title();
+    }
+}
+
+void Studio::handle(const engine::Input& input, double seconds) {
+    for (const std::string& file : input.dropped) session_.open(file);
+    if (dialog_.is_open()) {
+        if (input.pressed(engine::Key::escape)) dialog_.close();
+        if (input.pressed(engine::Key::enter)) dialog_.confirm();
+    } else if (!ImGui::GetIO().WantTextInput) {
+        handle_keys(input);
+    }
+    const bool free = !renderer_.ui_wants_mouse() && !dialog_.is_open() && !panels_.export_open;
+    tools_.handle(input, viewport(), free, session_, navigation_);
+    if (tools_.right_held()) fly(seconds);
+}
+
+void Studio::handle_keys(const engine::Input& input) {
+    for (size_t k = 0; k < input.keys.size(); ++k) {
+        // While the right button is held, letters fly.
+        const bool flies = tools_.right_held() && std::string_view("WASDQE").find(static_cast<char>(input.keys[k])) != std::string_view::npos;
+        if (flies && !input.key_modifiers[k].control) continue;
+        if (const auto action = command_for(input.keys[k], input.key_modifiers[k])) perform(*action);
+    }
+}
+
+void Studio::fly(double seconds) {
+    const auto held = [this](char key) { return window_.is_down(static_cast<engine::Key>(key)) ? 1.0f : 0.0f; };
+    const glm::vec3 way(held('W') - held('S'), held('D') - held('A'), held('E') - held('Q'));
+    if (way != glm::vec3(0.0f)) navigation_.fly(way, std::min(seconds, 0.1));
+}
+
+bool Studio::perform_view(Command action) {
+    PictureOptions& view = session_.picture();
+    switch (action) {
+    case Command::explode: view.explode = view.explode > 0.0f ? 0.0f : exploded; return true;
+    case Command::wireframe: return device_.has_line_mode() ? toggle(view.wireframe) : true;
+    case Command::smooth: return toggle(view.smooth);
+    case Command::hulls: return toggle(view.hulls);
+    case Command::cells: return toggle(view.cells);
+    case Command::sites: return toggle(view.sites);
+    case Command::bonds: return toggle(session_.bonds);
+    case Command::help: return toggle(panels_.help);
+    case Command::panels: return toggle(panels_.shown);
+    case Command::screenshot: screenshot_due_ = true; return true;
+    case Command::frame:
+        navigation_.frame(session_.piece && session_.broken() ? session_.piece_bounds(*session_.piece) : session_.stage().home_bounds(), aspect());
+        return true;
+    default: return false;
+    }
+}
+
+void Studio::perform(Command action) {
+    if (perform_view(action)) return;
+    const auto tool = static_cast<size_t>(action) - static_cast<size_t>(Command::tool_inspect);
+    if (tool < all_tools.size()) {
+        tools_.choose(all_tools[tool], session_);
+        return;
+    }
+    const auto material = static_cast<size_t>(action) - static_cast<size_t>(Command::material_1);
+    if (material < physics::material_presets().size()) {
+        session_.edit(SetMaterial{std::string(physics::material_presets()[material].name)});
+        return;
+    }
+    switch (action) {
+    case Command::break_all: session_.break_all(); break;
+    case Command::reset: session_.reset(); break;
+    case Command::pause: session_.playback.paused = !session_.playback.paused; break;
+    case Command::step: session_.step_once(); break;
+    case Command::undo: session_.undo(); break;
+    case Command::redo: session_.redo(); break;
+    case Command::remove: tools_.remove_selected(session_); break;
+    case Command::duplicate: tools_.duplicate_selected(session_); break;
+    case Command::mirror: tools_.mirror_selected(session_, 0); break;
+    case Command::open: ask(Asked::open); break;
+    case Command::save:
+        if (recipe_file_.empty()) ask(Asked::recipe);
+        else answer_recipe(recipe_file_);
+        break;
+    case Command::export_dialog: panels_.export_open = !panels_.export_open; break;
+    case Command::quit: quit_or_close(); break;
+    default: break;
+    }
+}
+
+void Studio::quit_or_close() {
+    if (panels_.export_open) panels_.export_open = false;
+    else if (panels_.help) panels_.help = false;
+    else window_.close();
+}
+
+void Studio::draw(const Viewport& view) {
+    const PanelState state{.session = session_,
+                           .tools = tools_,
+                           .times = times_,
+                           .renderer = renderer_,
+                           .recent = recent_,
+                           .device = device_.info().name,
+                           .has_line_mode = device_.has_line_mode(),
+                           .scale = scale_,
+                           .window = window_size()};
+    panels_.draw(state, tools_.overlay(view, session_));
+    if (const auto file = dialog_.draw(scale_)) answer(*file);
+}
+
+void Studio::take_panels() {
+    for (const Command action : panels_.take_actions()) perform(action);
+    switch (panels_.take_export()) {
+    case Panels::ExportKind::pieces: ask(Asked::pieces); break;
+    case Panels::ExportKind::recipe: ask(Asked::recipe); break;
+    case Panels::ExportKind::screenshot: screenshot_due_ = true; break;
+    case Panels::ExportKind::sequence: ask(Asked::sequence); break;
+    case Panels::ExportKind::none: break;
+    }
+}
+
+void Studio::ask(Asked what) {
+    asked_ = what;
+    const std::string& name = session_.object().name();
+    const std::filesystem::path folder = recipe_file_.empty() ? "." : std::filesystem::path(recipe_file_).parent_path();
+    std::vector<std::string> meshes = fracture::importable_extensions();
+    meshes.emplace_back(".json");
+    switch (what) {
+    case Asked::open: dialog_.open("Open a mesh or a recipe", folder, "", std::move(meshes), false); break;
+    case Asked::recipe: dialog_.open("Save the recipe", folder, name + ".json", {".json"}, true); break;
+    case Asked::pieces: dialog_.open("Export the pieces", folder, name + "_pieces.glb", fracture::exportable_extensions(), true); break;
+    case Asked::sequence: dialog_.open("Write a picture sequence", folder, name + "_%04d.png", {".png", ".mp4"}, true); break;
+    }
+}
+
+void Studio::answer_recipe(const std::string& file) {
+    navigation_.tell(session_.picture(), session_.stage().home_bounds(), aspect());
+    recipe_file_ = file;
+    session_.save_recipe(file);
+}
+
+void Studio::answer(const std::filesystem::path& file) {
+    switch (asked_) {
+    case Asked::open: session_.open(file.string()); break;
+    case Asked::recipe: answer_recipe(file.extension() == ".json" ? file.string() : file.string() + ".json"); break;
+    case Asked::pieces: session_.export_pieces(file); break;
+    case Asked::sequence:
+        sequence_ = sequence_names(file.string());
+        if (!is_numbered(sequence_)) {
+            session_.say({"'" + sequence_ + "' needs %04d where the frame's number is to go", true});
+            break;
+        }
+        video_ = file.extension() == ".mp4" ? file.string() : std::string();
+        panels_.recording = Recording{0, static_cast<uint32_t>(panels_.sequence_frames)};
+        break;
+    }
+}
+
+void Studio::screenshot(const engine::Scene& scene) {
+    const glm::uvec2 size = window_.framebuffer_size();
+    if (size.x == 0 || size.y == 0) return;
+    const std::string file = unused_name(session_.object().name() + "_%03d.png");
+    const auto image = renderer_.render(unshifted(scene), size);
+    const auto written = image ? engine::write_png(*image, file) : engine::Result<void>(image.error());
+    if (written) session_.say({"wrote " + file});
+    else session_.say({written.error().message, true});
+}
+
+void Studio::record(const engine::Scene& scene) {
+    Recording& recording = *panels_.recording;
+    const glm::uvec2 size = window_.framebuffer_size() / 2u * 2u; // video wants even sides
+    if (size.x == 0 || size.y == 0) return;
+    const auto image = renderer_.render(unshifted(scene), size);
+    const auto written = image ? engine::write_png(*image, picture_name(sequence_, recording.done)) : engine::Result<void>(image.error());
+    if (!written) {
+        session_.say({written.error().message, true});
+        panels_.recording.reset();
+        return;
+    }
+    if (++recording.done < recording.total) return;
+    const std::string made = std::to_string(recording.total) + " pictures, the last " + picture_name(sequence_, recording.done - 1);
+    panels_.recording.reset();
+    session_.say({made});
+    if (!video_.empty()) session_.make_video(sequence_, video_);
+}
+
+void Studio::show_title() {
+    std::string title = "Brittle: " + session_.object().name() + ", ";
+    if (session_.broken() && session_.counts()) title += std::to_string(session_.counts()->pieces) + " pieces";
+    else title += "whole";
+    if (title == title_) return;
+    title_ = std::move(title);
+    window_.set_title(title_);
+}
+
+} // namespace brittle::tools

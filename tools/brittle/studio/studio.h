@@ -1,0 +1,70 @@
+// The window of `brittle demo`: brings session, tools, panels and camera together, once a frame.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "engine/core/window.h"
+#include "engine/gpu/device.h"
+#include "engine/render/renderer.h"
+#include "tools/brittle/studio/file_dialog.h"
+#include "tools/brittle/studio/frame_times.h"
+#include "tools/brittle/studio/navigation.h"
+#include "tools/brittle/studio/panels.h"
+#include "tools/brittle/studio/recent.h"
+#include "tools/brittle/studio/session.h"
+#include "tools/brittle/studio/tools.h"
+
+namespace brittle::tools {
+
+class Studio {
+  public:
+    // The renderer is attached to the window, with apply_style(scale). All outlive the studio.
+    Studio(engine::Window& window, engine::Device& device, engine::Renderer& renderer, Session& session, float scale);
+
+    // Until the window closes. Throws a Failure where the device fails.
+    void run();
+
+  private:
+    enum class Asked { open, recipe, pieces, sequence };
+
+    void handle(const engine::Input& input, double seconds);
+    void handle_keys(const engine::Input& input);
+    void perform(Command action);
+    bool perform_view(Command action); // whether it was one of those
+    void quit_or_close();
+    void fly(double seconds);
+    void draw(const Viewport& view);
+    void take_panels();
+    void ask(Asked what);
+    void answer(const std::filesystem::path& file);
+    void answer_recipe(const std::string& file);
+    void screenshot(const engine::Scene& scene);
+    void record(const engine::Scene& scene);
+    void show_title();
+    [[nodiscard]] glm::vec2 window_size() const;
+    [[nodiscard]] Viewport viewport() const;
+    [[nodiscard]] float aspect() const; // of what is free
+
+    engine::Window& window_;
+    engine::Device& device_;
+    engine::Renderer& renderer_;
+    Session& session_;
+    float scale_;
+    RecentFiles recent_;
+    Navigation navigation_;
+    Tools tools_;
+    Panels panels_;
+    FrameTimes times_;
+    FileDialog dialog_;
+    Asked asked_ = Asked::open;
+    std::string recipe_file_; // where Ctrl+S saves; empty: asks
+    std::string sequence_;    // names of the pictures
+    std::string video_;       // made of them in the end; or empty
+    std::string title_;
+    const Object* seen_ = nullptr; // the object that the camera was turned to
+    bool screenshot_due_ = false;
+};
+
+} // namespace brittle::tools

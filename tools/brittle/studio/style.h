@@ -1,0 +1,22 @@
+// How the studio looks: dark, warm, with a font that can be read. Called once, when Dear ImGui has its context.
+#pragma once
+
+#include <string>
+
+#include <imgui.h>
+
+namespace brittle::tools {
+
+struct StudioColours {
+    ImU32 accent = IM_COL32(236, 142, 66, 255); // of terracotta, where things break
+    ImU32 accent_soft = IM_COL32(236, 142, 66, 110);
+    ImU32 axis[3] = {IM_COL32(228, 84, 74, 255), IM_COL32(118, 192, 82, 255), IM_COL32(84, 148, 236, 255)};
+    ImU32 outline = IM_COL32(0, 0, 0, 120);
+};
+inline constexpr float text_height = 14.0f; // pixels at scale 1
+
+// DejaVu Sans where it is installed (package fonts-dejavu-core), else Dear ImGui's own font. `scale` 2 for displays of
+// twice the usual density.
+void apply_style(float scale);
+
+} // namespace brittle::tools

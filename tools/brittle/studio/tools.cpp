@@ -1,0 +1,306 @@
+#include "tools/brittle/studio/tools.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr float site_reach = 8.0f;    // pixels around a site that count as the site
+constexpr float axis_reach = 7.0f;    // pixels beside an axis of the gizmo
+constexpr float axis_length = 64.0f;  // pixels
+constexpr float click_slack = 4.0f;   // pixels that the mouse may move in a click
+constexpr float radius_step = 1.12f;  // a notch of the wheel
+
+constexpr std::array infos{
+    ToolInfo{"Inspect", "F1", "drag to look around, click a piece to select it"},
+    ToolInfo{"Sites", "F2", "click to place a site (Alt: halfway through), drag one to move it"},
+    ToolInfo{"Hammer", "F3", "click to break what is near (Shift + wheel: how much)"},
+    ToolInfo{"Shoot", "F4", "click to fire a ball (Shift + wheel: its size)"},
+    ToolInfo{"Grab", "F5", "drag a piece about"},
+};
+
+glm::vec3 axis_vector(int axis) {
+    glm::vec3 v(0.0f);
+    v[axis] = 1.0f;
+    return v;
+}
+
+float distance_to_segment(glm::vec2 p, glm::vec2 a, glm::vec2 b) {
+    const glm::vec2 along = b - a;
+    const float length = glm::dot(along, along);
+    const float t = length > 0.0f ? std::clamp(glm::dot(p - a, along) / length, 0.0f, 1.0f) : 0.0f;
+    return glm::distance(p, a + t * along);
+}
+
+// Where a ray meets the plane through a point that faces the eye.
+glm::dvec3 on_view_plane(const Ray& ray, const glm::dvec3& through, const Viewport& view) {
+    const glm::dvec3 normal(view.forward());
+    const double along = glm::dot(ray.direction, normal);
+    return along > 1e-6 ? ray.from + glm::dot(through - ray.from, normal) / along * ray.direction : through;
+}
+
+// The point of the axis through `at` that is next to the ray.
+glm::dvec3 on_axis(const Ray& ray, const glm::dvec3& at, const glm::dvec3& axis) {
+    const glm::dvec3 to = at - ray.from;
+    const double b = glm::dot(axis, ray.direction), d = 1.0 - b * b;
+    if (d < 1e-6) return at; // looks along it
+    return at + (b * glm::dot(ray.direction, to) - glm::dot(axis, to)) / d * axis;
+}
+
+} // namespace
+
+const ToolInfo& info_of(Tool tool) {
+    return infos[static_cast<size_t>(tool)];
+}
+
+void Tools::choose(Tool tool, Session& session) {
+    if (std::exchange(drag_, Drag::none) == Drag::grab) session.let_go();
+    tool_ = tool;
+    hovered_.reset();
+    session.aim(std::nullopt);
+    session.preview_wanted = tool == Tool::sites;
+}
+
+void Tools::handle(const engine::Input& input, const Viewport& view, bool free, Session& session, Navigation& navigation) {
+    cursor_ = input.cursor;
+    // Press, drag and release may all come in one slow frame.
+    bool orbits = drag_ == Drag::orbit, right = right_, middle = middle_;
+    for (const engine::ButtonEvent& event : input.buttons) {
+        const bool pressed = event.down && free && view.is_free(event.cursor);
+        if (event.button == engine::Button::right) right_ = pressed;
+        else if (event.button == engine::Button::middle) middle_ = pressed;
+        else if (pressed) press(event, view, session);
+        else if (!event.down && left_) release(event, view, session);
+        orbits |= drag_ == Drag::orbit;
+        right |= right_;
+        middle |= middle_;
+    }
+    if (right) input.modifiers.shift ? navigation.pan(input.drag_right) : navigation.orbit(input.drag_right);
+    if (middle) navigation.pan(input.drag_middle);
+    if (orbits) navigation.orbit(input.drag_left);
+    else if (left_) drag_to(input.cursor, view, session);
+    if (free && view.is_free(input.cursor)) {
+        if (!input.modifiers.shift) {
+            navigation.zoom(input.scroll, view, input.cursor);
+        } else if (input.scroll != 0.0f) {
+            const float factor = std::pow(radius_step, input.scroll);
+            float& radius = tool_ == Tool::shoot ? session.tools.ball_radius : session.tools.hammer_radius;
+            radius = std::clamp(radius * factor, 0.02f, tool_ == Tool::shoot ? 0.5f : 1.5f);
+        }
+    }
+    aim(input, view, free, session);
+}
+
+void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
+    left_ = true;
+    pressed_at_ = event.cursor;
+    drag_ = Drag::none;
+    if (event.modifiers.alt && tool_ != Tool::sites) {
+        drag_ = Drag::orbit;
+        return;
+    }
+    const Ray ray = view.ray(event.cursor);
+    switch (tool_) {
+    case Tool::inspect: drag_ = Drag::orbit; break;
+    case Tool::sites: press_sites(event, view, session); break;
+    case Tool::hammer:
+        if (session.broken()) {
+            if (const auto hit = session.first_piece(ray.from, ray.direction)) session.strike(session.at_home(*hit), ray.direction);
+        } else if (const auto hit = session.object().first_hit(ray.from, ray.direction)) {
+            session.strike(hit->point, ray.direction);
+        }
+        break;
+    case Tool::shoot: session.shoot(glm::vec3(ray.from), glm::vec3(ray.direction)); break;
+    case Tool::grab:
+        if (const auto hit = session.first_piece(ray.from, ray.direction)) {
+            drag_ = Drag::grab;
+            target_ = hit->point;
+            session.grab(*hit);
+        } else if (!session.broken()) {
+            session.say({"It is still whole: Space breaks it, then pieces can be grabbed."});
+        }
+        break;
+    }
+}
+
+void Tools::release(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
+    if (tool_ == Tool::inspect && glm::distance(event.cursor, pressed_at_) <= click_slack) {
+        const Ray ray = view.ray(event.cursor);
+        const auto hit = session.first_piece(ray.from, ray.direction);
+        session.piece = hit ? std::optional(hit->piece) : std::nullopt;
+    }
+    drag_to(event.cursor, view, session); // the last of the way
+    left_ = false;
+    if (std::exchange(drag_, Drag::none) == Drag::grab) session.let_go();
+}
+
+void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
+    gesture_ = session.begin_gesture();
+    if (const auto axis = axis_at(event.cursor, view, session)) {
+        drag_ = Drag::axis;
+        axis_ = *axis;
+        anchor_ = on_axis(view.ray(event.cursor), glm::dvec3(*gizmo_at(session)), glm::dvec3(axis_vector(axis_)));
+        session.take_sites(gesture_);
+        return;
+    }
+    const auto site = site_at(event.cursor, view, session);
+    if (!site) {
+        place_site(event, view, session);
+        return;
+    }
+    auto& selection = session.selection;
+    const auto at = std::find(selection.begin(), selection.end(), *site);
+    if (event.modifiers.control) {
+        at == selection.end() ? selection.push_back(*site) : static_cast<void>(selection.erase(at));
+        return;
+    }
+    if (at == selection.end()) selection = {*site};
+    drag_ = Drag::site;
+    anchor_ = on_view_plane(view.ray(event.cursor), session.sites()[*site], view);
+}
+
+// On the surface, or with Alt in the middle of what the ray passes first.
+void Tools::place_site(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
+    const Ray ray = view.ray(event.cursor);
+    if (session.broken()) {
+        session.say({"R makes it whole again; then sites can be placed."});
+        return;
+    }
+    const auto hit = session.object().first_hit(ray.from, ray.direction);
+    if (!hit) {
+        session.selection.clear();
+        return;
+    }
+    glm::dvec3 at = hit->point;
+    if (event.modifiers.alt) at = 0.5 * (hit->point + session.object().exit_after(*hit, ray.direction).point);
+    session.take_sites(gesture_);
+    session.edit(AddSite{session.object().to_file(at)}, gesture_);
+    session.selection = {static_cast<uint32_t>(session.sites().size() - 1)};
+}
+
+void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
+    const Ray ray = view.ray(cursor);
+    if (drag_ == Drag::grab) {
+        target_ = glm::vec3(on_view_plane(ray, glm::dvec3(target_), view));
+        session.drag(target_);
+        return;
+    }
+    if (drag_ != Drag::site && drag_ != Drag::axis) return;
+    if (drag_ == Drag::site && glm::distance(cursor, pressed_at_) <= click_slack && session.recipe().points.empty()) return;
+    const glm::dvec3 now =
+        drag_ == Drag::site ? on_view_plane(ray, anchor_, view) : on_axis(ray, anchor_, glm::dvec3(axis_vector(axis_)));
+    const glm::dvec3 by = (now - anchor_) / session.object().scale();
+    if (by == glm::dvec3(0.0)) return;
+    session.take_sites(gesture_);
+    session.edit(MoveSites{session.selection, by}, gesture_);
+    anchor_ = now;
+}
+
+void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Session& session) {
+    hovered_.reset();
+    aimed_.reset();
+    const bool over = free && view.is_free(input.cursor);
+    if (tool_ == Tool::sites && over && !left_) hovered_ = site_at(input.cursor, view, session);
+    if (tool_ != Tool::hammer) return;
+    const Ray ray = view.ray(input.cursor);
+    if (over && !session.broken() && !right_ && !middle_)
+        if (const auto hit = session.object().first_hit(ray.from, ray.direction)) {
+            aimed_ = glm::vec3(hit->point);
+            session.aim(session.strike_at(hit->point, ray.direction));
+            return;
+        }
+    if (over && session.broken())
+        if (const auto hit = session.first_piece(ray.from, ray.direction)) aimed_ = hit->point;
+    session.aim(std::nullopt);
+}
+
+// The nearest to the eye of those that are near the cursor.
+std::optional<uint32_t> Tools::site_at(glm::vec2 pixel, const Viewport& view, const Session& session) const {
+    if (session.broken()) return std::nullopt;
+    std::optional<uint32_t> best;
+    double nearest = 0.0;
+    for (uint32_t s = 0; s < session.sites().size(); ++s) {
+        const auto at = view.pixel(glm::vec3(session.sites()[s]));
+        if (!at || glm::distance(*at, pixel) > site_reach) continue;
+        const double distance = glm::distance(session.sites()[s], glm::dvec3(view.camera().eye));
+        if (best && distance >= nearest) continue;
+        best = s;
+        nearest = distance;
+    }
+    return best;
+}
+
+std::optional<glm::vec3> Tools::gizmo_at(const Session& session) {
+    if (session.broken() || session.selection.empty()) return std::nullopt;
+    glm::dvec3 sum(0.0);
+    for (const uint32_t s : session.selection) sum += session.sites()[s];
+    return glm::vec3(sum / static_cast<double>(session.selection.size()));
+}
+
+std::optional<int> Tools::axis_at(glm::vec2 pixel, const Viewport& view, const Session& session) const {
+    for (const Overlay::Axis& axis : overlay(view, session).axes) {
+        // Its first third belongs to the site itself.
+        if (distance_to_segment(pixel, axis.from + (axis.to - axis.from) / 3.0f, axis.to) <= axis_reach) return axis.axis;
+    }
+    return std::nullopt;
+}
+
+Overlay Tools::overlay(const Viewport& view, const Session& session) const {
+    Overlay overlay;
+    if (tool_ == Tool::hammer && aimed_)
+        overlay.circles.push_back({cursor_, session.tools.hammer_radius * view.pixels_a_metre(*aimed_), true});
+    if (tool_ == Tool::shoot) overlay.circles.push_back({cursor_, 6.0f, true});
+    if (drag_ == Drag::grab)
+        if (const auto at = view.pixel(target_)) overlay.string = {*at, cursor_};
+    if (tool_ != Tool::sites || session.broken()) return overlay;
+    const auto ring = [&](uint32_t s, bool strong) {
+        if (s >= session.sites().size()) return;
+        if (const auto at = view.pixel(glm::vec3(session.sites()[s]))) overlay.circles.push_back({*at, 10.0f, strong});
+    };
+    for (const uint32_t s : session.selection) ring(s, true);
+    if (hovered_) ring(*hovered_, false);
+    const auto centre = gizmo_at(session);
+    const auto from = centre ? view.pixel(*centre) : std::nullopt;
+    if (!from) return overlay;
+    const float metres = axis_length / view.pixels_a_metre(*centre);
+    for (int k = 0; k < 3; ++k)
+        if (const auto to = view.pixel(*centre + metres * axis_vector(k)))
+            overlay.axes.push_back({*from, *to, k, drag_ == Drag::axis && axis_ == k});
+    return overlay;
+}
+
+void Tools::remove_selected(Session& session) const {
+    if (session.selection.empty() || session.broken()) return;
+    const uint64_t gesture = session.begin_gesture();
+    session.take_sites(gesture);
+    session.edit(RemoveSites{session.selection}, gesture);
+    session.selection.clear();
+}
+
+void Tools::duplicate_selected(Session& session) const {
+    if (session.selection.empty() || session.broken()) return;
+    constexpr double beside = 0.08; // m on the stage, so that the copies can be seen
+    const uint64_t gesture = session.begin_gesture();
+    session.take_sites(gesture);
+    const auto first = static_cast<uint32_t>(session.sites().size());
+    session.edit(DuplicateSites{session.selection, glm::dvec3(beside / session.object().scale(), 0.0, 0.0)}, gesture);
+    session.selection.clear();
+    for (uint32_t s = first; s < session.sites().size(); ++s) session.selection.push_back(s);
+}
+
+void Tools::mirror_selected(Session& session, int axis) const {
+    if (session.broken()) return;
+    std::vector<uint32_t> sites = session.selection;
+    if (sites.empty())
+        for (uint32_t s = 0; s < session.sites().size(); ++s) sites.push_back(s);
+    const uint64_t gesture = session.begin_gesture();
+    session.take_sites(gesture);
+    session.edit(MirrorSites{sites, axis, fracture::bounds(session.object().file().model.mesh).centre()[axis]}, gesture);
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,89 @@
+// The tools of the studio: from mouse gestures to edits of the recipe and to what happens on the stage. The left button
+// is the tool's, whichever it is; the right and the middle one and the wheel are the camera's.
+//
+//     each frame: tools.handle(input, view, mouse_is_free, session, navigation, seconds);
+//                 draw_overlay(tools.overlay(), ...)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/window.h"
+#include "tools/brittle/studio/navigation.h"
+#include "tools/brittle/studio/session.h"
+#include "tools/brittle/studio/viewport.h"
+
+namespace brittle::tools {
+
+enum class Tool { inspect, sites, hammer, shoot, grab };
+
+struct ToolInfo {
+    std::string_view name;
+    const char* key;
+    const char* hint; // what the left button does
+};
+[[nodiscard]] const ToolInfo& info_of(Tool tool);
+inline constexpr std::array all_tools{Tool::inspect, Tool::sites, Tool::hammer, Tool::shoot, Tool::grab};
+
+// What to draw over the picture; pixels.
+struct Overlay {
+    struct Circle {
+        glm::vec2 centre;
+        float radius;
+        bool strong;
+    };
+    struct Axis {
+        glm::vec2 from, to;
+        int axis; // 0, 1, 2
+        bool strong;
+    };
+    std::vector<Circle> circles;
+    std::vector<Axis> axes; // of the move gizmo
+    std::optional<std::array<glm::vec2, 2>> string; // from what is grabbed to the cursor
+};
+
+class Tools {
+  public:
+    [[nodiscard]] Tool tool() const { return tool_; }
+    void choose(Tool tool, Session& session);
+
+    // `free`: the mouse is over the scene and not over a panel.
+    void handle(const engine::Input& input, const Viewport& view, bool free, Session& session, Navigation& navigation);
+    [[nodiscard]] Overlay overlay(const Viewport& view, const Session& session) const;
+    [[nodiscard]] bool right_held() const { return right_; } // for flying
+
+    // Of the selected sites; nothing without a selection.
+    void remove_selected(Session& session) const;
+    void duplicate_selected(Session& session) const;
+    void mirror_selected(Session& session, int axis) const; // in the middle of the mesh; all sites where none is selected
+
+  private:
+    enum class Drag { none, orbit, site, axis, grab };
+
+    void press(const engine::ButtonEvent& event, const Viewport& view, Session& session);
+    void release(const engine::ButtonEvent& event, const Viewport& view, Session& session);
+    void press_sites(const engine::ButtonEvent& event, const Viewport& view, Session& session);
+    void place_site(const engine::ButtonEvent& event, const Viewport& view, Session& session);
+    void drag_to(glm::vec2 cursor, const Viewport& view, Session& session);
+    void aim(const engine::Input& input, const Viewport& view, bool free, Session& session);
+    [[nodiscard]] std::optional<uint32_t> site_at(glm::vec2 pixel, const Viewport& view, const Session& session) const;
+    [[nodiscard]] std::optional<int> axis_at(glm::vec2 pixel, const Viewport& view, const Session& session) const;
+    [[nodiscard]] static std::optional<glm::vec3> gizmo_at(const Session& session);
+
+    Tool tool_ = Tool::inspect;
+    Drag drag_ = Drag::none;
+    bool left_ = false, right_ = false, middle_ = false; // pressed over the scene
+    glm::vec2 cursor_{0.0f}, pressed_at_{0.0f};
+    uint64_t gesture_ = 0;
+    int axis_ = 0;
+    glm::dvec3 anchor_{0.0}; // where the drag was last, on the stage
+    std::optional<uint32_t> hovered_;
+    std::optional<glm::vec3> aimed_; // where the hammer would hit
+    glm::vec3 target_{0.0f};
+
+};
+
+} // namespace brittle::tools
