@@ -3,64 +3,18 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 #include <string>
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <nlohmann/json.hpp>
 
-namespace {
+#include "tests/tools/support.h"
 
 namespace fs = std::filesystem;
+using namespace brittle::tools::test;
 
-// A folder of its own for each test case, removed at the end.
-class Folder {
-  public:
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "brittle-cli-XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path_ = pattern;
-    }
-    ~Folder() { fs::remove_all(path_); }
-    [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-    [[nodiscard]] size_t files() const {
-        return static_cast<size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
-    }
-
-  private:
-    fs::path path_;
-};
-
-std::string read(const std::string& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void write(const std::string& file, const std::string& content) {
-    std::ofstream(file, std::ios::binary) << content;
-}
-
-struct Outcome {
-    int exit_code = -1;
-    std::string output; // standard output and standard error
-};
-
-Outcome brittle(const Folder& folder, const std::string& arguments, const std::string& environment = "") {
-    const std::string log = folder / "output.log";
-    const int status =
-        std::system((environment + " timeout 120 " BRITTLE_PROGRAM " " + arguments + " >" + log + " 2>&1").c_str());
-    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(log)};
-    fs::remove(log);
-    INFO("brittle ", arguments);
-    return outcome;
-}
-
-bool has(const Outcome& outcome, const std::string& text) { return outcome.output.find(text) != std::string::npos; }
+namespace {
 
 const std::string tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
                                 "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
@@ -78,113 +32,113 @@ bool no_vulkan(const Outcome& outcome) {
 
 TEST_CASE("no command, an unknown one and bad options are usage errors with a way on") {
     const Folder folder;
-    CHECK(brittle(folder, "").exit_code == 2);
-    CHECK(brittle(folder, "shatter x.obj").exit_code == 2);
-    CHECK(brittle(folder, "fracture").exit_code == 2);
-    CHECK(brittle(folder, "fracture shape:cube").exit_code == 2); // no --output
-    const Outcome zero = brittle(folder, "fracture shape:cube -n 0 -o " + folder / "a.glb");
+    CHECK(run_brittle(folder, "").exit_code == 2);
+    CHECK(run_brittle(folder, "shatter x.obj").exit_code == 2);
+    CHECK(run_brittle(folder, "fracture").exit_code == 2);
+    CHECK(run_brittle(folder, "fracture shape:cube").exit_code == 2); // no --output
+    const Outcome zero = run_brittle(folder, "fracture shape:cube -n 0 -o " + folder / "a.glb");
     CHECK(zero.exit_code == 2);
-    CHECK(has(zero, "--pieces"));
-    CHECK(brittle(folder, "fracture shape:cube -n 5 --sites s.txt -o " + folder / "a.glb").exit_code == 2);
-    CHECK(brittle(folder, "fracture shape:cube --algorithm magic -o " + folder / "a.glb").exit_code == 2);
-    const Outcome size = brittle(folder, "render shape:cube --size 12 -o " + folder / "a.png");
+    CHECK(zero.has("--pieces"));
+    CHECK(run_brittle(folder, "fracture shape:cube -n 5 --sites s.txt -o " + folder / "a.glb").exit_code == 2);
+    CHECK(run_brittle(folder, "fracture shape:cube --algorithm magic -o " + folder / "a.glb").exit_code == 2);
+    const Outcome size = run_brittle(folder, "render shape:cube --size 12 -o " + folder / "a.png");
     CHECK(size.exit_code == 2);
-    CHECK(has(size, "1280x720"));
+    CHECK(size.has("1280x720"));
     CHECK(folder.files() == 0);
 }
 
 TEST_CASE("help and version succeed and name every command and exit code") {
     const Folder folder;
-    const Outcome help = brittle(folder, "--help");
+    const Outcome help = run_brittle(folder, "--help");
     CHECK(help.exit_code == 0);
-    for (const char* word : {"fracture", "render", "demo", "profile", "Exit codes"}) CHECK(has(help, word));
+    for (const char* word : {"fracture", "render", "demo", "profile", "Exit codes"}) CHECK(help.has(word));
     for (const char* command : {"fracture", "render", "demo", "profile"}) {
-        const Outcome outcome = brittle(folder, std::string(command) + " --help");
+        const Outcome outcome = run_brittle(folder, std::string(command) + " --help");
         CHECK(outcome.exit_code == 0);
-        CHECK(has(outcome, "shape:torus"));
+        CHECK(outcome.has("shape:torus"));
     }
-    const Outcome version = brittle(folder, "--version");
+    const Outcome version = run_brittle(folder, "--version");
     CHECK(version.exit_code == 0);
-    CHECK(has(version, "brittle 0."));
+    CHECK(version.has("brittle 0."));
 }
 
 TEST_CASE("missing, empty, truncated and foreign files are input errors that name the file") {
     const Folder folder;
     const auto refused = [&](const std::string& name) {
         const std::string file = folder / name;
-        const Outcome outcome = brittle(folder, "fracture " + file + " -o " + folder / "out.glb");
+        const Outcome outcome = run_brittle(folder, "fracture " + file + " -o " + folder / "out.glb");
         INFO(name, ": ", outcome.output);
         CHECK(outcome.exit_code == 3);
-        CHECK(has(outcome, name));
+        CHECK(outcome.has(name));
         CHECK_FALSE(fs::exists(folder / "out.glb"));
     };
     refused("missing.obj");
-    write(folder / "empty.stl", "");
+    write_text(folder / "empty.stl", "");
     refused("empty.stl");
-    write(folder / "mesh.xyz", "1 2 3");
+    write_text(folder / "mesh.xyz", "1 2 3");
     refused("mesh.xyz");
-    write(folder / "truncated.glb", std::string("glTF\x02\0\0\0\xff\0\0\0", 12));
+    write_text(folder / "truncated.glb", std::string("glTF\x02\0\0\0\xff\0\0\0", 12));
     refused("truncated.glb");
     std::string stl(84, '\0');
     stl[80] = 100; // 100 triangles, none present
-    write(folder / "truncated.stl", stl);
+    write_text(folder / "truncated.stl", stl);
     refused("truncated.stl");
-    const Outcome shape = brittle(folder, "fracture shape:dragon -o " + folder / "out.glb");
+    const Outcome shape = run_brittle(folder, "fracture shape:dragon -o " + folder / "out.glb");
     CHECK(shape.exit_code == 3);
-    CHECK(has(shape, "torus"));
+    CHECK(shape.has("torus"));
 }
 
 TEST_CASE("open and non-manifold meshes are refused with the place of the first fault") {
     const Folder folder;
-    write(folder / "open.obj", tetrahedron.substr(0, tetrahedron.rfind("f ")));
-    const Outcome open = brittle(folder, "fracture " + folder / "open.obj" + " -o " + folder / "out.glb");
+    write_text(folder / "open.obj", tetrahedron.substr(0, tetrahedron.rfind("f ")));
+    const Outcome open = run_brittle(folder, "fracture " + folder / "open.obj" + " -o " + folder / "out.glb");
     INFO(open.output);
     CHECK(open.exit_code == 4);
-    CHECK(has(open, "open edge"));
-    CHECK(has(open, "between"));
-    write(folder / "shared.obj", shared_edge);
-    const Outcome shared = brittle(folder, "fracture " + folder / "shared.obj" + " -o " + folder / "out.glb");
+    CHECK(open.has("open edge"));
+    CHECK(open.has("between"));
+    write_text(folder / "shared.obj", shared_edge);
+    const Outcome shared = run_brittle(folder, "fracture " + folder / "shared.obj" + " -o " + folder / "out.glb");
     INFO(shared.output);
     CHECK(shared.exit_code == 4);
-    CHECK(has(shared, "three triangles"));
-    CHECK(has(shared, "between vertices 0 and 1"));
+    CHECK(shared.has("three triangles"));
+    CHECK(shared.has("between vertices 0 and 1"));
     CHECK_FALSE(fs::exists(folder / "out.glb"));
 }
 
 TEST_CASE("a mesh whose surface is doubled in places is refused with the way out, and broken with it") {
     const Folder folder;
     // One face of the tetrahedron stands twice.
-    write(folder / "doubled.obj", tetrahedron + "f 2 3 4\n");
+    write_text(folder / "doubled.obj", tetrahedron + "f 2 3 4\n");
     const std::string command = "fracture " + folder / "doubled.obj" + " -n 3 -o " + folder / "out.glb";
-    const Outcome refused = brittle(folder, command);
+    const Outcome refused = run_brittle(folder, command);
     INFO(refused.output);
     CHECK(refused.exit_code == 4);
-    CHECK(has(refused, "--repair"));
-    const Outcome repaired = brittle(folder, command + " --repair");
+    CHECK(refused.has("--repair"));
+    const Outcome repaired = run_brittle(folder, command + " --repair");
     INFO(repaired.output);
     CHECK(repaired.exit_code == 0);
-    CHECK(has(repaired, "1 duplicate triangle dropped"));
+    CHECK(repaired.has("1 duplicate triangle dropped"));
 }
 
 TEST_CASE("a bad line in a site file is named") {
     const Folder folder;
-    write(folder / "sites.txt", "# two sites\n0 0 0\n1 2\n");
+    write_text(folder / "sites.txt", "# two sites\n0 0 0\n1 2\n");
     const Outcome outcome =
-        brittle(folder, "fracture shape:cube --sites " + folder / "sites.txt" + " -o " + folder / "out.glb");
+        run_brittle(folder, "fracture shape:cube --sites " + folder / "sites.txt" + " -o " + folder / "out.glb");
     INFO(outcome.output);
     CHECK(outcome.exit_code == 3);
-    CHECK(has(outcome, "sites.txt:3"));
+    CHECK(outcome.has("sites.txt:3"));
 }
 
 TEST_CASE("fracture writes pieces and a report that agree, whatever the number of threads") {
     const Folder folder;
     std::string hash;
     for (const char* threads : {"1", "4"}) {
-        const Outcome outcome = brittle(folder, "fracture shape:torus -n 12 --seed 3 --threads " + std::string(threads)
+        const Outcome outcome = run_brittle(folder, "fracture shape:torus -n 12 --seed 3 --threads " + std::string(threads)
                                                     + " -o " + folder / "out.glb" + " --report " + folder / "r.json");
         INFO(outcome.output);
         REQUIRE(outcome.exit_code == 0);
-        const auto report = nlohmann::json::parse(read(folder / "r.json"));
+        const auto report = nlohmann::json::parse(read_text(folder / "r.json"));
         for (const char* key : {"pieces", "islands", "closed", "volume_input", "volume_sum", "volume_error",
                                 "triangles_in", "triangles_out", "cap_triangles", "milliseconds", "hash"}) {
             CHECK(report.contains(key));
@@ -192,49 +146,49 @@ TEST_CASE("fracture writes pieces and a report that agree, whatever the number o
         CHECK(report["closed"] == true);
         CHECK(report["volume_error"].get<double>() < 1e-9);
         CHECK(report["pieces"].get<int>() >= report["cells"].get<int>());
-        CHECK(has(outcome, report["hash"].get<std::string>()));
+        CHECK(outcome.has(report["hash"].get<std::string>()));
         if (!hash.empty()) CHECK(hash == report["hash"].get<std::string>());
         hash = report["hash"].get<std::string>();
-        CHECK(read(folder / "out.glb").starts_with("glTF"));
+        CHECK(read_text(folder / "out.glb").starts_with("glTF"));
     }
     CHECK(folder.files() == 2);
 }
 
 TEST_CASE("an output that cannot be written is an error and leaves the old file") {
     const Folder folder;
-    const Outcome missing = brittle(folder, "fracture shape:cube -n 3 -o " + folder / "no/such/out.glb");
+    const Outcome missing = run_brittle(folder, "fracture shape:cube -n 3 -o " + folder / "no/such/out.glb");
     INFO(missing.output);
     CHECK(missing.exit_code == 5);
-    CHECK(has(missing, "no/such"));
+    CHECK(missing.has("no/such"));
     fs::create_directory(folder / "taken.glb");
-    CHECK(brittle(folder, "fracture shape:cube -n 3 -o " + folder / "taken.glb").exit_code == 5);
+    CHECK(run_brittle(folder, "fracture shape:cube -n 3 -o " + folder / "taken.glb").exit_code == 5);
     CHECK(folder.files() == 1);
 }
 
 TEST_CASE("the demo without a display says so and names the command that needs none") {
     const Folder folder;
-    const Outcome outcome = brittle(folder, "demo shape:cube", "env -u DISPLAY -u WAYLAND_DISPLAY");
+    const Outcome outcome = run_brittle(folder, "demo shape:cube", "env -u DISPLAY -u WAYLAND_DISPLAY");
     INFO(outcome.output);
     CHECK(outcome.exit_code == 6);
-    CHECK(has(outcome, "brittle render"));
+    CHECK(outcome.has("brittle render"));
 }
 
 TEST_CASE("an unknown device is refused with the list of those there are") {
     const Folder folder;
     const Outcome outcome =
-        brittle(folder, "render shape:cube --whole --device no-such-device -o " + folder / "a.png");
+        run_brittle(folder, "render shape:cube --whole --device no-such-device -o " + folder / "a.png");
     INFO(outcome.output);
     CHECK(outcome.exit_code == 6);
-    CHECK((has(outcome, "The devices are:") || has(outcome, "apt install")));
+    CHECK((outcome.has("The devices are:") || outcome.has("apt install")));
 }
 
 TEST_CASE("without a driver, or with a damaged one, commands that draw say so and the others work") {
     const Folder folder;
-    write(folder / "garbage.json", "{ not a driver");
-    write(folder / "empty.json", "");
-    write(folder / "no_library.json", R"({"file_format_version": "1.0.0",
+    write_text(folder / "garbage.json", "{ not a driver");
+    write_text(folder / "empty.json", "");
+    write_text(folder / "no_library.json", R"({"file_format_version": "1.0.0",
         "ICD": {"library_path": "/nowhere/libnone.so", "api_version": "1.3.0"}})");
-    write(folder / "other.json", R"({"file_format_version": "1.0.0",
+    write_text(folder / "other.json", R"({"file_format_version": "1.0.0",
         "ICD": {"library_path": "libc.so.6", "api_version": "1.3.0"}})");
     for (const char* name : {"missing.json", "garbage.json", "empty.json", "no_library.json", "other.json"})
         for (const std::string variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) {
@@ -242,14 +196,14 @@ TEST_CASE("without a driver, or with a damaged one, commands that draw say so an
             for (const std::string& command : {"render shape:cube --whole -o " + (folder / "a.png"),
                                               "inspect shape:cube --picture " + (folder / "a.png"),
                                               std::string("profile shape:cube -n 3 --repeats 1 --frames 2")}) {
-                const Outcome outcome = brittle(folder, command, environment);
+                const Outcome outcome = run_brittle(folder, command, environment);
                 INFO(variable, " ", name, ": ", outcome.output);
                 CHECK(outcome.exit_code == 6);
-                CHECK(has(outcome, "no Vulkan driver was found"));
-                CHECK(has(outcome, "mesa-vulkan-drivers"));
-                CHECK(has(outcome, variable + "=" + (folder / name)));
+                CHECK(outcome.has("no Vulkan driver was found"));
+                CHECK(outcome.has("mesa-vulkan-drivers"));
+                CHECK(outcome.has(variable + "=" + (folder / name)));
             }
-            CHECK(brittle(folder, "fracture shape:cube -n 3 -o " + (folder / "a.glb"), environment).exit_code == 0);
+            CHECK(run_brittle(folder, "fracture shape:cube -n 3 -o " + (folder / "a.glb"), environment).exit_code == 0);
         }
     CHECK_FALSE(fs::exists(folder / "a.png"));
 }
@@ -258,7 +212,7 @@ TEST_CASE("what a device fails at is said, with an exit code, and leaves no half
     const Folder folder;
     const std::string picture = folder / "f_%02d.png";
     const auto render = [&](const std::string& faults) {
-        return brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 1 --validation -o " + picture,
+        return run_brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 1 --validation -o " + picture,
                        "BRITTLE_FAULTS=" + faults);
     };
     if (no_vulkan(render(""))) return;
@@ -279,24 +233,24 @@ TEST_CASE("what a device fails at is said, with an exit code, and leaves no half
         const Outcome outcome = render(faults);
         INFO(faults, ": ", outcome.output);
         CHECK(outcome.exit_code == exit_code);
-        CHECK(has(outcome, said));
-        CHECK_FALSE(has(outcome, "vulkan validation:"));
+        CHECK(outcome.has(said));
+        CHECK_FALSE(outcome.has("vulkan validation:"));
         CHECK(folder.files() == 0);
     }
     // In the middle: pictures that are there are whole.
     const Outcome lost = render("submit:-4:8");
     INFO(lost.output);
     CHECK(lost.exit_code == 6);
-    CHECK_FALSE(has(lost, "vulkan validation:"));
+    CHECK_FALSE(lost.has("vulkan validation:"));
     CHECK(folder.files() > 0);
     CHECK(folder.files() < 7);
     for (size_t i = 0; i < folder.files(); ++i)
-        CHECK(read(folder / ("f_0" + std::to_string(i) + ".png")).ends_with("IEND\xae\x42\x60\x82"));
+        CHECK(read_text(folder / ("f_0" + std::to_string(i) + ".png")).ends_with("IEND\xae\x42\x60\x82"));
 }
 
 TEST_CASE("render writes a picture for every so many-th frame") {
     const Folder folder;
-    const Outcome outcome = brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 --validation -o "
+    const Outcome outcome = run_brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 --validation -o "
                                                 + folder / "f_%02d.png");
     INFO(outcome.output);
     if (no_vulkan(outcome)) return;
@@ -305,25 +259,25 @@ TEST_CASE("render writes a picture for every so many-th frame") {
     CHECK(fs::exists(folder / "f_03.png"));
     CHECK(fs::exists(folder / "f_06.png"));
     CHECK(folder.files() == 3);
-    CHECK(read(folder / "f_00.png") != read(folder / "f_06.png"));
+    CHECK(read_text(folder / "f_00.png") != read_text(folder / "f_06.png"));
 }
 
 TEST_CASE("one file name gives one picture, of the end") {
     const Folder folder;
     const std::string render = "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 -o ";
-    const Outcome outcome = brittle(folder, render + (folder / "one.png"));
+    const Outcome outcome = run_brittle(folder, render + (folder / "one.png"));
     if (no_vulkan(outcome)) return;
     CHECK(outcome.exit_code == 0);
     CHECK(folder.files() == 1);
-    CHECK(brittle(folder, render + (folder / "f_%02d.png")).exit_code == 0);
-    CHECK(read(folder / "one.png") == read(folder / "f_06.png"));
-    CHECK(brittle(folder, "render shape:cube -o " + (folder / "bad_%s.png")).exit_code == 2);
+    CHECK(run_brittle(folder, render + (folder / "f_%02d.png")).exit_code == 0);
+    CHECK(read_text(folder / "one.png") == read_text(folder / "f_06.png"));
+    CHECK(run_brittle(folder, "render shape:cube -o " + (folder / "bad_%s.png")).exit_code == 2);
 }
 
 TEST_CASE("profile measures the fracture without a device and prints JSON") {
     const Folder folder;
     const Outcome outcome =
-        brittle(folder, "profile shape:icosphere -n 5 --repeats 3 --frames 0 --json -o " + folder / "p.json");
+        run_brittle(folder, "profile shape:icosphere -n 5 --repeats 3 --frames 0 --json -o " + folder / "p.json");
     INFO(outcome.output);
     REQUIRE(outcome.exit_code == 0);
     const auto profile = nlohmann::json::parse(outcome.output);
@@ -332,13 +286,13 @@ TEST_CASE("profile measures the fracture without a device and prints JSON") {
     CHECK(scenario["fracture"]["total"]["samples"] == 3);
     CHECK(scenario["fracture"]["total"]["median"].get<double>() > 0.0);
     CHECK_FALSE(profile["environment"].contains("device"));
-    CHECK(profile == nlohmann::json::parse(read(folder / "p.json")));
-    CHECK(has(brittle(folder, "profile shape:cube -n 3 --repeats 1 --frames 0"), "median"));
+    CHECK(profile == nlohmann::json::parse(read_text(folder / "p.json")));
+    CHECK(run_brittle(folder, "profile shape:cube -n 3 --repeats 1 --frames 0").has("median"));
 }
 
 TEST_CASE("profile measures frames before and after the fracture") {
     const Folder folder;
-    const Outcome outcome = brittle(folder, "profile shape:cube -n 4 --repeats 1 --frames 2 --size 64x48 --json");
+    const Outcome outcome = run_brittle(folder, "profile shape:cube -n 4 --repeats 1 --frames 2 --size 64x48 --json");
     INFO(outcome.output);
     if (no_vulkan(outcome)) return;
     REQUIRE(outcome.exit_code == 0);
@@ -357,15 +311,15 @@ TEST_CASE("profile measures frames before and after the fracture") {
 
 TEST_CASE("profile measures lists of meshes and counts, on both sides, and writes CSV and a time line") {
     const Folder folder;
-    const Outcome outcome = brittle(folder, "profile --meshes shape:cube,shape:icosphere --counts 3,4 --classify cpu,gpu "
+    const Outcome outcome = run_brittle(folder, "profile --meshes shape:cube,shape:icosphere --counts 3,4 --classify cpu,gpu "
                                             "--warm-up 0 --repeats 1 --frames 1 --size 64x48 --validation --csv "
                                                 + (folder / "p.csv") + " --trace " + (folder / "t.json"));
     INFO(outcome.output);
     if (no_vulkan(outcome)) return;
     REQUIRE(outcome.exit_code == 0);
-    for (const char* name : {"cube 3 cpu", "cube 4 gpu", "icosphere 4 gpu", "medians"}) CHECK(has(outcome, name));
-    CHECK(read(folder / "p.csv").starts_with("scenario,"));
-    const auto trace = nlohmann::json::parse(read(folder / "t.json"));
+    for (const char* name : {"cube 3 cpu", "cube 4 gpu", "icosphere 4 gpu", "medians"}) CHECK(outcome.has(name));
+    CHECK(read_text(folder / "p.csv").starts_with("scenario,"));
+    const auto trace = nlohmann::json::parse(read_text(folder / "t.json"));
     CHECK(trace["otherData"].contains("device_clock"));
     size_t scenarios = 0, passes = 0;
     for (const auto& event : trace["traceEvents"]) {
@@ -381,11 +335,11 @@ TEST_CASE("profile measures lists of meshes and counts, on both sides, and write
 
 TEST_CASE("a time line shows what each thread did of a fracture") {
     const Folder folder;
-    REQUIRE(brittle(folder, "profile shape:torus -n 50 --threads 2 --warm-up 0 --repeats 2 --frames 0 --trace "
+    REQUIRE(run_brittle(folder, "profile shape:torus -n 50 --threads 2 --warm-up 0 --repeats 2 --frames 0 --trace "
                                 + (folder / "t.json"))
                 .exit_code
             == 0);
-    const auto trace = nlohmann::json::parse(read(folder / "t.json"));
+    const auto trace = nlohmann::json::parse(read_text(folder / "t.json"));
     REQUIRE(trace["traceEvents"].is_array());
     std::map<int, std::string> threads;
     std::map<int, double> end_of; // of each thread's last slice with items
@@ -416,7 +370,7 @@ TEST_CASE("a time line shows what each thread did of a fracture") {
 TEST_CASE("profile finds out where classification is faster, and says so") {
     const Folder folder;
     const Outcome outcome =
-        brittle(folder, "profile shape:icosphere -n 20 --classify auto --warm-up 0 --repeats 1 --frames 0 --json");
+        run_brittle(folder, "profile shape:icosphere -n 20 --classify auto --warm-up 0 --repeats 1 --frames 0 --json");
     INFO(outcome.output);
     if (no_vulkan(outcome)) return;
     REQUIRE(outcome.exit_code == 0);
@@ -427,43 +381,43 @@ TEST_CASE("profile finds out where classification is faster, and says so") {
     CHECK((where == "cpu" || where == "gpu"));
     CHECK(scenario["classify_why"].get<std::string>().starts_with(where + ": the fracture takes "));
     CHECK(scenario["fracture"].contains("pass classify vertices") == (where == "gpu"));
-    CHECK(has(brittle(folder, "profile shape:cube -n 3 --classify auto --warm-up 0 --repeats 1 --frames 0"),
-              "classification on the "));
+    CHECK(run_brittle(folder, "profile shape:cube -n 3 --classify auto --warm-up 0 --repeats 1 --frames 0")
+              .has("classification on the "));
 }
 
 TEST_CASE("profile compares with an earlier run: alike, slower, and what is no profile") {
     const Folder folder;
     const std::string command = "profile shape:cube -n 4 --repeats 5 --frames 0 ", old = folder / "old.json";
-    REQUIRE(brittle(folder, command + "-o " + old).exit_code == 0);
-    auto profile = nlohmann::ordered_json::parse(read(old));
+    REQUIRE(run_brittle(folder, command + "-o " + old).exit_code == 0);
+    auto profile = nlohmann::ordered_json::parse(read_text(old));
     const auto set = [&](double milliseconds) {
         for (auto& [phase, row] : profile["scenarios"][0]["fracture"].items())
             for (const char* key : {"min", "median"}) row[key] = milliseconds;
-        write(old, profile.dump());
+        write_text(old, profile.dump());
     };
     set(1e9);
-    const Outcome faster = brittle(folder, command + "--compare " + old);
+    const Outcome faster = run_brittle(folder, command + "--compare " + old);
     CHECK(faster.exit_code == 0);
-    CHECK(has(faster, "nothing is slower"));
-    CHECK(has(faster, "faster"));
+    CHECK(faster.has("nothing is slower"));
+    CHECK(faster.has("faster"));
     set(1e-9);
-    const Outcome slower = brittle(folder, command + "--json --compare " + old + " --threshold 2");
+    const Outcome slower = run_brittle(folder, command + "--json --compare " + old + " --threshold 2");
     CHECK(slower.exit_code == 7);
     CHECK(nlohmann::json::parse(slower.output)["comparison"]["slower"] == true);
-    write(old, "{}");
-    const Outcome none = brittle(folder, command + "--compare " + old);
+    write_text(old, "{}");
+    const Outcome none = run_brittle(folder, command + "--compare " + old);
     CHECK(none.exit_code == 3);
-    CHECK(has(none, "no profile"));
-    CHECK(brittle(folder, command + "--compare " + (folder / "missing.json")).exit_code == 3);
+    CHECK(none.has("no profile"));
+    CHECK(run_brittle(folder, command + "--compare " + (folder / "missing.json")).exit_code == 3);
 }
 
 TEST_CASE("what profile cannot do is refused before any work") {
     const Folder folder;
     const auto refused = [&](const std::string& arguments, int code, const std::string& words) {
-        const Outcome outcome = brittle(folder, "profile " + arguments);
+        const Outcome outcome = run_brittle(folder, "profile " + arguments);
         INFO(arguments, ": ", outcome.output);
         CHECK(outcome.exit_code == code);
-        CHECK(has(outcome, words));
+        CHECK(outcome.has(words));
     };
     refused("--frames 0", 2, "--meshes");
     refused("shape:cube --meshes shape:torus", 2, "--meshes");
@@ -474,11 +428,11 @@ TEST_CASE("what profile cannot do is refused before any work") {
     refused("shape:cube --threshold 2", 2, "--compare");
     refused("shape:cube --compare a.json --threshold 0.5", 2, "--threshold");
     refused("--scenarios " + (folder / "none.json"), 3, "none.json");
-    write(folder / "plan.json", R"({"brittle_profile": 1, "scenarios": [{"counts": [0]}]})");
+    write_text(folder / "plan.json", R"({"brittle_profile": 1, "scenarios": [{"counts": [0]}]})");
     refused("--scenarios " + (folder / "plan.json"), 3, "/scenarios/0/counts");
-    write(folder / "plan.json", R"({"brittle_profile": 1, "frames": 0, "warm_up": 0, "repeats": 50,
+    write_text(folder / "plan.json", R"({"brittle_profile": 1, "frames": 0, "warm_up": 0, "repeats": 50,
         "scenarios": [{"meshes": ["shape:cube"], "counts": [2, 3]}]})");
-    const Outcome planned = brittle(folder, "profile --json --repeats 1 --scenarios " + (folder / "plan.json"));
+    const Outcome planned = run_brittle(folder, "profile --json --repeats 1 --scenarios " + (folder / "plan.json"));
     REQUIRE(planned.exit_code == 0);
     const auto profile = nlohmann::json::parse(planned.output);
     CHECK(profile["scenarios"].size() == 2);
@@ -490,11 +444,11 @@ TEST_CASE("what profile cannot do is refused before any work") {
 TEST_CASE("Ctrl+C ends a long command and leaves no half-written file") {
     const Folder folder;
     // Minutes of work; the signal comes while it is at it.
-    const Outcome outcome = brittle(folder,
+    const Outcome outcome = run_brittle(folder,
                                     "fracture shape:animal -n 3000 --algorithm sequential -o " + (folder / "out.glb"),
                                     "timeout --preserve-status -s INT 1");
     CHECK(outcome.exit_code == 130);
-    CHECK(has(outcome, "cancelled"));
+    CHECK(outcome.has("cancelled"));
     CHECK(folder.files() == 0);
 }
 
@@ -502,46 +456,46 @@ TEST_CASE("a minimum volume leaves fewer pieces, and none below it") {
     const Folder folder;
     const auto pieces = [&](const std::string& options) {
         const std::string report = folder / "report.json";
-        const Outcome outcome = brittle(folder, "fracture shape:icosphere -n 100 " + options + " -o "
+        const Outcome outcome = run_brittle(folder, "fracture shape:icosphere -n 100 " + options + " -o "
                                                     + (folder / "out.glb") + " --report " + report);
         REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.output);
-        return nlohmann::json::parse(read(report));
+        return nlohmann::json::parse(read_text(report));
     };
     const auto all = pieces(""), merged = pieces("--min-volume 0.05");
     CHECK(merged["pieces"].get<int>() < all["pieces"].get<int>());
     CHECK(merged["smallest_piece"].get<double>() >= 0.05);
-    CHECK(brittle(folder, "fracture shape:cube --min-volume -1 -o " + (folder / "x.glb")).exit_code == 2);
+    CHECK(run_brittle(folder, "fracture shape:cube --min-volume -1 -o " + (folder / "x.glb")).exit_code == 2);
 }
 
 TEST_CASE("pieces are written in every format, with materials, hulls and a file for each") {
     const Folder folder;
     const std::string crate = BRITTLE_CORPUS "/meshes/crate.glb";
     for (const std::string ending : {"glb", "obj", "ply", "stl"}) {
-        const Outcome whole = brittle(folder, "fracture " + crate + " -n 6 -o " + (folder / ("a." + ending)));
+        const Outcome whole = run_brittle(folder, "fracture " + crate + " -n 6 -o " + (folder / ("a." + ending)));
         CHECK(whole.exit_code == 0);
-        const Outcome again = brittle(folder, "inspect " + (folder / ("a." + ending)));
+        const Outcome again = run_brittle(folder, "inspect " + (folder / ("a." + ending)));
         CHECK(again.output.find("components") != std::string::npos);
     }
     CHECK(fs::exists(folder / "a.mtl"));
     CHECK(fs::exists(folder / "a_image0.png"));
-    const Outcome each = brittle(folder, "fracture " + crate + " -n 6 --per-piece --hulls unreal --rigid-bodies --material glass -o "
+    const Outcome each = run_brittle(folder, "fracture " + crate + " -n 6 --per-piece --hulls unreal --rigid-bodies --material glass -o "
                                              + (folder / "b.glb"));
     CHECK(each.exit_code == 0);
-    CHECK(read(folder / "b_003.glb").find("UCX_crate_003_00") != std::string::npos);
-    CHECK(read(folder / "b_003.glb").find("KHR_physics_rigid_bodies") != std::string::npos);
-    const Outcome bad = brittle(folder, "fracture " + crate + " -n 2 -o " + (folder / "a.fbx"));
+    CHECK(read_text(folder / "b_003.glb").find("UCX_crate_003_00") != std::string::npos);
+    CHECK(read_text(folder / "b_003.glb").find("KHR_physics_rigid_bodies") != std::string::npos);
+    const Outcome bad = run_brittle(folder, "fracture " + crate + " -n 2 -o " + (folder / "a.fbx"));
     CHECK(bad.exit_code == 2);
     CHECK(bad.output.find(".glb, .obj, .ply, .stl") != std::string::npos);
 }
 
 TEST_CASE("sites of a file are fitted, turned, scaled and moved") {
     const Folder folder;
-    write(folder / "sites.txt", "0 0 0\n10 0 0\n");
+    write_text(folder / "sites.txt", "0 0 0\n10 0 0\n");
     const auto pieces = [&](const std::string& options) {
-        const Outcome outcome = brittle(folder, "fracture shape:cube --sites " + (folder / "sites.txt") + " --report "
+        const Outcome outcome = run_brittle(folder, "fracture shape:cube --sites " + (folder / "sites.txt") + " --report "
                                                     + (folder / "r.json") + " -o " + (folder / "a.glb") + options);
         CHECK(outcome.exit_code == 0);
-        return nlohmann::json::parse(read(folder / "r.json"))["pieces"].get<int>();
+        return nlohmann::json::parse(read_text(folder / "r.json"))["pieces"].get<int>();
     };
     CHECK(pieces("") == 1); // the plane is at x = 5
     CHECK(pieces(" --fit-sites") == 2);
@@ -553,39 +507,39 @@ TEST_CASE("sites of a file are fitted, turned, scaled and moved") {
 TEST_CASE("repair mends what fracture refuses, says what it did, and keeps what it looks like") {
     const Folder folder;
     // The crate without its floor: the hole gets a new one.
-    std::string crate = read(BRITTLE_CORPUS "/meshes/crate.obj");
+    std::string crate = read_text(BRITTLE_CORPUS "/meshes/crate.obj");
     crate.erase(crate.find("usemtl iron"));
-    write(folder / "open.obj", crate);
+    write_text(folder / "open.obj", crate);
     fs::copy(BRITTLE_CORPUS "/meshes/crate.mtl", folder / "crate.mtl");
     fs::copy(BRITTLE_CORPUS "/meshes/crate planks.png", folder / "crate planks.png");
-    CHECK(brittle(folder, "inspect " + (folder / "open.obj")).exit_code == 4);
-    const Outcome repaired = brittle(folder, "repair " + (folder / "open.obj") + " -o " + (folder / "whole.glb"));
+    CHECK(run_brittle(folder, "inspect " + (folder / "open.obj")).exit_code == 4);
+    const Outcome repaired = run_brittle(folder, "repair " + (folder / "open.obj") + " -o " + (folder / "whole.glb"));
     CHECK(repaired.exit_code == 0);
-    CHECK(has(repaired, "1 hole closed with 2 triangles"));
-    CHECK(has(repaired, "takes it as it is"));
-    const std::string glb = read(folder / "whole.glb");
+    CHECK(repaired.has("1 hole closed with 2 triangles"));
+    CHECK(repaired.has("takes it as it is"));
+    const std::string glb = read_text(folder / "whole.glb");
     for (const char* kept : {"planks", "painted lid", "exterior", "image/png"}) CHECK(glb.find(kept) != std::string::npos);
     const Outcome at_once =
-        brittle(folder, "fracture " + (folder / "open.obj") + " --repair -n 5 -o " + (folder / "pieces.glb"));
+        run_brittle(folder, "fracture " + (folder / "open.obj") + " --repair -n 5 -o " + (folder / "pieces.glb"));
     CHECK(at_once.exit_code == 0);
-    CHECK(has(at_once, "every one closed"));
-    const Outcome left = brittle(folder, "repair --close-holes 1 " + (folder / "open.obj") + " -o " + (folder / "left.stl"));
+    CHECK(at_once.has("every one closed"));
+    const Outcome left = run_brittle(folder, "repair --close-holes 1 " + (folder / "open.obj") + " -o " + (folder / "left.stl"));
     CHECK(left.exit_code == 4);
-    CHECK(has(left, "1 hole left open: too long"));
-    const Outcome sound = brittle(folder, "repair shape:torus -o " + (folder / "torus.ply"));
+    CHECK(left.has("1 hole left open: too long"));
+    const Outcome sound = run_brittle(folder, "repair shape:torus -o " + (folder / "torus.ply"));
     CHECK(sound.exit_code == 0);
-    CHECK(has(sound, "nothing to repair"));
+    CHECK(sound.has("nothing to repair"));
 }
 
 TEST_CASE("the pieces are the same wherever they are classified, and auto says where") {
     const Folder folder;
     const auto hash = [&](const std::string& where) {
-        const Outcome outcome = brittle(folder, "fracture shape:torus -n 40 --classify " + where + " --report " + (folder / "r.json")
+        const Outcome outcome = run_brittle(folder, "fracture shape:torus -n 40 --classify " + where + " --report " + (folder / "r.json")
                                                     + " -o " + (folder / "a.glb"));
         CHECK(outcome.exit_code == 0);
-        CHECK(has(outcome, "classification on the") == (where != "cpu"));
-        if (where == "auto") CHECK(has(outcome, "the fracture takes"));
-        return nlohmann::json::parse(read(folder / "r.json"))["hash"].get<std::string>();
+        CHECK(outcome.has("classification on the") == (where != "cpu"));
+        if (where == "auto") CHECK(outcome.has("the fracture takes"));
+        return nlohmann::json::parse(read_text(folder / "r.json"))["hash"].get<std::string>();
     };
     const std::string on_cpu = hash("cpu");
     CHECK(hash("gpu") == on_cpu);
@@ -594,29 +548,29 @@ TEST_CASE("the pieces are the same wherever they are classified, and auto says w
 
 TEST_CASE("inspect marks what it found in a file and a picture") {
     const Folder folder;
-    write(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
-    const Outcome outcome = brittle(folder, "inspect " + (folder / "open.obj") + " --size 320x240 --marks " + (folder / "m.glb")
+    write_text(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+    const Outcome outcome = run_brittle(folder, "inspect " + (folder / "open.obj") + " --size 320x240 --marks " + (folder / "m.glb")
                                                 + " --picture " + (folder / "m.png"));
     CHECK(outcome.exit_code == 4);
     CHECK(outcome.output.find("open edges orange") != std::string::npos);
-    CHECK(read(folder / "m.glb").find("open edges") != std::string::npos);
-    CHECK(read(folder / "m.png").size() > 1000);
-    const auto json = nlohmann::json::parse(brittle(folder, "inspect --json " + (folder / "open.obj")).output);
+    CHECK(read_text(folder / "m.glb").find("open edges") != std::string::npos);
+    CHECK(read_text(folder / "m.png").size() > 1000);
+    const auto json = nlohmann::json::parse(run_brittle(folder, "inspect --json " + (folder / "open.obj")).output);
     CHECK(json["places"]["open_edges"].size() == 3);
 }
 
 TEST_CASE("inspect says what fracture will do, in words and as JSON") {
     const Folder folder;
-    const Outcome sound = brittle(folder, "inspect shape:hollow_sphere");
+    const Outcome sound = run_brittle(folder, "inspect shape:hollow_sphere");
     CHECK(sound.exit_code == 0);
-    CHECK(has(sound, "cavities   1"));
-    CHECK(has(sound, "takes it as it is"));
-    write(folder / "open.obj", tetrahedron.substr(0, tetrahedron.rfind("f ")));
-    const Outcome open = brittle(folder, "inspect --json " + (folder / "open.obj"));
+    CHECK(sound.has("cavities   1"));
+    CHECK(sound.has("takes it as it is"));
+    write_text(folder / "open.obj", tetrahedron.substr(0, tetrahedron.rfind("f ")));
+    const Outcome open = run_brittle(folder, "inspect --json " + (folder / "open.obj"));
     CHECK(open.exit_code == 4);
     const auto json = nlohmann::json::parse(open.output);
     CHECK(json["refusal"] == "not_closed");
     CHECK(json["open_edges"] == 3);
     CHECK(json["rims"][0]["edges"] == 3);
-    CHECK(brittle(folder, "inspect nowhere.obj").exit_code == 3);
+    CHECK(run_brittle(folder, "inspect nowhere.obj").exit_code == 3);
 }

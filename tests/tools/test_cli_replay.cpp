@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <thread>
 
@@ -14,50 +13,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/tools/support.h"
 #include "tools/brittle/replay/action_json.h"
 
-namespace {
-
 namespace fs = std::filesystem;
+using namespace brittle::tools::test;
 
-class Folder {
-  public:
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "brittle-cli-replay-XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path_ = pattern;
-    }
-    ~Folder() { fs::remove_all(path_); }
-    [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
-  private:
-    fs::path path_;
-};
-
-std::string read(const std::string& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void write(const std::string& file, const std::string& content) {
-    std::ofstream(file, std::ios::binary) << content;
-}
-
-struct Outcome {
-    int exit_code = -1;
-    std::string output; // standard output and standard error
-    [[nodiscard]] bool has(const std::string& text) const { return output.find(text) != std::string::npos; }
-};
-
-Outcome run(const Folder& folder, const std::string& arguments, const std::string& environment = "") {
-    const std::string log = folder / "output";
-    const int status = std::system(
-        (environment + " /usr/bin/timeout 120 " BRITTLE_PROGRAM " " + arguments + " >" + log + " 2>&1")
-            .c_str());
-    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(log)};
-    fs::remove(log);
-    return outcome;
-}
+namespace {
 
 bool no_vulkan(const Outcome& outcome) {
     if (outcome.exit_code != 6) return false;
@@ -67,14 +29,14 @@ bool no_vulkan(const Outcome& outcome) {
 
 // A short run of the wall, with its log.
 Outcome record(const Folder& folder, const std::string& more = "") {
-    return run(folder, "render " BRITTLE_ASSETS "/scenes/brick_wall_rammed.json --frames 30 --size 64x48 -o "
+    return run_brittle(folder, "render " BRITTLE_ASSETS "/scenes/brick_wall_rammed.json --frames 30 --size 64x48 -o "
                            + folder / "a_%02d.png" + " --every 10 --record " + folder / "run.log" + " "
                            + more);
 }
 
 // A program of that name that does what the script says.
 void make_program(const std::string& file, const std::string& script) {
-    write(file, "#!/bin/sh\n" + script);
+    write_text(file, "#!/bin/sh\n" + script);
     REQUIRE(chmod(file.c_str(), 0755) == 0);
 }
 
@@ -88,17 +50,17 @@ TEST_CASE("what render records is repeated without a device, and drawn again as 
     REQUIRE(recorded.exit_code == 0);
     // No driver is to be found.
     const Outcome replayed =
-        run(folder, "replay " + folder / "run.log", "VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null");
+        run_brittle(folder, "replay " + folder / "run.log", "VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null");
     INFO(replayed.output);
     CHECK(replayed.exit_code == 0);
     CHECK(replayed.has("59 steps, all equal; 1 actions, finished"));
-    const Outcome drawn = run(folder, "replay " + folder / "run.log" + " --size 64x48 --every 10 --render "
+    const Outcome drawn = run_brittle(folder, "replay " + folder / "run.log" + " --size 64x48 --every 10 --render "
                                           + folder / "b_%02d.png");
     INFO(drawn.output);
     CHECK(drawn.exit_code == 0);
     CHECK(drawn.has("all equal"));
     for (const char* number : {"00", "10", "20", "30"})
-        CHECK(read(folder / "a_" + number + ".png") == read(folder / "b_" + number + ".png"));
+        CHECK(read_text(folder / "a_" + number + ".png") == read_text(folder / "b_" + number + ".png"));
 }
 
 TEST_CASE("a replay that differs has its exit code and names step and body") {
@@ -106,12 +68,12 @@ TEST_CASE("a replay that differs has its exit code and names step and body") {
     const Outcome recorded = record(folder);
     if (no_vulkan(recorded)) return;
     REQUIRE(recorded.exit_code == 0);
-    std::string log = read(folder / "run.log");
+    std::string log = read_text(folder / "run.log");
     const size_t speed = log.find(R"("velocity":[-0.6,0.0,9.0])");
     REQUIRE(speed != std::string::npos);
     log.replace(speed, 25, R"("velocity":[-0.6,0.0,9.1])");
-    write(folder / "other.log", log);
-    const Outcome replayed = run(folder, "replay " + folder / "other.log");
+    write_text(folder / "other.log", log);
+    const Outcome replayed = run_brittle(folder, "replay " + folder / "other.log");
     INFO(replayed.output);
     CHECK(replayed.exit_code == 8);
     CHECK(replayed.has("step 13 of 59 differs"));
@@ -119,17 +81,17 @@ TEST_CASE("a replay that differs has its exit code and names step and body") {
     CHECK(!replayed.has("it was recorded with"));
     const size_t compiler = log.find(R"("compiler":")");
     REQUIRE(compiler != std::string::npos);
-    write(folder / "foreign.log", log.insert(compiler + 12, "not "));
-    CHECK(run(folder, "replay " + folder / "foreign.log").has("it was recorded with compiler \"not "));
+    write_text(folder / "foreign.log", log.insert(compiler + 12, "not "));
+    CHECK(run_brittle(folder, "replay " + folder / "foreign.log").has("it was recorded with compiler \"not "));
 }
 
 TEST_CASE("replay and --record refuse what they cannot do") {
     const Folder folder;
-    CHECK(run(folder, "replay").exit_code == 2);
-    CHECK(run(folder, "replay " + folder / "none.log").exit_code == 3);
-    CHECK(run(folder, "render shape:cube --whole --record " + folder / "run.log").exit_code == 2);
-    CHECK(run(folder, "render shape:cube --planes 2 --record " + folder / "run.log").exit_code == 2);
-    CHECK(run(folder, "replay x.log --render %s.png").exit_code == 2);
+    CHECK(run_brittle(folder, "replay").exit_code == 2);
+    CHECK(run_brittle(folder, "replay " + folder / "none.log").exit_code == 3);
+    CHECK(run_brittle(folder, "render shape:cube --whole --record " + folder / "run.log").exit_code == 2);
+    CHECK(run_brittle(folder, "render shape:cube --planes 2 --record " + folder / "run.log").exit_code == 2);
+    CHECK(run_brittle(folder, "replay x.log --render %s.png").exit_code == 2);
 }
 
 TEST_CASE("a run that is interrupted leaves a log that can be repeated") {
@@ -157,10 +119,10 @@ TEST_CASE("a run that is interrupted leaves a log that can be repeated") {
         REQUIRE(waitpid(child, &status, 0) == child);
     }
     if (no_vulkan({WIFEXITED(status) ? WEXITSTATUS(status) : -1, ""})) return;
-    INFO(read(output));
+    INFO(read_text(output));
     REQUIRE(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == 130);
-    const Outcome replayed = run(folder, "replay " + log);
+    const Outcome replayed = run_brittle(folder, "replay " + log);
     INFO(replayed.output);
     CHECK(replayed.exit_code == 0);
     CHECK(replayed.has("all equal"));
@@ -174,7 +136,7 @@ TEST_CASE("a video gets all frames; ffmpeg's absence and failures are told") {
     fs::create_directory(folder / "bin");
     const std::string path = "PATH=" + folder / "bin";
 
-    const Outcome missing = run(folder, render, path);
+    const Outcome missing = run_brittle(folder, render, path);
     if (no_vulkan(missing)) return;
     INFO(missing.output);
     CHECK(missing.exit_code == 2);
@@ -184,33 +146,33 @@ TEST_CASE("a video gets all frames; ffmpeg's absence and failures are told") {
     make_program(folder / "bin/ffmpeg", "echo \"$@\" > '" + folder / "words"
                                             + "'\n"
                                               "for last; do :; done\n/bin/cat > \"${last#file:}\"\n");
-    const Outcome made = run(folder, render, path);
+    const Outcome made = run_brittle(folder, render, path);
     INFO(made.output);
     CHECK(made.exit_code == 0);
     CHECK(made.has("fall.mp4"));
     CHECK(fs::file_size(folder / "fall.mp4") == 7 * 64 * 48 * 4);
-    CHECK(read(folder / "words").find("-video_size 64x48 -framerate 60") != std::string::npos);
+    CHECK(read_text(folder / "words").find("-video_size 64x48 -framerate 60") != std::string::npos);
     CHECK(!fs::exists("frame_0000.png"));
     CHECK(!fs::exists(folder / "fall.part.mp4"));
 
-    const Outcome both = run(folder, render + " -o " + folder / "f_%d.png" + " --every 3", path);
+    const Outcome both = run_brittle(folder, render + " -o " + folder / "f_%d.png" + " --every 3", path);
     CHECK(both.exit_code == 0);
     CHECK(fs::exists(folder / "f_6.png"));
 
-    write(folder / "fall.mp4", "old");
+    write_text(folder / "fall.mp4", "old");
     make_program(folder / "bin/ffmpeg", "/bin/cat > /dev/null\necho 'no such codec' >&2\nexit 1\n");
-    const Outcome failed = run(folder, render, path);
+    const Outcome failed = run_brittle(folder, render, path);
     INFO(failed.output);
     CHECK(failed.exit_code == 5);
     CHECK(failed.has("no such codec"));
-    CHECK(read(folder / "fall.mp4") == "old");
+    CHECK(read_text(folder / "fall.mp4") == "old");
 
     make_program(folder / "bin/ffmpeg", "exit 1\n");
     const Outcome deaf =
-        run(folder, "render shape:cube -n 5 --size 640x480 --frames 6 --video " + folder / "fall.mp4", path);
+        run_brittle(folder, "render shape:cube -n 5 --size 640x480 --frames 6 --video " + folder / "fall.mp4", path);
     INFO(deaf.output);
     CHECK(deaf.exit_code == 5);
-    CHECK(read(folder / "fall.mp4") == "old");
+    CHECK(read_text(folder / "fall.mp4") == "old");
 }
 
 TEST_CASE("the schema of replay logs knows the actions and their fields, and no others") {

@@ -8,8 +8,8 @@
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
+#include "tests/tools/support.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/profile/compare.h"
 #include "tools/brittle/profile/csv.h"
@@ -20,24 +20,10 @@
 
 using namespace brittle::tools;
 using Json = nlohmann::ordered_json;
+using namespace brittle::tools::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-class Folder {
-  public:
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "brittle-profile-XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ~Folder() { fs::remove_all(path); }
-    [[nodiscard]] fs::path write(const std::string& name, const std::string& text) const {
-        std::ofstream(path / name, std::ios::binary) << text;
-        return path / name;
-    }
-    fs::path path;
-};
 
 // The message of the Failure that `work` throws, which must have this code; "" where it throws none.
 template<class Work>

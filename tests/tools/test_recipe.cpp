@@ -1,3 +1,4 @@
+#include "tests/tools/support.h"
 #include "tools/brittle/recipe.h"
 
 #include <filesystem>
@@ -6,7 +7,6 @@
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "fracture/shapes.h"
 #include "physics/material.h"
@@ -14,31 +14,17 @@
 
 using namespace brittle;
 using namespace brittle::tools;
+using namespace brittle::tools::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-class Folder {
-  public:
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "brittle-recipe-XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ~Folder() { fs::remove_all(path); }
-    [[nodiscard]] fs::path write(const std::string& text) const {
-        std::ofstream(path / "recipe.json", std::ios::binary) << text;
-        return path / "recipe.json";
-    }
-    fs::path path;
-};
 
 // What reading the text says, "" if it is read.
 std::string message_of(const std::string& text) {
     const Folder folder;
     FractureOptions options;
     try {
-        read_recipe(folder.write(text), options);
+        read_recipe(folder.write("recipe.json", text), options);
     } catch (const Failure& failure) {
         CHECK(failure.code() == exit_input);
         CHECK(std::string(failure.what()).find("recipe.json: ") != std::string::npos);
@@ -105,7 +91,7 @@ TEST_CASE("recipe: what is written is read again, to the bit") {
     const Folder folder;
     for (const FractureOptions& options : {FractureOptions{}, everything(), points(), listed()}) {
         FractureOptions again;
-        read_recipe(folder.write(recipe_json(options)), again);
+        read_recipe(folder.write("recipe.json", recipe_json(options)), again);
         CHECK(recipe_json(again) == recipe_json(options));
         write_recipe(folder.path / "saved.json", options);
         FractureOptions saved;
@@ -121,7 +107,7 @@ TEST_CASE("recipe: what differs from the material's pattern is written, also whe
     REQUIRE(options.pattern.axis != fracture::Pattern{}.axis);
     options.pattern.axis = fracture::Pattern{}.axis;
     FractureOptions again;
-    read_recipe(folder.write(recipe_json(options)), again);
+    read_recipe(folder.write("recipe.json", recipe_json(options)), again);
     CHECK(again.pattern.axis == options.pattern.axis);
     CHECK(again.pattern.jitter == options.pattern.jitter);
 }
@@ -129,7 +115,7 @@ TEST_CASE("recipe: what differs from the material's pattern is written, also whe
 TEST_CASE("recipe: what it does not mention stays") {
     const Folder folder;
     FractureOptions options = everything();
-    read_recipe(folder.write(R"({"brittle": 1, "pattern": {"type": "grid"}})"), options);
+    read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "grid"}})"), options);
     CHECK(options.pattern.kind == fracture::PatternKind::grid);
     CHECK(options.pattern.count == 33);
     CHECK(options.mesh == "shape:torus");
@@ -139,10 +125,10 @@ TEST_CASE("recipe: a material says how it breaks, and the pattern outdoes it") {
     const Folder folder;
     for (const physics::MaterialPreset& preset : physics::material_presets()) {
         FractureOptions options;
-        read_recipe(folder.write(R"({"brittle": 1, "material": ")" + std::string(preset.name) + "\"}"), options);
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "material": ")" + std::string(preset.name) + "\"}"), options);
         CHECK(options.pattern.kind == preset.pattern.kind);
         CHECK(fracture::make_sites(options.pattern, fracture::cube()));
-        read_recipe(folder.write(R"({"brittle": 1, "pattern": {"type": "grid"}, "material": ")" + std::string(preset.name) + "\"}"),
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "grid"}, "material": ")" + std::string(preset.name) + "\"}"),
                     options);
         CHECK(options.pattern.kind == fracture::PatternKind::grid);
         CHECK(options.material == preset.name);
@@ -153,10 +139,10 @@ TEST_CASE("recipe: a material says how it breaks, and the pattern outdoes it") {
 TEST_CASE("recipe: listed sites are the sites, and another pattern forgets them") {
     const Folder folder;
     FractureOptions options = points();
-    read_recipe(folder.write(recipe_json(listed())), options);
+    read_recipe(folder.write("recipe.json", recipe_json(listed())), options);
     CHECK(options.sites_file.empty());
     CHECK(sites_for(options, fracture::cube()).sites == listed().points);
-    read_recipe(folder.write(R"({"brittle": 1, "pattern": {"type": "uniform", "count": 7}})"), options);
+    read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "uniform", "count": 7}})"), options);
     CHECK(options.points.empty());
     CHECK(sites_for(options, fracture::cube()).sites.size() == 7);
 }
@@ -166,7 +152,7 @@ TEST_CASE("recipe: paths count from its folder") {
     FractureOptions options;
     const std::string text =
         R"({"brittle": 1, "mesh": "meshes/a.obj", "pattern": {"type": "points", "file": "../sites.txt"}})";
-    read_recipe(folder.write(text), options);
+    read_recipe(folder.write("recipe.json", text), options);
     CHECK(options.mesh == (folder.path / "meshes/a.obj").string());
     CHECK(options.sites_file == (folder.path.parent_path() / "sites.txt").string());
     options.mesh = fs::proximate(folder.path / "b.obj").string();

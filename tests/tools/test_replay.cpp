@@ -11,8 +11,8 @@
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
-#include <unistd.h>
 
+#include "tests/tools/support.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/input.h"
 #include "tools/brittle/recipe.h"
@@ -25,24 +25,10 @@
 
 using namespace brittle;
 using namespace brittle::tools;
+using namespace brittle::tools::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-class Folder {
-  public:
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "brittle-replay-XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ~Folder() { fs::remove_all(path); }
-    [[nodiscard]] fs::path write(const std::string& text) const {
-        std::ofstream(path / "run.log", std::ios::binary) << text;
-        return path / "run.log";
-    }
-    fs::path path;
-};
 
 std::string content(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -394,7 +380,7 @@ TEST_CASE("replay: nothing started, nothing written; a folder that is not there 
 TEST_CASE("replay: damaged logs are refused with line and field") {
     const Folder folder;
     CHECK(message_of(folder.path / "none.log").find("cannot be read") != std::string::npos);
-    CHECK(message_of(folder.write("")).find("empty") != std::string::npos);
+    CHECK(message_of(folder.write("run.log", "")).find("empty") != std::string::npos);
     const FractureOptions options = wall_options();
     recorded(options, broken(options), 2, {{1, Shoot{}}}, folder.path / "good.log");
     std::vector<std::string> lines; // header, state 0, state 1, action, state 2, end
@@ -411,7 +397,7 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
             }
             text += one;
         }
-        return message_of(folder.write(text));
+        return message_of(folder.write("run.log", text));
     };
     struct Case {
         size_t line;
@@ -449,9 +435,9 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
         CAPTURE(message);
         CHECK(message.find(c.message) != std::string::npos);
     }
-    CHECK(message_of(folder.write(lines[0])).find("has no end; it was cut after line 1")
+    CHECK(message_of(folder.write("run.log", lines[0])).find("has no end; it was cut after line 1")
           != std::string::npos);
-    CHECK(message_of(folder.write(std::string(100'000, '['))).find("nested too deeply") != std::string::npos);
+    CHECK(message_of(folder.write("run.log", std::string(100'000, '['))).find("nested too deeply") != std::string::npos);
 }
 
 TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused") {
@@ -461,14 +447,14 @@ TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused"
              folder.path / "good.log");
     const std::string good = content(folder.path / "good.log");
     for (size_t size = 0; size + 1 < good.size(); size += 7)
-        CHECK(!message_of(folder.write(good.substr(0, size))).empty());
+        CHECK(!message_of(folder.write("run.log", good.substr(0, size))).empty());
     std::mt19937 random(5);
     int refused = 0;
     for (int k = 0; k < 500; ++k) {
         std::string text = good;
         for (uint32_t n = 1 + random() % 4; n > 0; --n)
             text[random() % text.size()] = static_cast<char>(random() % 256);
-        const std::string message = message_of(folder.write(text));
+        const std::string message = message_of(folder.write("run.log", text));
         if (!message.empty()) ++refused;
         if (!message.empty()) CHECK(message.find("run.log") != std::string::npos);
     }

@@ -9,27 +9,18 @@
 #include <vector>
 
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include "engine/core/bitmap.h"
 #include "tests/engine/support.h"
+#include "tests/tools/support.h"
 #include "tools/brittle/recipe.h"
 
 namespace fs = std::filesystem;
 using namespace brittle::engine;
 using namespace brittle::engine::test;
+using brittle::tools::test::Folder;
 
 namespace {
-
-class Folder {
-  public:
-    Folder() {
-        path = (fs::temp_directory_path() / "brittle-scenes-XXXXXX").string();
-        REQUIRE(mkdtemp(path.data()) != nullptr);
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string path;
-};
 
 std::vector<fs::path> scenes() {
     std::vector<fs::path> files;
@@ -40,9 +31,9 @@ std::vector<fs::path> scenes() {
     return files;
 }
 
-void render(const fs::path& scene, const std::string& options, const std::string& folder) {
+void render(const fs::path& scene, const std::string& options, const Folder& folder) {
     const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene.string()
-                                + " --size 480x300 --device cpu --validation " + options + " > " + folder + "/log 2>&1";
+                                + " --size 480x300 --device cpu --validation " + options + " > " + folder / "log" + " 2>&1";
     REQUIRE(std::system(command.c_str()) == 0);
 }
 
@@ -55,12 +46,12 @@ TEST_CASE("every scene looks as it did") {
     for (const fs::path& scene : scenes()) {
         const std::string name = scene.stem().string();
         CAPTURE(name);
-        const std::string file = folder.path + "/" + name + ".png";
-        const std::string log = folder.path + "/" + name + ".log";
+        const std::string file = folder / (name + ".png");
+        const std::string log = folder / (name + ".log");
         brittle::tools::FractureOptions options;
         brittle::tools::read_recipe(scene, options);
         const bool whole = options.picture.whole || options.picture.planes > 0; // nothing moves
-        render(scene, "-o " + file + (whole ? "" : " --record " + log), folder.path);
+        render(scene, "-o " + file + (whole ? "" : " --record " + log), folder);
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
         continue; // other code, other roundings: what falls lies elsewhere
 #endif
@@ -81,8 +72,8 @@ TEST_CASE("every pixel of every scene shows the piece that it did, until somethi
     for (const fs::path& scene : scenes()) {
         const std::string name = scene.stem().string();
         CAPTURE(name);
-        const std::string file = folder.path + "/" + name + "_ids.png";
-        render(scene, "--frames 0 -o " + folder.path + "/picture.png --ids " + file, folder.path);
+        const std::string file = folder / (name + "_ids.png");
+        render(scene, "--frames 0 -o " + folder / "picture.png" + " --ids " + file, folder);
         const auto ids = read_png(file);
         REQUIRE(ids);
         const GoldenCheck check = check_golden(*ids, name + ".ids", exact, golden_folder() + "/scenes");

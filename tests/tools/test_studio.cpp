@@ -10,9 +10,9 @@
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
-#include <unistd.h>
 
 #include "fracture/certificate.h"
+#include "tests/tools/support.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/stage.h"
 #include "tools/brittle/studio/frame_times.h"
@@ -27,20 +27,10 @@
 
 using namespace brittle;
 using namespace brittle::tools;
+using namespace brittle::tools::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-class Folder {
-  public:
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "brittle-studio-XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ~Folder() { fs::remove_all(path); }
-    fs::path path;
-};
 
 FractureOptions options_of(const std::string& mesh) {
     FractureOptions options;
