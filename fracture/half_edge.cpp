@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "fracture/union_find.h"
+
 namespace brittle::fracture {
 
 namespace {
@@ -221,15 +223,6 @@ TriangleMesh split_fans(const TriangleMesh& mesh) {
     const size_t corner_count = 3 * mesh.triangles.size();
     std::vector<uint32_t> parent(corner_count);
     std::iota(parent.begin(), parent.end(), 0u);
-    auto root = [&](uint32_t corner) {
-        while (parent[corner] != corner) corner = parent[corner] = parent[parent[corner]];
-        return corner;
-    };
-    auto unite = [&](uint32_t a, uint32_t b) {
-        a = root(a);
-        b = root(b);
-        parent[std::max(a, b)] = std::min(a, b);
-    };
 
     struct Use { // of an undirected edge by the triangle of `corner`, whose edge begins there
         uint32_t low, high, corner;
@@ -253,15 +246,15 @@ TriangleMesh split_fans(const TriangleMesh& mesh) {
         const Use& a = uses[i];
         const Use& b = uses[i + 1];
         if (a.low != b.low || a.high != b.high || a.forward == b.forward) continue;
-        unite(a.corner, corner_after(b.corner));
-        unite(corner_after(a.corner), b.corner);
+        unite(parent, a.corner, corner_after(b.corner));
+        unite(parent, corner_after(a.corner), b.corner);
     }
 
     TriangleMesh split = mesh;
     std::vector<uint32_t> copy(corner_count, no_index); // per root
     std::vector<bool> taken(mesh.positions.size(), false);
     for (uint32_t corner = 0; corner < corner_count; ++corner) {
-        const uint32_t fan = root(corner);
+        const uint32_t fan = root_of(parent, corner);
         const uint32_t vertex = vertex_at(corner);
         if (copy[fan] == no_index) {
             copy[fan] = taken[vertex] ? static_cast<uint32_t>(split.positions.size()) : vertex;

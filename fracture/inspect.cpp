@@ -14,6 +14,7 @@
 #include "fracture/intersections.h"
 #include "fracture/plane_predicates.h"
 #include "fracture/thickness.h"
+#include "fracture/union_find.h"
 
 namespace brittle::fracture {
 
@@ -82,11 +83,6 @@ std::vector<Edge> sorted_edges(const TriangleMesh& mesh) {
     return edges;
 }
 
-uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-}
-
 void find_rims_and_components(const TriangleMesh& mesh, size_t most_places, Inspection& out) {
     const auto component = triangle_components(mesh.positions.size(), mesh.triangles);
     std::vector<uint32_t> of_vertex(mesh.positions.size(), 0);
@@ -117,8 +113,7 @@ void find_rims_and_components(const TriangleMesh& mesh, size_t most_places, Insp
         if (end - begin != 2 || forward != 1) out.components[of_vertex[edges[begin].low]].closed = false;
         if (end - begin != 1) continue;
         open.push_back(edges[begin]);
-        const uint32_t a = root_of(parent, edges[begin].low), b = root_of(parent, edges[begin].high);
-        parent[std::max(a, b)] = std::min(a, b);
+        unite(parent, edges[begin].low, edges[begin].high);
     }
     std::map<uint32_t, Inspection::Rim> rims;
     for (const Edge& edge : open) {

@@ -14,6 +14,7 @@
 
 #include "fracture/cap_pairs.h"
 #include "fracture/sewing.h"
+#include "fracture/union_find.h"
 
 namespace brittle::fracture {
 
@@ -24,14 +25,6 @@ constexpr uint32_t none = CapPairs::none;
 // Up to rounding.
 constexpr double whole_side = 1.0 - 1e-6;
 constexpr double touching = 1e-9;
-
-uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
-    while (parent[v] != v) {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
 
 // Sets of pieces, with volumes and contacts.
 class PieceSets {

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/merge.h"
+#include "fracture/union_find.h"
 
 namespace brittle::fracture {
 
@@ -18,14 +19,6 @@ namespace {
 
 constexpr uint32_t none = CapPairs::none;
 constexpr uint32_t first_cut_point = 1u << 30; // see Fragments::vertex_point
-
-uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
-    while (parent[v] != v) {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
 
 double distance2_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
                              const glm::dvec3& c) {

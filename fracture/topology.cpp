@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "fracture/union_find.h"
+
 namespace brittle::fracture {
 namespace {
 
@@ -72,25 +74,6 @@ bool is_one_closed_fan(std::span<Corner> fan) {
         std::swap(fan[placed], fan[found]);
     }
     return fan.back().prev == first;
-}
-
-uint32_t find_root(std::vector<uint32_t>& parent, uint32_t x) {
-    while (parent[x] != x) {
-        parent[x] = parent[parent[x]];
-        x = parent[x];
-    }
-    return x;
-}
-
-// The smaller index becomes the root, so that the forest does not depend on the order of the unions.
-void unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b) {
-    a = find_root(parent, a);
-    b = find_root(parent, b);
-    if (a < b) {
-        parent[b] = a;
-    } else {
-        parent[a] = b;
-    }
 }
 
 std::vector<uint32_t> connect_vertices(size_t vertex_count, std::span<const Triangle> triangles) {
@@ -262,7 +245,7 @@ std::vector<uint32_t> triangle_components(size_t vertex_count, std::span<const T
     std::vector<uint32_t> component(triangles.size());
     uint32_t count = 0;
     for (size_t i = 0; i < triangles.size(); ++i) {
-        uint32_t& n = number[find_root(parent, triangles[i].x)];
+        uint32_t& n = number[root_of(parent, triangles[i].x)];
         if (n == unnumbered) n = count++;
         component[i] = n;
     }

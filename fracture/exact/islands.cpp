@@ -8,20 +8,13 @@
 
 #include "fracture/islands.h"
 #include "fracture/mass_properties.h"
+#include "fracture/union_find.h"
 
 namespace brittle::fracture::exact {
 
 namespace {
 
 constexpr uint32_t kLeastCells = 4;
-
-uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
-    while (parent[v] != v) {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
 
 void unite(std::vector<uint32_t>& parent, const Triangle& t) {
     const uint32_t a = root_of(parent, t.x), b = root_of(parent, t.y), c = root_of(parent, t.z);

@@ -7,6 +7,7 @@
 
 #include "fracture/mesh.h"
 #include "fracture/repair.h"
+#include "fracture/union_find.h"
 
 namespace brittle::fracture::mending {
 
@@ -66,21 +67,6 @@ class EdgeTable {
 
 [[nodiscard]] inline bool is_degenerate(const Triangle& t) {
     return t.x == t.y || t.y == t.z || t.z == t.x;
-}
-
-// The root of a forest of parents; lower indices become roots.
-[[nodiscard]] inline uint32_t root_of(std::vector<uint32_t>& parent, uint32_t x) {
-    while (parent[x] != x) x = parent[x] = parent[parent[x]];
-    return x;
-}
-
-inline void unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b) {
-    a = root_of(parent, a);
-    b = root_of(parent, b);
-    if (a < b)
-        parent[b] = a;
-    else
-        parent[a] = b;
 }
 
 } // namespace brittle::fracture::mending
