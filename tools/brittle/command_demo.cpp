@@ -32,7 +32,7 @@ struct KeyHelp {
 };
 constexpr std::array key_help{
     KeyHelp{"Space", "break the mesh and let the pieces fall"},
-    KeyHelp{"F", "fire a ball at it: its pieces hold together until they are hit"},
+    KeyHelp{"F", "fire a ball at it: it stands, and breaks where it is hit"},
     KeyHelp{"R", "reset: the unbroken mesh again"},
     KeyHelp{"P", "pause and go on"},
     KeyHelp{"D", "physics debug drawer: collision hulls in red"},
@@ -55,6 +55,7 @@ class Demo {
           stage_(renderer, input.model.mesh, command.fracture.material) {
         const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
         orbit_ = engine::OrbitCamera::around(stage_view(stage_.home_bounds()), aspect);
+        stage_.simulation().commit_as(physics::Timing::when_ready);
         show_title();
     }
 
@@ -98,7 +99,7 @@ class Demo {
         if (input.pressed('R')) {
             discard_ = breaking_.valid();
             pieces_.reset();
-            bonded_ = fire_when_cut_ = false;
+            fire_when_cut_ = false;
             stage_.reset(input_.model.mesh);
             show_title();
         }
@@ -115,15 +116,27 @@ class Demo {
 
     void start_breaking() {
         if (breaking_.valid() || stage_.broken()) return;
-        breaking_ = std::async(std::launch::async, [this] {
-            return break_input(input_, command_.fracture, {}, choice_.classifier.get(), [this] { return closing_.load(); });
+        breaking_ = std::async(std::launch::async, [this, options = next_break()] {
+            Broken broken =
+                break_input(input_, options, {}, choice_.classifier.get(), [this] { return closing_.load(); });
+            PreparedPieces ahead = prepare_pieces(broken.fragments, options.world, options.material);
+            return Ready{std::move(broken), std::move(ahead), options.world};
         });
     }
 
-    // From the eye to where it looks. A mesh that is whole is cut first and then stands, bonded.
+    // What Space or F make of the whole mesh. F: breakable things stay whole and are cut where the ball hits, others are
+    // cut and stay bonded. Space: all of it falls apart.
+    [[nodiscard]] FractureOptions next_break() const {
+        FractureOptions options = command_.fracture;
+        if (fire_when_cut_ && !options.world.breakable) options.world.bonded = true;
+        if (!fire_when_cut_ && starts_whole(options.world)) options.world.anchored = options.world.breakable = false;
+        return options;
+    }
+
+    // From the eye to where it looks.
     void fire() {
         if (!stage_.broken()) {
-            bonded_ = fire_when_cut_ = true;
+            fire_when_cut_ = true;
             start_breaking();
             return;
         }
@@ -135,18 +148,11 @@ class Demo {
     // Puts the pieces on the stage when the worker is done with them.
     void take_pieces() {
         if (!breaking_.valid() || breaking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-        Broken broken = breaking_.get();
+        Ready ready = breaking_.get();
         if (std::exchange(discard_, false)) return;
-        const WorldOptions& world = command_.fracture.world;
-        if (bonded_ || world.bonded || world.anchored) {
-            WorldOptions options = world;
-            options.bonded = true;
-            stage_.stand(broken.fragments, options);
-        } else {
-            stage_.shatter(broken.fragments);
-        }
+        stage_.stand(ready.broken.fragments, ready.world, std::move(ready.ahead));
         if (std::exchange(fire_when_cut_, false)) fire();
-        pieces_ = {broken.certificate, broken.milliseconds};
+        pieces_ = {ready.broken.certificate, ready.broken.milliseconds};
         show_title();
     }
 
@@ -188,6 +194,11 @@ class Demo {
         ImGui::End();
     }
 
+    struct Ready {
+        Broken broken;
+        PreparedPieces ahead;
+        WorldOptions world;
+    };
     struct Pieces {
         fracture::Certificate certificate;
         double milliseconds;
@@ -202,12 +213,11 @@ class Demo {
     Stage stage_;
     engine::OrbitCamera orbit_;
     std::atomic<bool> closing_ = false; // the worker reads it
-    std::future<Broken> breaking_;
+    std::future<Ready> breaking_;
     std::optional<Pieces> pieces_;
     double smoothed_seconds_ = 1.0 / 60.0;
     bool discard_ = false; // R was pressed while the worker was busy
-    bool bonded_ = false;        // F was pressed before Space
-    bool fire_when_cut_ = false; // and the worker is busy
+    bool fire_when_cut_ = false; // F was pressed before Space, and the worker is busy
     bool paused_ = false;
     bool hulls_ = false;
     bool sites_ = false;

@@ -56,8 +56,8 @@ void use_material(const std::string& name, FractureOptions& options);
 
 [[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
 
-// Fractures with `progress` called, `classifier` asked, `cancelled` watched and `work_log` filled as in
-// fracture::Settings; Ctrl+C cancels in any case.
+// Fractures, or leaves the mesh in one piece where options.world starts whole. With `progress` called, `classifier` asked,
+// `cancelled` watched and `work_log` filled as in fracture::Settings; Ctrl+C cancels in any case.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
                                  const std::function<void(double)>& progress = {},
                                  fracture::Classifier* classifier = nullptr,
