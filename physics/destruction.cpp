@@ -108,8 +108,18 @@ Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableD
 }
 
 Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
-                                  const BreakableDesc& pieces) {
-    Result<Structure> made = Structure::create(world, fragments, structure);
+                                  const BreakableDesc& pieces, std::span<const SolidPtr> solids) {
+    std::vector<SolidPtr> own;
+    if (solids.empty()) {
+        Result<std::vector<SolidPtr>> made = solids_of(fragments, pieces.solid, false, pieces.solid.threads);
+        if (!made) return made.error();
+        solids = own = std::move(*made);
+    }
+    assert(solids.size() == fragments.pieces.size());
+    StructureDesc desc = structure;
+    if (desc.hulls.empty())
+        for (const SolidPtr& solid : solids) desc.hulls.push_back(solid->parts[0].hull);
+    Result<Structure> made = Structure::create(world, fragments, desc);
     if (!made) return made.error();
     const ObjectId id{next_object_++};
     Object& object = objects_[id];
@@ -118,7 +128,7 @@ Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragm
     const uint64_t seed = seed_of(pieces.pattern.seed, id.value);
     for (uint32_t i = 0; i < fragments.pieces.size(); ++i)
         object.bonded.push_back(register_piece({.object = id,
-                                                .solid = solid_of(fragments, fragments.pieces[i], pieces.solid),
+                                                .solid = solids[i],
                                                 .seed = seed_of(seed, i),
                                                 .bonded = i,
                                                 .born = world.steps_taken()}));
@@ -153,7 +163,7 @@ std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece, 
     const BodyId body = body_of(piece);
     if (!world.contains(body)) return std::nullopt;
     Pose pose = world.pose(body);
-    if (alpha < 1.0f) {
+    if (alpha < 1.0f && world.last_moved_step(body) == world.steps_taken()) {
         const Pose before = world.previous_pose(body);
         pose = {glm::mix(before.position, pose.position, alpha), glm::slerp(before.orientation, pose.orientation, alpha)};
     }
@@ -559,12 +569,34 @@ DestructionEvents Destruction::take_events() {
     return events;
 }
 
-size_t Destruction::write_poses(const World& world, std::span<Pose> out, float alpha) const {
+void Destruction::visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const {
     for (const auto& [id, piece] : pieces_) {
-        if (piece.slot >= out.size()) continue;
-        if (const std::optional<Pose> pose = pose_of(world, piece, alpha)) out[piece.slot] = *pose;
+        const BodyId body = body_of(piece);
+        if (!world.contains(body) || world.last_moved_step(body) < since) continue;
+        visit(piece.slot, *pose_of(world, piece, alpha));
     }
+}
+
+size_t Destruction::write_poses(const World& world, std::span<Pose> out, float alpha) const {
+    visit_poses(world, alpha, 0, [&](uint32_t slot, const Pose& pose) {
+        if (slot < out.size()) out[slot] = pose;
+    });
     return slot_count_;
+}
+
+Structure* Destruction::structure(ObjectId object) {
+    const auto at = objects_.find(object);
+    return at == objects_.end() ? nullptr : at->second.structure.get();
+}
+
+const Structure* Destruction::structure(ObjectId object) const {
+    const auto at = objects_.find(object);
+    return at == objects_.end() ? nullptr : at->second.structure.get();
+}
+
+std::optional<uint32_t> Destruction::bonded(PieceId piece) const {
+    const uint32_t index = pieces_.at(piece).bonded;
+    return index == none ? std::nullopt : std::optional(index);
 }
 
 std::vector<PieceId> Destruction::pieces() const {

@@ -131,9 +131,10 @@ class Destruction {
     Result<ObjectId> add(World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc);
     Result<ObjectId> add(World& world, SolidPtr whole, const BreakableDesc& desc);
     // Bonded pieces. Fails as Structure::create() does; `structure` holds for how they hold together, `pieces` for how they
-    // break themselves. The parts of a broken piece are anchored by pieces.solid.anchors alone.
+    // break themselves. The parts of a broken piece are anchored by pieces.solid.anchors alone. Where solids_of() was
+    // called ahead, its result, one a piece; their hulls are then the structure's.
     Result<ObjectId> add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
-                         const BreakableDesc& pieces);
+                         const BreakableDesc& pieces, std::span<const SolidPtr> solids = {});
     // Takes an object out with all its pieces, and calls its jobs off.
     void remove(World& world, ObjectId object);
 
@@ -150,6 +151,10 @@ class Destruction {
     // Which pieces someone sees: centre and radius, m. None set: all.
     void set_view(std::function<bool(const glm::vec3&, float)> visible) { visible_ = std::move(visible); }
 
+    // Of each piece, in the order of PieceId: its slot and its pose as below. Those that have not moved since a step are
+    // left out, as by World::write_transforms().
+    using PoseVisitor = std::function<void(uint32_t slot, const Pose& pose)>;
+    void visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const;
     // Poses of centres of mass by slot, interpolated as World::write_transforms(); axes are those of the object. Free slots
     // are left as they are. Writes those that fit and returns how many slots there are.
     size_t write_poses(const World& world, std::span<Pose> out, float alpha = 1.0f) const;
@@ -162,6 +167,12 @@ class Destruction {
     [[nodiscard]] uint32_t depth(PieceId piece) const { return pieces_.at(piece).depth; }
     [[nodiscard]] ObjectId object(PieceId piece) const { return pieces_.at(piece).object; }
     [[nodiscard]] BodyId body(PieceId piece) const { return body_of(pieces_.at(piece)); } // none once someone else removed it
+    [[nodiscard]] PieceId next_piece() const { return {next_piece_}; } // all that have been are below
+    // Of bonded pieces, or null: for blows by hand to their bonds. Its pieces are those with the object's first numbers.
+    [[nodiscard]] Structure* structure(ObjectId object);
+    [[nodiscard]] const Structure* structure(ObjectId object) const;
+    // Which piece of its structure it is; nothing for one that is in none.
+    [[nodiscard]] std::optional<uint32_t> bonded(PieceId piece) const;
     [[nodiscard]] size_t jobs_in_flight() const { return jobs_.size(); }
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
 

@@ -56,6 +56,16 @@ void finish(SolidPiece& solid, const SolidSettings& settings) {
     solid.bearable = bearable_impulse(settings.material, solid.mass.volume, fracture::bounds(solid.mesh));
     solid.anchored = held(settings.anchors, positions, solid.mesh.triangles);
     solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
+    if (settings.look) solid.look = settings.look(solid);
+}
+
+Result<void> check(const SolidSettings& settings) {
+    if (std::string fault = fault_of(settings.material); !fault.empty())
+        return Error{Status::invalid_setting, std::move(fault)};
+    if (!(settings.min_size > 0.0) || !std::isfinite(settings.min_size))
+        return Error{Status::invalid_setting, "the least size of a piece is " + std::to_string(settings.min_size)
+                                                  + " m; it must be positive"};
+    return {};
 }
 
 // Exterior are the parts of what was exterior in the solid: cuts of before stay interior.
@@ -119,11 +129,7 @@ double bearable_impulse(const Material& material, double volume, const Box& box)
 }
 
 Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSettings& settings) {
-    if (std::string fault = fault_of(settings.material); !fault.empty())
-        return Error{Status::invalid_setting, std::move(fault)};
-    if (!(settings.min_size > 0.0) || !std::isfinite(settings.min_size))
-        return Error{Status::invalid_setting, "the least size of a piece is " + std::to_string(settings.min_size)
-                                                  + " m; it must be positive"};
+    if (const Result<void> valid = check(settings); !valid) return valid.error();
     // One cell: the front door's checks, and the mesh as pieces have it, solids that touch in a vertex apart.
     const glm::dvec3 site = fracture::bounds(mesh).centre();
     const Result<Fragments> whole = fracture::fracture(mesh, {&site, 1}, {.threads = settings.threads, .groups = {0}});
@@ -178,7 +184,10 @@ Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<con
     return pieces;
 }
 
-SolidPtr solid_of(const Fragments& fragments, const Piece& piece, const SolidSettings& settings) {
+namespace {
+
+// Without parts.
+SolidPiece copy_of(const Fragments& fragments, const Piece& piece, const SolidSettings& settings) {
     SolidPiece solid;
     const auto positions = fragments.positions_of(piece);
     const auto triangles = fragments.triangles_of(piece);
@@ -188,9 +197,37 @@ SolidPtr solid_of(const Fragments& fragments, const Piece& piece, const SolidSet
     solid.source.assign(source, source + piece.exterior_triangles);
     solid.mass = piece.mass;
     finish(solid, settings);
+    return solid;
+}
+
+} // namespace
+
+SolidPtr solid_of(const Fragments& fragments, const Piece& piece, const SolidSettings& settings) {
+    SolidPiece solid = copy_of(fragments, piece, settings);
     solid.parts.push_back({std::make_shared<const CollisionHull>(
-        collision_hull(positions, piece.mass.centre_of_mass, settings.parts.hull))});
+        collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, settings.parts.hull))});
     return std::make_shared<const SolidPiece>(std::move(solid));
+}
+
+Result<std::vector<SolidPtr>> solids_of(const Fragments& fragments, const SolidSettings& settings, bool hollow,
+                                        uint32_t threads) {
+    if (const Result<void> valid = check(settings); !valid) return valid.error();
+    std::vector<SolidPtr> solids(fragments.pieces.size());
+    fracture::Threads pool(threads);
+    pool.for_chunks(static_cast<uint32_t>(solids.size()), 4, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            const Piece& piece = fragments.pieces[i];
+            if (!hollow) {
+                solids[i] = solid_of(fragments, piece, settings);
+                continue;
+            }
+            SolidPiece solid = copy_of(fragments, piece, settings);
+            solid.parts = convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece),
+                                       piece.mass.volume, piece.mass.centre_of_mass, settings.parts);
+            solids[i] = std::make_shared<const SolidPiece>(std::move(solid));
+        }
+    });
+    return solids;
 }
 
 glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& point) {

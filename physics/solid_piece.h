@@ -26,6 +26,8 @@
 
 namespace brittle::physics {
 
+struct SolidPiece;
+
 struct SolidSettings {
     Material material{};
     // m, cube root of volume: no smaller piece is made but where it hangs together with nothing, and what is smaller than
@@ -35,6 +37,9 @@ struct SolidSettings {
     std::vector<fracture::Box> anchors{};
     ConvexPartSettings parts{};
     uint32_t threads = 1; // of one fracture
+    // What else is wanted of each piece, such as what a renderer uploads: made on the thread that makes the piece, when
+    // all but its parts is there, and kept as SolidPiece::look. May be called on several threads at once.
+    std::function<std::shared_ptr<void>(const SolidPiece&)> look{};
 };
 
 struct SolidPiece {
@@ -49,6 +54,7 @@ struct SolidPiece {
     double bearable = 0.0;               // N s; a blow above it breaks the piece: see bearable_impulse()
     bool anchored = false;
     bool breakable = false;
+    std::shared_ptr<void> look{};        // what SolidSettings::look made; belongs to who set that
 };
 
 using SolidPtr = std::shared_ptr<const SolidPiece>;
@@ -74,6 +80,11 @@ using SolidPtr = std::shared_ptr<const SolidPiece>;
 // A piece of a fracture as it is, with one collision hull; source triangles are those of the fracture's input.
 [[nodiscard]] SolidPtr solid_of(const fracture::Fragments& fragments, const fracture::Piece& piece,
                                 const SolidSettings& settings);
+// All of them, made side by side on so many threads (0: one a core). `hollow`: with as many collision hulls as their
+// shape asks for, as an unbroken object has. Fails as make_solid() does on settings that are none.
+[[nodiscard]] fracture::Result<std::vector<SolidPtr>> solids_of(const fracture::Fragments& fragments,
+                                                                const SolidSettings& settings, bool hollow,
+                                                                uint32_t threads = 0);
 
 // The point of a mesh's surface that is nearest to a point; the point itself for a mesh without triangles.
 [[nodiscard]] glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& point);

@@ -154,7 +154,6 @@ Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& is
     body.pieces = island;
     const auto index = static_cast<uint32_t>(bodies_.size());
     for (const uint32_t piece : island) pieces_[piece].body = index;
-    body_of_id_.resize(std::max<size_t>(body_of_id_.size(), body.id.value + size_t{1}), none);
     body_of_id_[body.id.value] = index;
     bodies_.push_back(std::move(body));
     dirty_.push_back(0);
@@ -171,9 +170,15 @@ Structure::Motion Structure::motion_of(const World& world, const BodyState& body
             world.angular_velocity(body.id), body.centre};
 }
 
+uint32_t Structure::index_of(BodyId body) const {
+    const auto at = body_of_id_.find(body.value);
+    return at == body_of_id_.end() ? none : at->second;
+}
+
 uint32_t Structure::piece_at(BodyId body, uint32_t part) const {
-    if (body.value >= body_of_id_.size() || body_of_id_[body.value] == none) return none;
-    const std::vector<uint32_t>& pieces = bodies_[body_of_id_[body.value]].pieces;
+    const uint32_t index = index_of(body);
+    if (index == none) return none;
+    const std::vector<uint32_t>& pieces = bodies_[index].pieces;
     return part < pieces.size() ? pieces[part] : none;
 }
 
@@ -338,7 +343,7 @@ void Structure::split(World& world) {
         const BodyId old = bodies_[index].id;
         world.remove_body(old);
         changes_.removed.push_back(old);
-        body_of_id_[old.value] = none;
+        body_of_id_.erase(old.value);
         bodies_[index].id = {};
         for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
         for (const std::vector<uint32_t>& island : islands) {
@@ -370,7 +375,7 @@ std::vector<Contact> Structure::contacts_to_take_back(const World& world,
     std::vector<Contact> contacts;
     if (!contacts_due_) return contacts;
     const auto breaks = [&](BodyId id) {
-        const uint32_t body = id.value < body_of_id_.size() ? body_of_id_[id.value] : none;
+        const uint32_t body = index_of(id);
         return body != none && breaking[body];
     };
     std::vector<BodyId> hit, pressed; // breaking bodies with a blow; moving bodies that must be left alone
@@ -413,7 +418,7 @@ std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) 
         motion.linear - glm::vec3(glm::cross(glm::dvec3(motion.angular), turned(motion.pose, motion.centre)));
     placed.angular_velocity = motion.angular;
     world.remove_body(bodies_[index].id);
-    body_of_id_[bodies_[index].id.value] = none;
+    body_of_id_.erase(bodies_[index].id.value);
     bodies_[index].id = {};
     bodies_[index].pieces.clear();
     pieces_[piece].body = none;
@@ -448,6 +453,13 @@ std::vector<BodyId> Structure::bodies() const {
 size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha,
                                          uint64_t since) const {
     const size_t count = std::min(out.size(), pieces_.size());
+    visit_poses(world, alpha, since, [&](uint32_t piece, const Pose& pose) {
+        if (piece < count) out[piece] = pose;
+    });
+    return count;
+}
+
+void Structure::visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const {
     for (const BodyState& body : bodies_) {
         if (body.pieces.empty() || !world.contains(body.id) || world.last_moved_step(body.id) < since) continue;
         Pose pose = world.pose(body.id);
@@ -456,10 +468,8 @@ size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out
             pose = {glm::mix(before.position, pose.position, alpha),
                     glm::slerp(before.orientation, pose.orientation, alpha)};
         }
-        for (const uint32_t piece : body.pieces)
-            if (piece < count) out[piece] = moved(pose, pieces_[piece].centre - body.centre);
+        for (const uint32_t piece : body.pieces) visit(piece, moved(pose, pieces_[piece].centre - body.centre));
     }
-    return count;
 }
 
 } // namespace brittle::physics

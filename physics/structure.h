@@ -34,6 +34,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include <glm/mat3x3.hpp>
@@ -132,6 +133,9 @@ class Structure {
     // World::write_transforms(). Those of pieces that are gone, or that have not moved since a step, are
     // left as they are. Writes as many as fit and returns how many that are.
     size_t write_piece_transforms(const World& world, std::span<Pose> out, float alpha = 1.0f, uint64_t since = 0) const;
+    // The same, handed over one by one with the piece.
+    using PoseVisitor = std::function<void(uint32_t piece, const Pose& pose)>;
+    void visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const;
 
   private:
     struct PieceState {
@@ -162,6 +166,7 @@ class Structure {
     [[nodiscard]] Motion motion_of(const World& world, const BodyState& body) const;
     Result<void> add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion);
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;
+    [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
     // The piece of ours that a contact's side names, or none.
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] std::vector<Impact> find_blows(const World& world) const;
@@ -177,7 +182,7 @@ class Structure {
     std::vector<NodeLoad> weights_, pushes_; // scratch of one update
     std::vector<PieceState> pieces_;
     std::vector<BodyState> bodies_;
-    std::vector<uint32_t> body_of_id_; // by BodyId::value; none for bodies that are not ours
+    std::unordered_map<uint32_t, uint32_t> body_of_id_; // by BodyId::value, of our bodies; looked up only
     std::vector<uint8_t> dirty_;       // by body: may have come apart
     uint64_t steps_seen_ = 0;          // of the world: contacts of a step are taken up once
     bool contacts_due_ = false;        // in the current update

@@ -59,7 +59,7 @@ const WorldSettings& World::settings() const {
 
 Result<BodyId> World::add_body(const BodyDesc& desc) {
     const auto refused = [this](const std::string& fault) {
-        return bad_setting(text("body ", impl_->order_of_id.size(), " cannot be added: ", fault));
+        return bad_setting(text("body ", impl_->next_id, " cannot be added: ", fault));
     };
     if (const std::string fault = fault_of(desc); !fault.empty()) return refused(fault);
     fracture::PrincipalAxes principal;
@@ -70,7 +70,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     }
 
     auto body = std::make_unique<BodyRecord>();
-    body->id = {static_cast<uint32_t>(impl_->order_of_id.size())};
+    body->id = {impl_->next_id};
     body->to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
     body->moments = principal.moments;
     body->mass = desc.mass;
@@ -111,7 +111,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
         !desc.fixed && longest_extent(*body->collision_shape()) < impl_->settings.debris_size * bullet_units;
     impl_->engine->world->addRigidBody(body->rigid.get(), group_of(desc.fixed, debris),
                                        partners_of(desc.fixed, debris));
-    impl_->order_of_id.push_back(static_cast<uint32_t>(impl_->bodies.size()));
+    ++impl_->next_id;
     impl_->ids.push_back(body->id);
     impl_->bodies.push_back(std::move(body));
     return impl_->ids.back();
@@ -131,20 +131,15 @@ bool World::remove_body(BodyId id) {
             impl_->wake(*impl_->bodies[static_cast<size_t>(other->getUserIndex())]);
     }
     impl_->engine->world->removeRigidBody(body->rigid.get());
-    const size_t order = impl_->order_of_id[id.value];
+    const auto order = static_cast<size_t>(body->rigid->getUserIndex());
     impl_->bodies.erase(impl_->bodies.begin() + static_cast<std::ptrdiff_t>(order));
     impl_->ids.erase(impl_->ids.begin() + static_cast<std::ptrdiff_t>(order));
-    impl_->order_of_id[id.value] = UINT32_MAX;
-    for (size_t i = order; i < impl_->bodies.size(); ++i) {
-        impl_->bodies[i]->rigid->setUserIndex(static_cast<int>(i));
-        impl_->order_of_id[impl_->ids[i].value] = static_cast<uint32_t>(i);
-    }
+    for (size_t i = order; i < impl_->bodies.size(); ++i) impl_->bodies[i]->rigid->setUserIndex(static_cast<int>(i));
     return true;
 }
 
 void World::clear() {
     impl_->drop_bodies();
-    std::fill(impl_->order_of_id.begin(), impl_->order_of_id.end(), UINT32_MAX);
     impl_->shared_shapes.clear();
     impl_->pending_seconds = 0.0;
     impl_->steps = 0;

@@ -1,6 +1,7 @@
 #include "engine/render/piece_batch.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -66,6 +67,20 @@ Result<PieceBatch> PieceBatch::create(std::span<const PieceMesh> pieces) {
     batch.indices_.reserve(3 * triangles);
     for (const PieceMesh& piece : pieces) batch.add(piece);
     return batch;
+}
+
+void PieceBatch::append(const PieceBatch& other, uint32_t body, const glm::vec3& tint) {
+    assert(positions_.size() + other.positions_.size() <= std::numeric_limits<int32_t>::max());
+    for (Piece piece : other.pieces_) {
+        piece.first_vertex += static_cast<uint32_t>(positions_.size());
+        piece.first_index += static_cast<uint32_t>(indices_.size());
+        piece.body = body;
+        piece.tint = glm::packUnorm4x8(glm::vec4(tint, 0.0f));
+        pieces_.push_back(piece);
+    }
+    positions_.insert(positions_.end(), other.positions_.begin(), other.positions_.end());
+    normals_.insert(normals_.end(), other.normals_.begin(), other.normals_.end());
+    indices_.insert(indices_.end(), other.indices_.begin(), other.indices_.end());
 }
 
 void PieceBatch::add(const PieceMesh& piece) {

@@ -43,6 +43,10 @@ class PieceBatch {
     [[nodiscard]] std::span<const glm::vec3> normals() const { return normals_; } // beside positions
     [[nodiscard]] std::span<const uint32_t> indices() const { return indices_; }
 
+    // Takes the pieces of another batch in: a copy of its arrays, whatever they cost to make. All move with `body` and
+    // have the tint. Asserts that the sum can be addressed.
+    void append(const PieceBatch& other, uint32_t body, const glm::vec3& tint);
+
   private:
     void add(const PieceMesh& piece);
 

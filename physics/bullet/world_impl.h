@@ -1,6 +1,7 @@
 // What is behind a World: its bodies in their order, and Bullet.
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <cstdint>
 #include <memory>
@@ -48,8 +49,8 @@ struct World::Impl {
     WorldSettings settings;
     std::vector<std::unique_ptr<BodyRecord>>
         bodies;                        // in body order; the rigid bodies' user index points here
-    std::vector<BodyId> ids;           // in body order
-    std::vector<uint32_t> order_of_id; // by BodyId::value; UINT32_MAX once removed
+    std::vector<BodyId> ids;           // in body order, and so ascending: they are given in that order
+    uint32_t next_id = 0;              // never goes back
     std::unique_ptr<Engine> engine;
     // Hulls that bodies share, by address: an entry holds its hull, so an address in here names one hull.
     std::unordered_map<const CollisionHull*, std::shared_ptr<SharedShape>> shared_shapes;
@@ -71,9 +72,10 @@ struct World::Impl {
     }
     std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
     void make_compound(BodyRecord& body, std::span<const BodyPart> parts);
+    // By halving: a table by number would grow for ever where things break again and again.
     [[nodiscard]] const BodyRecord* find(BodyId id) const {
-        if (id.value >= order_of_id.size() || order_of_id[id.value] == UINT32_MAX) return nullptr;
-        return bodies[order_of_id[id.value]].get();
+        const auto at = std::ranges::lower_bound(ids, id);
+        return at != ids.end() && *at == id ? bodies[static_cast<size_t>(at - ids.begin())].get() : nullptr;
     }
     [[nodiscard]] BodyRecord* find(BodyId id) {
         return const_cast<BodyRecord*>(std::as_const(*this).find(id));

@@ -49,6 +49,7 @@ struct Check {
     }
     void operator()(const Hammer& a) {
         piece(a.piece);
+        vector("point", a.point);
         vector("impulse", a.impulse);
     }
     void operator()(const Release& a) {

@@ -1,7 +1,8 @@
 // What a person or a script does to a simulation while it runs. An action takes effect between two steps, so
 // what follows depends on the step and not on the frame rate; replay logs hold actions (docs/replay.md).
 //
-// World coordinates of the stage: metres, kilograms, seconds. Pieces are indices into the fragments. To add a
+// World coordinates of the stage: metres, kilograms, seconds. Pieces are indices into the fragments; those that come of
+// them count on from there, in the order in which they come, and no number is used again. To add a
 // kind: a struct here, a line in fault_of(), an overload in simulation.cpp, a row in replay/action_json.cpp
 // and in the schema.
 #pragma once
@@ -39,13 +40,15 @@ struct Saw {
     double amount = 1.0;
 };
 
-// Structure::blow(): a hammer of a kilogram. It breaks bonds and moves nothing.
+// A hammer of a kilogram. It breaks bonds (Structure::blow()) and, where things are breakable, the piece itself at the
+// point of it that is nearest (Destruction::strike()); it moves nothing.
 struct Hammer {
     uint32_t piece = 0;
+    glm::dvec3 point{0.0};
     glm::dvec3 impulse{0.0}; // N s
 };
 
-// The world lets go of pieces; of all where the list is empty.
+// The world lets go of bonded pieces; of all where the list is empty.
 struct Release {
     std::vector<uint32_t> pieces;
 };

@@ -28,6 +28,7 @@ void run_steps(Simulation& simulation, const Player& player, uint64_t steps) {
 void replay(const ReplayLog& log, Player& player, const fracture::Fragments& fragments) {
     Simulation simulation(log.recipe.material);
     simulation.observe(&player);
+    follow(log, simulation);
     simulation.start(fragments, log.recipe.world);
     if (player.difference()) return;
     schedule(log, simulation);
@@ -42,6 +43,7 @@ void draw(const ReplayCommand& command, const ReplayLog& log, Player& player, co
     const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, log.recipe.material);
     stage.simulation().observe(&player);
+    follow(log, stage.simulation());
     stage.stand(fragments, log.recipe.world);
     if (player.difference()) return;
     schedule(log, stage.simulation());

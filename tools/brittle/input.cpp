@@ -145,6 +145,19 @@ Input load_input(const FractureOptions& options, bool with_looks) {
     return input;
 }
 
+namespace {
+
+// One cell: the mesh as pieces have it, each part of it that touches no other a piece.
+fracture::Result<fracture::Fragments> uncut(const Input& input, fracture::Settings settings) {
+    settings.groups = {};
+    settings.weights = {};
+    settings.classifier = nullptr;
+    const glm::dvec3 site = fracture::bounds(input.model.mesh).centre();
+    return fracture::fracture(input.model.mesh, {&site, 1}, settings);
+}
+
+} // namespace
+
 Broken break_input(const Input& input, const FractureOptions& options,
                    const std::function<void(double)>& progress, fracture::Classifier* classifier,
                    const std::function<bool()>& cancelled, fracture::WorkLog* work_log) {
@@ -159,7 +172,9 @@ Broken break_input(const Input& input, const FractureOptions& options,
                                       .cancelled = [&] { return is_interrupted() || (cancelled && cancelled()); }};
     const Stopwatch stopwatch;
     Broken broken;
-    broken.fragments = must(fracture::fracture(input.model.mesh, input.sites, settings));
+    broken.fragments = must(starts_whole(options.world)
+                                ? uncut(input, settings)
+                                : fracture::fracture(input.model.mesh, input.sites, settings));
     broken.milliseconds = stopwatch.milliseconds();
     broken.certificate = fracture::certify(input.model.mesh, broken.fragments);
     return broken;

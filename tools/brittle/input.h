@@ -72,8 +72,8 @@ void use_material(const std::string& name, FractureOptions& options);
 // --repair where that would help.
 void prepare_mesh(const FractureOptions& options, Input& input);
 
-// Fractures with `progress` called, `classifier` asked, `cancelled` watched and `work_log` filled as in
-// fracture::Settings; Ctrl+C cancels in any case.
+// Fractures, or leaves the mesh in one piece where options.world starts whole. With `progress` called, `classifier` asked,
+// `cancelled` watched and `work_log` filled as in fracture::Settings; Ctrl+C cancels in any case.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
                                  const std::function<void(double)>& progress = {},
                                  fracture::Classifier* classifier = nullptr,

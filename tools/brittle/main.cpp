@@ -182,10 +182,22 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
 
 void add_world_options(CLI::App& command, WorldOptions& world) {
     command.add_flag("--bonded", world.bonded, "Pieces hold together until blows or loads break their bonds");
-    command.add_flag("--anchored", world.anchored, "Bonded, and what stands on the ground is held by it");
+    command.add_flag("--anchored", world.anchored, "Bonded, or breakable, and what stands on the ground is held by it");
     command.add_option("--strength", world.strength,
-                       "Of the bonds between pieces, in the material's own; 0.05 is masonry laid in weak mortar")
+                       "Of bonds and breakable pieces, in the material's own; 0.05 is masonry laid in weak mortar")
         ->check(CLI::Range(1e-6, 1e6))
+        ->capture_default_str();
+    command.add_flag("--breakable", world.breakable,
+                     "Cut anew where it is hit, again and again; without --bonded it starts whole, and --anchored holds its foot");
+    command.add_option("--min-size", world.min_size, "Metres, cube root of volume; breakable things give no smaller pieces")
+        ->check(CLI::Range(1e-4, 10.0))
+        ->capture_default_str();
+    command.add_option("--blow-pieces", world.blow_pieces, "Pieces that one blow to a breakable thing makes, at most")
+        ->check(CLI::Range(2u, 1000u))
+        ->capture_default_str();
+    command.add_option("--piece-limit", world.piece_limit,
+                       "Pieces of breakable things in the world; beyond it debris fades, what is small and old first")
+        ->check(CLI::Range(1u, 1'000'000u))
         ->capture_default_str();
     command.add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")
         ->check(CLI::Range(0.0, 100.0))

@@ -80,6 +80,10 @@ Json world_json(const WorldOptions& world) {
     if (world.anchored) json["anchored"] = true;
     if (world.height != plain.height) json["height"] = world.height;
     if (world.strength != plain.strength) json["strength"] = world.strength;
+    if (world.breakable) json["breakable"] = true;
+    if (world.min_size != plain.min_size) json["min_size"] = world.min_size;
+    if (world.blow_pieces != plain.blow_pieces) json["blow_pieces"] = world.blow_pieces;
+    if (world.piece_limit != plain.piece_limit) json["piece_limit"] = world.piece_limit;
     for (const Shot& shot : world.shots)
         json["shots"].push_back({{"time", shot.time},
                                  {"from", vector_json(shot.from)},
@@ -202,6 +206,10 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     reader.flag("anchored", world.anchored);
     reader.number("height", world.height, 0.0, 100.0);
     reader.number("strength", world.strength, 1e-6, 1e6);
+    reader.flag("breakable", world.breakable);
+    reader.number("min_size", world.min_size, 1e-4, 10.0);
+    reader.whole("blow_pieces", world.blow_pieces, 2, 1000);
+    reader.whole("piece_limit", world.piece_limit, 1, 1'000'000);
     const Json* shots = reader.find("shots");
     if (!shots) return;
     if (!shots->is_array()) reader.fail("shots", "a list [{ }, ...]", *shots);

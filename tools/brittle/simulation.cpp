@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
@@ -29,14 +30,84 @@ constexpr float grab_rate = 10.0f;          // 1/s; higher: stiffer
 constexpr float grab_acceleration = 150.0f; // m/s^2; less would not hold what hangs from it in a fast hand
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
+constexpr double foot = 0.01;  // m, as anchor_to_ground(): what is anchored and reaches below is held
+constexpr double below = 1.0;  // m, how far down that goes
+constexpr double hammer = 1.0; // kg
+constexpr size_t any_number = UINT32_MAX; // pieces that are not there yet may be named
+
+physics::Material plain_material(const physics::MaterialPreset* preset) {
+    return preset ? preset->material : physics::Material{};
+}
+
+physics::Material flawed_material(const physics::MaterialPreset* preset, const WorldOptions& options) {
+    physics::Material material = plain_material(preset);
+    for (float* strength : {&material.tensile, &material.compressive, &material.shear})
+        *strength *= flawed * static_cast<float>(options.strength);
+    return material;
+}
+
+physics::StructureDesc structure_desc(const fracture::Fragments& fragments, const physics::MaterialPreset* preset,
+                                      const WorldOptions& options) {
+    physics::StructureDesc desc{.material = flawed_material(preset, options)};
+    desc.wear.strength_scale /= flawed;
+    if (options.anchored) desc.anchored = physics::anchor_to_ground(fragments);
+    return desc;
+}
+
+physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, const physics::MaterialPreset* preset,
+                                      const WorldOptions& options, const PieceLook& look) {
+    physics::BreakableDesc desc;
+    desc.solid.material = flawed_material(preset, options);
+    desc.solid.min_size = options.min_size;
+    desc.solid.look = look;
+    if (preset) desc.pattern.kind = preset->pattern.kind;
+    if (preset) desc.pattern.slenderness = preset->pattern.slenderness;
+    desc.most_pieces = options.blow_pieces;
+    if (options.anchored) {
+        fracture::Box box = fracture::bounds({fragments.positions, {}});
+        box.max.y = foot;
+        box.min.y = -below;
+        desc.solid.anchors.push_back(box);
+    }
+    return desc;
+}
+
+Pose interpolated(const physics::World& world, BodyId body, float alpha) {
+    const Pose now = world.pose(body);
+    if (alpha >= 1.0f || world.last_moved_step(body) < world.steps_taken()) return now;
+    const Pose before = world.previous_pose(body);
+    return {glm::mix(before.position, now.position, alpha), glm::slerp(before.orientation, now.orientation, alpha)};
+}
+
 } // namespace
 
-Simulation::Simulation(const std::string& material) : material_(physics::material_preset(material)) {}
+PreparedBodies prepare_bodies(const fracture::Fragments& fragments, const WorldOptions& options,
+                              const std::string& material, const PieceLook& look, uint32_t threads) {
+    PreparedBodies ahead;
+    if (options.breakable) {
+        const physics::BreakableDesc desc =
+            breakable_desc(fragments, physics::material_preset(material), options, look);
+        ahead.solids = must(physics::solids_of(fragments, desc.solid, !options.bonded, threads));
+    } else {
+        ahead.hulls = physics::collision_hulls(fragments, {}, threads);
+    }
+    return ahead;
+}
+
+Simulation::Simulation(const std::string& material, PieceLook look)
+    : material_(physics::material_preset(material)), look_(std::move(look)) {}
+
+void Simulation::commit_as(physics::Timing timing, std::vector<physics::Commit> script) {
+    timing_ = timing;
+    script_ = std::move(script);
+}
 
 void Simulation::clear() {
     world_.clear();
     structure_.reset();
     loose_.clear();
+    destruction_.reset();
+    object_ = {};
     balls_.clear();
     due_.clear();
     held_.reset();
@@ -44,17 +115,20 @@ void Simulation::clear() {
 }
 
 void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options) {
+    start(fragments, options,
+          prepare_bodies(fragments, options, std::string(material_ ? material_->name : ""), look_));
+}
+
+void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead) {
     clear();
-    physics::Material material = material_ ? material_->material : physics::Material{};
-    if (options.bonded || options.anchored) {
-        physics::StructureDesc desc{.material = material};
-        for (float* strength : {&desc.material.tensile, &desc.material.compressive, &desc.material.shear})
-            *strength *= flawed * static_cast<float>(options.strength);
-        desc.wear.strength_scale /= flawed;
-        if (options.anchored) desc.anchored = physics::anchor_to_ground(fragments);
+    if (options.breakable) {
+        start_breakable(fragments, options, ahead);
+    } else if (options.bonded || options.anchored) {
+        physics::StructureDesc desc = structure_desc(fragments, material_, options);
+        desc.hulls = std::move(ahead.hulls);
         structure_ = must(physics::Structure::create(world_, fragments, desc));
     } else {
-        loose_ = must(physics::add_pieces(world_, fragments, material));
+        loose_ = must(physics::add_pieces(world_, fragments, plain_material(material_), {}, ahead.hulls));
     }
     pieces_ = fragments.pieces.size();
     if (observer_) observer_->started(*this, fragments, options);
@@ -63,8 +137,21 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
                  Shoot{shot.from, shot.velocity, shot.radius, shot.density});
 }
 
+void Simulation::start_breakable(const fracture::Fragments& fragments, const WorldOptions& options,
+                                 PreparedBodies& ahead) {
+    destruction_.emplace(physics::DestructionSettings{.timing = timing_, .debris = {.most_pieces = options.piece_limit}});
+    destruction_->follow(script_);
+    const physics::BreakableDesc desc = breakable_desc(fragments, material_, options, look_);
+    if (options.bonded) {
+        object_ = must(destruction_->add(world_, fragments, structure_desc(fragments, material_, options), desc,
+                                         ahead.solids));
+        return;
+    }
+    for (const physics::SolidPtr& solid : ahead.solids) (void)must(destruction_->add(world_, solid, desc));
+}
+
 void Simulation::apply(const Action& action) {
-    assert(fault_of(action, pieces_).empty());
+    assert(fault_of(action, destruction_ ? any_number : pieces_).empty());
     std::visit([this](const auto& one) { act(one); }, action);
     if (observer_) observer_->acted(steps(), action);
 }
@@ -96,6 +183,10 @@ float Simulation::advance(double seconds) {
 
 void Simulation::after_step() {
     if (observer_) observer_->moved(*this);
+    if (destruction_) {
+        destruction_->update(world_);
+        if (observer_) observer_->updated(*this, {});
+    }
     if (structure_) {
         const physics::Structure::Changes& changes = structure_->update(world_);
         if (observer_) observer_->updated(*this, changes);
@@ -105,29 +196,67 @@ void Simulation::after_step() {
     act_when_due();
 }
 
+void Simulation::visit_poses(float alpha, uint64_t since, const PoseVisitor& visit) const {
+    if (destruction_) return destruction_->visit_poses(world_, alpha, since, visit);
+    if (structure_) return structure_->visit_poses(world_, alpha, since, visit);
+    for (uint32_t piece = 0; piece < loose_.size(); ++piece)
+        if (world_.contains(loose_[piece]) && world_.last_moved_step(loose_[piece]) >= since)
+            visit(piece, interpolated(world_, loose_[piece], alpha));
+}
+
 void Simulation::write_poses(std::span<Pose> out, float alpha) const {
-    if (structure_)
-        structure_->write_piece_transforms(world_, out, alpha);
-    else
-        world_.write_transforms(out.first(std::min(out.size(), pieces_)), alpha); // pieces come before balls
+    visit_poses(alpha, 0, [&](uint32_t slot, const Pose& pose) {
+        if (slot < out.size()) out[slot] = pose;
+    });
+}
+
+physics::DestructionEvents Simulation::take_events() {
+    return destruction_ ? destruction_->take_events() : physics::DestructionEvents{};
+}
+
+std::span<const physics::Commit> Simulation::commits() const {
+    return destruction_ ? destruction_->commits() : std::span<const physics::Commit>{};
+}
+
+uint32_t Simulation::number_count() const {
+    return destruction_ ? destruction_->next_piece().value : static_cast<uint32_t>(pieces_);
+}
+
+const physics::Structure* Simulation::structure() const {
+    if (destruction_) return destruction_->structure(object_);
+    return structure_ ? &*structure_ : nullptr;
+}
+
+physics::Structure* Simulation::bonded() {
+    if (destruction_) return destruction_->structure(object_);
+    return structure_ ? &*structure_ : nullptr;
 }
 
 BodyId Simulation::body_of(uint32_t piece) const {
-    const BodyId body = structure_ ? structure_->body_of(piece) : loose_[piece];
+    BodyId body;
+    if (destruction_) {
+        if (destruction_->contains({piece})) body = destruction_->body({piece});
+    } else if (piece < pieces_) {
+        body = structure_ ? structure_->body_of(piece) : loose_[piece];
+    }
     return world_.contains(body) ? body : BodyId{};
 }
 
 std::vector<uint32_t> Simulation::pieces_of(BodyId body) const {
     std::vector<uint32_t> pieces;
-    for (uint32_t piece = 0; piece < pieces_; ++piece)
+    for (uint32_t piece = 0; piece < number_count(); ++piece)
         if (body_of(piece) == body) pieces.push_back(piece);
     return pieces;
 }
 
 Pose Simulation::piece_pose(uint32_t piece) const {
     Pose pose = world_.pose(body_of(piece));
-    if (structure_) pose.position += pose.orientation * structure_->offset(piece);
+    if (is_bonded(piece)) pose.position += pose.orientation * structure()->offset(piece);
     return pose;
+}
+
+bool Simulation::is_bonded(uint32_t piece) const {
+    return destruction_ ? destruction_->contains({piece}) && destruction_->bonded({piece}) : structure_.has_value();
 }
 
 void Simulation::act(const Shoot& shot) {
@@ -145,27 +274,33 @@ void Simulation::act(const Shoot& shot) {
 }
 
 void Simulation::act(const Damage& damage) {
-    if (structure_)
-        structure_->damage(world_, glm::vec3(damage.point), static_cast<float>(damage.radius),
-                           static_cast<float>(damage.amount));
+    if (physics::Structure* structure = bonded())
+        structure->damage(world_, glm::vec3(damage.point), static_cast<float>(damage.radius),
+                          static_cast<float>(damage.amount));
 }
 
 void Simulation::act(const Saw& saw) {
-    if (structure_)
-        structure_->damage_segment(world_, glm::vec3(saw.from), glm::vec3(saw.to),
-                                   static_cast<float>(saw.radius), static_cast<float>(saw.amount));
+    if (physics::Structure* structure = bonded())
+        structure->damage_segment(world_, glm::vec3(saw.from), glm::vec3(saw.to), static_cast<float>(saw.radius),
+                                  static_cast<float>(saw.amount));
 }
 
-void Simulation::act(const Hammer& hammer) {
-    if (structure_ && body_of(hammer.piece) != BodyId{})
-        structure_->blow(world_, hammer.piece, glm::vec3(hammer.impulse));
+void Simulation::act(const Hammer& blow) {
+    if (body_of(blow.piece) == BodyId{}) return;
+    if (is_bonded(blow.piece)) bonded()->blow(world_, blow.piece, glm::vec3(blow.impulse));
+    const double impulse = glm::length(blow.impulse);
+    if (!destruction_ || !(impulse > destruction_->solid({blow.piece})->bearable)) return;
+    destruction_->strike(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
+                         0.5 * impulse * impulse / hammer);
 }
 
 void Simulation::act(const Release& release) {
-    if (!structure_) return;
+    physics::Structure* structure = bonded();
+    if (!structure) return;
     std::vector<uint32_t> pieces = release.pieces;
     for (uint32_t piece = 0; release.pieces.empty() && piece < pieces_; ++piece) pieces.push_back(piece);
-    structure_->release_anchors(pieces);
+    std::erase_if(pieces, [&](uint32_t piece) { return !is_bonded(piece); });
+    structure->release_anchors(pieces);
 }
 
 void Simulation::act(const Push& push) {

@@ -1,21 +1,25 @@
 // Pieces, bonds and balls in a world, moved in fixed steps and by actions; no window, no device. Stage draws
 // one, replay logs record and repeat one (replay/), tests run one alone.
 //
-// - Each step, in this order: the world steps, bonds break (Structure::update), what is grabbed is drawn on,
-//   the observer is told, scheduled actions of this step take effect.
+// - Each step, in this order: the world steps, bonds break (Structure::update) and what was cut anew comes
+//   (Destruction::update), what is grabbed is drawn on, the observer is told, scheduled actions of this step take
+//   effect.
 // - Between calls a simulation always is between two steps: apply() takes effect at once. Equal fragments and
 //   equal actions after equal numbers of steps give equal states (World::state_hash), whatever advance() was
-//   called with.
+//   called with; where things are breakable, if cuts are committed after equal numbers of steps too (commit_as()).
 // - Actions on pieces that are gone, and on bonds where there are none, do nothing.
 // - Not thread-safe; as World, one at a time.
 //
 //     Simulation simulation("stone");
-//     simulation.start(broken.fragments, options.world);
+//     PreparedBodies bodies = prepare_bodies(broken.fragments, options.world, "stone");   // on any thread
+//     simulation.start(broken.fragments, options.world, std::move(bodies));
 //     simulation.apply(Shoot{.from = eye, .velocity = 14.0 * direction});
 //     each frame: float alpha = simulation.advance(seconds); simulation.write_poses(poses, alpha);
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,7 +27,10 @@
 #include <vector>
 
 #include "fracture/fragments.h"
+#include "physics/destruction.h"
+#include "physics/hull.h"
 #include "physics/material.h"
+#include "physics/solid_piece.h"
 #include "physics/structure.h"
 #include "physics/world.h"
 #include "tools/brittle/action.h"
@@ -42,7 +49,8 @@ class SimulationObserver {
     virtual void started(const Simulation&, const fracture::Fragments&, const WorldOptions&) {}
     // The world has taken a step; bonds have not answered to it yet.
     virtual void moved(const Simulation&) {}
-    // Bonds have, and bodies came apart. Not called where pieces are not bonded.
+    // Bonds have, and bodies came apart, and cuts were committed. Changes are empty where things are breakable. Not
+    // called where they are neither that nor bonded.
     virtual void updated(const Simulation&, const physics::Structure::Changes&) {}
     // A step is done; actions that take effect after it are still to come.
     virtual void stepped(const Simulation&) {}
@@ -50,14 +58,34 @@ class SimulationObserver {
     virtual void acted(uint64_t, const Action&) {}
 };
 
+// What someone else wants made of each piece, on the thread that makes it: SolidSettings::look.
+using PieceLook = std::function<std::shared_ptr<void>(const physics::SolidPiece&)>;
+
+// The part of a start that costs milliseconds: one hull a piece, and where things are breakable all that Destruction
+// keeps of it.
+struct PreparedBodies {
+    physics::PieceHulls hulls;
+    std::vector<physics::SolidPtr> solids;
+};
+
+// On any thread. `material` and `look` must be the simulation's. threads: 0 is one a core. Throws a Failure.
+[[nodiscard]] PreparedBodies prepare_bodies(const fracture::Fragments& fragments, const WorldOptions& options,
+                                            const std::string& material, const PieceLook& look = {},
+                                            uint32_t threads = 0);
+
 class Simulation {
   public:
     // `material` is a preset's name, or empty.
-    explicit Simulation(const std::string& material = {});
+    explicit Simulation(const std::string& material = {}, PieceLook look = {});
 
-    // Pieces begin to move from where they are, and steps() to count. What was there is gone. Bonded and
-    // anchored as the options say; their shots are scheduled. Throws a Failure for pieces that cannot be
-    // bodies.
+    // When cuts are committed, from the next start on: fixed_latency, which repeats by itself, unless this is called;
+    // when_ready for a window; scripted by the commits of a log. See destruction.h.
+    void commit_as(physics::Timing timing, std::vector<physics::Commit> script = {});
+
+    // Pieces begin to move from where they are, and steps() to count. What was there is gone. Bonded, anchored and
+    // breakable as the options say; their shots are scheduled. `ahead` was made by prepare_bodies() for these
+    // fragments and options. Throws a Failure for pieces that cannot be bodies.
+    void start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead);
     void start(const fracture::Fragments& fragments, const WorldOptions& options);
     // Nothing is there any more; the observer stays.
     void clear();
@@ -76,9 +104,19 @@ class Simulation {
     // Told from now on; or nobody. It must outlive the simulation or be replaced.
     void observe(SimulationObserver* observer) { observer_ = observer; }
 
-    // Of all pieces in their order: see Structure::write_piece_transforms().
+    // A piece's slot is its index where nothing is cut anew; else it is used again once the piece is gone.
+    // Of each piece: its slot and the pose of its centre of mass in the axes of the fragments, interpolated as by
+    // World::write_transforms(). What has not moved since a step is left out.
+    using PoseVisitor = std::function<void(uint32_t slot, const physics::Pose& pose)>;
+    void visit_poses(float alpha, uint64_t since, const PoseVisitor& visit) const;
+    // Those of all slots that fit.
     void write_poses(std::span<physics::Pose> out, float alpha) const;
-    [[nodiscard]] size_t piece_count() const { return pieces_; }
+    // Pieces of breakable things that came and went since the last call; nothing else ever does.
+    [[nodiscard]] physics::DestructionEvents take_events();
+    [[nodiscard]] std::span<const physics::Commit> commits() const; // of the last step
+    [[nodiscard]] size_t piece_count() const { return pieces_; } // at the start
+    // All pieces have numbers below this, and none twice.
+    [[nodiscard]] uint32_t number_count() const;
     [[nodiscard]] physics::BodyId body_of(uint32_t piece) const; // none for a piece that is gone
     // That a body holds, ascending; none for a ball.
     [[nodiscard]] std::vector<uint32_t> pieces_of(physics::BodyId body) const;
@@ -90,7 +128,8 @@ class Simulation {
     [[nodiscard]] std::span<const Ball> balls() const { return balls_; }
 
     [[nodiscard]] const physics::World& world() const { return world_; }
-    [[nodiscard]] const physics::Structure* structure() const { return structure_ ? &*structure_ : nullptr; }
+    [[nodiscard]] const physics::Structure* structure() const; // of bonded pieces, or null
+    [[nodiscard]] const physics::Destruction* destruction() const { return destruction_ ? &*destruction_ : nullptr; }
     [[nodiscard]] const physics::MaterialPreset* material() const { return material_; }
 
   private:
@@ -100,6 +139,9 @@ class Simulation {
         glm::dvec3 to;
     };
 
+    [[nodiscard]] physics::Structure* bonded();
+    [[nodiscard]] bool is_bonded(uint32_t piece) const;
+    void start_breakable(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies& ahead);
     void after_step();
     void act_when_due();
     void draw_held();
@@ -117,8 +159,14 @@ class Simulation {
 
     physics::World world_;
     const physics::MaterialPreset* material_ = nullptr;
-    std::optional<physics::Structure> structure_; // of bonded pieces
-    std::vector<physics::BodyId> loose_;          // by piece, of pieces that are not
+    PieceLook look_;
+    physics::Timing timing_ = physics::Timing::fixed_latency;
+    std::vector<physics::Commit> script_;
+    // One of the three has the pieces.
+    std::optional<physics::Structure> structure_;
+    std::vector<physics::BodyId> loose_; // by piece
+    std::optional<physics::Destruction> destruction_;
+    physics::ObjectId object_; // the first of the destruction: of bonded pieces the only one
     size_t pieces_ = 0;
     std::vector<Ball> balls_;
     std::vector<std::pair<uint64_t, Action>> due_; // by step, those of equal steps in their order

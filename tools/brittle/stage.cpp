@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/color_space.hpp>
@@ -23,6 +25,14 @@ uint32_t packed(const glm::vec3& linear) {
     return engine::srgb8(c.x, c.y, c.z);
 }
 
+// What is uploaded of a piece that is cut anew. Made by the thread that cuts; the stage takes it out when it comes.
+std::shared_ptr<void> look_of(const physics::SolidPiece& solid) {
+    const engine::PieceMesh mesh{.positions = solid.positions,
+                                 .triangles = solid.mesh.triangles,
+                                 .exterior_triangles = solid.exterior_triangles};
+    return std::make_shared<engine::PieceBatch>(must(engine::PieceBatch::create({&mesh, 1})));
+}
+
 } // namespace
 
 Input placed_on_stage(Input input, const WorldOptions& world) {
@@ -39,39 +49,13 @@ Input placed_on_stage(Input input, const WorldOptions& world) {
     return input;
 }
 
-Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material)
-    : renderer_(renderer), simulation_(material) {
-    reset(mesh);
-}
-
-void Stage::reset(const fracture::TriangleMesh& mesh) {
-    simulation_.clear();
-    radii_.clear();
-    const fracture::Box box = fracture::bounds(mesh);
-    home_ = {glm::vec3(box.min), glm::vec3(box.max)};
-    const std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
-    const engine::PieceMesh whole{.positions = positions,
-                                  .triangles = mesh.triangles,
-                                  .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size())};
-    must(renderer_.set_pieces({&whole, 1}));
-    moved_ = true;
-}
-
-void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world) {
-    simulation_.start(fragments, world);
-    upload(fragments);
-}
-
-void Stage::shoot(const Shot& shot) {
-    if (broken()) simulation_.apply(Shoot{shot.from, shot.velocity, shot.radius, shot.density});
-}
-
-// What is drawn of the fragments, with a body's pose a piece.
-void Stage::upload(const fracture::Fragments& fragments) {
-    alpha_ = 1.0f;
+PreparedPieces prepare_pieces(const fracture::Fragments& fragments, const WorldOptions& world,
+                              const std::string& material, uint32_t threads) {
+    PreparedPieces ahead;
+    ahead.bodies = prepare_bodies(fragments, world, material, look_of, threads);
+    if (world.breakable) return ahead;
     std::vector<glm::vec3> positions(fragments.positions.size());
     std::vector<engine::PieceMesh> meshes;
-    radii_.clear();
     for (const fracture::Piece& piece : fragments.pieces) {
         float radius = 0.0f;
         for (uint32_t v = piece.vertices.begin; v < piece.vertices.end; ++v) {
@@ -79,26 +63,125 @@ void Stage::upload(const fracture::Fragments& fragments) {
             radius = std::max(radius, glm::length(positions[v]));
         }
         const auto body = static_cast<uint32_t>(meshes.size());
-        radii_.push_back(radius);
+        ahead.radii.push_back(radius);
         meshes.push_back({.positions = std::span(positions).subspan(piece.vertices.begin, piece.vertices.size()),
                           .triangles = fragments.triangles_of(piece),
                           .exterior_triangles = piece.exterior_triangles,
                           .body = body,
                           .tint = engine::piece_tint(body)});
     }
-    must(renderer_.set_pieces(meshes));
+    ahead.batch = must(engine::PieceBatch::create(meshes));
+    return ahead;
+}
+
+Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material)
+    : renderer_(renderer), simulation_(material, look_of) {
+    reset(mesh);
+}
+
+void Stage::reset(const fracture::TriangleMesh& mesh) {
+    simulation_.clear();
+    const fracture::Box box = fracture::bounds(mesh);
+    home_ = {glm::vec3(box.min), glm::vec3(box.max)};
+    const std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
+    const engine::PieceMesh whole{.positions = positions,
+                                  .triangles = mesh.triangles,
+                                  .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size())};
+    draw_anew(must(engine::PieceBatch::create({&whole, 1})));
+    radii_.clear();
+}
+
+void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world) {
+    const physics::MaterialPreset* material = simulation_.material();
+    stand(fragments, world, prepare_pieces(fragments, world, std::string(material ? material->name : "")));
+}
+
+void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead) {
+    simulation_.start(fragments, world, std::move(ahead.bodies));
+    draw_anew(std::move(ahead.batch));
+    radii_ = std::move(ahead.radii);
+    take_events();
+}
+
+void Stage::shoot(const Shot& shot) {
+    if (broken()) simulation_.apply(Shoot{shot.from, shot.velocity, shot.radius, shot.density});
+}
+
+// These in place of all that was drawn, and time begins.
+void Stage::draw_anew(engine::PieceBatch batch) {
+    alpha_ = 1.0f;
+    handles_.clear();
+    (void)must(renderer_.set_pieces({}));
+    (void)must(renderer_.add_pieces(std::move(batch)));
+    moment_before_ = moment_ + 1;
+    all_moved_ = moment_before_;
     moved_ = true;
+}
+
+// What has come and gone since the last call: removed first, since slots are used again.
+void Stage::take_events() {
+    const physics::DestructionEvents events = simulation_.take_events();
+    std::vector<engine::PieceHandle> gone;
+    for (const physics::PieceRemoved& removed : events.removed) {
+        const auto at = handles_.find(removed.id);
+        gone.push_back(at->second);
+        handles_.erase(at);
+    }
+    must(renderer_.remove_pieces(gone));
+    engine::PieceBatch batch;
+    for (const physics::PieceAdded& added : events.added) {
+        auto& look = *static_cast<engine::PieceBatch*>(added.solid->look.get());
+        batch.append(std::exchange(look, {}), added.slot, engine::piece_tint(added.id.value));
+        radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
+        radii_[added.slot] = added.solid->radius;
+    }
+    const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(batch)));
+    for (size_t i = 0; i < handles.size(); ++i) handles_[events.added[i].id] = handles[i];
+    for (const physics::PieceFading& fading : events.fading)
+        must(renderer_.fade_pieces({&handles_.at(fading.id), 1}, 1.0f - fading.share));
 }
 
 void Stage::advance(double seconds) {
     if (!broken()) return;
     moved_ = true;
     alpha_ = simulation_.advance(seconds);
+    take_events();
 }
 
 void Stage::show_sites(std::span<const glm::dvec3> sites) {
     spheres_.clear();
     for (const glm::dvec3& s : sites) spheres_.push_back({.centre = glm::vec3(s), .radius = site_radius});
+}
+
+void Stage::explode(float share) {
+    if (share == explode_) return;
+    explode_ = share;
+    ++moment_before_; // a moment by itself, at which every pose changes
+    all_moved_ = moment_before_ + simulation_.steps();
+    moved_ = true;
+}
+
+// Bounds of what casts a shadow, and poses: of what moved since the slice of the instance buffer was written.
+void Stage::place(engine::Scene& scene) {
+    const auto apart = [this](const glm::vec3& position) {
+        return position + explode_ * (position - home_.centre());
+    };
+    const glm::vec3 limit(bounds_limit);
+    scene.bounds = {limit, -limit};
+    simulation_.visit_poses(alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) {
+        const glm::vec3 centre = glm::clamp(apart(pose.position), -limit, limit);
+        scene.bounds.min = glm::min(scene.bounds.min, centre - radii_[slot]);
+        scene.bounds.max = glm::max(scene.bounds.max, centre + radii_[slot]);
+    });
+    if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // no piece is left
+    moment_ = moment_before_ + simulation_.steps();
+    scene.moment = moment_;
+    scene.write_poses = [this, apart](std::span<engine::BodyPose> out, uint64_t since) {
+        const uint64_t steps = since < all_moved_ ? 0 : since - moment_before_;
+        simulation_.visit_poses(alpha_, steps, [&](uint32_t slot, const physics::Pose& pose) {
+            if (slot < out.size()) out[slot] = {.rotation = pose.orientation, .position = apart(pose.position)};
+        });
+    };
 }
 
 engine::Scene Stage::scene() {
@@ -110,23 +193,7 @@ engine::Scene Stage::scene() {
         scene.look.interior = material->interior;
         scene.look.tint = material_tint_strength;
     }
-    if (broken()) {
-        poses_.resize(radii_.size());
-        simulation_.write_poses(poses_, alpha_);
-        for (physics::Pose& pose : poses_) pose.position += explode_ * (pose.position - home_.centre());
-        const glm::vec3 limit(bounds_limit);
-        scene.bounds = {limit, -limit};
-        for (size_t i = 0; i < poses_.size(); ++i) {
-            const glm::vec3 centre = glm::clamp(poses_[i].position, -limit, limit);
-            scene.bounds.min = glm::min(scene.bounds.min, centre - radii_[i]);
-            scene.bounds.max = glm::max(scene.bounds.max, centre + radii_[i]);
-        }
-        scene.write_poses = [this](std::span<engine::BodyPose> out, uint64_t) {
-            for (size_t i = 0; i < std::min(out.size(), poses_.size()); ++i) {
-                out[i] = {.rotation = poses_[i].orientation, .position = poses_[i].position};
-            }
-        };
-    }
+    if (broken()) place(scene);
     shown_spheres_ = spheres_;
     for (const Simulation::Ball& ball : simulation_.balls()) {
         const glm::vec3 before = world().previous_pose(ball.body).position, now = world().pose(ball.body).position;

@@ -1,14 +1,18 @@
 // One mesh on a stage: whole at first, then broken into pieces that fall. Draws a Simulation: fragments become geometry,
-// and the poses of pieces go into the renderer's instance buffer.
+// and the poses of pieces that moved go straight into the renderer's instance buffer. Of what is cut anew, the new pieces
+// alone are uploaded; the thread that cut them has made them ready (PieceLook).
 //
 // Metres: the mesh is scaled so that its longest side is 2 m and floats above the ground (y = 0), or stands on it.
 //
 //     Input input = placed_on_stage(load_input(options));
 //     Stage stage(renderer, input.mesh);
-//     stage.shatter(break_input(input, options).fragments);
+//     Broken broken = break_input(input, options);                                  // these two on any thread
+//     PreparedPieces ahead = prepare_pieces(broken.fragments, options.world, options.material);
+//     stage.stand(broken.fragments, options.world, std::move(ahead));
 //     each frame: stage.advance(1.0 / 60.0); renderer.render(stage.scene(), size);
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,6 +29,17 @@ namespace brittle::tools {
 // Scales and moves mesh and sites to the place described above. A mesh without extent is left as it is.
 [[nodiscard]] Input placed_on_stage(Input input, const WorldOptions& world = {});
 
+// All that costs milliseconds of putting pieces on the stage.
+struct PreparedPieces {
+    PreparedBodies bodies;
+    engine::PieceBatch batch;   // of what is not breakable
+    std::vector<float> radii;   // of each piece in it around its centre of mass, m
+};
+
+// On any thread, for the stage's material. threads: 0 is one a core. Throws a Failure.
+[[nodiscard]] PreparedPieces prepare_pieces(const fracture::Fragments& fragments, const WorldOptions& world,
+                                            const std::string& material, uint32_t threads = 0);
+
 class Stage {
   public:
     // Uploads the unbroken mesh. The renderer must outlive the stage.
@@ -33,8 +48,10 @@ class Stage {
 
     // Replaces the unbroken mesh by pieces that fall from where they are.
     void shatter(const fracture::Fragments& fragments) { stand(fragments, {}); }
-    // Replaces the unbroken mesh by pieces that hold together as the options say, with the options' shots to come.
+    // Replaces the unbroken mesh by pieces that hold together and break as the options say, with the options' shots to
+    // come. `ahead` is of the same fragments and options.
     void stand(const fracture::Fragments& fragments, const WorldOptions& world);
+    void stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead);
     // A ball flies from there, whenever the shot is for; nothing while the mesh is whole.
     void shoot(const Shot& shot);
     // The unbroken mesh again.
@@ -45,7 +62,7 @@ class Stage {
 
     void show_sites(std::span<const glm::dvec3> sites); // as red spheres seen through the pieces; none for an empty span
     // Draws the pieces moved apart: away from the middle by this share of their distance to it.
-    void explode(float share) { explode_ = share; }
+    void explode(float share);
     void show_lines(std::vector<engine::LineVertex> lines) { own_lines_ = std::move(lines); } // seen through the pieces
     void show_hulls(bool show) { hulls_ = show; }       // the physics debug drawer, in red lines
 
@@ -58,13 +75,18 @@ class Stage {
     [[nodiscard]] bool broken() const { return simulation_.running(); }
 
   private:
-    void upload(const fracture::Fragments& fragments);
+    void draw_anew(engine::PieceBatch batch);
+    void take_events();
+    void place(engine::Scene& scene);
 
     engine::Renderer& renderer_;
     Simulation simulation_;
     engine::Bounds home_;
-    std::vector<float> radii_;  // of each piece around its centre of mass
-    std::vector<physics::Pose> poses_;
+    std::vector<float> radii_; // by slot, of a piece around its centre of mass
+    std::map<physics::PieceId, engine::PieceHandle> handles_; // of breakable things
+    uint64_t moment_ = 0;      // of the scene: steps, and what came before them
+    uint64_t moment_before_ = 1; // that of the start
+    uint64_t all_moved_ = 0;   // the last moment at which every pose changed
     std::vector<physics::DebugLine> debug_lines_;
     std::vector<engine::LineVertex> own_lines_, lines_;
     std::vector<engine::Sphere> spheres_, shown_spheres_; // sites; with balls

@@ -1,6 +1,7 @@
 // What the pieces do after the fracture: options of `brittle render` and `brittle demo`, and the "world" of a recipe.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -18,10 +19,21 @@ struct Shot {
 
 struct WorldOptions {
     bool bonded = false;   // pieces hold together until blows, loads or wear break their bonds
-    bool anchored = false; // bonded, and what stands on the ground is held by it
+    bool anchored = false; // bonded unless it is breakable, and what stands on the ground is held by it
     double height = 0.5;   // m, of the mesh above the ground at first; 0 where it is anchored
-    double strength = 1.0; // of the bonds, in the material's; 0.05 is masonry laid in weak mortar
+    double strength = 1.0; // of bonds and pieces, in the material's; 0.05 is masonry laid in weak mortar
+    // Cut anew where it is hit, again and again. Where it is not bonded as well, it starts whole: the sites are not looked
+    // at, and anchored means that what of it comes near the ground is held.
+    bool breakable = false;
+    double min_size = 0.05;        // m, cube root of volume; no smaller piece is made
+    uint32_t blow_pieces = 48;     // at most, of one blow
+    uint32_t piece_limit = 2000;   // in the world; beyond it debris fades, what is small and old first
     std::vector<Shot> shots{};
 };
+
+// Whether the mesh is not cut beforehand.
+[[nodiscard]] inline bool starts_whole(const WorldOptions& world) {
+    return world.breakable && !world.bonded;
+}
 
 } // namespace brittle::tools

@@ -34,12 +34,12 @@ class Frames {
     }
 
     // Pieces, where there are some, take the unbroken mesh's place first. Returns the frame's milliseconds.
-    double draw(Series& series, const fracture::Fragments* pieces = nullptr) {
+    double draw(Series& series, const fracture::Fragments* pieces = nullptr, PreparedPieces ahead = {}) {
         throw_if_interrupted();
         const int64_t begin = trace_clock();
         int64_t shattered = begin;
         if (pieces) {
-            stage_.shatter(*pieces);
+            stage_.stand(*pieces, {}, std::move(ahead));
             shattered = trace_clock();
             series.add("bodies and upload", milliseconds_between(begin, shattered));
         }
@@ -92,21 +92,28 @@ FrameTimes measure_frames(const Scenario& scenario, const Input& input, uint32_t
     int64_t begin = 0;
     fracture::WorkLog work;
     times.breaking_from = times.milliseconds.size();
-    std::future<Broken> breaking = std::async(std::launch::async, [&] {
+    int64_t cut = 0, ready = 0;
+    std::future<std::pair<Broken, PreparedPieces>> breaking = std::async(std::launch::async, [&] {
         begin = trace_clock();
-        return break_input(input, scenario.fracture, {}, classifier, {}, trace ? &work : nullptr);
+        Broken broken = break_input(input, scenario.fracture, {}, classifier, {}, trace ? &work : nullptr);
+        cut = trace_clock();
+        PreparedPieces ahead =
+            prepare_pieces(broken.fragments, {}, scenario.fracture.material, scenario.fracture.threads);
+        ready = trace_clock();
+        return std::pair(std::move(broken), std::move(ahead));
     });
     do {
         times.milliseconds.push_back(drawer.draw(times.breaking));
     } while (breaking.wait_for(std::chrono::seconds(0)) != std::future_status::ready);
-    const Broken broken = breaking.get();
+    auto [broken, ahead] = breaking.get();
     check_classifier(classifier);
     times.fracture_frame = times.milliseconds.size();
     if (trace) {
         trace_fracture(*trace, Track::worker, 0, begin, broken, work, classifier);
+        trace->add(Track::worker, 1, "hulls and geometry", cut, ready);
         trace->mark("the pieces are there", trace_clock());
     }
-    times.milliseconds.push_back(drawer.draw(times.taking_over, &broken.fragments));
+    times.milliseconds.push_back(drawer.draw(times.taking_over, &broken.fragments, std::move(ahead)));
 
     for (uint32_t frame = 0; frame < frames; ++frame) {
         times.milliseconds.push_back(drawer.draw(times.falling));

@@ -26,7 +26,7 @@ void fields(Codec& codec, Saw& a) {
 }
 template<class Codec>
 void fields(Codec& codec, Hammer& a) {
-    codec("piece", a.piece), codec("impulse", a.impulse);
+    codec("piece", a.piece), codec("point", a.point), codec("impulse", a.impulse);
 }
 template<class Codec>
 void fields(Codec& codec, Release& a) {

@@ -115,9 +115,18 @@ class LogReader {
             if (!count_bodies(state.bodies))
                 throw reader.failure(
                     "bodies", "expected four hexadecimal digits a body, or (N) for N that are as before");
+        } else if (reader.find("commit")) {
+            const uint64_t after = step_now(reader, "after");
+            JsonReader inner(at, *reader.find("commit"), "/commit");
+            uint32_t job = 0;
+            required_whole(inner, "job", job, UINT32_MAX);
+            inner.refuse_unknown_keys();
+            if (!log_.recipe.world.breakable)
+                throw reader.failure("commit", "nothing is cut where nothing is breakable");
+            log_.commits.push_back({after + 1, job});
         } else if (reader.find("after")) {
             log_.actions.emplace_back(step_now(reader, "after"), Action{});
-            std::optional<Action> action = read_action(at, reader, log_.pieces);
+            std::optional<Action> action = read_action(at, reader, piece_numbers());
             if (!action) throw reader.failure("after", "there is no action in this line");
             log_.actions.back().second = *std::move(action);
         } else if (reader.find("end")) {
@@ -129,6 +138,9 @@ class LogReader {
         }
         reader.refuse_unknown_keys();
     }
+
+    // Below which an action may name a piece: of breakable things there will be others.
+    [[nodiscard]] size_t piece_numbers() const { return log_.recipe.world.breakable ? UINT32_MAX : log_.pieces; }
 
     // A number of steps, which must be that of the states read so far.
     uint64_t step_now(JsonReader& reader, const char* key) {
@@ -176,6 +188,10 @@ std::string action_line(uint64_t step, const Action& action) {
     Json json{{"after", step}};
     write_action(json, action);
     return json.dump() + "\n";
+}
+
+std::string commit_line(const physics::Commit& commit) {
+    return Json{{"after", commit.step - 1}, {"commit", {{"job", commit.job}}}}.dump() + "\n";
 }
 
 std::string end_line(uint64_t steps, const std::string& end) {

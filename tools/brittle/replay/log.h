@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "physics/destruction.h"
 #include "tools/brittle/action.h"
 #include "tools/brittle/input.h"
 
@@ -29,6 +30,7 @@ struct ReplayLog {
     };
     std::vector<State> states{};                        // [k]: after k steps; [0] before any action
     std::vector<std::pair<uint64_t, Action>> actions{}; // with the steps they take effect after, ascending
+    std::vector<physics::Commit> commits{}; // of cuts, ascending by the step that they are part of
     std::string end{}; // "finished", or why it was cut short: "interrupted", "failed"
 };
 
@@ -39,6 +41,8 @@ struct ReplayLog {
 [[nodiscard]] std::string header_line(const ReplayLog& log, const std::filesystem::path& folder);
 [[nodiscard]] std::string state_line(uint64_t step, const ReplayLog::State& state);
 [[nodiscard]] std::string action_line(uint64_t step, const Action& action);
+// Goes before the state of its step.
+[[nodiscard]] std::string commit_line(const physics::Commit& commit);
 [[nodiscard]] std::string end_line(uint64_t steps, const std::string& end);
 
 // Sixteen hexadecimal digits.

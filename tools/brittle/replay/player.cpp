@@ -73,6 +73,10 @@ void Player::compare(const Simulation& simulation) {
     difference_ = {simulation.steps(), what};
 }
 
+void follow(const ReplayLog& log, Simulation& simulation) {
+    simulation.commit_as(physics::Timing::scripted, log.commits);
+}
+
 void schedule(const ReplayLog& log, Simulation& simulation) {
     for (const auto& [step, action] : log.actions) simulation.schedule(step, action);
 }

@@ -3,6 +3,7 @@
 //     ReplayLog log = read_replay_log("run.log");
 //     Player player(log);
 //     simulation.observe(&player);
+//     follow(log, simulation);
 //     simulation.start(fragments, log.recipe.world);
 //     schedule(log, simulation);
 //     while (!player.done()) simulation.step();
@@ -47,7 +48,9 @@ class Player : public SimulationObserver {
     std::optional<Difference> difference_;
 };
 
-// The log's actions, each at its step.
+// Before the start: what is cut anew comes as the log says.
+void follow(const ReplayLog& log, Simulation& simulation);
+// After it: the log's actions, each at its step.
 void schedule(const ReplayLog& log, Simulation& simulation);
 
 // What differs between the build that recorded and this one, for people; empty where nothing that matters

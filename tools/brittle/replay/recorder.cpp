@@ -56,6 +56,7 @@ void Recorder::acted(uint64_t step, const Action& action) {
 }
 
 void Recorder::stepped(const Simulation& simulation) {
+    for (const physics::Commit& commit : simulation.commits()) text_ += commit_line(commit);
     add_state(simulation);
 }
 
