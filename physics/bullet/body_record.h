@@ -39,6 +39,7 @@ struct BodyRecord {
     btTransform rest = btTransform::getIdentity(); // where it was when it last had moved away
     float rest_seconds = 0.0f;                     // how long it has touched something near there
     bool touching = false;                         // in the last step
+    bool sunk = false;                             // likewise: in the ground, too deep to sleep
     std::vector<HullEdge>
         edges; // for debug lines, indices into the points of shape; filled when first asked for
     std::unique_ptr<btConvexHullShape> shape;         // of a body with one hull; null for a compound

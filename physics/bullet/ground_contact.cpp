@@ -9,6 +9,8 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
+#include "physics/bullet/convert.h"
+
 namespace brittle::physics {
 
 namespace {
@@ -17,47 +19,78 @@ namespace {
 // keeps its contacts while it trembles. Bullet's own value.
 constexpr btScalar resting_distance = 0.02f;
 
+// Contacts of one hull: so many corners carry it, and so many more may be kept from sinking.
+constexpr size_t most_corners = 12;
+constexpr size_t carrying_corners = 4;
+// A corner that would be deeper than this at the end of the step, in metres, has a contact of its own even where
+// four others carry the body. Left out, it sinks while the body rocks on them.
+constexpr btScalar sunk_depth = 1e-4f;
+// The impact of one corner turns the body, and another comes down faster than it did: a rod's other end by half.
+constexpr btScalar turned_approach = 2.0f;
+// This part of a corner's depth is undone in a step. The ground yields to nobody, so it may be more than between
+// bodies, where each piece that is lifted lifts others.
+constexpr btScalar undone_part = 0.6f;
+
 struct Corner {
     btVector3 position; // of the point on the hull, margin included
     btScalar distance;  // above the ground
+    btScalar ahead;     // distance at the end of the step if nothing stops it
     int index;
 };
 
-// The four of the corners that carry a body best, in place: the deepest, the one farthest from it, the one
-// farthest from the line through both, and the one farthest on that line's other side.
-void keep_best_four(std::vector<Corner>& corners) {
-    if (corners.size() <= 4) return;
-    const auto take = [&](size_t place, auto&& score) {
-        const auto begin = corners.begin() + static_cast<std::ptrdiff_t>(place);
-        const auto best = std::max_element(
-            begin, corners.end(), [&](const Corner& a, const Corner& b) { return score(a) < score(b); });
-        std::iter_swap(begin, best);
-    };
-    take(0, [](const Corner& c) { return -c.distance; });
+// Moves the corner of the highest score to a place, from among those at and behind it.
+void take(std::vector<Corner>& corners, size_t place, const auto& score) {
+    const auto begin = corners.begin() + static_cast<std::ptrdiff_t>(place);
+    const auto best = std::max_element(begin, corners.end(),
+                                       [&](const Corner& a, const Corner& b) { return score(a) < score(b); });
+    std::iter_swap(begin, best);
+}
+
+// Those that carry a body best, in front: the one that comes down deepest, the one farthest from it, the one
+// farthest from the line through both, the one farthest on that line's other side.
+void find_carrying(std::vector<Corner>& corners) {
+    take(corners, 0, [](const Corner& c) { return -c.ahead; });
     const btVector3 first = corners[0].position;
-    take(1, [&](const Corner& c) { return (c.position - first).length2(); });
+    take(corners, 1, [&](const Corner& c) { return (c.position - first).length2(); });
     const btVector3 line = corners[1].position - first;
     const auto side = [&](const Corner& c) { return line.cross(c.position - first).y(); };
-    take(2, [&](const Corner& c) { return std::abs(side(c)); });
+    take(corners, 2, [&](const Corner& c) { return std::abs(side(c)); });
     const btScalar sign = side(corners[2]) > 0.0f ? -1.0f : 1.0f;
-    take(3, [&](const Corner& c) { return sign * side(c); });
-    corners.resize(4);
+    take(corners, 3, [&](const Corner& c) { return sign * side(c); });
+}
+
+// Leaves the carrying corners, and of those that would sink the ones farthest from all that are left already.
+void keep_best(std::vector<Corner>& corners) {
+    if (corners.size() <= carrying_corners) return;
+    find_carrying(corners);
+    const auto others = corners.begin() + carrying_corners;
+    corners.erase(std::remove_if(others, corners.end(),
+                                 [](const Corner& c) { return c.ahead > -sunk_depth * bullet_units; }),
+                  corners.end());
+    const auto apart = [&](const Corner& corner, size_t kept) {
+        btScalar nearest = BT_LARGE_FLOAT;
+        for (size_t i = 0; i < kept; ++i)
+            nearest = std::min(nearest, (corner.position - corners[i].position).length2());
+        return nearest;
+    };
+    size_t kept = carrying_corners;
+    for (; kept < std::min(corners.size(), most_corners); ++kept)
+        take(corners, kept, [&](const Corner& c) { return apart(c, kept); });
+    corners.resize(kept);
 }
 
 class HullOnPlane final : public btCollisionAlgorithm {
   public:
     HullOnPlane(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* hull,
                 const btCollisionObject* plane)
-        : btCollisionAlgorithm(info), manifold_(m_dispatcher->getNewManifold(hull, plane)) {}
-    ~HullOnPlane() override { m_dispatcher->releaseManifold(manifold_); }
+        : btCollisionAlgorithm(info), hull_(hull), plane_(plane) {}
+    ~HullOnPlane() override { keep_manifolds(0); }
 
     void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
-                          const btDispatcherInfo& info, btManifoldResult* result) override {
-        result->setPersistentManifold(manifold_);
-        const bool hull_first = first->getCollisionObject() == manifold_->getBody0();
-        const btCollisionObjectWrapper& hull = *(hull_first ? first : second);
-        find_corners(hull, *(hull_first ? second : first)->getCollisionObject(), info.m_timeStep);
-        keep_best_four(corners_);
+                          const btDispatcherInfo& info, btManifoldResult*) override {
+        const btCollisionObjectWrapper& hull = *(first->getCollisionObject() == hull_ ? first : second);
+        find_corners(hull, info.m_timeStep);
+        keep_best(corners_);
         replace_contacts(hull.m_index);
     }
 
@@ -66,17 +99,18 @@ class HullOnPlane final : public btCollisionAlgorithm {
                                    btManifoldResult*) override {
         return 1.0f;
     }
-    void getAllContactManifolds(btManifoldArray& manifolds) override { manifolds.push_back(manifold_); }
+    void getAllContactManifolds(btManifoldArray& manifolds) override {
+        for (size_t i = 0; i < manifold_count_; ++i) manifolds.push_back(manifolds_[i]);
+    }
 
   private:
     // The hull is the body's own or, with a frame of its own, one of a compound's.
-    void find_corners(const btCollisionObjectWrapper& hull, const btCollisionObject& plane,
-                      btScalar seconds) {
+    void find_corners(const btCollisionObjectWrapper& hull, btScalar seconds) {
         corners_.clear();
         const auto& shape = static_cast<const btConvexHullShape&>(*hull.getCollisionShape());
         const btScalar height =
-            static_cast<const btStaticPlaneShape&>(*plane.getCollisionShape()).getPlaneConstant()
-            + plane.getWorldTransform().getOrigin().y();
+            static_cast<const btStaticPlaneShape&>(*plane_->getCollisionShape()).getPlaneConstant()
+            + plane_->getWorldTransform().getOrigin().y();
         const btRigidBody* body = btRigidBody::upcast(hull.getCollisionObject());
         const btVector3 velocity = body->getLinearVelocity() + body->getGravity() * seconds;
         const btTransform& frame = hull.getWorldTransform();
@@ -88,44 +122,59 @@ class HullOnPlane final : public btCollisionAlgorithm {
             const btVector3 position = frame.getOrigin() + arm;
             const btScalar approach = -(velocity + body->getAngularVelocity().cross(origin + arm)).y();
             const btScalar distance = position.y() - height;
-            if (distance < resting + std::max<btScalar>(approach, 0.0f) * seconds)
-                corners_.push_back({position, distance, i});
+            if (distance < resting + turned_approach * std::max<btScalar>(approach, 0.0f) * seconds)
+                corners_.push_back({position, distance, distance - approach * seconds, i});
         }
     }
 
     // A corner that was a contact before keeps the impulses that the solver starts from.
     void replace_contacts(int part) {
-        const btCollisionObject* hull = manifold_->getBody0();
-        const btCollisionObject* plane = manifold_->getBody1();
-        std::array<btManifoldPoint, MANIFOLD_CACHE_SIZE> old;
-        const int old_count = manifold_->getNumContacts();
-        for (int i = 0; i < old_count; ++i) old[static_cast<size_t>(i)] = manifold_->getContactPoint(i);
-        manifold_->clearManifold();
-        for (const Corner& corner : corners_) {
-            const btVector3 below = corner.position - btVector3(0, corner.distance, 0);
-            btManifoldPoint point(hull->getWorldTransform().invXform(corner.position),
-                                  plane->getWorldTransform().invXform(below), btVector3(0, 1, 0),
-                                  corner.distance);
-            point.m_positionWorldOnA = corner.position;
-            point.m_positionWorldOnB = below;
-            point.m_combinedFriction = btManifoldResult::calculateCombinedFriction(hull, plane);
-            point.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(hull, plane);
-            point.m_index0 = corner.index;
-            point.m_partId0 = part;
-            for (int i = 0; i < old_count; ++i) {
-                const btManifoldPoint& before = old[static_cast<size_t>(i)];
-                if (before.m_index0 != corner.index) continue;
-                point.m_appliedImpulse = before.m_appliedImpulse;
-                point.m_appliedImpulseLateral1 = before.m_appliedImpulseLateral1;
-                point.m_appliedImpulseLateral2 = before.m_appliedImpulseLateral2;
-                point.m_lifeTime = before.m_lifeTime + 1;
-            }
-            manifold_->addManifoldPoint(point);
+        old_.clear();
+        for (size_t m = 0; m < manifold_count_; ++m) {
+            for (int i = 0; i < manifolds_[m]->getNumContacts(); ++i)
+                old_.push_back(manifolds_[m]->getContactPoint(i));
+            manifolds_[m]->clearManifold();
         }
+        keep_manifolds((corners_.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE);
+        for (size_t i = 0; i < corners_.size(); ++i)
+            manifolds_[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(contact_at(corners_[i], part));
     }
 
-    btPersistentManifold* manifold_;
-    std::vector<Corner> corners_; // scratch of one call
+    [[nodiscard]] btManifoldPoint contact_at(const Corner& corner, int part) const {
+        const btVector3 below = corner.position - btVector3(0, corner.distance, 0);
+        btManifoldPoint point(hull_->getWorldTransform().invXform(corner.position),
+                              plane_->getWorldTransform().invXform(below), btVector3(0, 1, 0),
+                              corner.distance);
+        point.m_positionWorldOnA = corner.position;
+        point.m_positionWorldOnB = below;
+        point.m_combinedFriction = btManifoldResult::calculateCombinedFriction(hull_, plane_);
+        point.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(hull_, plane_);
+        point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+        point.m_contactERP = undone_part;
+        point.m_index0 = corner.index;
+        point.m_partId0 = part;
+        for (const btManifoldPoint& before : old_) {
+            if (before.m_index0 != corner.index) continue;
+            point.m_appliedImpulse = before.m_appliedImpulse;
+            point.m_appliedImpulseLateral1 = before.m_appliedImpulseLateral1;
+            point.m_appliedImpulseLateral2 = before.m_appliedImpulseLateral2;
+            point.m_lifeTime = before.m_lifeTime + 1;
+        }
+        return point;
+    }
+
+    void keep_manifolds(size_t count) {
+        while (manifold_count_ > count) m_dispatcher->releaseManifold(manifolds_[--manifold_count_]);
+        while (manifold_count_ < count)
+            manifolds_[manifold_count_++] = m_dispatcher->getNewManifold(hull_, plane_);
+    }
+
+    const btCollisionObject* hull_;
+    const btCollisionObject* plane_;
+    std::array<btPersistentManifold*, most_corners / MANIFOLD_CACHE_SIZE> manifolds_{}; // four contacts each
+    size_t manifold_count_ = 0;
+    std::vector<Corner> corners_;       // scratch of one call
+    std::vector<btManifoldPoint> old_; // likewise
 };
 
 struct CreateHullOnPlane final : btCollisionAlgorithmCreateFunc {

@@ -26,6 +26,9 @@ constexpr float place_part = 1.0f;
 // that waits for its neighbours.
 constexpr float patience = 1.5f;
 
+// What is deeper than this in the ground, in metres, does not fall asleep before it has come up.
+constexpr float sunk_depth = 1e-3f;
+
 // The nearest body that a ball runs into; not itself and not the ground, which has contacts of its own that
 // look ahead.
 struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
@@ -104,7 +107,7 @@ void SteppedWorld::updateActivationState(btScalar seconds) {
             rigid.setLinearVelocity(rigid.getLinearVelocity() * kept);
             rigid.setAngularVelocity(rigid.getAngularVelocity() * kept);
         }
-        rigid.setActivationState(waited >= settings_.sleep_seconds ? WANTS_DEACTIVATION : ACTIVE_TAG);
+        rigid.setActivationState(waited >= settings_.sleep_seconds && !body->sunk ? WANTS_DEACTIVATION : ACTIVE_TAG);
     }
 }
 
@@ -164,13 +167,18 @@ void SteppedWorld::stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar sec
 }
 
 void SteppedWorld::find_touching() {
-    for (const auto& body : bodies_) body->touching = false;
+    for (const auto& body : bodies_) body->touching = body->sunk = false;
     for (int i = 0; i < getDispatcher()->getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = getDispatcher()->getManifoldByIndexInternal(i);
         if (manifold->getNumContacts() == 0) continue;
         for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
             if (object->getUserIndex() >= 0)
                 bodies_[static_cast<size_t>(object->getUserIndex())]->touching = true;
+        if (manifold->getBody1()->getUserIndex() >= 0) continue;
+        // Contacts with the ground have the body first.
+        BodyRecord& body = *bodies_[static_cast<size_t>(manifold->getBody0()->getUserIndex())];
+        for (int p = 0; p < manifold->getNumContacts(); ++p)
+            body.sunk = body.sunk || manifold->getContactPoint(p).getDistance() < -sunk_depth * bullet_units;
     }
 }
 

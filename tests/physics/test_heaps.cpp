@@ -1,0 +1,97 @@
+// What falls in hundreds: how deep it goes into the ground, when it sleeps, that it does not gain energy.
+#include "physics/pieces.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "convex_pieces.h"
+#include "fracture/fracture.h"
+#include "fracture/io/import.h"
+#include "fracture/shapes.h"
+#include "fracture/sites.h"
+
+using namespace brittle;
+using namespace brittle::physics;
+
+namespace {
+
+constexpr const char* bunny_file = "/usr/share/glmark2/models/bunny.obj"; // assets/SOURCES.md
+
+// A metre long, 30 cm above the ground.
+fracture::TriangleMesh lifted(fracture::TriangleMesh mesh) {
+    const fracture::Box box = fracture::bounds(mesh);
+    const double longest = std::max({box.size().x, box.size().y, box.size().z});
+    for (glm::dvec3& p : mesh.positions)
+        p = (p - glm::dvec3(box.centre().x, box.min.y, box.centre().z)) / longest + glm::dvec3(0.0, 0.3, 0.0);
+    return mesh;
+}
+
+// The lowest of points where a body stands.
+float lowest_of(const Pose& pose, const auto& points) {
+    float lowest = std::numeric_limits<float>::infinity();
+    for (const auto& p : points) lowest = std::min(lowest, (pose.position + pose.orientation * glm::vec3(p)).y);
+    return lowest;
+}
+
+void drop(const fracture::TriangleMesh& mesh, uint32_t sites, uint64_t seed) {
+    const auto fragments = fracture::fracture(mesh, fracture::uniform_sites(fracture::bounds(mesh), sites, seed));
+    REQUIRE(fragments);
+    const PieceHulls hulls = collision_hulls(*fragments);
+    World world;
+    const auto bodies = add_pieces(world, *fragments, {}, {}, hulls);
+    REQUIRE(bodies);
+    const double start = world.mechanics().kinetic + world.mechanics().potential;
+    double energy = start, rise = 0.0;
+    int steps = 0;
+    for (; steps < 1200 && world.awake_count() > 0; ++steps) {
+        world.step();
+        const Mechanics now = world.mechanics();
+        rise = std::max(rise, now.kinetic + now.potential - energy);
+        energy = now.kinetic + now.potential;
+    }
+    float hull = 1.0f, vertex = 1.0f, centre = 1.0f;
+    for (size_t i = 0; i < bodies->size(); ++i) {
+        const Pose pose = world.pose((*bodies)[i]);
+        const fracture::Piece& piece = fragments->pieces[i];
+        std::vector<glm::dvec3> corners;
+        for (const glm::dvec3& p : fragments->positions_of(piece)) corners.push_back(p - piece.mass.centre_of_mass);
+        hull = std::min(hull, lowest_of(pose, hulls[i]->points) - hulls[i]->margin);
+        vertex = std::min(vertex, lowest_of(pose, corners));
+        centre = std::min(centre, pose.position.y);
+    }
+    MESSAGE(bodies->size() << " pieces asleep after " << steps / 120.0 << " s; lowest hull " << hull << " m, vertex "
+                           << vertex << " m, centre " << centre << " m; steepest rise of energy " << rise / start);
+    CHECK(world.awake_count() == 0);
+    CHECK(rise < 1e-4 * start);
+    CHECK(hull > -2e-3f);
+    CHECK(vertex > -0.02f); // what hulls of 32 points leave out of pieces a fifth of a metre long
+    CHECK(centre > -1e-3f);
+}
+
+} // namespace
+
+TEST_CASE("three hundred pieces fall asleep within ten seconds, none of them in the ground") {
+    for (const char* name : {"cube", "animal", "arch", "wall"})
+        for (const uint64_t seed : {1, 2, 3}) {
+            CAPTURE(name);
+            CAPTURE(seed);
+            drop(lifted(*fracture::shape(name)), 300, seed);
+        }
+}
+
+TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, none of them in the ground") {
+    if (!std::filesystem::exists(bunny_file)) {
+        MESSAGE("skipped: glmark2's bunny.obj is not installed");
+        return;
+    }
+    const auto bunny = fracture::import_mesh(bunny_file);
+    REQUIRE(bunny);
+    for (const uint64_t seed : {1, 2, 3}) {
+        CAPTURE(seed);
+        drop(lifted(*bunny), 570, seed);
+    }
+}
