@@ -100,7 +100,12 @@ struct TargetFormat {
 };
 
 // What the shaders are told about a scene.
-[[nodiscard]] shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shadow_size);
+struct View {
+    glm::uvec2 size;      // pixels that are drawn
+    float aspect;         // width / height of the picture that they make: the size may be rounded
+    uint32_t shadow_size; // texels a side
+};
+[[nodiscard]] shared::FrameData frame_data(const Scene& scene, const View& view);
 
 // For the passes that draw pieces: their reads, and the multi-draws by the commands of one view, one with each pipeline
 // that has pieces to draw. Without a pipeline for them, pieces that fade are left out.

@@ -9,11 +9,10 @@
 
 #include "engine/core/window.h"
 #include "engine/gpu/check.h"
-#include "engine/gpu/commands.h"
 #include "engine/gpu/swapchain.h"
 #include "engine/graph/access_vulkan.h"
 #include "engine/render/cull_pass.h"
-#include "engine/render/frame.h"
+#include "engine/render/frame_slot.h"
 #include "engine/render/id_pass.h"
 #include "engine/render/marks_pass.h"
 #include "engine/render/occlusion_pass.h"
@@ -32,43 +31,6 @@ constexpr uint32_t most_shadow_size = 8192;
 // Bytes of staging that a slot keeps from frame to frame, so that pieces that trickle in allocate nothing; what a large
 // mesh needed is given back.
 constexpr uint64_t most_staging_kept = 4 << 20;
-
-// What one frame in flight has to itself. The CPU writes its buffers while the device reads another slot's.
-struct FrameSlot {
-    FrameSlot(const Device& device, const FrameLayout& layout)
-        : executor(device), set(layout.allocate_frame()), depth_set(layout.allocate_image()),
-          occlusion_set(layout.allocate_image()),
-          uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-                   MemoryKind::upload),
-          drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t),
-                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
-          commands(device) {}
-
-    GraphExecutor executor;
-    VkDescriptorSet set, depth_set, occlusion_set;
-    DeviceBuffer uniforms;
-    DeviceBuffer drawn;  // written by both
-    bool culled = false; // the newest frame counts in `drawn`
-    DeviceBuffer camera_commands, light_commands;
-    DeviceBuffer draw_data, draw_commands; // one a draw range, of PieceArena::version()
-    uint64_t pieces_version = 0;
-    DeviceBuffer staging;              // of geometry that this frame uploads
-    std::vector<DeviceBuffer> retired; // that nothing needs after this frame
-    DeviceBuffer poses;
-    uint32_t posed_bodies = 0;  // the first so many of poses hold what was written at the moment
-    uint64_t poses_moment = 0;  // 0: not known
-    DeviceBuffer lines;
-    DeviceBuffer spheres;
-    CommandSlot commands; // last: its destructor waits before the others go
-};
-
-// Makes room for `size` bytes: half as much again as is needed, so that a growing scene does not allocate
-// each frame.
-void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size,
-             VkBufferUsageFlags usage, MemoryKind kind = MemoryKind::upload) {
-    if (buffer.handle() && buffer.size() >= size) return;
-    buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
-}
 
 // Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
 // rates: the frame of a bunny at 1280x720 takes 1.5 to 2 times as long with 4 samples, 1.5 times with 16
@@ -135,12 +97,6 @@ struct Renderer::State {
     FrameSlot& next_slot();
     void collect(FrameSlot& slot);
     Frame begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
-    void import_slot(Frame& frame, FrameSlot& slot);
-    void import_pieces(Frame& frame, FrameSlot& slot);
-    void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
-    void write_poses(FrameSlot& slot, const Scene& scene);
-    void write_pieces(FrameSlot& slot, const Scene& scene);
-    void write_marks(FrameSlot& slot, const Scene& scene);
     void submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphore signal);
     // Calls the function as guarded() does, and remembers a lost device.
     template<class Function>
@@ -212,119 +168,10 @@ void Renderer::State::collect(FrameSlot& slot) {
         stats.pieces_in_view = slot.drawn.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
 }
 
-void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
-    const shared::FrameData data = frame_data(scene, {extent.width, extent.height}, shadow_size());
-    std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
-
-    write_poses(slot, scene);
-    write_pieces(slot, scene);
-    write_marks(slot, scene);
-    layout.update(slot.set, {.frame = slot.uniforms.handle(),
-                             .poses = slot.poses.handle(),
-                             .draws = slot.draw_data.handle(),
-                             .commands = slot.draw_commands.handle(),
-                             .culled_for_camera = slot.camera_commands.handle(),
-                             .culled_for_light = slot.light_commands.handle(),
-                             .drawn = slot.drawn.handle(),
-                             .commands_size = std::max(pieces.draws(), 1u) * sizeof(shared::DrawCommand),
-                             .shadow = shadow_map.view()});
-}
-
-void Renderer::State::write_poses(FrameSlot& slot, const Scene& scene) {
-    const uint32_t bodies = pieces.bodies();
-    if (slot.poses.size() < bodies * sizeof(BodyPose)) slot.poses_moment = 0;
-    reserve(device, slot.poses, "poses", std::max(bodies, 1u) * sizeof(BodyPose),
-            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const std::span<BodyPose> poses = slot.poses.mapped_as<BodyPose>(0, bodies);
-    const bool known = scene.write_poses && bodies <= slot.posed_bodies && slot.poses_moment <= scene.moment;
-    const uint64_t since = known ? slot.poses_moment : 0;
-    // So that a caller who sets positions alone gets whole poses.
-    if (since == 0) std::ranges::fill(poses, BodyPose{});
-    slot.poses_moment = 0; // the callback may throw half-way
-    if (!scene.write_poses) return;
-    scene.write_poses(poses, since);
-    slot.poses_moment = scene.moment;
-    slot.posed_bodies = bodies;
-}
-
-void Renderer::State::write_pieces(FrameSlot& slot, const Scene& scene) {
-    const uint32_t draws = pieces.draws(), room = std::max(draws, 1u);
-    constexpr VkBufferUsageFlags storage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    constexpr VkBufferUsageFlags commands = VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | storage;
-    const uint64_t commands_size = room * sizeof(shared::DrawCommand);
-    const auto lists = [&] {
-        return PieceArena::DrawLists{slot.draw_data.mapped_as<shared::DrawData>(0, draws),
-                                     slot.draw_commands.mapped_as<VkDrawIndexedIndirectCommand>(0, draws)};
-    };
-    if (slot.pieces_version != pieces.version()) {
-        slot.pieces_version = 0; // an allocation may fail half-way
-        reserve(device, slot.draw_data, "draw data", room * sizeof(shared::DrawData), storage);
-        reserve(device, slot.draw_commands, "draw commands", commands_size, commands);
-        pieces.write_draws(lists());
-        slot.pieces_version = pieces.version();
-    }
-    // Reads the mapped poses: on a CPU device they are in plain memory.
-    if (*quality().front_to_back)
-        pieces.write_draws(lists(), slot.poses.mapped_as<BodyPose>(0, pieces.bodies()), scene.camera.eye);
-    const uint64_t culled_size = cull ? commands_size : 0;
-    reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands, MemoryKind::device);
-    reserve(device, slot.light_commands, "commands for the light", culled_size, commands, MemoryKind::device);
-    std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
-}
-
-void Renderer::State::write_marks(FrameSlot& slot, const Scene& scene) {
-    if (!scene.lines.empty()) {
-        reserve(device, slot.lines, "lines", scene.lines.size_bytes(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
-        std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
-    }
-    if (!scene.spheres.empty()) {
-        reserve(device, slot.spheres, "spheres",
-                std::max(scene.spheres.size_bytes(), MarksPass::least_spheres_size),
-                VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
-        std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
-    }
-}
-
-void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
-    const auto import = [&](const char* name, const DeviceBuffer& buffer) {
-        return frame.graph.import_buffer(name, {buffer.size()},
-                                         {.initial = Access::host_write,
-                                          .final = {},
-                                          .read_only = true,
-                                          .external = frame.external.add(buffer.handle())});
-    };
-    frame.uniforms = import("frame data", slot.uniforms);
-    frame.poses = import("poses", slot.poses);
-    if (!frame.scene.lines.empty()) frame.lines = import("lines", slot.lines);
-    if (!frame.scene.spheres.empty()) frame.spheres = import("spheres", slot.spheres);
-}
-
-void Renderer::State::import_pieces(Frame& frame, FrameSlot& slot) {
-    const auto import = [&](const char* name, const DeviceBuffer& buffer, Access access) {
-        return frame.graph.import_buffer(
-            name, {buffer.size()},
-            {.initial = access, .final = {}, .external = frame.external.add(buffer.handle())});
-    };
-    frame.upload = pieces.next_upload();
-    if (frame.draws_pieces() || !frame.upload.empty()) {
-        // The passes of frames before read them; an upload waits for those.
-        frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
-        frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
-        frame.indices = import("piece indices", pieces.indices(), Access::index_read);
-    }
-    if (frame.upload.staged > 0) {
-        reserve(device, slot.staging, "staging", frame.upload.staged, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
-        pieces.write_staging(slot.staging.mapped());
-        frame.staging = import("staging", slot.staging, Access::host_write);
-    }
-    if (!frame.draws_pieces()) return;
-    frame.draw_data = import("draw data", slot.draw_data, Access::host_write);
-    frame.commands = import("draw commands", slot.draw_commands, Access::host_write);
-    frame.camera_commands = frame.light_commands = frame.commands;
-}
-
 Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
-    write_slot(slot, scene, extent);
+    const View view{{extent.width, extent.height},
+                    static_cast<float>(extent.width) / static_cast<float>(extent.height), shadow_size()};
+    write_slot(slot, {device, layout, pieces, quality(), view, shadow_map.view()}, scene);
     Frame frame{.scene = scene,
                 .pieces = pieces,
                 .most_draws =
@@ -338,8 +185,7 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, VkExtent
                        .pieces_in_view = cull ? stats.pieces_in_view : pieces.pieces(),
                        .draws = pieces.draws(),
                        .triangles = pieces.triangles()};
-    import_slot(frame, slot);
-    import_pieces(frame, slot);
+    import_slot(frame, slot, device);
     return frame;
 }
 
