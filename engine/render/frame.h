@@ -77,6 +77,7 @@ struct Frame {
     // Targets. Without multisampling `samples` names nothing, and `colour` is drawn into itself.
     Image colour, depth, samples;
     Image occlusion; // valid if the quality has it
+    Image picture;   // what is shown: `colour`, or another one into which that is enlarged
 
     PieceUpload upload; // of geometry, before anything is drawn
     Buffer staging;     // what is to be uploaded; valid if upload.staged is not 0

@@ -56,7 +56,8 @@ void write_pieces(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
     if (*from.quality.front_to_back)
         pieces.write_draws(lists(), slot.poses.mapped_as<BodyPose>(0, pieces.bodies()), scene.camera.eye);
     const uint64_t culled_size = *from.quality.culling ? commands_size : 0;
-    reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands, MemoryKind::device);
+    reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands,
+            MemoryKind::device);
     reserve(device, slot.light_commands, "commands for the light", culled_size, commands, MemoryKind::device);
     std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
 }
@@ -120,8 +121,8 @@ FrameSlot::FrameSlot(const Device& device, const FrameLayout& layout)
       occlusion_set(layout.allocate_image()),
       uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                MemoryKind::upload),
-      drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-            MemoryKind::readback),
+      drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t),
+            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
       commands(device) {}
 
 void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene) {

@@ -1,7 +1,8 @@
 // What one frame in flight has to itself: the CPU writes its buffers while the device reads another slot's.
 //
-// In the order of a frame: wait for the slot's commands, write_slot(), then import_slot() into the frame that is
-// declared. Buffers grow as the scene does, and are kept from frame to frame. All functions throw VulkanFailure.
+// In the order of a frame: wait for the slot's commands, write_slot(), then import_slot() into the frame that
+// is declared. Buffers grow as the scene does, and are kept from frame to frame. All functions throw
+// VulkanFailure.
 #pragma once
 
 #include <cstdint>
@@ -47,7 +48,8 @@ struct SlotSource {
 // Fills the buffers, and points the slot's descriptors at them. The device must be done with the slot.
 void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene);
 
-// Makes the slot's buffers and the pieces' arenas known to the frame's graph, with what the arenas are to upload.
+// Makes the slot's buffers and the pieces' arenas known to the frame's graph, with what the arenas are to
+// upload.
 void import_slot(Frame& frame, FrameSlot& slot, const Device& device);
 
 } // namespace brittle::engine

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <map>
 
@@ -12,6 +13,7 @@
 #include "engine/gpu/swapchain.h"
 #include "engine/graph/access_vulkan.h"
 #include "engine/render/cull_pass.h"
+#include "engine/render/enlarge_pass.h"
 #include "engine/render/frame_slot.h"
 #include "engine/render/id_pass.h"
 #include "engine/render/marks_pass.h"
@@ -28,8 +30,9 @@ namespace {
 constexpr uint32_t frames_in_flight = 2;
 constexpr uint32_t least_shadow_size = 64;
 constexpr uint32_t most_shadow_size = 8192;
-// Bytes of staging that a slot keeps from frame to frame, so that pieces that trickle in allocate nothing; what a large
-// mesh needed is given back.
+constexpr float least_scale = 0.25f; // of pixels a side; with fewer, pictures show little more than colours
+// Bytes of staging that a slot keeps from frame to frame, so that pieces that trickle in allocate nothing;
+// what a large mesh needed is given back.
 constexpr uint64_t most_staging_kept = 4 << 20;
 
 // Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
@@ -43,6 +46,7 @@ Result<Quality> choose(Quality quality, const Device& device) {
     if (!quality.ambient_occlusion) quality.ambient_occlusion = !cpu;
     if (!quality.culling) quality.culling = device.has_multi_draw();
     if (!quality.front_to_back) quality.front_to_back = cpu;
+    if (!quality.moving_scale) quality.moving_scale = cpu ? 0.5f : 1.0f;
 
     const uint32_t size = *quality.shadow_size;
     if (size < least_shadow_size || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
@@ -53,6 +57,10 @@ Result<Quality> choose(Quality quality, const Device& device) {
     if (*quality.samples != 1 && *quality.samples != 4)
         return Error{Status::invalid_argument,
                      std::to_string(*quality.samples) + " samples a pixel cannot be had: 1 or 4 can"};
+    if (!(*quality.moving_scale >= least_scale && *quality.moving_scale <= 1.0f))
+        return Error{Status::invalid_argument,
+                     "a scale of " + std::to_string(*quality.moving_scale)
+                         + " while things move is out of range, which is 0.25 to 1"};
     return quality;
 }
 
@@ -72,10 +80,31 @@ struct Passes {
     MarksPass marks;
 };
 
+// Depths seen from the sun. In a window there is a small one for frames of which fewer pixels are drawn:
+// pieces cost it as much as the picture.
+struct ShadowMap {
+    ShadowMap(const Device& device, uint32_t size_)
+        : size(size_), image(device, "shadow map", {size_, size_}, VK_FORMAT_D32_SFLOAT,
+                             VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT) {}
+
+    uint32_t size; // texels a side
+    DeviceImage image;
+    bool drawn = false; // a submitted frame drew it, and may still read it
+    bool kept = false;  // it holds the shadows of the scene as it is
+};
+
 // Where a frame goes.
 struct Target {
     Format format;
     VkExtent2D extent;
+    float scale = 1.0f; // below 1, fewer pixels are drawn, and the picture is enlarged
+
+    [[nodiscard]] VkExtent2D drawn() const {
+        const auto scaled = [this](uint32_t pixels) {
+            return std::max(static_cast<uint32_t>(std::lround(static_cast<float>(pixels) * scale)), 1u);
+        };
+        return {scaled(extent.width), scaled(extent.height)};
+    }
 };
 
 } // namespace
@@ -83,20 +112,22 @@ struct Target {
 struct Renderer::State {
     State(Device& device_, const RendererSettings& settings_)
         : device(device_), settings(settings_), layout(device_, frames_in_flight, 2 * frames_in_flight),
-          shadow_map(device_, "shadow map", {shadow_size(), shadow_size()}, VK_FORMAT_D32_SFLOAT,
-                     VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT),
-          pieces(device_) {
+          shadow_map(device_, *quality().shadow_size), pieces(device_) {
         if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
     }
     ~State() { device.wait_idle(); }
 
     [[nodiscard]] const Quality& quality() const { return settings.quality; }
-    [[nodiscard]] uint32_t shadow_size() const { return *quality().shadow_size; }
+    [[nodiscard]] float window_scale(const Scene& scene) const {
+        return scene.moved ? *quality().moving_scale : 1.0f;
+    }
+    ShadowMap& map_for(const Target& target);
+    void forget_shadow() { shadow_map.kept = false; }
     Passes& passes_for(Format format);
     FrameSlot& next_slot();
     void collect(FrameSlot& slot);
-    Frame begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
+    Frame begin_frame(FrameSlot& slot, const Scene& scene, const Target& target);
     void submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphore signal);
     // Calls the function as guarded() does, and remembers a lost device.
     template<class Function>
@@ -108,6 +139,7 @@ struct Renderer::State {
     void declare_cull(Frame& frame, FrameSlot& slot, bool for_shadow);
     void declare_read_back(Frame& frame, Image image, VkExtent2D extent);
     void declare_scene(Frame& frame, FrameSlot& slot, const Target& target);
+    void drew_shadow(const Target& target); // the frame was submitted
     void record(Frame& frame, FrameSlot& slot);
     void finish(Frame& frame, FrameSlot& slot); // records, submits and waits
     Bitmap draw_off_screen(const Scene& scene, const Target& target);
@@ -119,8 +151,8 @@ struct Renderer::State {
     FrameLayout layout;
     std::optional<CullPass> cull; // if the quality has it
     std::optional<IdPass> ids;    // once it was asked for
-    DeviceImage shadow_map;
-    bool shadow_kept = false; // the map holds the shadows of the frame before
+    ShadowMap shadow_map;
+    std::optional<ShadowMap> small_shadow_map; // once a frame wants it; never kept
     PieceArena pieces;
     std::map<Format, Passes> passes; // the window's format may differ from the pictures'
     std::array<std::unique_ptr<FrameSlot>, frames_in_flight> slots;
@@ -168,10 +200,22 @@ void Renderer::State::collect(FrameSlot& slot) {
         stats.pieces_in_view = slot.drawn.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
 }
 
-Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
-    const View view{{extent.width, extent.height},
-                    static_cast<float>(extent.width) / static_cast<float>(extent.height), shadow_size()};
-    write_slot(slot, {device, layout, pieces, quality(), view, shadow_map.view()}, scene);
+ShadowMap& Renderer::State::map_for(const Target& target) {
+    if (target.scale >= 1.0f) return shadow_map;
+    if (!small_shadow_map) {
+        const auto size = static_cast<uint32_t>(target.scale * static_cast<float>(shadow_map.size));
+        small_shadow_map.emplace(device, std::max(size, least_shadow_size));
+    }
+    return *small_shadow_map;
+}
+
+Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Target& target) {
+    const VkExtent2D drawn = target.drawn();
+    const ShadowMap& map = map_for(target);
+    const View view{{drawn.width, drawn.height},
+                    static_cast<float>(target.extent.width) / static_cast<float>(target.extent.height),
+                    map.size};
+    write_slot(slot, {device, layout, pieces, quality(), view, map.image.view()}, scene);
     Frame frame{.scene = scene,
                 .pieces = pieces,
                 .most_draws =
@@ -185,6 +229,7 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, VkExtent
                        .pieces_in_view = cull ? stats.pieces_in_view : pieces.pieces(),
                        .draws = pieces.draws(),
                        .triangles = pieces.triangles()};
+    frame.stats.scale = target.scale;
     import_slot(frame, slot, device);
     return frame;
 }
@@ -206,14 +251,21 @@ void Renderer::State::declare_cull(Frame& frame, FrameSlot& slot, bool for_shado
     cull->declare(frame, for_shadow);
 }
 
+// Draws into frame.picture, or where there are fewer pixels, into an image that is then enlarged into it.
 void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target& target) {
+    const ShadowMap& map = map_for(target);
     frame.shadow = frame.graph.import_image(
-        "shadow map", {.width = shadow_size(), .height = shadow_size(), .format = Format::d32_float},
-        {.initial = shadow_kept ? AccessSet(Access::sampled_fragment) : AccessSet(),
+        "shadow map", {.width = map.size, .height = map.size, .format = Format::d32_float},
+        {.initial = map.drawn ? AccessSet(Access::sampled_fragment) : AccessSet(),
          .final = Access::sampled_fragment,
-         .external = frame.external.add(shadow_map.handle(), shadow_map.view())});
-    ImageDesc desc{.width = target.extent.width,
-                   .height = target.extent.height,
+         .external = frame.external.add(map.image.handle(), map.image.view())});
+    const VkExtent2D drawn = target.drawn();
+    frame.colour = frame.picture;
+    if (target.scale < 1.0f)
+        frame.colour = frame.graph.create_image(
+            "small picture", {.width = drawn.width, .height = drawn.height, .format = target.format});
+    ImageDesc desc{.width = drawn.width,
+                   .height = drawn.height,
                    .format = Format::d32_float,
                    .samples = *quality().samples};
     frame.depth = frame.graph.create_image("depth", desc);
@@ -221,12 +273,16 @@ void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target&
     if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
 
     const Passes& p = passes_for(target.format);
-    const bool shadow = frame.scene.moved || !shadow_kept;
+    const bool shadow = frame.scene.moved || !map.kept;
     declare_cull(frame, slot, shadow);
     if (shadow) p.shadow.declare(frame);
-    if (p.occlusion) p.occlusion->declare(frame, target.extent);
+    if (p.occlusion) p.occlusion->declare(frame, drawn);
     p.shade.declare(frame);
     p.marks.declare(frame);
+    if (target.scale < 1.0f)
+        declare_enlarge(frame);
+    else
+        frame.picture = frame.colour;
 }
 
 void Renderer::State::record(Frame& frame, FrameSlot& slot) {
@@ -269,6 +325,13 @@ void Renderer::State::submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphor
     pieces.uploaded(slot.retired);
 }
 
+void Renderer::State::drew_shadow(const Target& target) {
+    ShadowMap& map = map_for(target);
+    map.drawn = true;
+    map.kept = &map == &shadow_map;
+    if (!map.kept) forget_shadow(); // things moved since it was drawn
+}
+
 void Renderer::State::finish(Frame& frame, FrameSlot& slot) {
     record(frame, slot);
     submit(slot, {}, VK_NULL_HANDLE);
@@ -279,14 +342,14 @@ void Renderer::State::finish(Frame& frame, FrameSlot& slot) {
 Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target) {
     FrameSlot& slot = next_slot();
     const VkExtent2D extent = target.extent;
-    Frame frame = begin_frame(slot, scene, target.extent);
+    Frame frame = begin_frame(slot, scene, target);
     declare_upload(frame);
-    frame.colour = frame.graph.create_image(
+    frame.picture = frame.graph.create_image(
         "colour", {.width = extent.width, .height = extent.height, .format = target.format});
     declare_scene(frame, slot, target);
-    declare_read_back(frame, frame.colour, extent);
+    declare_read_back(frame, frame.picture, extent);
     finish(frame, slot);
-    shadow_kept = true;
+    drew_shadow(target);
 
     Bitmap bitmap{extent.width, extent.height,
                   std::vector<uint8_t>(size_t{4} * extent.width * extent.height)};
@@ -297,12 +360,13 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
 IdImage Renderer::State::draw_ids(const Scene& scene, VkExtent2D extent) {
     if (!ids) ids.emplace(device, layout.pipeline_layout());
     FrameSlot& slot = next_slot();
-    Frame frame = begin_frame(slot, scene, extent);
+    const Target target{Format::r32_uint, extent};
+    Frame frame = begin_frame(slot, scene, target);
     declare_upload(frame);
     declare_cull(frame, slot, false);
     declare_read_back(frame, ids->declare(frame, extent), extent);
     finish(frame, slot);
-    if (scene.moved) shadow_kept = false; // the map holds where pieces were before
+    if (scene.moved) forget_shadow(); // the map holds where pieces were before
 
     IdImage image{extent.width, extent.height, std::vector<uint32_t>(size_t{extent.width} * extent.height)};
     std::memcpy(image.ids.data(), readback.mapped(), image.ids.size() * sizeof(uint32_t));
@@ -322,11 +386,12 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     }
     if (!image) return false;
 
-    const Target target{swapchain->format(), swapchain->extent()};
+    const Target target{swapchain->format(), swapchain->extent(),
+                        swapchain->takes_copies() ? window_scale(scene) : 1.0f};
     ui->build(draw_ui);
-    Frame frame = begin_frame(slot, scene, target.extent);
+    Frame frame = begin_frame(slot, scene, target);
     declare_upload(frame);
-    frame.colour = frame.graph.import_image(
+    frame.picture = frame.graph.import_image(
         "swapchain", {.width = target.extent.width, .height = target.extent.height, .format = target.format},
         {.initial = Access::acquired,
          .final = Access::present,
@@ -334,8 +399,9 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     declare_scene(frame, slot, target);
     ui->declare(frame, *image);
     record(frame, slot);
-    submit(slot, {swapchain->acquired(turn), to_vulkan(Access::acquired).stages}, swapchain->finished(*image));
-    shadow_kept = true;
+    submit(slot, {swapchain->acquired(turn), to_vulkan(Access::acquired).stages},
+           swapchain->finished(*image));
+    drew_shadow(target);
     swapchain->present(*image);
     return true;
 }
@@ -363,7 +429,7 @@ Result<std::vector<PieceHandle>> Renderer::set_pieces(std::span<const PieceMesh>
         if (!batch) return batch.error();
         Result<std::vector<PieceHandle>> handles = state_->pieces.replace_all(*std::move(batch));
         if (!handles) return handles;
-        state_->shadow_kept = false;
+        state_->forget_shadow();
         // A body's number means another body now.
         for (const auto& slot : state_->slots) slot->poses_moment = 0;
         return handles;
@@ -379,7 +445,7 @@ Result<std::vector<PieceHandle>> Renderer::add_pieces(std::span<const PieceMesh>
 Result<std::vector<PieceHandle>> Renderer::add_pieces(PieceBatch batch) {
     return state_->run([&]() -> Result<std::vector<PieceHandle>> {
         Result<std::vector<PieceHandle>> handles = state_->pieces.add(std::move(batch));
-        if (handles) state_->shadow_kept = false;
+        if (handles) state_->forget_shadow();
         return handles;
     });
 }
@@ -387,7 +453,7 @@ Result<std::vector<PieceHandle>> Renderer::add_pieces(PieceBatch batch) {
 Result<void> Renderer::remove_pieces(std::span<const PieceHandle> handles) {
     return state_->run([&]() -> Result<void> {
         Result<void> removed = state_->pieces.remove(handles);
-        if (removed) state_->shadow_kept = false;
+        if (removed) state_->forget_shadow();
         return removed;
     });
 }
@@ -395,7 +461,7 @@ Result<void> Renderer::remove_pieces(std::span<const PieceHandle> handles) {
 Result<void> Renderer::fade_pieces(std::span<const PieceHandle> handles, float fade) {
     return state_->run([&]() -> Result<void> {
         Result<void> faded = state_->pieces.fade(handles, fade);
-        if (faded) state_->shadow_kept = false;
+        if (faded) state_->forget_shadow();
         return faded;
     });
 }
@@ -411,6 +477,14 @@ Result<Bitmap> Renderer::render(const Scene& scene, glm::uvec2 size) {
     });
 }
 
+Result<Bitmap> Renderer::render_as_presented(const Scene& scene, glm::uvec2 size) {
+    return state_->run([&]() -> Result<Bitmap> {
+        if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
+        return state_->draw_off_screen(scene,
+                                       {Format::rgba8_unorm, {size.x, size.y}, state_->window_scale(scene)});
+    });
+}
+
 Result<IdImage> Renderer::render_ids(const Scene& scene, glm::uvec2 size) {
     return state_->run([&]() -> Result<IdImage> {
         if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
@@ -422,7 +496,8 @@ Result<void> Renderer::attach(Window& window, const std::function<void()>& prepa
     return state_->run([&]() -> Result<void> {
         if (state_->window)
             return Error{Status::invalid_argument, "the renderer already draws into a window"};
-        auto swapchain = std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
+        auto swapchain =
+            std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
         state_->ui = std::make_unique<UiPass>(state_->device, window, *swapchain, prepare_ui);
         state_->swapchain = std::move(swapchain);
         state_->window = &window;
@@ -447,7 +522,8 @@ bool Renderer::ui_wants_keyboard() const {
 
 Result<void> Renderer::warm_up() {
     return state_->run([&]() -> Result<void> {
-        // Triangles of their own, one of which fades: there may be no piece that makes the driver compile their shaders.
+        // Triangles of their own, one of which fades: there may be no piece that makes the driver compile
+        // their shaders.
         const glm::vec3 corners[] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
         const glm::uvec3 triangle(0, 1, 2);
         const PieceMesh piece{.positions = corners, .triangles = {&triangle, 1}, .exterior_triangles = 1};
@@ -461,10 +537,10 @@ Result<void> Renderer::warm_up() {
         const Format format = state_->swapchain ? state_->swapchain->format() : Format::rgba8_unorm;
         const Result<void> drawn = guarded([&]() -> Result<void> {
             if (Result<void> faded = state_->pieces.fade({&stand_ins->back(), 1}, 0.5f); !faded) return faded;
-            (void)state_->draw_off_screen(scene, {format, {16, 16}});
+            (void)state_->draw_off_screen(scene, {format, {16, 16}, state_->window_scale(scene)});
             return {};
         });
-        state_->shadow_kept = false;
+        state_->forget_shadow();
         const Result<void> removed = state_->pieces.remove(*stand_ins);
         return drawn ? removed : drawn;
     });
