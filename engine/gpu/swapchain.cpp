@@ -136,6 +136,9 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
                                                   ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                                                   : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
     const uint32_t most = can.maxImageCount == 0 ? UINT32_MAX : can.maxImageCount;
+    takes_copies_ = can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT; // nearly everywhere
+    VkImageUsageFlags usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    if (takes_copies_) usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     const VkSwapchainKHR old = swapchain_;
     const VkSwapchainCreateInfoKHR info{.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
                                         .surface = surface_,
@@ -144,7 +147,7 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
                                         .imageColorSpace = surface_format_.colorSpace,
                                         .imageExtent = extent_,
                                         .imageArrayLayers = 1,
-                                        .imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+                                        .imageUsage = usage,
                                         .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
                                         .preTransform = can.currentTransform,
                                         .compositeAlpha = alpha,

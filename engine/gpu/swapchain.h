@@ -49,6 +49,7 @@ class Swapchain {
 
     [[nodiscard]] Format format() const { return format_; }
     [[nodiscard]] VkExtent2D extent() const { return extent_; }
+    [[nodiscard]] bool takes_copies() const { return takes_copies_; } // as targets of transfers
     [[nodiscard]] const std::vector<VkImage>& images() const { return images_; }
     [[nodiscard]] const std::vector<VkImageView>& views() const { return views_; }
 
@@ -69,6 +70,7 @@ class Swapchain {
     Format format_ = Format::bgra8_unorm;
     VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
     VkExtent2D extent_{};
+    bool takes_copies_ = false;
     glm::uvec2 made_for_{
         0};              // the framebuffer size at the time; the surface may have insisted on another extent
     bool stale_ = true;  // to be made again

@@ -55,6 +55,9 @@ bool same_transient(const Plan::Resource& a, const Plan::Resource& b) {
            && a.memory.offset == b.memory.offset;
 }
 
+// With these alone an image has no view: it is copied only.
+constexpr VkImageUsageFlags transfers = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+
 bool is_transient(const Plan::Resource& resource) {
     return !resource.imported && resource.used();
 }
@@ -140,7 +143,7 @@ void GraphExecutor::create_transients(const Plan& plan) {
             check(vkCreateImage(device_.handle(), &info, nullptr, &object.image), "create a transient image");
             check(vkBindImageMemory(device_.handle(), object.image, heap, resource.memory.offset),
                   "bind a transient image's memory");
-            object.view = create_view(device_.handle(), object.image, info.format);
+            if (info.usage & ~transfers) object.view = create_view(device_.handle(), object.image, info.format);
             device_.set_name(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(object.image),
                              resource.name.c_str());
         } else {

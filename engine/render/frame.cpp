@@ -191,16 +191,15 @@ ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
 
 } // namespace
 
-shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shadow_size) {
-    const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
-    const CameraMatrices camera = matrices(scene.camera, aspect, scene.bounds);
+shared::FrameData frame_data(const Scene& scene, const View& view) {
+    const CameraMatrices camera = matrices(scene.camera, view.aspect, scene.bounds);
     const glm::vec3 eye(glm::inverse(camera.view)[3]);
     const glm::mat4 eye_to_world = glm::translate(glm::mat4(1.0f), eye);
 
     const Look& look = scene.look;
     const float length = glm::length(look.to_light);
     const glm::vec3 to_light = length > 0.0f ? look.to_light / length : glm::vec3(0.0f, 1.0f, 0.0f);
-    const ShadowFit shadow = fit_shadow(scene.bounds, to_light, shadow_size);
+    const ShadowFit shadow = fit_shadow(scene.bounds, to_light, view.shadow_size);
     const glm::mat4 texture_from_clip = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f, 0.5f, 0.0f))
                                         * glm::scale(glm::mat4(1.0f), glm::vec3(0.5f, 0.5f, 1.0f));
 
@@ -222,18 +221,18 @@ shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shado
 
     const float reach = glm::length(scene.camera.target - eye);
     const float height = std::max(scene.bounds.size().y, 1e-5f);
-    const float pixels_a_metre = 0.5f * static_cast<float>(size.y) * std::abs(camera.projection[1][1]);
+    const float pixels_a_metre = 0.5f * static_cast<float>(view.size.y) * std::abs(camera.projection[1][1]);
     const glm::mat4 clip_from_eye = camera.projection * glm::mat4(glm::mat3(camera.view));
     return {
         .clip_from_eye = clip_from_eye,
         .eye_from_clip = glm::inverse(clip_from_eye),
         .shadow_from_eye = texture_from_clip * shadow.clip_from_world * eye_to_world,
         .shadow_clip_from_world = shadow.clip_from_world,
-        .eye = {eye, 1.0f / static_cast<float>(size.y)},
+        .eye = {eye, 1.0f / static_cast<float>(view.size.y)},
         .to_light = {to_light, normal_offset_texels * shadow.texel},
         .sun = {look.sun, bias_texels * shadow.texel / shadow.depth},
         .sky = {look.sky, ground_darkens * height},
-        .bounce = {look.bounce, 1.0f / static_cast<float>(shadow_size)},
+        .bounce = {look.bounce, 1.0f / static_cast<float>(view.shadow_size)},
         .materials = {{look.exterior, look.tint}, {look.interior, 0.45f * look.tint}},
         .sphere = {look.sphere, 0.0f},
         .ground = {look.ground, scene.ground_height},

@@ -77,6 +77,7 @@ struct Frame {
     // Targets. Without multisampling `samples` names nothing, and `colour` is drawn into itself.
     Image colour, depth, samples;
     Image occlusion; // valid if the quality has it
+    Image picture;   // what is shown: `colour`, or another one into which that is enlarged
 
     PieceUpload upload; // of geometry, before anything is drawn
     Buffer staging;     // what is to be uploaded; valid if upload.staged is not 0
@@ -100,7 +101,12 @@ struct TargetFormat {
 };
 
 // What the shaders are told about a scene.
-[[nodiscard]] shared::FrameData frame_data(const Scene& scene, glm::uvec2 size, uint32_t shadow_size);
+struct View {
+    glm::uvec2 size;      // pixels that are drawn
+    float aspect;         // width / height of the picture that they make: the size may be rounded
+    uint32_t shadow_size; // texels a side
+};
+[[nodiscard]] shared::FrameData frame_data(const Scene& scene, const View& view);
 
 // For the passes that draw pieces: their reads, and the multi-draws by the commands of one view, one with each pipeline
 // that has pieces to draw. Without a pipeline for them, pieces that fade are left out.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <map>
 
@@ -9,11 +10,11 @@
 
 #include "engine/core/window.h"
 #include "engine/gpu/check.h"
-#include "engine/gpu/commands.h"
 #include "engine/gpu/swapchain.h"
 #include "engine/graph/access_vulkan.h"
 #include "engine/render/cull_pass.h"
-#include "engine/render/frame.h"
+#include "engine/render/enlarge_pass.h"
+#include "engine/render/frame_slot.h"
 #include "engine/render/id_pass.h"
 #include "engine/render/marks_pass.h"
 #include "engine/render/occlusion_pass.h"
@@ -29,46 +30,10 @@ namespace {
 constexpr uint32_t frames_in_flight = 2;
 constexpr uint32_t least_shadow_size = 64;
 constexpr uint32_t most_shadow_size = 8192;
-// Bytes of staging that a slot keeps from frame to frame, so that pieces that trickle in allocate nothing; what a large
-// mesh needed is given back.
+constexpr float least_scale = 0.25f; // of pixels a side; with fewer, pictures show little more than colours
+// Bytes of staging that a slot keeps from frame to frame, so that pieces that trickle in allocate nothing;
+// what a large mesh needed is given back.
 constexpr uint64_t most_staging_kept = 4 << 20;
-
-// What one frame in flight has to itself. The CPU writes its buffers while the device reads another slot's.
-struct FrameSlot {
-    FrameSlot(const Device& device, const FrameLayout& layout)
-        : executor(device), set(layout.allocate_frame()), depth_set(layout.allocate_image()),
-          occlusion_set(layout.allocate_image()),
-          uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-                   MemoryKind::upload),
-          drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t),
-                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
-          commands(device) {}
-
-    GraphExecutor executor;
-    VkDescriptorSet set, depth_set, occlusion_set;
-    DeviceBuffer uniforms;
-    DeviceBuffer drawn;  // written by both
-    bool culled = false; // the newest frame counts in `drawn`
-    DeviceBuffer camera_commands, light_commands;
-    DeviceBuffer draw_data, draw_commands; // one a draw range, of PieceArena::version()
-    uint64_t pieces_version = 0;
-    DeviceBuffer staging;              // of geometry that this frame uploads
-    std::vector<DeviceBuffer> retired; // that nothing needs after this frame
-    DeviceBuffer poses;
-    uint32_t posed_bodies = 0;  // the first so many of poses hold what was written at the moment
-    uint64_t poses_moment = 0;  // 0: not known
-    DeviceBuffer lines;
-    DeviceBuffer spheres;
-    CommandSlot commands; // last: its destructor waits before the others go
-};
-
-// Makes room for `size` bytes: half as much again as is needed, so that a growing scene does not allocate
-// each frame.
-void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size,
-             VkBufferUsageFlags usage, MemoryKind kind = MemoryKind::upload) {
-    if (buffer.handle() && buffer.size() >= size) return;
-    buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
-}
 
 // Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
 // rates: the frame of a bunny at 1280x720 takes 1.5 to 2 times as long with 4 samples, 1.5 times with 16
@@ -81,6 +46,7 @@ Result<Quality> choose(Quality quality, const Device& device) {
     if (!quality.ambient_occlusion) quality.ambient_occlusion = !cpu;
     if (!quality.culling) quality.culling = device.has_multi_draw();
     if (!quality.front_to_back) quality.front_to_back = cpu;
+    if (!quality.moving_scale) quality.moving_scale = cpu ? 0.5f : 1.0f;
 
     const uint32_t size = *quality.shadow_size;
     if (size < least_shadow_size || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
@@ -91,6 +57,10 @@ Result<Quality> choose(Quality quality, const Device& device) {
     if (*quality.samples != 1 && *quality.samples != 4)
         return Error{Status::invalid_argument,
                      std::to_string(*quality.samples) + " samples a pixel cannot be had: 1 or 4 can"};
+    if (!(*quality.moving_scale >= least_scale && *quality.moving_scale <= 1.0f))
+        return Error{Status::invalid_argument,
+                     "a scale of " + std::to_string(*quality.moving_scale)
+                         + " while things move is out of range, which is 0.25 to 1"};
     return quality;
 }
 
@@ -110,10 +80,31 @@ struct Passes {
     MarksPass marks;
 };
 
+// Depths seen from the sun. In a window there is a small one for frames of which fewer pixels are drawn:
+// pieces cost it as much as the picture.
+struct ShadowMap {
+    ShadowMap(const Device& device, uint32_t size_)
+        : size(size_), image(device, "shadow map", {size_, size_}, VK_FORMAT_D32_SFLOAT,
+                             VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT) {}
+
+    uint32_t size; // texels a side
+    DeviceImage image;
+    bool drawn = false; // a submitted frame drew it, and may still read it
+    bool kept = false;  // it holds the shadows of the scene as it is
+};
+
 // Where a frame goes.
 struct Target {
     Format format;
     VkExtent2D extent;
+    float scale = 1.0f; // below 1, fewer pixels are drawn, and the picture is enlarged
+
+    [[nodiscard]] VkExtent2D drawn() const {
+        const auto scaled = [this](uint32_t pixels) {
+            return std::max(static_cast<uint32_t>(std::lround(static_cast<float>(pixels) * scale)), 1u);
+        };
+        return {scaled(extent.width), scaled(extent.height)};
+    }
 };
 
 } // namespace
@@ -121,26 +112,22 @@ struct Target {
 struct Renderer::State {
     State(Device& device_, const RendererSettings& settings_)
         : device(device_), settings(settings_), layout(device_, frames_in_flight, 2 * frames_in_flight),
-          shadow_map(device_, "shadow map", {shadow_size(), shadow_size()}, VK_FORMAT_D32_SFLOAT,
-                     VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT),
-          pieces(device_) {
+          shadow_map(device_, *quality().shadow_size), pieces(device_) {
         if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
     }
     ~State() { device.wait_idle(); }
 
     [[nodiscard]] const Quality& quality() const { return settings.quality; }
-    [[nodiscard]] uint32_t shadow_size() const { return *quality().shadow_size; }
+    [[nodiscard]] float window_scale(const Scene& scene) const {
+        return scene.moved ? *quality().moving_scale : 1.0f;
+    }
+    ShadowMap& map_for(const Target& target);
+    void forget_shadow() { shadow_map.kept = false; }
     Passes& passes_for(Format format);
     FrameSlot& next_slot();
     void collect(FrameSlot& slot);
-    Frame begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
-    void import_slot(Frame& frame, FrameSlot& slot);
-    void import_pieces(Frame& frame, FrameSlot& slot);
-    void write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent);
-    void write_poses(FrameSlot& slot, const Scene& scene);
-    void write_pieces(FrameSlot& slot, const Scene& scene);
-    void write_marks(FrameSlot& slot, const Scene& scene);
+    Frame begin_frame(FrameSlot& slot, const Scene& scene, const Target& target);
     void submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphore signal);
     // Calls the function as guarded() does, and remembers a lost device.
     template<class Function>
@@ -152,6 +139,7 @@ struct Renderer::State {
     void declare_cull(Frame& frame, FrameSlot& slot, bool for_shadow);
     void declare_read_back(Frame& frame, Image image, VkExtent2D extent);
     void declare_scene(Frame& frame, FrameSlot& slot, const Target& target);
+    void drew_shadow(const Target& target); // the frame was submitted
     void record(Frame& frame, FrameSlot& slot);
     void finish(Frame& frame, FrameSlot& slot); // records, submits and waits
     Bitmap draw_off_screen(const Scene& scene, const Target& target);
@@ -163,8 +151,8 @@ struct Renderer::State {
     FrameLayout layout;
     std::optional<CullPass> cull; // if the quality has it
     std::optional<IdPass> ids;    // once it was asked for
-    DeviceImage shadow_map;
-    bool shadow_kept = false; // the map holds the shadows of the frame before
+    ShadowMap shadow_map;
+    std::optional<ShadowMap> small_shadow_map; // once a frame wants it; never kept
     PieceArena pieces;
     std::map<Format, Passes> passes; // the window's format may differ from the pictures'
     std::array<std::unique_ptr<FrameSlot>, frames_in_flight> slots;
@@ -212,119 +200,22 @@ void Renderer::State::collect(FrameSlot& slot) {
         stats.pieces_in_view = slot.drawn.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
 }
 
-void Renderer::State::write_slot(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
-    const shared::FrameData data = frame_data(scene, {extent.width, extent.height}, shadow_size());
-    std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
-
-    write_poses(slot, scene);
-    write_pieces(slot, scene);
-    write_marks(slot, scene);
-    layout.update(slot.set, {.frame = slot.uniforms.handle(),
-                             .poses = slot.poses.handle(),
-                             .draws = slot.draw_data.handle(),
-                             .commands = slot.draw_commands.handle(),
-                             .culled_for_camera = slot.camera_commands.handle(),
-                             .culled_for_light = slot.light_commands.handle(),
-                             .drawn = slot.drawn.handle(),
-                             .commands_size = std::max(pieces.draws(), 1u) * sizeof(shared::DrawCommand),
-                             .shadow = shadow_map.view()});
-}
-
-void Renderer::State::write_poses(FrameSlot& slot, const Scene& scene) {
-    const uint32_t bodies = pieces.bodies();
-    if (slot.poses.size() < bodies * sizeof(BodyPose)) slot.poses_moment = 0;
-    reserve(device, slot.poses, "poses", std::max(bodies, 1u) * sizeof(BodyPose),
-            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const std::span<BodyPose> poses = slot.poses.mapped_as<BodyPose>(0, bodies);
-    const bool known = scene.write_poses && bodies <= slot.posed_bodies && slot.poses_moment <= scene.moment;
-    const uint64_t since = known ? slot.poses_moment : 0;
-    // So that a caller who sets positions alone gets whole poses.
-    if (since == 0) std::ranges::fill(poses, BodyPose{});
-    slot.poses_moment = 0; // the callback may throw half-way
-    if (!scene.write_poses) return;
-    scene.write_poses(poses, since);
-    slot.poses_moment = scene.moment;
-    slot.posed_bodies = bodies;
-}
-
-void Renderer::State::write_pieces(FrameSlot& slot, const Scene& scene) {
-    const uint32_t draws = pieces.draws(), room = std::max(draws, 1u);
-    constexpr VkBufferUsageFlags storage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    constexpr VkBufferUsageFlags commands = VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | storage;
-    const uint64_t commands_size = room * sizeof(shared::DrawCommand);
-    const auto lists = [&] {
-        return PieceArena::DrawLists{slot.draw_data.mapped_as<shared::DrawData>(0, draws),
-                                     slot.draw_commands.mapped_as<VkDrawIndexedIndirectCommand>(0, draws)};
-    };
-    if (slot.pieces_version != pieces.version()) {
-        slot.pieces_version = 0; // an allocation may fail half-way
-        reserve(device, slot.draw_data, "draw data", room * sizeof(shared::DrawData), storage);
-        reserve(device, slot.draw_commands, "draw commands", commands_size, commands);
-        pieces.write_draws(lists());
-        slot.pieces_version = pieces.version();
+ShadowMap& Renderer::State::map_for(const Target& target) {
+    if (target.scale >= 1.0f) return shadow_map;
+    if (!small_shadow_map) {
+        const auto size = static_cast<uint32_t>(target.scale * static_cast<float>(shadow_map.size));
+        small_shadow_map.emplace(device, std::max(size, least_shadow_size));
     }
-    // Reads the mapped poses: on a CPU device they are in plain memory.
-    if (*quality().front_to_back)
-        pieces.write_draws(lists(), slot.poses.mapped_as<BodyPose>(0, pieces.bodies()), scene.camera.eye);
-    const uint64_t culled_size = cull ? commands_size : 0;
-    reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands, MemoryKind::device);
-    reserve(device, slot.light_commands, "commands for the light", culled_size, commands, MemoryKind::device);
-    std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
+    return *small_shadow_map;
 }
 
-void Renderer::State::write_marks(FrameSlot& slot, const Scene& scene) {
-    if (!scene.lines.empty()) {
-        reserve(device, slot.lines, "lines", scene.lines.size_bytes(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
-        std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
-    }
-    if (!scene.spheres.empty()) {
-        reserve(device, slot.spheres, "spheres",
-                std::max(scene.spheres.size_bytes(), MarksPass::least_spheres_size),
-                VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
-        std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
-    }
-}
-
-void Renderer::State::import_slot(Frame& frame, FrameSlot& slot) {
-    const auto import = [&](const char* name, const DeviceBuffer& buffer) {
-        return frame.graph.import_buffer(name, {buffer.size()},
-                                         {.initial = Access::host_write,
-                                          .final = {},
-                                          .read_only = true,
-                                          .external = frame.external.add(buffer.handle())});
-    };
-    frame.uniforms = import("frame data", slot.uniforms);
-    frame.poses = import("poses", slot.poses);
-    if (!frame.scene.lines.empty()) frame.lines = import("lines", slot.lines);
-    if (!frame.scene.spheres.empty()) frame.spheres = import("spheres", slot.spheres);
-}
-
-void Renderer::State::import_pieces(Frame& frame, FrameSlot& slot) {
-    const auto import = [&](const char* name, const DeviceBuffer& buffer, Access access) {
-        return frame.graph.import_buffer(
-            name, {buffer.size()},
-            {.initial = access, .final = {}, .external = frame.external.add(buffer.handle())});
-    };
-    frame.upload = pieces.next_upload();
-    if (frame.draws_pieces() || !frame.upload.empty()) {
-        // The passes of frames before read them; an upload waits for those.
-        frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
-        frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
-        frame.indices = import("piece indices", pieces.indices(), Access::index_read);
-    }
-    if (frame.upload.staged > 0) {
-        reserve(device, slot.staging, "staging", frame.upload.staged, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
-        pieces.write_staging(slot.staging.mapped());
-        frame.staging = import("staging", slot.staging, Access::host_write);
-    }
-    if (!frame.draws_pieces()) return;
-    frame.draw_data = import("draw data", slot.draw_data, Access::host_write);
-    frame.commands = import("draw commands", slot.draw_commands, Access::host_write);
-    frame.camera_commands = frame.light_commands = frame.commands;
-}
-
-Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, VkExtent2D extent) {
-    write_slot(slot, scene, extent);
+Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Target& target) {
+    const VkExtent2D drawn = target.drawn();
+    const ShadowMap& map = map_for(target);
+    const View view{{drawn.width, drawn.height},
+                    static_cast<float>(target.extent.width) / static_cast<float>(target.extent.height),
+                    map.size};
+    write_slot(slot, {device, layout, pieces, quality(), view, map.image.view()}, scene);
     Frame frame{.scene = scene,
                 .pieces = pieces,
                 .most_draws =
@@ -338,8 +229,8 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, VkExtent
                        .pieces_in_view = cull ? stats.pieces_in_view : pieces.pieces(),
                        .draws = pieces.draws(),
                        .triangles = pieces.triangles()};
-    import_slot(frame, slot);
-    import_pieces(frame, slot);
+    frame.stats.scale = target.scale;
+    import_slot(frame, slot, device);
     return frame;
 }
 
@@ -360,14 +251,21 @@ void Renderer::State::declare_cull(Frame& frame, FrameSlot& slot, bool for_shado
     cull->declare(frame, for_shadow);
 }
 
+// Draws into frame.picture, or where there are fewer pixels, into an image that is then enlarged into it.
 void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target& target) {
+    const ShadowMap& map = map_for(target);
     frame.shadow = frame.graph.import_image(
-        "shadow map", {.width = shadow_size(), .height = shadow_size(), .format = Format::d32_float},
-        {.initial = shadow_kept ? AccessSet(Access::sampled_fragment) : AccessSet(),
+        "shadow map", {.width = map.size, .height = map.size, .format = Format::d32_float},
+        {.initial = map.drawn ? AccessSet(Access::sampled_fragment) : AccessSet(),
          .final = Access::sampled_fragment,
-         .external = frame.external.add(shadow_map.handle(), shadow_map.view())});
-    ImageDesc desc{.width = target.extent.width,
-                   .height = target.extent.height,
+         .external = frame.external.add(map.image.handle(), map.image.view())});
+    const VkExtent2D drawn = target.drawn();
+    frame.colour = frame.picture;
+    if (target.scale < 1.0f)
+        frame.colour = frame.graph.create_image(
+            "small picture", {.width = drawn.width, .height = drawn.height, .format = target.format});
+    ImageDesc desc{.width = drawn.width,
+                   .height = drawn.height,
                    .format = Format::d32_float,
                    .samples = *quality().samples};
     frame.depth = frame.graph.create_image("depth", desc);
@@ -375,12 +273,16 @@ void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target&
     if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
 
     const Passes& p = passes_for(target.format);
-    const bool shadow = frame.scene.moved || !shadow_kept;
+    const bool shadow = frame.scene.moved || !map.kept;
     declare_cull(frame, slot, shadow);
     if (shadow) p.shadow.declare(frame);
-    if (p.occlusion) p.occlusion->declare(frame, target.extent);
+    if (p.occlusion) p.occlusion->declare(frame, drawn);
     p.shade.declare(frame);
     p.marks.declare(frame);
+    if (target.scale < 1.0f)
+        declare_enlarge(frame);
+    else
+        frame.picture = frame.colour;
 }
 
 void Renderer::State::record(Frame& frame, FrameSlot& slot) {
@@ -423,6 +325,13 @@ void Renderer::State::submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphor
     pieces.uploaded(slot.retired);
 }
 
+void Renderer::State::drew_shadow(const Target& target) {
+    ShadowMap& map = map_for(target);
+    map.drawn = true;
+    map.kept = &map == &shadow_map;
+    if (!map.kept) forget_shadow(); // things moved since it was drawn
+}
+
 void Renderer::State::finish(Frame& frame, FrameSlot& slot) {
     record(frame, slot);
     submit(slot, {}, VK_NULL_HANDLE);
@@ -433,14 +342,14 @@ void Renderer::State::finish(Frame& frame, FrameSlot& slot) {
 Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target) {
     FrameSlot& slot = next_slot();
     const VkExtent2D extent = target.extent;
-    Frame frame = begin_frame(slot, scene, target.extent);
+    Frame frame = begin_frame(slot, scene, target);
     declare_upload(frame);
-    frame.colour = frame.graph.create_image(
+    frame.picture = frame.graph.create_image(
         "colour", {.width = extent.width, .height = extent.height, .format = target.format});
     declare_scene(frame, slot, target);
-    declare_read_back(frame, frame.colour, extent);
+    declare_read_back(frame, frame.picture, extent);
     finish(frame, slot);
-    shadow_kept = true;
+    drew_shadow(target);
 
     Bitmap bitmap{extent.width, extent.height,
                   std::vector<uint8_t>(size_t{4} * extent.width * extent.height)};
@@ -451,12 +360,13 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
 IdImage Renderer::State::draw_ids(const Scene& scene, VkExtent2D extent) {
     if (!ids) ids.emplace(device, layout.pipeline_layout());
     FrameSlot& slot = next_slot();
-    Frame frame = begin_frame(slot, scene, extent);
+    const Target target{Format::r32_uint, extent};
+    Frame frame = begin_frame(slot, scene, target);
     declare_upload(frame);
     declare_cull(frame, slot, false);
     declare_read_back(frame, ids->declare(frame, extent), extent);
     finish(frame, slot);
-    if (scene.moved) shadow_kept = false; // the map holds where pieces were before
+    if (scene.moved) forget_shadow(); // the map holds where pieces were before
 
     IdImage image{extent.width, extent.height, std::vector<uint32_t>(size_t{extent.width} * extent.height)};
     std::memcpy(image.ids.data(), readback.mapped(), image.ids.size() * sizeof(uint32_t));
@@ -476,11 +386,12 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     }
     if (!image) return false;
 
-    const Target target{swapchain->format(), swapchain->extent()};
+    const Target target{swapchain->format(), swapchain->extent(),
+                        swapchain->takes_copies() ? window_scale(scene) : 1.0f};
     ui->build(draw_ui);
-    Frame frame = begin_frame(slot, scene, target.extent);
+    Frame frame = begin_frame(slot, scene, target);
     declare_upload(frame);
-    frame.colour = frame.graph.import_image(
+    frame.picture = frame.graph.import_image(
         "swapchain", {.width = target.extent.width, .height = target.extent.height, .format = target.format},
         {.initial = Access::acquired,
          .final = Access::present,
@@ -488,8 +399,9 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     declare_scene(frame, slot, target);
     ui->declare(frame, *image);
     record(frame, slot);
-    submit(slot, {swapchain->acquired(turn), to_vulkan(Access::acquired).stages}, swapchain->finished(*image));
-    shadow_kept = true;
+    submit(slot, {swapchain->acquired(turn), to_vulkan(Access::acquired).stages},
+           swapchain->finished(*image));
+    drew_shadow(target);
     swapchain->present(*image);
     return true;
 }
@@ -517,7 +429,7 @@ Result<std::vector<PieceHandle>> Renderer::set_pieces(std::span<const PieceMesh>
         if (!batch) return batch.error();
         Result<std::vector<PieceHandle>> handles = state_->pieces.replace_all(*std::move(batch));
         if (!handles) return handles;
-        state_->shadow_kept = false;
+        state_->forget_shadow();
         // A body's number means another body now.
         for (const auto& slot : state_->slots) slot->poses_moment = 0;
         return handles;
@@ -533,7 +445,7 @@ Result<std::vector<PieceHandle>> Renderer::add_pieces(std::span<const PieceMesh>
 Result<std::vector<PieceHandle>> Renderer::add_pieces(PieceBatch batch) {
     return state_->run([&]() -> Result<std::vector<PieceHandle>> {
         Result<std::vector<PieceHandle>> handles = state_->pieces.add(std::move(batch));
-        if (handles) state_->shadow_kept = false;
+        if (handles) state_->forget_shadow();
         return handles;
     });
 }
@@ -541,7 +453,7 @@ Result<std::vector<PieceHandle>> Renderer::add_pieces(PieceBatch batch) {
 Result<void> Renderer::remove_pieces(std::span<const PieceHandle> handles) {
     return state_->run([&]() -> Result<void> {
         Result<void> removed = state_->pieces.remove(handles);
-        if (removed) state_->shadow_kept = false;
+        if (removed) state_->forget_shadow();
         return removed;
     });
 }
@@ -549,7 +461,7 @@ Result<void> Renderer::remove_pieces(std::span<const PieceHandle> handles) {
 Result<void> Renderer::fade_pieces(std::span<const PieceHandle> handles, float fade) {
     return state_->run([&]() -> Result<void> {
         Result<void> faded = state_->pieces.fade(handles, fade);
-        if (faded) state_->shadow_kept = false;
+        if (faded) state_->forget_shadow();
         return faded;
     });
 }
@@ -565,6 +477,14 @@ Result<Bitmap> Renderer::render(const Scene& scene, glm::uvec2 size) {
     });
 }
 
+Result<Bitmap> Renderer::render_as_presented(const Scene& scene, glm::uvec2 size) {
+    return state_->run([&]() -> Result<Bitmap> {
+        if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
+        return state_->draw_off_screen(scene,
+                                       {Format::rgba8_unorm, {size.x, size.y}, state_->window_scale(scene)});
+    });
+}
+
 Result<IdImage> Renderer::render_ids(const Scene& scene, glm::uvec2 size) {
     return state_->run([&]() -> Result<IdImage> {
         if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
@@ -576,7 +496,8 @@ Result<void> Renderer::attach(Window& window, const std::function<void()>& prepa
     return state_->run([&]() -> Result<void> {
         if (state_->window)
             return Error{Status::invalid_argument, "the renderer already draws into a window"};
-        auto swapchain = std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
+        auto swapchain =
+            std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
         state_->ui = std::make_unique<UiPass>(state_->device, window, *swapchain, prepare_ui);
         state_->swapchain = std::move(swapchain);
         state_->window = &window;
@@ -601,7 +522,8 @@ bool Renderer::ui_wants_keyboard() const {
 
 Result<void> Renderer::warm_up() {
     return state_->run([&]() -> Result<void> {
-        // Triangles of their own, one of which fades: there may be no piece that makes the driver compile their shaders.
+        // Triangles of their own, one of which fades: there may be no piece that makes the driver compile
+        // their shaders.
         const glm::vec3 corners[] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
         const glm::uvec3 triangle(0, 1, 2);
         const PieceMesh piece{.positions = corners, .triangles = {&triangle, 1}, .exterior_triangles = 1};
@@ -615,10 +537,10 @@ Result<void> Renderer::warm_up() {
         const Format format = state_->swapchain ? state_->swapchain->format() : Format::rgba8_unorm;
         const Result<void> drawn = guarded([&]() -> Result<void> {
             if (Result<void> faded = state_->pieces.fade({&stand_ins->back(), 1}, 0.5f); !faded) return faded;
-            (void)state_->draw_off_screen(scene, {format, {16, 16}});
+            (void)state_->draw_off_screen(scene, {format, {16, 16}, state_->window_scale(scene)});
             return {};
         });
-        state_->shadow_kept = false;
+        state_->forget_shadow();
         const Result<void> removed = state_->pieces.remove(*stand_ins);
         return drawn ? removed : drawn;
     });

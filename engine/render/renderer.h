@@ -15,7 +15,7 @@
 // it, a Device every renderer made from it.
 //
 // Each frame is a frame graph declared anew: cull, shadow (left out where it can be kept), occlusion, shade,
-// marks, then read back, or UI and present. Body poses need no pass: the caller writes them into memory that
+// marks, enlarge (where fewer pixels were drawn), then read back, or UI and present. Body poses need no pass: the caller writes them into memory that
 // is mapped for good and that the device reads in place, a slice for each of the two frames in flight.
 // render() waits for its image.
 //
@@ -23,7 +23,8 @@
 // destroy what was made from the device, and start again.
 //
 // Pixels are reproducible: the same scene gives the same bytes on the same device and driver. There is no
-// dithering, no noise and no history. Shaders write sRGB themselves into UNORM targets, because a window's
+// dithering, no noise and no history. In a window on a CPU device things that move are drawn with fewer pixels
+// (Quality::moving_scale). Shaders write sRGB themselves into UNORM targets, because a window's
 // sRGB formats would encode the user interface's colours twice.
 #pragma once
 
@@ -64,6 +65,11 @@ struct Quality {
     // Draws near pieces first, sorted by the CPU in each frame, so that hidden pixels are not shaded: the same picture
     // but where surfaces coincide. Automatic: on a CPU only.
     std::optional<bool> front_to_back{};
+    // How many pixels a side present() draws for each of the window's while Scene::moved is true, and texels of the
+    // shadow map for each of shadow_size, 0.25 to 1; the picture is enlarged, and the user interface drawn on it in full.
+    // What is still is drawn in full, and so are pictures of render(). Automatic: 0.5 on a CPU, 1 on a GPU. 1 where the
+    // window system takes no copies.
+    std::optional<float> moving_scale{};
 };
 
 struct RendererSettings {
@@ -82,6 +88,7 @@ struct FrameStats {
     uint32_t indirect_calls = 0; // multi-draw calls that draw them, over all passes
     uint64_t triangles = 0;      // of the pieces
     bool shadow_drawn = false;   // false when the kept shadow map was used
+    float scale = 1.0f;          // see Quality::moving_scale
 };
 
 // Which piece each pixel shows.
@@ -122,6 +129,10 @@ class Renderer {
 
     // Draws one frame off screen and reads it back. Width and height from 1 to the device's limit.
     [[nodiscard]] Result<Bitmap> render(const Scene& scene, glm::uvec2 size);
+
+    // The picture that present() would show in a window of that size, but for the user interface: differs from render()
+    // by Quality::moving_scale only. For tests, and to measure what a window costs.
+    [[nodiscard]] Result<Bitmap> render_as_presented(const Scene& scene, glm::uvec2 size);
 
     // Which piece each pixel's middle shows, through everything but pieces. Sizes as for render().
     [[nodiscard]] Result<IdImage> render_ids(const Scene& scene, glm::uvec2 size);

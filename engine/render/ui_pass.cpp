@@ -129,12 +129,12 @@ void UiPass::build(const std::function<void()>& ui) {
 void UiPass::declare(Frame& frame, uint32_t swapchain_image) const {
     frame.graph.add_pass(
         "ui", PassKind::graphics,
-        [&](PassBuilder& pass) { frame.colour = pass.write(frame.colour, Access::colour_attachment_load); },
+        [&](PassBuilder& pass) { frame.picture = pass.write(frame.picture, Access::colour_attachment_load); },
         [this, &frame, swapchain_image](PassContext& context) {
             const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                              .renderPass = render_pass_,
                                              .framebuffer = framebuffers_[swapchain_image],
-                                             .renderArea = {{0, 0}, context.extent(frame.colour)}};
+                                             .renderArea = {{0, 0}, context.extent(frame.picture)}};
             vkCmdBeginRenderPass(context.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
             ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), context.commands);
             vkCmdEndRenderPass(context.commands);

@@ -233,6 +233,24 @@ TEST_CASE("a device that hangs under a window is reported, and all can be destro
     CHECK(shown.error().status == Status::device_lost);
 }
 
+TEST_CASE("frames in full and enlarged ones follow each other, whatever the window's size") {
+    WindowFixture f;
+    if (!f) return;
+    f.attach();
+    const float scale = *f.renderer->quality().moving_scale;
+    for (const glm::ivec2 size : {glm::ivec2(120, 90), glm::ivec2(121, 91), glm::ivec2(37, 1), glm::ivec2(1)}) {
+        glfwSetWindowSize(f.window->handle(), size.x, size.y);
+        REQUIRE(f.wait_until([&] { return f.window->framebuffer_size() == glm::uvec2(size); }));
+        for (int frame = 0; frame < 8; ++frame) {
+            f.known.scene.moved = frame % 3 == 0;
+            f.show(1);
+            CHECK(f.renderer->stats().scale == (f.known.scene.moved ? scale : 1.0f));
+            const bool enlarged = f.renderer->graph_dot().find("enlarge") != std::string::npos;
+            CHECK(enlarged == (f.known.scene.moved && scale < 1.0f));
+        }
+    }
+}
+
 TEST_CASE("a minimised window shows nothing, and comes back") {
     WindowFixture f;
     if (!f) return;

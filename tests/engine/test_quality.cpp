@@ -1,6 +1,7 @@
 // What Quality changes in a picture, and what it must not.
+#include <algorithm>
 #include <cmath>
-#include <set>
+#include <limits>
 
 #include "renderer_fixture.h"
 
@@ -30,6 +31,48 @@ Bitmap shrunk(const Bitmap& large, uint32_t factor) {
     return small_one;
 }
 
+// Twice as large: each pixel from the four nearest of `from`, whose middles lie a quarter or three quarters of a pixel away.
+Bitmap doubled(const Bitmap& from) {
+    Bitmap large{2 * from.width, 2 * from.height, {}};
+    const auto near = [](uint32_t at, uint32_t size) { return std::min(at / 2, size - 1); };
+    const auto far = [](uint32_t at, uint32_t size) {
+        return at % 2 == 0 ? (at == 0 ? 0 : at / 2 - 1) : std::min(at / 2 + 1, size - 1);
+    };
+    for (uint32_t y = 0; y < large.height; ++y)
+        for (uint32_t x = 0; x < large.width; ++x)
+            for (int channel = 0; channel < 4; ++channel) {
+                const auto row = [&](uint32_t v) {
+                    return 0.75 * from.at(near(x, from.width), v)[channel]
+                           + 0.25 * from.at(far(x, from.width), v)[channel];
+                };
+                const double value = 0.75 * row(near(y, from.height)) + 0.25 * row(far(y, from.height));
+                large.pixels.push_back(static_cast<uint8_t>(std::lround(value)));
+            }
+    return large;
+}
+
+int largest_difference(const Bitmap& a, const Bitmap& b) {
+    REQUIRE(a.pixels.size() == b.pixels.size());
+    int most = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) most = std::max(most, std::abs(int{a.pixels[i]} - int{b.pixels[i]}));
+    return most;
+}
+
+Quality with_scale(float scale, uint32_t shadow_size = 512) {
+    Quality quality = plain;
+    quality.shadow_size = shadow_size;
+    quality.moving_scale = scale;
+    return quality;
+}
+
+Bitmap presented(const Fixture& f, const Scene& scene, glm::uvec2 size = small) {
+    Result<Bitmap> image = f.renderer->render_as_presented(scene, size);
+    REQUIRE(image);
+    REQUIRE(image->width == size.x);
+    REQUIRE(image->height == size.y);
+    return *std::move(image);
+}
+
 double mean_difference(const Bitmap& a, const Bitmap& b) {
     REQUIRE(a.pixels.size() == b.pixels.size());
     double sum = 0.0;
@@ -48,6 +91,7 @@ TEST_CASE("quality is chosen by the device where it is left open") {
     CHECK(chosen.soft_shadows == !cpu);
     CHECK(chosen.samples == (cpu ? 1u : 4u));
     CHECK(chosen.ambient_occlusion == !cpu);
+    CHECK(chosen.moving_scale == (cpu ? 0.5f : 1.0f));
     const Fixture given(smooth_edges);
     CHECK(given.renderer->quality().samples == 4u);
     CHECK(given.renderer->quality().shadow_size == 512u);
@@ -62,6 +106,77 @@ TEST_CASE("samples that not every device has are refused") {
         REQUIRE_FALSE(made);
         CHECK(made.error().status == Status::invalid_argument);
     }
+}
+
+TEST_CASE("a scale while things move that is out of range is refused") {
+    const std::unique_ptr<Device> device = make_device();
+    if (!device) return;
+    for (const float scale : {0.0f, 0.2f, 1.01f, -0.5f, std::numeric_limits<float>::quiet_NaN(),
+                              std::numeric_limits<float>::infinity()}) {
+        const Result<std::unique_ptr<Renderer>> made =
+            Renderer::create(*device, {.quality = {.moving_scale = scale}});
+        REQUIRE_FALSE(made);
+        CHECK(made.error().status == Status::invalid_argument);
+    }
+}
+
+TEST_CASE("a window shows in full what is still, whatever the size and whatever was drawn before") {
+    for (const float scale : {0.25f, 0.5f, 0.7f, 1.0f}) {
+        const Fixture full(with_scale(1.0f)), f(with_scale(scale));
+        if (!f) return;
+        KnownScene known;
+        REQUIRE(full.renderer->set_pieces(known.pieces()));
+        REQUIRE(f.renderer->set_pieces(known.pieces()));
+        CAPTURE(scale);
+        for (const glm::uvec2 size : {glm::uvec2(1), glm::uvec2(1, 33), small, glm::uvec2(95, 63)}) {
+            known.scene.moved = true;
+            const Bitmap expected = full.draw(known.scene, size);
+            (void)presented(f, known.scene, size); // its shadows are coarser, and must not stay
+            known.scene.moved = false;
+            CHECK(presented(f, known.scene, size).pixels == expected.pixels);
+            CHECK(f.renderer->stats().scale == 1.0f);
+            known.scene.moved = true;
+            CHECK(f.draw(known.scene, size).pixels == expected.pixels); // a picture is never enlarged
+            CHECK(f.renderer->stats().scale == 1.0f);
+        }
+    }
+}
+
+TEST_CASE("at half the scale a window shows the picture of half the size, enlarged") {
+    const Fixture half(with_scale(1.0f, 256)), f(with_scale(0.5f));
+    if (!f) return;
+    KnownScene known;
+    REQUIRE(half.renderer->set_pieces(known.pieces()));
+    REQUIRE(f.renderer->set_pieces(known.pieces()));
+    for (const glm::uvec2 size : {small, glm::uvec2(2, 64), glm::uvec2(322, 182)}) {
+        const Bitmap expected = doubled(half.draw(known.scene, size / 2u));
+        const Bitmap image = presented(f, known.scene, size);
+        CHECK(f.renderer->stats().scale == 0.5f);
+        CHECK(largest_difference(image, expected) <= 1); // the device's weights are rounded
+        CHECK(presented(f, known.scene, size).pixels == image.pixels);
+    }
+}
+
+TEST_CASE("while things move a window shows nearly the full picture, at odd sizes and with samples and occlusion") {
+    for (const bool costly : {false, true})
+        for (const float scale : {0.5f, 0.7f}) {
+            Quality quality = with_scale(scale);
+            quality.samples = costly ? 4 : 1;
+            quality.ambient_occlusion = costly;
+            const Fixture f(quality);
+            if (!f) return;
+            KnownScene known;
+            REQUIRE(f.renderer->set_pieces(known.pieces()));
+            for (const glm::uvec2 size : {glm::uvec2(95, 63), glm::uvec2(191, 128), glm::uvec2(192, 127)}) {
+                CAPTURE(size.x);
+                const double difference =
+                    mean_difference(presented(f, known.scene, size), f.draw(known.scene, size));
+                CHECK(difference > 0.0);
+                CHECK(difference < 6.0); // as samples may differ, above
+            }
+            for (const glm::uvec2 size : {glm::uvec2(1), glm::uvec2(1, 33), glm::uvec2(3, 2)})
+                (void)presented(f, known.scene, size);
+        }
 }
 
 TEST_CASE("four samples a pixel come nearer to a picture of 64") {

@@ -20,7 +20,11 @@ engine::RendererSettings renderer_settings(const ViewOptions& view) {
     if (view.quality == "fast")
         return {.quality = {.shadow_size = 1024, .soft_shadows = false, .samples = 1, .ambient_occlusion = false}};
     if (view.quality == "best")
-        return {.quality = {.shadow_size = 4096, .soft_shadows = true, .samples = 4, .ambient_occlusion = true}};
+        return {.quality = {.shadow_size = 4096,
+                            .soft_shadows = true,
+                            .samples = 4,
+                            .ambient_occlusion = true,
+                            .moving_scale = 1.0f}};
     return {};
 }
 

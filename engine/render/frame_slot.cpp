@@ -1,0 +1,152 @@
+#include "engine/render/frame_slot.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/render/marks_pass.h"
+
+namespace brittle::engine {
+
+namespace {
+
+// Makes room for `size` bytes: half as much again as is needed, so that a growing scene does not allocate
+// each frame.
+void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size,
+             VkBufferUsageFlags usage, MemoryKind kind = MemoryKind::upload) {
+    if (buffer.handle() && buffer.size() >= size) return;
+    buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
+}
+
+void write_poses(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
+    const uint32_t bodies = from.pieces.bodies();
+    if (slot.poses.size() < bodies * sizeof(BodyPose)) slot.poses_moment = 0;
+    reserve(from.device, slot.poses, "poses", std::max(bodies, 1u) * sizeof(BodyPose),
+            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    const std::span<BodyPose> poses = slot.poses.mapped_as<BodyPose>(0, bodies);
+    const bool known = scene.write_poses && bodies <= slot.posed_bodies && slot.poses_moment <= scene.moment;
+    const uint64_t since = known ? slot.poses_moment : 0;
+    // So that a caller who sets positions alone gets whole poses.
+    if (since == 0) std::ranges::fill(poses, BodyPose{});
+    slot.poses_moment = 0; // the callback may throw half-way
+    if (!scene.write_poses) return;
+    scene.write_poses(poses, since);
+    slot.poses_moment = scene.moment;
+    slot.posed_bodies = bodies;
+}
+
+void write_pieces(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
+    const PieceArena& pieces = from.pieces;
+    const Device& device = from.device;
+    const uint32_t draws = pieces.draws(), room = std::max(draws, 1u);
+    constexpr VkBufferUsageFlags storage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    constexpr VkBufferUsageFlags commands = VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | storage;
+    const uint64_t commands_size = room * sizeof(shared::DrawCommand);
+    const auto lists = [&] {
+        return PieceArena::DrawLists{slot.draw_data.mapped_as<shared::DrawData>(0, draws),
+                                     slot.draw_commands.mapped_as<VkDrawIndexedIndirectCommand>(0, draws)};
+    };
+    if (slot.pieces_version != pieces.version()) {
+        slot.pieces_version = 0; // an allocation may fail half-way
+        reserve(device, slot.draw_data, "draw data", room * sizeof(shared::DrawData), storage);
+        reserve(device, slot.draw_commands, "draw commands", commands_size, commands);
+        pieces.write_draws(lists());
+        slot.pieces_version = pieces.version();
+    }
+    // Reads the mapped poses: on a CPU device they are in plain memory.
+    if (*from.quality.front_to_back)
+        pieces.write_draws(lists(), slot.poses.mapped_as<BodyPose>(0, pieces.bodies()), scene.camera.eye);
+    const uint64_t culled_size = *from.quality.culling ? commands_size : 0;
+    reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands,
+            MemoryKind::device);
+    reserve(device, slot.light_commands, "commands for the light", culled_size, commands, MemoryKind::device);
+    std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
+}
+
+void write_marks(FrameSlot& slot, const Device& device, const Scene& scene) {
+    if (!scene.lines.empty()) {
+        reserve(device, slot.lines, "lines", scene.lines.size_bytes(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+        std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
+    }
+    if (!scene.spheres.empty()) {
+        reserve(device, slot.spheres, "spheres",
+                std::max(scene.spheres.size_bytes(), MarksPass::least_spheres_size),
+                VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+        std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
+    }
+}
+
+void import_written(Frame& frame, const FrameSlot& slot) {
+    const auto import = [&](const char* name, const DeviceBuffer& buffer) {
+        return frame.graph.import_buffer(name, {buffer.size()},
+                                         {.initial = Access::host_write,
+                                          .final = {},
+                                          .read_only = true,
+                                          .external = frame.external.add(buffer.handle())});
+    };
+    frame.uniforms = import("frame data", slot.uniforms);
+    frame.poses = import("poses", slot.poses);
+    if (!frame.scene.lines.empty()) frame.lines = import("lines", slot.lines);
+    if (!frame.scene.spheres.empty()) frame.spheres = import("spheres", slot.spheres);
+}
+
+void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
+    const PieceArena& pieces = frame.pieces;
+    const auto import = [&](const char* name, const DeviceBuffer& buffer, Access access) {
+        return frame.graph.import_buffer(
+            name, {buffer.size()},
+            {.initial = access, .final = {}, .external = frame.external.add(buffer.handle())});
+    };
+    frame.upload = pieces.next_upload();
+    if (frame.draws_pieces() || !frame.upload.empty()) {
+        // The passes of frames before read them; an upload waits for those.
+        frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
+        frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
+        frame.indices = import("piece indices", pieces.indices(), Access::index_read);
+    }
+    if (frame.upload.staged > 0) {
+        reserve(device, slot.staging, "staging", frame.upload.staged, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
+        pieces.write_staging(slot.staging.mapped());
+        frame.staging = import("staging", slot.staging, Access::host_write);
+    }
+    if (!frame.draws_pieces()) return;
+    frame.draw_data = import("draw data", slot.draw_data, Access::host_write);
+    frame.commands = import("draw commands", slot.draw_commands, Access::host_write);
+    frame.camera_commands = frame.light_commands = frame.commands;
+}
+
+} // namespace
+
+FrameSlot::FrameSlot(const Device& device, const FrameLayout& layout)
+    : executor(device), set(layout.allocate_frame()), depth_set(layout.allocate_image()),
+      occlusion_set(layout.allocate_image()),
+      uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+               MemoryKind::upload),
+      drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t),
+            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
+      commands(device) {}
+
+void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
+    const shared::FrameData data = frame_data(scene, from.view);
+    std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
+
+    write_poses(slot, from, scene);
+    write_pieces(slot, from, scene);
+    write_marks(slot, from.device, scene);
+    from.layout.update(slot.set,
+                       {.frame = slot.uniforms.handle(),
+                        .poses = slot.poses.handle(),
+                        .draws = slot.draw_data.handle(),
+                        .commands = slot.draw_commands.handle(),
+                        .culled_for_camera = slot.camera_commands.handle(),
+                        .culled_for_light = slot.light_commands.handle(),
+                        .drawn = slot.drawn.handle(),
+                        .commands_size = std::max(from.pieces.draws(), 1u) * sizeof(shared::DrawCommand),
+                        .shadow = from.shadow});
+}
+
+void import_slot(Frame& frame, FrameSlot& slot, const Device& device) {
+    import_written(frame, slot);
+    import_pieces(frame, slot, device);
+}
+
+} // namespace brittle::engine
