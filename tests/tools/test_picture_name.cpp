@@ -1,4 +1,8 @@
+#include <filesystem>
+#include <fstream>
+
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include "tools/brittle/picture_name.h"
 
@@ -32,4 +36,14 @@ TEST_CASE("frame numbers are padded as printf pads them") {
     CHECK(picture_name("50%%_%02d", 3) == "50%_03");
     CHECK(picture_name("still.png", 9) == "still.png");
     CHECK(picture_name("50%%.png", 9) == "50%.png");
+}
+
+TEST_CASE("an unused name is the first that no file has") {
+    std::string folder = (std::filesystem::temp_directory_path() / "brittle-names-XXXXXX").string();
+    REQUIRE(mkdtemp(folder.data()) != nullptr);
+    const std::string pattern = folder + "/a_%03d.png";
+    CHECK(unused_name(pattern) == folder + "/a_000.png");
+    for (const char* name : {"/a_000.png", "/a_002.png"}) std::ofstream(folder + name) << "x";
+    CHECK(unused_name(pattern) == folder + "/a_001.png");
+    std::filesystem::remove_all(folder);
 }

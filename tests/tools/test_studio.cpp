@@ -21,7 +21,6 @@
 #include "tools/brittle/studio/object.h"
 #include "tools/brittle/studio/preview.h"
 #include "tools/brittle/studio/recent.h"
-#include "tools/brittle/studio/video.h"
 #include "tools/brittle/studio/viewport.h"
 #include "tools/brittle/studio/worker.h"
 
@@ -176,11 +175,11 @@ TEST_CASE("studio: a preview shows the pieces of the fracture, cracks on the sur
     const Broken broken = break_input(object->with_sites(options), options);
     Preview preview;
     preview.request({.object = object, .recipe = options, .key = 7});
-    std::shared_ptr<const Cracked> made;
+    std::shared_ptr<Cracked> made;
     REQUIRE(soon([&] { return made || (made = preview.take()); }));
     CHECK(made->key == 7);
     CHECK(fracture::hash(made->fragments) == fracture::hash(broken.fragments));
-    CHECK(made->meshes().size() == broken.fragments.pieces.size());
+    CHECK(made->batch.pieces().size() == broken.fragments.pieces.size());
     REQUIRE(made->cracks.size() > 100);
     for (const engine::LineVertex& v : made->cracks) CHECK(glm::distance(v.position, glm::vec3(0.0f, 1.5f, 0.0f)) == doctest::Approx(1.0).epsilon(0.02));
 
@@ -197,7 +196,7 @@ TEST_CASE("studio: a preview shows the pieces of the fracture, cracks on the sur
     made.reset();
     REQUIRE(soon([&] { return made || (made = preview.take()); }));
     CHECK(made->fault.find("jitter") != std::string::npos);
-    CHECK(made->meshes().empty());
+    CHECK(made->batch.pieces().empty());
 }
 
 TEST_CASE("studio: a worker runs the newest task, cancels, and ends with its owner") {
@@ -265,14 +264,4 @@ TEST_CASE("studio: frame times are the newest ones, and marks move with them") {
     times.add(1.0);
     CHECK(times.marks() == std::vector<size_t>{FrameTimes::capacity - 2});
     CHECK(times.milliseconds().front() == doctest::Approx(2.0));
-}
-
-TEST_CASE("studio: names of pictures") {
-    CHECK(sequence_names("out/fall.mp4") == "out/fall_%04d.png");
-    CHECK(sequence_names("fall_%03d.png") == "fall_%03d.png");
-    const Folder folder;
-    const std::string pattern = (folder.path / "a_%03d.png").string();
-    CHECK(unused_name(pattern) == (folder.path / "a_000.png").string());
-    std::ofstream(folder.path / "a_000.png") << "x";
-    CHECK(unused_name(pattern) == (folder.path / "a_001.png").string());
 }

@@ -1,7 +1,9 @@
 #include "tools/brittle/picture_name.h"
 
 #include <cassert>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 
 namespace brittle::tools {
 
@@ -65,6 +67,17 @@ std::string picture_name(const std::string& pattern, uint32_t frame) {
     std::string number = std::to_string(frame);
     if (number.size() < parts->width) number.insert(0, parts->width - number.size(), parts->zeros ? '0' : ' ');
     return parts->before + number + parts->after;
+}
+
+std::string unused_name(const std::string& pattern) {
+    constexpr uint32_t most = 1000;
+    std::string name;
+    for (uint32_t k = 0; k < most; ++k) {
+        name = picture_name(pattern, k);
+        std::error_code error;
+        if (!std::filesystem::exists(name, error)) break;
+    }
+    return name;
 }
 
 } // namespace brittle::tools

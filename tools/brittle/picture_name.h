@@ -13,5 +13,7 @@ namespace brittle::tools {
 
 // The file name of a frame; the pattern must be numbered or plain.
 [[nodiscard]] std::string picture_name(const std::string& pattern, uint32_t frame);
+// The first name of a numbered pattern, up to number 999, that no file has; the last one where all are taken.
+[[nodiscard]] std::string unused_name(const std::string& pattern);
 
 } // namespace brittle::tools

@@ -16,8 +16,8 @@ Recorder::Recorder(std::filesystem::path file, const FractureOptions& options)
     : file_(std::move(file)), options_(options) {}
 
 Recorder::~Recorder() {
-    if (finished_ || text_.empty()) return;
-    const std::string log = text(is_interrupted() ? "interrupted" : "failed");
+    if (finished_ || file_.empty() || text_.empty()) return;
+    const std::string log = text(file_, is_interrupted() ? "interrupted" : "failed");
     const auto written = fracture::write_file_atomically(file_, std::as_bytes(std::span(log)));
     if (written)
         std::fprintf(stderr, "brittle: %s tells the run up to here\n", file_.string().c_str());
@@ -27,25 +27,30 @@ Recorder::~Recorder() {
 
 void Recorder::finish() {
     finished_ = true;
-    if (text_.empty()) return;
-    const std::string log = text("finished");
-    must(fracture::write_file_atomically(file_, std::as_bytes(std::span(log))));
+    if (file_.empty() || text_.empty()) return;
+    save(file_);
 }
 
-std::string Recorder::text(const std::string& end) const {
-    return text_ + end_line(steps_, end);
+void Recorder::save(const std::filesystem::path& file) const {
+    if (text_.empty()) throw Failure(exit_usage, "nothing has happened yet that could be repeated: break it first");
+    const std::string log = text(file, "finished");
+    must(fracture::write_file_atomically(file, std::as_bytes(std::span(log))));
+}
+
+std::string Recorder::text(const std::filesystem::path& file, const std::string& end) const {
+    return header_line(header_, std::filesystem::absolute(file).parent_path()) + text_ + end_line(steps_, end);
 }
 
 void Recorder::started(const Simulation& simulation, const fracture::Fragments& fragments,
                        const WorldOptions& world) {
-    ReplayLog log{.build = environment(),
-                  .step_seconds = static_cast<double>(simulation.world().settings().step),
-                  .pieces = fragments.pieces.size(),
-                  .pieces_hash = fracture::hash(fragments),
-                  .recipe = options_};
-    log.recipe.world = world;
-    log.recipe.world.shots.clear();
-    text_ = header_line(log, std::filesystem::absolute(file_).parent_path());
+    header_ = {.build = environment(),
+               .step_seconds = static_cast<double>(simulation.world().settings().step),
+               .pieces = fragments.pieces.size(),
+               .pieces_hash = fracture::hash(fragments),
+               .recipe = options_};
+    header_.recipe.world = world;
+    header_.recipe.world.shots.clear();
+    text_.clear();
     checks_ = {};
     finished_ = false;
     add_state(simulation);

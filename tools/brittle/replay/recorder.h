@@ -6,6 +6,12 @@
 //     simulation.start(...), apply(...), advance(...) ...
 //     recorder.finish();
 //
+// Without a file it only remembers, until save() is asked for:
+//
+//     Recorder recorder(options);
+//     ...
+//     recorder.save("run.log");
+//
 // Without finish(), as when Ctrl+C or a failure throws, the destructor writes what there is and says so on
 // standard error. Each start begins a new log, so the file tells the last run.
 #pragma once
@@ -23,6 +29,7 @@ class Recorder : public SimulationObserver {
   public:
     // `options` is the recipe of the next start's pieces; its world is taken from the start itself.
     Recorder(std::filesystem::path file, const FractureOptions& options);
+    explicit Recorder(const FractureOptions& options) : Recorder({}, options) {} // without a file
     ~Recorder() override;
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
@@ -30,10 +37,10 @@ class Recorder : public SimulationObserver {
     // Of what is started from now on.
     void use_recipe(const FractureOptions& options) { options_ = options; }
 
-    // Writes the log, atomically; nothing where nothing was started. Throws a Failure.
+    // Writes the log, atomically; nothing where nothing was started or no file was named. Throws a Failure.
     void finish();
-    // The log so far, with its end.
-    [[nodiscard]] std::string text(const std::string& end) const;
+    // Writes the log so far, atomically, and goes on. Throws a Failure, with exit_usage where nothing was started.
+    void save(const std::filesystem::path& file) const;
 
     void started(const Simulation& simulation, const fracture::Fragments& fragments,
                  const WorldOptions& world) override;
@@ -42,11 +49,14 @@ class Recorder : public SimulationObserver {
 
   private:
     void add_state(const Simulation& simulation);
+    // The log so far as `file` is to hold it: paths in it are relative to the file's folder.
+    [[nodiscard]] std::string text(const std::filesystem::path& file, const std::string& end) const;
 
     std::filesystem::path file_;
     FractureOptions options_;
     BodyChecks checks_;
-    std::string text_;
+    ReplayLog header_;
+    std::string text_; // after the header; empty: nothing was started
     uint64_t steps_ = 0;
     bool finished_ = false;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -45,6 +46,10 @@ Object::Object(Input file, const WorldOptions& world)
     if (size[longest] > 0.0) scale_ = onto.size()[longest] / size[longest];
     foot_ = {from.centre().x, from.min.y, from.centre().z};
     height_ = onto.min.y;
+    const fracture::TriangleMesh& shown = stage_.model.mesh;
+    const std::vector<glm::vec3> positions(shown.positions.begin(), shown.positions.end());
+    const engine::PieceMesh whole{.positions = positions, .triangles = shown.triangles, .exterior_triangles = static_cast<uint32_t>(shown.triangles.size())};
+    batch_ = must(engine::PieceBatch::create({&whole, 1}));
 }
 
 SiteSet Object::sites(const FractureOptions& options) const {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/render/camera.h"
+#include "engine/render/piece_batch.h"
 #include "fracture/triangle_tree.h"
 #include "tools/brittle/input.h"
 
@@ -29,6 +29,7 @@ class Object {
     [[nodiscard]] const std::string& name() const { return file_.name; }
     [[nodiscard]] const Input& file() const { return file_; }                             // without sites
     [[nodiscard]] const fracture::TriangleMesh& mesh() const { return stage_.model.mesh; } // on the stage
+    [[nodiscard]] const engine::PieceBatch& batch() const { return batch_; } // the same, ready to be drawn
     [[nodiscard]] double import_milliseconds() const { return file_.import_milliseconds; }
 
     // Sites for the mesh on the stage, with the arithmetic of placed_on_stage(): pieces equal those of `brittle render`.
@@ -54,6 +55,7 @@ class Object {
     double scale_ = 1.0;
     double height_ = 0.0;
     fracture::TriangleTree tree_;
+    engine::PieceBatch batch_;
 };
 
 } // namespace brittle::tools

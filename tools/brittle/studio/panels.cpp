@@ -1,10 +1,12 @@
 #include "tools/brittle/studio/panels.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include <imgui.h>
 
 #include "tools/brittle/studio/style.h"
+#include "tools/brittle/studio/widgets.h"
 
 namespace brittle::tools {
 
@@ -26,6 +28,45 @@ constexpr ImGuiWindowFlags sheet = ImGuiWindowFlags_NoDecoration | ImGuiWindowFl
 ImVec2 at(glm::vec2 p) {
     return {p.x, p.y};
 }
+
+struct ButtonLook {
+    ImU32 colour, hovered, text;
+};
+constexpr ButtonLook active_look{IM_COL32(236, 142, 66, 255), IM_COL32(236, 142, 66, 255), IM_COL32(24, 20, 16, 255)};
+constexpr ButtonLook break_look{IM_COL32(120, 70, 36, 255), IM_COL32(158, 92, 42, 255), IM_COL32(240, 236, 230, 255)};
+
+// How wide the buttons of the bar are: what names and keys leave free is shared alike. Keys are left out where there is
+// no room for them.
+struct BarPlan {
+    explicit BarPlan(float scale) : gap(6.0f * scale), between(10.0f * scale) {
+        float names = key_button_width("Break", "") + key_button_width("Reset", "");
+        float keys = key_button_width("Break", "Space") + key_button_width("Reset", "R");
+        for (const Tool tool : all_tools) {
+            const std::string name(info_of(tool).name);
+            names += key_button_width(name, "");
+            keys += key_button_width(name, info_of(tool).key);
+        }
+        const float buttons = static_cast<float>(all_tools.size()) + 2.0f;
+        const float room = ImGui::GetContentRegionAvail().x - (buttons - 1.0f) * gap - between;
+        with_keys = room - keys >= buttons * least_padding * scale;
+        padding = std::max((room - (with_keys ? keys : names)) / buttons, 0.0f);
+    }
+    [[nodiscard]] bool button(const std::string& name, const char* key, const ButtonLook* look) const {
+        const std::string shown = with_keys ? key : "";
+        if (look) {
+            ImGui::PushStyleColor(ImGuiCol_Button, look->colour);
+            ImGui::PushStyleColor(ImGuiCol_ButtonHovered, look->hovered);
+        }
+        const bool pressed = key_button(name, shown, key_button_width(name, shown) + padding, look ? look->text : ImGui::GetColorU32(ImGuiCol_Text));
+        if (look) ImGui::PopStyleColor(2);
+        return pressed;
+    }
+
+    static constexpr float least_padding = 12.0f; // pixels at scale 1
+    float gap, between; // buttons; tools and what comes after them
+    float padding = 0.0f;
+    bool with_keys = false;
+};
 
 void draw_overlay(const Overlay& overlay, float scale) {
     const StudioColours colours;
@@ -67,29 +108,6 @@ Layout layout_of(glm::vec2 window, float scale, bool panels) {
     return layout;
 }
 
-void control(const char* name, const char* tip_text) {
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted(name);
-    tip(tip_text);
-    ImGui::SameLine(ImGui::GetWindowContentRegionMin().x + 0.42f * (ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x));
-    ImGui::SetNextItemWidth(-1.0f);
-}
-
-void tip(const char* text) {
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
-}
-
-bool wide_button(const char* name, const char* tip_text, float share) {
-    const float gap = ImGui::GetStyle().ItemSpacing.x, left = ImGui::GetContentRegionAvail().x;
-    const bool pressed = ImGui::Button(name, {share < 1.0f ? (left + gap) * share - gap : left, 0.0f});
-    tip(tip_text);
-    return pressed;
-}
-
-bool begin_panel(const char* name, bool open) {
-    return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None);
-}
-
 void Panels::edit(Session& session, const Edit& edit) {
     if (gesture_ == 0) gesture_ = session.begin_gesture();
     session.edit(edit, gesture_);
@@ -117,7 +135,6 @@ void Panels::left_column(const PanelState& state, const Layout& layout) {
     ImGui::Begin("left", nullptr, docked & ~ImGuiWindowFlags_NoScrollbar);
     object_panel(state);
     pattern_panel(state);
-    sites_panel(state);
     material_panel(state);
     ImGui::End();
 }
@@ -126,7 +143,8 @@ void Panels::right_column(const PanelState& state, const Layout& layout) {
     ImGui::SetNextWindowPos({state.window.x - layout.right, 0.0f});
     ImGui::SetNextWindowSize({layout.right, state.window.y});
     ImGui::Begin("right", nullptr, docked & ~ImGuiWindowFlags_NoScrollbar);
-    physics_panel(state);
+    tool_panel(state);
+    simulation_panel(state);
     view_panel(state);
     statistics_panel(state);
     ImGui::End();
@@ -137,36 +155,21 @@ void Panels::bar(const PanelState& state, const Layout& layout) {
     ImGui::SetNextWindowSize({layout.free_max.x - layout.free_min.x, layout.top});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {8.0f * state.scale, 8.0f * state.scale});
     ImGui::Begin("tools", nullptr, docked | ImGuiWindowFlags_NoScrollWithMouse);
-    const StudioColours colours;
-    const float gap = ImGui::GetStyle().ItemSpacing.x;
-    // What names leave free is shared alike.
-    const auto text = [](std::string_view name) { return ImGui::CalcTextSize(name.data(), name.data() + name.size()).x; };
-    float names = text("Break") + text("Reset");
-    for (const Tool tool : all_tools) names += text(info_of(tool).name);
-    const float spare = std::max((ImGui::GetContentRegionAvail().x - 6.0f * gap - names) / 7.0f, 0.0f);
-    const auto size = [&](std::string_view name) { return ImVec2(text(name) + spare, 0.0f); };
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0.0f, ImGui::GetStyle().FramePadding.y}); // names are centred
+    const BarPlan plan(state.scale);
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {plan.gap, 0.0f});
     for (const Tool tool : all_tools) {
         const ToolInfo& info = info_of(tool);
+        const std::string name(info.name);
         const bool active = state.tools.tool() == tool;
-        if (active) {
-            ImGui::PushStyleColor(ImGuiCol_Button, colours.accent);
-            ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colours.accent);
-            ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(24, 20, 16, 255));
-        }
-        if (ImGui::Button(std::string(info.name).c_str(), size(info.name))) state.tools.choose(tool, state.session);
-        if (active) ImGui::PopStyleColor(3);
+        if (plan.button(name, info.key, active ? &active_look : nullptr)) state.tools.choose(tool, state.session);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s (%s)", info.hint, info.key);
         ImGui::SameLine();
     }
-    const bool broken = state.session.broken();
-    ImGui::PushStyleColor(ImGuiCol_Button, IM_COL32(120, 70, 36, 255));
-    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, IM_COL32(158, 92, 42, 255));
-    if (ImGui::Button("Break", size("Break"))) actions_.push_back(Command::break_all);
-    ImGui::PopStyleColor(2);
-    tip(broken ? "It is broken: Reset makes it whole again" : "Break it by the pattern or the sites (Space)");
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + plan.between);
+    if (plan.button("Break", "Space", &break_look)) actions_.push_back(Command::break_all);
+    tip(state.session.broken() ? "It is broken: Reset makes it whole again" : "Break it by the pattern or the sites (Space)");
     ImGui::SameLine();
-    if (ImGui::Button("Reset", size("Reset"))) actions_.push_back(Command::reset);
+    if (plan.button("Reset", "R", nullptr)) actions_.push_back(Command::reset);
     tip("Whole again (R)");
     ImGui::PopStyleVar();
     ImGui::End();
@@ -209,7 +212,7 @@ void Panels::message(const PanelState& state, const Layout& layout) {
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
     ImGui::Begin("message", nullptr, hints ? sheet | ImGuiWindowFlags_NoInputs : sheet);
     if (hints) {
-        ImGui::TextUnformatted("Space breaks it. F3 takes the hammer: then click it.");
+        ImGui::TextUnformatted("Space breaks it all; F3 and a click strike it with a hammer.");
     } else {
         ImGui::PushTextWrapPos(width);
         if (message.fault) ImGui::TextColored({0.98f, 0.52f, 0.42f, 1.0f}, "That did not work");
@@ -255,16 +258,20 @@ void Panels::help_sheet(const PanelState& state) {
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
     ImGui::Begin("help", nullptr, sheet);
-    if (ImGui::BeginTable("keys", 4)) {
-        const auto row = [](const char* key, const char* what) {
+    std::vector<std::pair<const char*, const char*>> lines;
+    for (const MouseHelp& line : mouse_help()) lines.emplace_back(line.shown, line.what);
+    for (const KeyBinding& binding : key_bindings())
+        if (*binding.shown) lines.emplace_back(binding.shown, binding.what);
+    // Two columns of lines, to be read downwards.
+    const size_t half = (lines.size() + 1) / 2;
+    if (ImGui::BeginTable("keys", 4, ImGuiTableFlags_PadOuterX)) {
+        for (size_t k = 0; k < 2 * half; ++k) {
+            const size_t at = k / 2 + (k % 2) * half;
             ImGui::TableNextColumn();
-            ImGui::TextColored({0.93f, 0.62f, 0.36f, 1.0f}, "%s", key);
+            if (at < lines.size()) ImGui::TextColored({0.93f, 0.62f, 0.36f, 1.0f}, "%s", lines[at].first);
             ImGui::TableNextColumn();
-            ImGui::TextUnformatted(what);
-        };
-        for (const MouseHelp& line : mouse_help()) row(line.shown, line.what);
-        for (const KeyBinding& binding : key_bindings())
-            if (*binding.shown) row(binding.shown, binding.what);
+            if (at < lines.size()) ImGui::TextUnformatted(lines[at].second);
+        }
         ImGui::EndTable();
     }
     ImGui::End();
@@ -285,10 +292,15 @@ void Panels::export_window(const PanelState& state) {
     choice("Pieces: GLB, OBJ, PLY or STL ...", "The pieces of the recipe for other programs, as `brittle fracture` writes them", ExportKind::pieces);
     choice("Recipe ...", "Mesh and options, to do it again; `brittle render` and `fracture` take it too", ExportKind::recipe);
     choice("Screenshot", "What the window shows, without its panels, as PNG in the current folder (F12)", ExportKind::screenshot);
+    ImGui::BeginDisabled(!state.session.broken());
+    choice("Replay log ...", state.session.broken() ? "All that happened since the break: `brittle replay` repeats it, and makes pictures of it" : "Of what happens once it is broken", ExportKind::replay);
+    ImGui::EndDisabled();
     ImGui::Separator();
     control("Frames", "Of the sequence; 60 are a second");
-    ImGui::SliderInt("##frames", &sequence_frames, 1, 600);
-    choice("Picture sequence ...", "What happens from now on, a PNG for each frame; a video too where the name ends with .mp4 and ffmpeg is installed", ExportKind::sequence);
+    char frames[32];
+    std::snprintf(frames, sizeof frames, "%%d (%.1f s)", sequence_frames / 60.0);
+    (void)slider("##frames", sequence_frames, 1, 600, frames);
+    choice("Picture sequence or video ...", "What happens from now on: a PNG for each frame, or with a name that ends with .mp4 a video, where ffmpeg is installed", ExportKind::sequence);
     ImGui::End();
     ImGui::PopStyleVar(2);
 }

@@ -54,7 +54,7 @@ class Panels {
     std::optional<Recording> recording;
 
     // What the export window asks for.
-    enum class ExportKind { none, pieces, recipe, screenshot, sequence };
+    enum class ExportKind { none, pieces, recipe, replay, screenshot, sequence };
     bool export_open = false;
     [[nodiscard]] ExportKind take_export() { return std::exchange(export_, ExportKind::none); }
     int sequence_frames = 120;
@@ -71,9 +71,10 @@ class Panels {
 
     void object_panel(const PanelState& state);
     void pattern_panel(const PanelState& state);
-    void sites_panel(const PanelState& state);
     void material_panel(const PanelState& state);
-    void physics_panel(const PanelState& state);
+    void tool_panel(const PanelState& state);
+    void site_tools(const PanelState& state);
+    void simulation_panel(const PanelState& state);
     void view_panel(const PanelState& state);
     void statistics_panel(const PanelState& state);
     void certificate(const PanelState& state);
@@ -87,14 +88,5 @@ class Panels {
     std::string told_; // the message that is shown, since when
     double told_at_ = 0.0;
 };
-
-// --- for the panels ---
-
-// The name of a control and where the control is to come: the rest of the line. `tip` shows while the mouse is over it.
-void control(const char* name, const char* tip);
-void tip(const char* text); // of the item before
-// A button as wide as `share` of the line that is left.
-[[nodiscard]] bool wide_button(const char* name, const char* tip_text, float share = 1.0f);
-[[nodiscard]] bool begin_panel(const char* name, bool open = true);
 
 } // namespace brittle::tools

@@ -10,6 +10,7 @@
 #include "physics/material.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/style.h"
+#include "tools/brittle/studio/widgets.h"
 
 namespace brittle::tools {
 
@@ -31,20 +32,30 @@ constexpr std::array kind_tips{
     "Small where the solid is thin, large where it is thick",
 };
 
-bool slider(const char* name, const char* tip_text, double& value, double low, double high, const char* format,
-            ImGuiSliderFlags flags = 0) {
+bool named_slider(const char* name, const char* tip_text, double& value, double low, double high, const char* format) {
     control(name, tip_text);
     auto shown = static_cast<float>(value);
-    const bool changed = ImGui::SliderFloat((std::string("##") + name).c_str(), &shown, static_cast<float>(low), static_cast<float>(high), format, flags | ImGuiSliderFlags_AlwaysClamp);
+    const bool changed = slider((std::string("##") + name).c_str(), shown, static_cast<float>(low), static_cast<float>(high), format);
     if (changed) value = shown;
     return changed;
 }
 
 bool vector(const char* name, const char* tip_text, glm::dvec3& value, float low, float high) {
     control(name, tip_text);
-    float shown[3] = {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z)};
-    const bool changed = ImGui::SliderFloat3((std::string("##") + name).c_str(), shown, low, high, "%.2f", ImGuiSliderFlags_AlwaysClamp);
-    if (changed) value = {shown[0], shown[1], shown[2]};
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x, width = (ImGui::GetContentRegionAvail().x - 2.0f * gap) / 3.0f;
+    bool changed = false;
+    ImGui::PushID(name);
+    for (int k = 0; k < 3; ++k) {
+        constexpr const char* ids[] = {"##x", "##y", "##z"};
+        auto shown = static_cast<float>(value[k]);
+        if (k > 0) ImGui::SameLine(0.0f, gap);
+        ImGui::SetNextItemWidth(width);
+        if (slider(ids[k], shown, low, high, "%.2f")) {
+            value[k] = shown;
+            changed = true;
+        }
+    }
+    ImGui::PopID();
     return changed;
 }
 
@@ -58,9 +69,9 @@ bool has_focus(PatternKind kind) {
 
 bool pattern_kind(Pattern& pattern) {
     const auto names = fracture::pattern_names();
-    control("Kind", "How the sites lie");
+    control("Type", "How the sites lie");
     bool changed = false;
-    if (!ImGui::BeginCombo("##Kind", std::string(names[static_cast<size_t>(pattern.kind)]).c_str())) return false;
+    if (!ImGui::BeginCombo("##Type", std::string(names[static_cast<size_t>(pattern.kind)]).c_str())) return false;
     for (size_t k = 0; k < names.size(); ++k) {
         if (ImGui::Selectable(std::string(names[k]).c_str(), static_cast<size_t>(pattern.kind) == k)) {
             pattern.kind = static_cast<PatternKind>(k);
@@ -74,9 +85,9 @@ bool pattern_kind(Pattern& pattern) {
 
 bool count_and_seed(Pattern& pattern) {
     bool changed = false;
-    control("Pieces", "How many sites; those outside the solid give no piece");
+    control("Sites", "How many; one inside the solid makes a piece or more");
     auto count = static_cast<int>(pattern.count);
-    if (ImGui::SliderInt("##Pieces", &count, 2, 1000, "%d", ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic)) {
+    if (slider("##Sites", count, 2, 1000, "%d", ImGuiSliderFlags_Logarithmic)) {
         pattern.count = static_cast<uint32_t>(count);
         pattern.piece_size = 0.0;
         changed = true;
@@ -104,33 +115,42 @@ void Panels::object_panel(const PanelState& state) {
     control("Mesh", "What to break; drop a file on the window, or open one");
     if (ImGui::BeginCombo("##Mesh", object.name().c_str())) {
         if (ImGui::Selectable("open a file ...")) actions_.push_back(Command::open);
-        if (!state.recent.files().empty()) ImGui::Separator();
+        if (!state.recent.files().empty()) ImGui::TextDisabled("recent files");
         for (const std::string& file : state.recent.files()) {
             if (ImGui::Selectable((std::filesystem::path(file).filename().string() + "##" + file).c_str())) session.open(file);
             tip(file.c_str());
         }
-        ImGui::Separator();
+        ImGui::TextDisabled("built-in shapes");
         for (const std::string_view name : fracture::shape_names())
             if (ImGui::Selectable(std::string(name).c_str())) session.open("shape:" + std::string(name));
         ImGui::EndCombo();
     }
     const glm::dvec3 size = fracture::bounds(object.file().model.mesh).size();
-    ImGui::TextDisabled("%zu triangles, %.3g x %.3g x %.3g m", object.mesh().triangles.size(), size.x, size.y, size.z);
+    ImGui::TextDisabled("%s triangles, %.3g x %.3g x %.3g m", grouped(object.mesh().triangles.size()).c_str(), size.x, size.y, size.z);
     if (wide_button("Open", "A mesh or a recipe (Ctrl+O)", 1.0f / 3.0f)) actions_.push_back(Command::open);
     ImGui::SameLine();
     if (wide_button("Save", "The recipe (Ctrl+S)", 0.5f)) actions_.push_back(Command::save);
     ImGui::SameLine();
     if (wide_button("Export", "Pieces, recipe, pictures (Ctrl+E)")) actions_.push_back(Command::export_dialog);
     const Document& document = session.document();
-    if (wide_button("Undo", ("Ctrl+Z: " + std::string(document.undo_name())).c_str(), 0.5f)) actions_.push_back(Command::undo);
+    const auto history = [this](const char* name, const std::string& key, std::string_view what, Command action, float share) {
+        ImGui::BeginDisabled(what.empty());
+        if (wide_button(name, (key + (what.empty() ? "" : ": " + std::string(what))).c_str(), share)) actions_.push_back(action);
+        ImGui::EndDisabled();
+    };
+    history("Undo", "Ctrl+Z", document.undo_name(), Command::undo, 0.5f);
     ImGui::SameLine();
-    if (wide_button("Redo", ("Ctrl+Shift+Z: " + std::string(document.redo_name())).c_str())) actions_.push_back(Command::redo);
+    history("Redo", "Ctrl+Shift+Z", document.redo_name(), Command::redo, 1.0f);
 }
 
 void Panels::pattern_panel(const PanelState& state) {
     if (!begin_panel("Pattern")) return;
     Session& session = state.session;
     Pattern pattern = session.recipe().pattern;
+    if (!session.recipe().points.empty()) {
+        value("By hand", "%zu sites", session.sites().size());
+        if (wide_button("Back to the pattern", "Forgets the sites that were placed by hand; so does every control below")) edit(session, SetSites{});
+    }
     bool changed = pattern_kind(pattern);
     changed |= count_and_seed(pattern);
     if (has_focus(pattern.kind)) changed |= vector("Focus", "Where it is densest, 0 to 1 along each side of the mesh's box", pattern.focus, 0.0f, 1.0f);
@@ -141,36 +161,19 @@ void Panels::pattern_panel(const PanelState& state) {
             changed = true;
         }
     }
-    if (pattern.kind == PatternKind::clustered) changed |= slider("Spread", "Share of the mesh's size", pattern.spread, 0.02, 1.0, "%.2f");
-    if (pattern.kind == PatternKind::splinters) changed |= slider("Slenderness", "Length by width", pattern.slenderness, 1.0, 40.0, "%.0f");
+    if (pattern.kind == PatternKind::clustered) changed |= named_slider("Spread", "Share of the mesh's size", pattern.spread, 0.02, 1.0, "%.2f");
+    if (pattern.kind == PatternKind::splinters) changed |= named_slider("Slenderness", "Length by width", pattern.slenderness, 1.0, 40.0, "%.0f");
     double jitter = std::max(pattern.jitter, 0.0);
-    if (slider("Jitter", "How irregular it is", jitter, 0.0, 1.0, pattern.jitter < 0.0 ? "its own" : "%.2f")) {
+    if (named_slider("Jitter", "How irregular it is; automatic: what suits the type", jitter, 0.0, 1.0, pattern.jitter < 0.0 ? "automatic" : "%.2f")) {
         pattern.jitter = jitter;
         changed = true;
     }
-    if (pattern.kind != PatternKind::bricks) changed |= slider("Grading", "0: pieces of like sizes; 1: from crumbs to lumps", pattern.grading, 0.0, 1.0, "%.2f");
+    if (pattern.kind != PatternKind::bricks) changed |= named_slider("Grading", "0: pieces of like sizes; 1: from small to large", pattern.grading, 0.0, 1.0, "%.2f");
     control("Inside only", "Only sites inside the solid, so that each makes a piece");
     changed |= ImGui::Checkbox("##Inside only", &pattern.inside);
     if (!changed) return;
     session.picture().cells = true; // one sees what one does
     edit(session, SetPattern{pattern});
-}
-
-void Panels::sites_panel(const PanelState& state) {
-    Session& session = state.session;
-    const bool by_hand = !session.recipe().points.empty();
-    if (!begin_panel("Sites", false)) return;
-    ImGui::TextDisabled("%zu %s, %zu selected", session.sites().size(), by_hand ? "placed by hand" : "by the pattern", session.selection.size());
-    if (wide_button("Delete", "The selected sites (Del)", 1.0f / 2.0f)) actions_.push_back(Command::remove);
-    ImGui::SameLine();
-    if (wide_button("Duplicate", "The selected sites, a little beside (Ctrl+D)")) actions_.push_back(Command::duplicate);
-    constexpr const char* mirrors[] = {"Mirror X", "Mirror Y", "Mirror Z"};
-    for (int axis = 0; axis < 3; ++axis) {
-        if (wide_button(mirrors[axis], "Adds the mirror images of the selected sites, or of all, across the middle of the mesh", 1.0f / static_cast<float>(3 - axis)))
-            state.tools.mirror_selected(session, axis);
-        if (axis < 2) ImGui::SameLine();
-    }
-    if (by_hand && wide_button("Back to the pattern", "Forgets the sites that were placed by hand")) edit(session, SetSites{});
 }
 
 void Panels::material_panel(const PanelState& state) {

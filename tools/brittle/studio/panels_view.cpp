@@ -1,6 +1,5 @@
 // The right column: what the pieces do, how it is shown, and what it costs.
 #include <algorithm>
-#include <cinttypes>
 #include <cstdio>
 #include <string>
 
@@ -9,6 +8,7 @@
 
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/style.h"
+#include "tools/brittle/studio/widgets.h"
 
 namespace brittle::tools {
 
@@ -25,19 +25,6 @@ double resident_memory() {
     const int read = std::fscanf(file, "%lu %lu", &all, &resident);
     std::fclose(file);
     return read == 2 ? static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0) : 0.0;
-}
-
-void value(const char* name, const char* text) {
-    ImGui::TextDisabled("%s", name);
-    ImGui::SameLine(ImGui::GetWindowContentRegionMin().x + 0.42f * (ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x));
-    ImGui::TextUnformatted(text);
-}
-
-template<class... Values>
-void value(const char* name, const char* format, Values... values) {
-    char text[96];
-    std::snprintf(text, sizeof text, format, values...);
-    value(name, static_cast<const char*>(text));
 }
 
 bool toggle(const char* name, const char* tip_text, bool& on) {
@@ -69,47 +56,40 @@ void frame_graph(const FrameTimes& times, float scale) {
 
 } // namespace
 
-void Panels::physics_panel(const PanelState& state) {
-    if (!begin_panel("Physics")) return;
+void Panels::simulation_panel(const PanelState& state) {
+    if (!begin_panel("Simulation")) return;
     Session& session = state.session;
     WorldOptions world = session.recipe().world;
     bool changed = toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
     second_column();
     changed |= toggle("Anchored", "Bonded, and what stands on the ground is held by it", world.anchored);
     if (!world.anchored) {
-        control("Height", "Of the mesh above the ground at first; it is 2 m long on the stage");
+        control("Drop height", "From the ground to the mesh at first, which is 2 m long on the stage");
         auto height = static_cast<float>(world.height);
-        if (ImGui::SliderFloat("##Height", &height, 0.0f, 5.0f, "%.2f m", ImGuiSliderFlags_AlwaysClamp)) {
+        if (slider("##Height", height, 0.0f, 5.0f, "%.2f m")) {
             world.height = height;
             changed = true;
         }
     }
     if (changed) edit(session, SetWorld{world});
-    control("Blow", "Radius of the hammer (Shift + wheel)");
-    ImGui::SliderFloat("##Blow", &session.tools.hammer_radius, 0.05f, 1.5f, "%.2f m", ImGuiSliderFlags_AlwaysClamp);
-    control("Crumbs", "Pieces that a blow of the hammer makes, about");
-    auto crumbs = static_cast<int>(session.tools.hammer_pieces);
-    if (ImGui::SliderInt("##Crumbs", &crumbs, 2, 100, "%d", ImGuiSliderFlags_AlwaysClamp)) session.tools.hammer_pieces = static_cast<uint32_t>(crumbs);
-    control("Ball", "Speed at which balls are shot");
-    ImGui::SliderFloat("##Ball", &session.tools.ball_speed, 1.0f, 40.0f, "%.0f m/s", ImGuiSliderFlags_AlwaysClamp);
-    control("Clock", "Slow motion: how fast time goes");
-    ImGui::SliderFloat("##Clock", &session.playback.speed, 0.02f, 1.0f, "%.2f x", ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
-    if (wide_button(session.playback.paused ? "Go on" : "Pause", "P", 0.5f)) actions_.push_back(Command::pause);
+    control("Time", "Slow motion: how fast time goes by");
+    (void)slider("##Time", session.playback.speed, 0.02f, 1.0f, "%.2f x", ImGuiSliderFlags_Logarithmic);
+    if (wide_button(session.playback.paused ? "Go on" : "Pause", "Or let time go by (P)", 0.5f)) actions_.push_back(Command::pause);
     ImGui::SameLine();
-    if (wide_button("Step", "1/120 s (full stop)")) actions_.push_back(Command::step);
+    if (wide_button("Single step", "Of 1/120 s (full stop)")) actions_.push_back(Command::step);
 }
 
 void Panels::view_panel(const PanelState& state) {
     if (!begin_panel("View")) return;
     PictureOptions& view = state.session.picture();
     control("Exploded", "Pieces moved apart, by this share of their distance to the middle (X)");
-    ImGui::SliderFloat("##Exploded", &view.explode, 0.0f, 2.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
+    (void)slider("##Exploded", view.explode, 0.0f, 2.0f, "%.2f");
     toggle("Cells", "Voronoi cells, on the mesh as it will break (V)", view.cells);
     second_column();
     toggle("Sites", "Voronoi sites as red spheres (S)", view.sites);
-    toggle("Hulls", "What collides: red awake, dark red asleep (D)", view.hulls);
+    toggle("Hulls", "Collision hulls: red awake, dark red asleep (D)", view.hulls);
     second_column();
-    toggle("Bonds", "Of bonded pieces: green idle, red about to break (B)", state.session.bonds);
+    toggle("Bonds", "Between pieces, by their load: grey idle, red about to break (B)", state.session.bonds);
     toggle("Smooth", "Round or flat exteriors (N)", view.smooth);
     if (state.has_line_mode) {
         second_column();
@@ -127,12 +107,12 @@ void Panels::certificate(const PanelState& state) {
         return;
     }
     const fracture::Certificate& proof = counts->certificate;
-    value("Pieces", "%u of %u cells", proof.pieces, proof.cells);
-    value("Awake", "%zu", counts->awake);
-    ImGui::TextDisabled("Certificate");
-    second_column();
-    if (proof.closed) ImGui::TextColored({0.55f, 0.82f, 0.45f, 1.0f}, "all closed");
-    else ImGui::TextColored({0.98f, 0.52f, 0.42f, 1.0f}, "%u open", proof.open_pieces);
+    value("Pieces", "%u from %u cells", proof.pieces, proof.cells);
+    value("Awake", "%zu bodies", counts->awake);
+    ImGui::PushStyleColor(ImGuiCol_Text, proof.closed ? IM_COL32(140, 209, 115, 255) : IM_COL32(250, 133, 107, 255));
+    proof.closed ? value("Certificate", "all closed") : value("Certificate", "%u open", proof.open_pieces);
+    ImGui::PopStyleColor();
+    tip("Whether each piece bounds a solid: every edge has two triangles, in opposite directions");
     value("Volume error", "%.1e", proof.volume_error);
     value("Fracture", "%.1f ms", counts->milliseconds);
     if (ImGui::TreeNode("Phases")) {
@@ -144,18 +124,12 @@ void Panels::certificate(const PanelState& state) {
 void Panels::statistics_panel(const PanelState& state) {
     if (!begin_panel("Statistics")) return;
     const double median = state.times.median();
-    value("Frames", "%.0f /s, %.1f ms", median > 0.0 ? 1000.0 / median : 0.0, median);
+    value("Frame rate", "%.0f /s, %.1f ms", median > 0.0 ? 1000.0 / median : 0.0, median);
     frame_graph(state.times, state.scale);
     const engine::FrameStats& drawn = state.renderer.stats();
-    value("Triangles", "%" PRIu64 " in %u draws", drawn.triangles, drawn.draws);
+    value("Triangles", "%s in %u draws", grouped(drawn.triangles).c_str(), drawn.draws);
     value("Memory", "%.0f MiB", resident_memory());
     certificate(state);
-    if (const auto piece = state.session.piece; piece && state.session.fragments()) {
-        const fracture::Piece& selected = state.session.fragments()->pieces[*piece];
-        const double scale = state.session.object().scale();
-        value("Selected", "piece %u", *piece);
-        value("Volume", "%.3g m\xc2\xb3", selected.mass.volume / (scale * scale * scale));
-    }
     if (ImGui::TreeNode("Passes")) {
         for (const engine::PassTime& pass : state.renderer.timings()) value(pass.name.c_str(), "%.2f ms", pass.milliseconds);
         ImGui::TreePop();

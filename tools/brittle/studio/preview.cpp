@@ -52,20 +52,20 @@ void mark_what_stays(Cracked& cracked) {
     if (largest != pieces.end()) cracked.stays[static_cast<size_t>(largest - pieces.begin())] = 1;
 }
 
-} // namespace
-
-std::vector<engine::PieceMesh> Cracked::meshes() const {
+engine::PieceBatch batch_of(const Cracked& cracked) {
     std::vector<engine::PieceMesh> meshes;
-    for (size_t p = 0; p < fragments.pieces.size(); ++p) {
-        const fracture::Piece& piece = fragments.pieces[p];
-        const glm::vec3 tint = stays.empty() ? engine::piece_tint(static_cast<uint32_t>(p)) : (stays[p] ? glm::vec3(1.0f) : falling_tint);
-        meshes.push_back({.positions = std::span(positions).subspan(piece.vertices.begin, piece.vertices.size()),
-                          .triangles = fragments.triangles_of(piece),
+    for (size_t p = 0; p < cracked.fragments.pieces.size(); ++p) {
+        const fracture::Piece& piece = cracked.fragments.pieces[p];
+        const glm::vec3 tint = cracked.stays.empty() ? engine::piece_tint(static_cast<uint32_t>(p)) : (cracked.stays[p] ? glm::vec3(1.0f) : falling_tint);
+        meshes.push_back({.positions = std::span(cracked.positions).subspan(piece.vertices.begin, piece.vertices.size()),
+                          .triangles = cracked.fragments.triangles_of(piece),
                           .exterior_triangles = piece.exterior_triangles,
                           .tint = tint});
     }
-    return meshes;
+    return must(engine::PieceBatch::create(meshes));
 }
+
+} // namespace
 
 void Preview::request(PreviewRequest request) {
     worker_.run([this, request = std::move(request)](const Worker::Cancelled& cancelled) {
@@ -75,7 +75,7 @@ void Preview::request(PreviewRequest request) {
     });
 }
 
-std::shared_ptr<const Cracked> Preview::take() {
+std::shared_ptr<Cracked> Preview::take() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(finished_, nullptr);
 }
@@ -103,6 +103,7 @@ std::shared_ptr<Cracked> Preview::make(const PreviewRequest& request, const Work
         if (!recipe.strikes.empty()) mark_what_stays(*made);
         for (size_t p = 0; p < made->fragments.pieces.size(); ++p)
             if (made->stays.empty() || !made->stays[p]) append_cracks(*made, made->fragments.pieces[p], made->cracks);
+        made->batch = batch_of(*made);
         if (recipe.strikes.empty()) {
             made->cells = cell_lines(mesh, set.sites, set.weights);
             made->sites = std::move(set.sites);

@@ -2,7 +2,7 @@
 // Made on a worker, the newest request only; a bunny of 70,000 triangles at 100 sites takes about 10 ms.
 //
 //     preview.request({object, document.recipe(), {}, version});
-//     each frame: if (auto shown = preview.take()) renderer.set_pieces(shown->meshes());
+//     each frame: if (auto shown = preview.take()) renderer.add_pieces(std::move(shown->batch));
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/render/piece_batch.h"
 #include "engine/render/scene.h"
 #include "fracture/fracture.h"
 #include "tools/brittle/studio/object.h"
@@ -37,11 +38,9 @@ struct Cracked {
     double milliseconds = 0.0; // of the fracture
     std::string fault;
 
-    // For Renderer::set_pieces(): valid as long as this is.
-    [[nodiscard]] std::vector<engine::PieceMesh> meshes() const;
-
     fracture::Fragments fragments;
     std::vector<glm::vec3> positions;
+    engine::PieceBatch batch; // of all pieces, ready to be drawn
     std::vector<uint8_t> stays; // by piece: the largest, where only a part breaks
 };
 
@@ -49,7 +48,7 @@ class Preview {
   public:
     void request(PreviewRequest request);
     // What was finished since, once.
-    [[nodiscard]] std::shared_ptr<const Cracked> take();
+    [[nodiscard]] std::shared_ptr<Cracked> take();
     [[nodiscard]] bool busy() const { return worker_.busy(); }
 
   private:
@@ -57,7 +56,7 @@ class Preview {
 
     fracture::Workspace workspace_; // the worker's
     std::mutex mutex_;
-    std::shared_ptr<const Cracked> finished_;
+    std::shared_ptr<Cracked> finished_;
     Worker worker_; // last: its destructor waits
 };
 

@@ -10,7 +10,6 @@
 #include "tools/brittle/failure.h"
 #include "tools/brittle/piece_export.h"
 #include "tools/brittle/recipe.h"
-#include "tools/brittle/studio/video.h"
 
 namespace brittle::tools {
 
@@ -18,6 +17,8 @@ namespace {
 
 constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
+constexpr float far_away = 12.0f;  // m from the middle, where the stage's shadow ends
+constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
 constexpr double physics_step = 1.0 / 120.0; // s, of World
 
 bool same(const Strike& a, const Strike& b) {
@@ -39,6 +40,12 @@ bool same_sites(const FractureOptions& a, const FractureOptions& b) {
     return how(a) == how(b);
 }
 
+// From grey, idle, through yellow to red, about to break.
+uint32_t bond_colour(double load) {
+    const double up = std::min(1.0, 2.0 * load), down = std::max(0.0, 2.0 * load - 1.0);
+    return engine::srgb8(static_cast<uint32_t>(100 + 150 * up), static_cast<uint32_t>(122 + 78 * up - 160 * down), static_cast<uint32_t>(112 - 60 * up));
+}
+
 bool same_strikes(const FractureOptions& a, const FractureOptions& b) {
     return std::equal(a.strikes.begin(), a.strikes.end(), b.strikes.begin(), b.strikes.end(), same);
 }
@@ -48,6 +55,7 @@ bool same_strikes(const FractureOptions& a, const FractureOptions& b) {
 Session::Session(FractureOptions recipe, std::shared_ptr<const Object> object, engine::Renderer& renderer,
                  fracture::Classifier* classifier)
     : document_(std::move(recipe)), object_(std::move(object)), renderer_(renderer), classifier_(classifier) {
+    recorder_.emplace(document_.recipe());
     make_stage();
     sites_ = object_->sites(document_.recipe()).sites;
 }
@@ -58,7 +66,7 @@ Session::~Session() {
 
 void Session::make_stage() {
     stage_ = std::make_unique<Stage>(renderer_, object_->mesh(), recipe().material);
-    if (recorder_) stage_->simulation().observe(&*recorder_);
+    stage_->simulation().observe(&*recorder_);
     ++stages_;
     shown_.reset();
     asked_.reset();
@@ -185,7 +193,7 @@ void Session::record(const std::filesystem::path& file) {
 }
 
 void Session::finish_recording() {
-    if (recorder_) recorder_->finish();
+    recorder_->finish();
 }
 
 void Session::reset() {
@@ -212,7 +220,7 @@ void Session::take_pieces(Broken made, bool bonded) {
     shown_.reset();
     asked_.reset();
     piece.reset();
-    if (recorder_) recorder_->use_recipe(recipe());
+    recorder_->use_recipe(recipe());
     if (bonded) {
         WorldOptions world = recipe().world;
         world.bonded = true;
@@ -261,6 +269,14 @@ glm::dvec3 Session::at_home(const PieceHit& hit) const {
 engine::Bounds Session::piece_bounds(uint32_t of) const {
     const glm::vec3 r(radii_[of]);
     return {poses_[of].position - r, poses_[of].position + r};
+}
+
+engine::Bounds Session::all_bounds() const {
+    if (!broken() || radii_.empty()) return stage_->home_bounds();
+    engine::Bounds all{glm::vec3(far_away), glm::vec3(-far_away)};
+    for (uint32_t p = 0; p < radii_.size(); ++p)
+        if (glm::length(poses_[p].position) < far_away) all = engine::join(all, piece_bounds(p));
+    return all.min.x <= all.max.x ? all : stage_->home_bounds();
 }
 
 void Session::step_once() {
@@ -329,10 +345,19 @@ void Session::export_pieces(const std::filesystem::path& file) {
     });
 }
 
-void Session::make_video(const std::string& pictures, const std::string& video) {
-    start("encoding " + video, [this, pictures, video](const Worker::Cancelled&) {
-        const std::string fault = encode_video(pictures, video);
-        post([this, fault, video] { say({fault.empty() ? "wrote " + video : fault, !fault.empty()}); });
+void Session::save_replay(const std::filesystem::path& file) {
+    try {
+        recorder_->save(file);
+        say({"saved " + file.string() + "; `brittle replay` repeats it"});
+    } catch (const Failure& failure) {
+        report(failure);
+    }
+}
+
+void Session::finish_video(std::shared_ptr<Video> video, const std::string& file) {
+    start("encoding " + file, [this, video = std::move(video), file](const Worker::Cancelled&) {
+        video->finish();
+        post([this, file] { say({"wrote " + file}); });
     });
 }
 
@@ -407,10 +432,10 @@ void Session::update_preview() {
         asked_ = Shown{document_.version(), object_.get(), ghost_};
         preview_.request({object_, recipe(), ghost_, ++preview_key_});
     }
-    std::shared_ptr<const Cracked> made = preview_.take();
+    std::shared_ptr<Cracked> made = preview_.take();
     // A drag asks faster than answers come: the newest answer is shown even if it is not the last word.
     if (!made || made->ghost != ghost_.has_value() || !made->fault.empty()) return;
-    must(renderer_.set_pieces(made->meshes()));
+    draw_instead(std::move(made->batch));
     shown_ = std::move(made);
 }
 
@@ -419,7 +444,12 @@ void Session::leave_preview() {
     (void)preview_.take();
     if (!shown_) return;
     shown_.reset();
-    if (!broken()) stage_->reset(object_->mesh());
+    if (!broken()) draw_instead(object_->batch());
+}
+
+void Session::draw_instead(engine::PieceBatch batch) {
+    must(renderer_.set_pieces({}));
+    (void)must(renderer_.add_pieces(std::move(batch)));
 }
 
 void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {
@@ -430,10 +460,8 @@ void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {
     for (size_t k = 0; k < bonds_of.size(); ++k) {
         const auto& bond = bonds_of[k];
         if (!bond.live() || bond.a >= poses_.size() || bond.b >= poses_.size()) continue;
-        // Green: idle, through yellow to red: breaks.
         const double load = std::clamp(k < ratios.size() ? ratios[k] / bond.health : 0.0, 0.0, 1.0);
-        const uint32_t colour = engine::srgb8(static_cast<uint32_t>(60 + 190 * std::min(1.0, 2.0 * load)),
-                                              static_cast<uint32_t>(200 - 160 * std::max(0.0, 2.0 * load - 1.0)), 60);
+        const uint32_t colour = bond_colour(load);
         lines.push_back({poses_[bond.a].position, colour});
         lines.push_back({poses_[bond.b].position, colour});
     }
@@ -454,15 +482,25 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     // Only a part broke: the rest is to look as before.
     if (broken() && !recipe().strikes.empty()) scene.look.tint = std::min(scene.look.tint, tint_of_the_struck);
     if (shown_) {
-        scene.lines_on_top = false;
         scene.look.tint = preview_tint;
-        scene.moved = true; // other meshes than in the frame before
     }
     if (broken() && scene.write_poses) scene.write_poses(poses_, 0);
     scene.camera = camera;
+    place_lines(scene);
     scene.smooth = view.smooth;
     scene.wireframe = view.wireframe;
     return scene;
+}
+
+// Lines are to be seen through pieces, as bonds are, or to lie on them: cracks, and of hulls what is in front, which would
+// be a tangle otherwise.
+void Session::place_lines(engine::Scene& scene) {
+    const bool hulls_alone = broken() && recipe().picture.hulls && !bonds;
+    if (shown_ || hulls_alone) scene.lines_on_top = false;
+    if (!hulls_alone) return;
+    lines_.assign(scene.lines.begin(), scene.lines.end());
+    for (engine::LineVertex& v : lines_) v.position += hull_lift * (scene.camera.eye - v.position);
+    scene.lines = lines_;
 }
 
 bool Session::take_fracture_mark() {

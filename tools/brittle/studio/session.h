@@ -30,6 +30,7 @@
 #include "tools/brittle/studio/object.h"
 #include "tools/brittle/studio/preview.h"
 #include "tools/brittle/studio/worker.h"
+#include "tools/brittle/video.h"
 
 namespace brittle::tools {
 
@@ -98,6 +99,7 @@ class Session {
     // From a place on a piece to where that place was when all was whole.
     [[nodiscard]] glm::dvec3 at_home(const PieceHit& hit) const;
     [[nodiscard]] engine::Bounds piece_bounds(uint32_t of) const;
+    [[nodiscard]] engine::Bounds all_bounds() const; // of all pieces, but for those that rolled far away; or of the whole mesh
     void step_once(); // a single step of physics
     ToolSettings tools;
     Playback playback;
@@ -110,7 +112,8 @@ class Session {
     void open(const std::string& path, bool repair = false); // a mesh, shape:NAME or a recipe; on a worker
     void save_recipe(const std::filesystem::path& file);
     void export_pieces(const std::filesystem::path& file); // as `brittle fracture` does, on a worker
-    void make_video(const std::string& pictures, const std::string& video); // by ffmpeg, on a worker
+    void save_replay(const std::filesystem::path& file);   // of what happened since the break (docs/replay.md)
+    void finish_video(std::shared_ptr<Video> video, const std::string& file); // on a worker
     std::function<void(const std::string&)> opened;        // told of each mesh and recipe, for the list of recent files
 
     // --- work that takes long ---
@@ -124,9 +127,9 @@ class Session {
     [[nodiscard]] const Message& message() const { return message_; }
     void say(Message message) { message_ = std::move(message); }
 
-    // --- the replay log (docs/replay.md) ---
-    void record(const std::filesystem::path& file); // what happens after each break; the log is of the last
-    void finish_recording();                        // writes it; nothing where nothing is recorded
+    // --- the replay log (docs/replay.md): always kept in memory, some 100 bytes a step and 4 a body that moves ---
+    void record(const std::filesystem::path& file); // and written in the end; it tells of the last break
+    void finish_recording();                        // writes it; nothing where record() was not called
 
     // --- each frame ---
     void update(double seconds);
@@ -142,6 +145,7 @@ class Session {
     [[nodiscard]] const std::optional<Counts>& counts() const { return counts_; } // of the last fracture
     [[nodiscard]] const fracture::Fragments* fragments() const { return broken() ? &fragments_ : nullptr; }
     [[nodiscard]] const Stage& stage() const { return *stage_; }
+    [[nodiscard]] uint64_t steps() const { return stage_->simulation().steps(); } // of physics since the break
     [[nodiscard]] uint32_t preview_pieces() const { return shown_ ? shown_->pieces : 0; }
     [[nodiscard]] double preview_milliseconds() const { return shown_ ? shown_->milliseconds : 0.0; }
     // True once after each fracture that was put on the stage: for the mark in the graph of frame times.
@@ -164,6 +168,8 @@ class Session {
     void report(const Failure& failure, const std::string& mend = {});
     void update_preview();
     void leave_preview();
+    void draw_instead(engine::PieceBatch batch); // of all that is drawn
+    void place_lines(engine::Scene& scene);
     [[nodiscard]] bool wants_preview() const;
     void add_bond_lines(std::vector<engine::LineVertex>& lines) const;
 
@@ -171,7 +177,7 @@ class Session {
     std::shared_ptr<const Object> object_;
     engine::Renderer& renderer_;
     fracture::Classifier* classifier_;
-    std::optional<Recorder> recorder_;
+    std::optional<Recorder> recorder_; // always there
     std::unique_ptr<Stage> stage_;
     std::vector<glm::dvec3> sites_;
     fracture::Fragments fragments_; // on the stage, once broken
@@ -187,7 +193,7 @@ class Session {
     bool fractured_ = false;
     bool single_step_ = false;
 
-    std::shared_ptr<const Cracked> shown_; // uploaded in place of the whole mesh
+    std::shared_ptr<Cracked> shown_; // uploaded in place of the whole mesh
     std::optional<Shown> asked_;
     uint64_t preview_key_ = 0;
     Preview preview_;

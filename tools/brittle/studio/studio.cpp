@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <thread>
 #include <utility>
 
@@ -15,7 +14,6 @@
 #include "tools/brittle/failure.h"
 #include "tools/brittle/interrupt.h"
 #include "tools/brittle/picture_name.h"
-#include "tools/brittle/studio/video.h"
 
 namespace brittle::tools {
 
@@ -26,6 +24,14 @@ using Clock = std::chrono::steady_clock;
 constexpr double recorded_frame = 1.0 / 60.0; // s
 constexpr auto idle = std::chrono::milliseconds(50); // between looks at a minimised window
 constexpr float exploded = 0.3f;                      // what the key X takes pieces apart by
+
+constexpr std::array<std::string_view, 4> video_endings{".mp4", ".mkv", ".webm", ".gif"};
+
+// For a picture without panels: the scene in its middle.
+engine::Scene unshifted(engine::Scene scene) {
+    scene.camera.shift = glm::vec2(0.0f);
+    return scene;
+}
 
 bool toggle(bool& on) {
     on = !on;
@@ -87,6 +93,7 @@ void Studio::run() {
         const engine::Scene scene = session_.scene(view.camera());
         if (std::exchange(screenshot_due_, false)) screenshot(scene);
         if (panels_.recording) record(scene);
+        else video_.reset(); // cancelled
         const bool drawn = must(renderer_.present(scene, [&] { draw(view); }));
         if (!drawn) std::this_thread::sleep_for(idle); // minimised
         take_panels();
@@ -95,7 +102,7 @@ void Studio::run() {
 }
 
 void Studio::handle(const engine::Input& input, double seconds) {
-    for (const std::string& file : input.dropped) session_.open(file);
+    open_dropped(input, session_);
     if (dialog_.is_open()) {
         if (input.pressed(engine::Key::escape)) dialog_.close();
         if (input.pressed(engine::Key::enter)) dialog_.confirm();
@@ -136,7 +143,7 @@ bool Studio::perform_view(Command action) {
     case Command::panels: return toggle(panels_.shown);
     case Command::screenshot: screenshot_due_ = true; return true;
     case Command::frame:
-        navigation_.frame(session_.piece && session_.broken() ? session_.piece_bounds(*session_.piece) : session_.stage().home_bounds(), aspect());
+        navigation_.frame(session_.piece && session_.broken() ? session_.piece_bounds(*session_.piece) : session_.all_bounds(), aspect());
         return true;
     default: return false;
     }
@@ -201,6 +208,7 @@ void Studio::take_panels() {
     case Panels::ExportKind::pieces: ask(Asked::pieces); break;
     case Panels::ExportKind::recipe: ask(Asked::recipe); break;
     case Panels::ExportKind::screenshot: screenshot_due_ = true; break;
+    case Panels::ExportKind::replay: ask(Asked::replay); break;
     case Panels::ExportKind::sequence: ask(Asked::sequence); break;
     case Panels::ExportKind::none: break;
     }
@@ -216,7 +224,8 @@ void Studio::ask(Asked what) {
     case Asked::open: dialog_.open("Open a mesh or a recipe", folder, "", std::move(meshes), false); break;
     case Asked::recipe: dialog_.open("Save the recipe", folder, name + ".json", {".json"}, true); break;
     case Asked::pieces: dialog_.open("Export the pieces", folder, name + "_pieces.glb", fracture::exportable_extensions(), true); break;
-    case Asked::sequence: dialog_.open("Write a picture sequence", folder, name + "_%04d.png", {".png", ".mp4"}, true); break;
+    case Asked::replay: dialog_.open("Save the replay log", folder, name + ".log", {".log"}, true); break;
+    case Asked::sequence: dialog_.open("Write pictures or a video", folder, name + "_%04d.png", {".png", ".mp4", ".mkv", ".webm", ".gif"}, true); break;
     }
 }
 
@@ -231,15 +240,8 @@ void Studio::answer(const std::filesystem::path& file) {
     case Asked::open: session_.open(file.string()); break;
     case Asked::recipe: answer_recipe(file.extension() == ".json" ? file.string() : file.string() + ".json"); break;
     case Asked::pieces: session_.export_pieces(file); break;
-    case Asked::sequence:
-        sequence_ = sequence_names(file.string());
-        if (!is_numbered(sequence_)) {
-            session_.say({"'" + sequence_ + "' needs %04d where the frame's number is to go", true});
-            break;
-        }
-        video_ = file.extension() == ".mp4" ? file.string() : std::string();
-        panels_.recording = Recording{0, static_cast<uint32_t>(panels_.sequence_frames)};
-        break;
+    case Asked::replay: session_.save_replay(file); break;
+    case Asked::sequence: begin_recording(file.string()); break;
     }
 }
 
@@ -253,22 +255,38 @@ void Studio::screenshot(const engine::Scene& scene) {
     else session_.say({written.error().message, true});
 }
 
-void Studio::record(const engine::Scene& scene) {
-    Recording& recording = *panels_.recording;
-    const glm::uvec2 size = window_.framebuffer_size() / 2u * 2u; // video wants even sides
-    if (size.x == 0 || size.y == 0) return;
-    const auto image = renderer_.render(unshifted(scene), size);
-    const auto written = image ? engine::write_png(*image, picture_name(sequence_, recording.done)) : engine::Result<void>(image.error());
-    if (!written) {
-        session_.say({written.error().message, true});
-        panels_.recording.reset();
+void Studio::begin_recording(const std::string& file) {
+    const std::string ending = std::filesystem::path(file).extension().string();
+    const bool video = std::find(video_endings.begin(), video_endings.end(), ending) != video_endings.end();
+    if (!video && !is_numbered(file)) {
+        session_.say({"'" + file + "' needs %04d where the frame's number is to go, or the ending of a video, such as .mp4", true});
         return;
     }
-    if (++recording.done < recording.total) return;
-    const std::string made = std::to_string(recording.total) + " pictures, the last " + picture_name(sequence_, recording.done - 1);
-    panels_.recording.reset();
-    session_.say({made});
-    if (!video_.empty()) session_.make_video(sequence_, video_);
+    sequence_ = file;
+    recorded_size_ = window_.framebuffer_size();
+    video_ = video ? std::make_shared<Video>(file, 1.0 / recorded_frame) : nullptr;
+    panels_.recording = Recording{0, static_cast<uint32_t>(panels_.sequence_frames)};
+}
+
+void Studio::record(const engine::Scene& scene) {
+    Recording& recording = *panels_.recording;
+    try {
+        const engine::Bitmap image = must(renderer_.render(unshifted(scene), recorded_size_));
+        if (video_) video_->add(image);
+        else must(engine::write_png(image, picture_name(sequence_, recording.done)));
+    } catch (const Failure& failure) {
+        if (failure.code() == exit_environment) throw;
+        panels_.recording.reset();
+        session_.say({failure.what(), true});
+        return;
+    }
+    if (++recording.done == recording.total) end_recording();
+}
+
+void Studio::end_recording() {
+    const Recording recorded = *std::exchange(panels_.recording, std::nullopt);
+    if (video_) session_.finish_video(std::exchange(video_, nullptr), sequence_);
+    else session_.say({std::to_string(recorded.total) + " pictures, the last " + picture_name(sequence_, recorded.total - 1)});
 }
 
 void Studio::show_title() {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "engine/core/window.h"
@@ -15,6 +16,7 @@
 #include "tools/brittle/studio/recent.h"
 #include "tools/brittle/studio/session.h"
 #include "tools/brittle/studio/tools.h"
+#include "tools/brittle/video.h"
 
 namespace brittle::tools {
 
@@ -27,7 +29,7 @@ class Studio {
     void run();
 
   private:
-    enum class Asked { open, recipe, pieces, sequence };
+    enum class Asked { open, recipe, pieces, replay, sequence };
 
     void handle(const engine::Input& input, double seconds);
     void handle_keys(const engine::Input& input);
@@ -41,7 +43,9 @@ class Studio {
     void answer(const std::filesystem::path& file);
     void answer_recipe(const std::string& file);
     void screenshot(const engine::Scene& scene);
+    void begin_recording(const std::string& file);
     void record(const engine::Scene& scene);
+    void end_recording();
     void show_title();
     [[nodiscard]] glm::vec2 window_size() const;
     [[nodiscard]] Viewport viewport() const;
@@ -60,8 +64,9 @@ class Studio {
     FileDialog dialog_;
     Asked asked_ = Asked::open;
     std::string recipe_file_; // where Ctrl+S saves; empty: asks
-    std::string sequence_;    // names of the pictures
-    std::string video_;       // made of them in the end; or empty
+    std::string sequence_;    // the video, or a pattern for names of pictures
+    std::shared_ptr<Video> video_; // in place of pictures, while it is recorded
+    glm::uvec2 recorded_size_{0};
     std::string title_;
     const Object* seen_ = nullptr; // the object that the camera was turned to
     bool screenshot_due_ = false;

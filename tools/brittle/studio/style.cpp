@@ -68,7 +68,7 @@ void apply_style(float scale) {
     style.ItemSpacing = {7.0f, 5.0f};
     style.ItemInnerSpacing = {6.0f, 4.0f};
     style.ScrollbarSize = 11.0f;
-    style.GrabMinSize = 9.0f;
+    style.GrabMinSize = 4.0f;
     style.WindowRounding = 0.0f;
     style.FrameRounding = 4.0f;
     style.PopupRounding = 5.0f;

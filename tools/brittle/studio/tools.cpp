@@ -19,9 +19,9 @@ constexpr float radius_step = 1.12f;  // a notch of the wheel
 constexpr std::array infos{
     ToolInfo{"Inspect", "F1", "drag to look around, click a piece to select it"},
     ToolInfo{"Sites", "F2", "click to place a site (Alt: halfway through), drag one to move it"},
-    ToolInfo{"Hammer", "F3", "click to break what is near (Shift + wheel: how much)"},
-    ToolInfo{"Shoot", "F4", "click to fire a ball (Shift + wheel: its size)"},
-    ToolInfo{"Grab", "F5", "drag a piece about"},
+    ToolInfo{"Hammer", "F3", "click to break off what is near (Shift + wheel: radius)"},
+    ToolInfo{"Shoot", "F4", "click to fire a ball (Shift + wheel: its radius)"},
+    ToolInfo{"Grab", "F5", "drag a piece of what is broken about"},
 };
 
 glm::vec3 axis_vector(int axis) {
@@ -56,6 +56,10 @@ glm::dvec3 on_axis(const Ray& ray, const glm::dvec3& at, const glm::dvec3& axis)
 
 const ToolInfo& info_of(Tool tool) {
     return infos[static_cast<size_t>(tool)];
+}
+
+void open_dropped(const engine::Input& input, Session& session) {
+    if (!input.dropped.empty()) session.open(input.dropped.back());
 }
 
 void Tools::choose(Tool tool, Session& session) {

@@ -45,6 +45,9 @@ struct Overlay {
     std::optional<std::array<glm::vec2, 2>> string; // from what is grabbed to the cursor
 };
 
+// A mesh or a recipe that was dropped on the window is opened; of several the last.
+void open_dropped(const engine::Input& input, Session& session);
+
 class Tools {
   public:
     [[nodiscard]] Tool tool() const { return tool_; }

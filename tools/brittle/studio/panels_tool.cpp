@@ -1,0 +1,93 @@
+// The panel of the tool in use: its settings, and what it has selected. As high for each tool, so that what is below
+// stays in its place.
+#include <algorithm>
+#include <numbers>
+#include <string>
+
+#include <imgui.h>
+
+#include "tools/brittle/studio/panels.h"
+#include "tools/brittle/studio/widgets.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr float rows = 4.0f; // of the tool that has most
+
+void explain(const char* text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextWrapped("%s", text);
+    ImGui::PopStyleColor();
+}
+
+void selected_piece(const Session& session) {
+    const fracture::Fragments* fragments = session.fragments();
+    if (!session.piece || !fragments) {
+        explain(fragments ? "Click a piece to see its volume." : "Drag turns the view. Once it is broken, click a piece to see its volume.");
+        return;
+    }
+    const fracture::Piece& piece = fragments->pieces[*session.piece];
+    const double scale = session.object().scale();
+    double all = 0.0;
+    for (const fracture::Piece& p : fragments->pieces) all += p.mass.volume;
+    value("Piece", "%u of %zu", *session.piece, fragments->pieces.size());
+    value("Volume", "%.3g m\xc2\xb3", piece.mass.volume / (scale * scale * scale));
+    value("Share", "%.2g %% of the whole", all > 0.0 ? 100.0 * piece.mass.volume / all : 0.0);
+    value("Triangles", grouped(piece.triangles.size()).c_str());
+}
+
+void hammer_settings(Session& session) {
+    control("Radius", "Of what a blow breaks (Shift + wheel); the mesh is 2 m long on the stage");
+    (void)slider("##radius", session.tools.hammer_radius, 0.05f, 1.5f, "%.2f m");
+    control("Pieces", "That a blow makes, about");
+    auto pieces = static_cast<int>(session.tools.hammer_pieces);
+    if (slider("##pieces", pieces, 2, 100, "%d")) session.tools.hammer_pieces = static_cast<uint32_t>(pieces);
+    explain("Orange: what a click breaks off.");
+}
+
+void ball_settings(Session& session) {
+    control("Speed", "At which balls are shot");
+    (void)slider("##speed", session.tools.ball_speed, 1.0f, 40.0f, "%.0f m/s");
+    control("Radius", "Of the ball (Shift + wheel); the mesh is 2 m long on the stage");
+    (void)slider("##ball radius", session.tools.ball_radius, 0.02f, 0.5f, "%.2f m");
+    const double r = session.tools.ball_radius;
+    const double mass = 4.0 / 3.0 * std::numbers::pi * r * r * r * Shot{}.density;
+    value("Mass", mass < 10.0 ? "%.1f kg of steel" : "%.0f kg of steel", mass);
+}
+
+} // namespace
+
+void Panels::tool_panel(const PanelState& state) {
+    if (!begin_panel((std::string(info_of(state.tools.tool()).name) + "###tool").c_str())) return;
+    const float top = ImGui::GetCursorPosY();
+    switch (state.tools.tool()) {
+    case Tool::inspect: selected_piece(state.session); break;
+    case Tool::sites: site_tools(state); break;
+    case Tool::hammer: hammer_settings(state.session); break;
+    case Tool::shoot: ball_settings(state.session); break;
+    case Tool::grab: explain("Drag a piece: it hangs on a spring from the mouse, and pulls what is bonded to it."); break;
+    }
+    ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top + rows * ImGui::GetFrameHeightWithSpacing()));
+}
+
+void Panels::site_tools(const PanelState& state) {
+    Session& session = state.session;
+    value("Sites", "%zu, %zu selected", session.sites().size(), session.selection.size());
+    ImGui::BeginDisabled(session.selection.empty() || session.broken());
+    if (wide_button("Delete", "The selected sites (Del)", 1.0f / 2.0f)) actions_.push_back(Command::remove);
+    ImGui::SameLine();
+    if (wide_button("Duplicate", "The selected sites, a little beside (Ctrl+D)")) actions_.push_back(Command::duplicate);
+    ImGui::EndDisabled();
+    constexpr const char* mirrors[] = {"Mirror X", "Mirror Y", "Mirror Z"};
+    ImGui::BeginDisabled(session.broken());
+    for (int axis = 0; axis < 3; ++axis) {
+        if (wide_button(mirrors[axis], "Adds the mirror images of the selected sites, or of all, across the middle of the mesh", 1.0f / static_cast<float>(3 - axis)))
+            state.tools.mirror_selected(session, axis);
+        if (axis < 2) ImGui::SameLine();
+    }
+    ImGui::EndDisabled();
+    explain("Ctrl + click selects more.");
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,107 @@
+#include "tools/brittle/studio/widgets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/brittle/studio/style.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr float name_share = 0.42f; // of a line
+constexpr float key_gap = 6.0f;     // pixels between a name and its key
+
+void to_control() {
+    const float left = ImGui::GetWindowContentRegionMin().x, right = ImGui::GetWindowContentRegionMax().x;
+    ImGui::SameLine(left + name_share * (right - left));
+}
+
+// Draws the frame of a slider and its bar, and makes Dear ImGui draw neither while it lives.
+class SliderBar {
+  public:
+    explicit SliderBar(float share) {
+        const StudioColours colours;
+        const ImVec2 low = ImGui::GetCursorScreenPos();
+        const ImVec2 high{low.x + ImGui::CalcItemWidth(), low.y + ImGui::GetFrameHeight()};
+        const float rounding = ImGui::GetStyle().FrameRounding, end = low.x + std::clamp(share, 0.0f, 1.0f) * (high.x - low.x);
+        ImDrawList& list = *ImGui::GetWindowDrawList();
+        list.AddRectFilled(low, high, ImGui::GetColorU32(ImGuiCol_FrameBg), rounding);
+        list.AddRectFilled(low, {std::max(end, low.x + 2.0f), high.y}, colours.bar, rounding);
+        for (const ImGuiCol hidden : {ImGuiCol_FrameBg, ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive}) ImGui::PushStyleColor(hidden, IM_COL32_BLACK_TRANS);
+        for (const ImGuiCol over : {ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive}) ImGui::PushStyleColor(over, IM_COL32(255, 255, 255, 14));
+    }
+    ~SliderBar() { ImGui::PopStyleColor(5); }
+    SliderBar(const SliderBar&) = delete;
+    SliderBar& operator=(const SliderBar&) = delete;
+};
+
+float share_of(float value, float low, float high, ImGuiSliderFlags flags) {
+    if (flags & ImGuiSliderFlags_Logarithmic) return std::log(std::max(value, low) / low) / std::log(high / low);
+    return (value - low) / (high - low);
+}
+
+} // namespace
+
+void control(const char* name, const char* tip_text) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(name);
+    tip(tip_text);
+    to_control();
+    ImGui::SetNextItemWidth(-1.0f);
+}
+
+void tip(const char* text) {
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", text);
+}
+
+bool wide_button(const char* name, const char* tip_text, float share) {
+    const float gap = ImGui::GetStyle().ItemSpacing.x, left = ImGui::GetContentRegionAvail().x;
+    const bool pressed = ImGui::Button(name, {share < 1.0f ? (left + gap) * share - gap : left, 0.0f});
+    tip(tip_text);
+    return pressed;
+}
+
+bool begin_panel(const char* name, bool open) {
+    return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None);
+}
+
+bool slider(const char* id, float& value, float low, float high, const char* format, ImGuiSliderFlags flags) {
+    const SliderBar bar(share_of(value, low, high, flags));
+    return ImGui::SliderFloat(id, &value, low, high, format, flags | ImGuiSliderFlags_AlwaysClamp);
+}
+
+bool slider(const char* id, int& value, int low, int high, const char* format, ImGuiSliderFlags flags) {
+    const SliderBar bar(share_of(static_cast<float>(value), static_cast<float>(low), static_cast<float>(high), flags));
+    return ImGui::SliderInt(id, &value, low, high, format, flags | ImGuiSliderFlags_AlwaysClamp);
+}
+
+float key_button_width(const std::string& name, const std::string& key) {
+    const float text = ImGui::CalcTextSize(name.c_str()).x;
+    return key.empty() ? text : text + key_gap + ImGui::CalcTextSize(key.c_str()).x;
+}
+
+bool key_button(const std::string& name, const std::string& key, float width, ImU32 text_colour) {
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const bool pressed = ImGui::Button(("##" + name).c_str(), {width, 0.0f});
+    const ImVec2 at{std::round(corner.x + 0.5f * (width - key_button_width(name, key))), corner.y + ImGui::GetStyle().FramePadding.y};
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddText(at, text_colour, name.c_str());
+    constexpr ImU32 faint = 0x8cffffffu; // alpha, in Dear ImGui's order of bytes
+    if (!key.empty()) list.AddText({at.x + ImGui::CalcTextSize(name.c_str()).x + key_gap, at.y}, text_colour & faint, key.c_str());
+    return pressed;
+}
+
+void value(const char* name, const char* text) {
+    ImGui::TextDisabled("%s", name);
+    to_control();
+    ImGui::TextUnformatted(text);
+}
+
+std::string grouped(uint64_t number) {
+    std::string text = std::to_string(number);
+    for (size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, ",");
+    return text;
+}
+
+} // namespace brittle::tools
