@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <unordered_map>
@@ -106,203 +105,6 @@ void subdivide(TriangleMesh& mesh) {
         triangles.insert(triangles.end(), {{t.x, a, c}, {t.y, b, a}, {t.z, c, b}, {a, b, c}});
     }
     mesh.triangles = std::move(triangles);
-}
-
-// --- four_legged_animal: an implicit surface, polygonised
-
-// A segment with a radius at each end; nearer than that is inside.
-struct Bone {
-    glm::dvec3 a, b;
-    double radius_a, radius_b;
-    double blend;          // m, how far the joint with what came before is smoothed
-    bool mirrored = false; // has a twin at -x
-};
-
-// Half-left of the animal, in metres, feet near y = 0, looking along +Z.
-constexpr std::array<Bone, 14> bones = {{
-    {{0, 0.98, -0.52}, {0, 0.96, 0.45}, 0.33, 0.35, 0.0},                // trunk
-    {{0, 0.86, -0.10}, {0, 0.85, 0.20}, 0.29, 0.29, 0.15},               // belly
-    {{0, 1.05, 0.55}, {0, 1.34, 0.88}, 0.25, 0.16, 0.18},                // neck
-    {{0, 1.41, 0.93}, {0, 1.27, 1.24}, 0.17, 0.12, 0.08},                // head
-    {{0, 1.24, 1.28}, {0, 1.23, 1.32}, 0.125, 0.115, 0.05},              // muzzle
-    {{0.18, 0.85, 0.47}, {0.20, 0.50, 0.48}, 0.17, 0.09, 0.12, true},    // upper foreleg
-    {{0.20, 0.50, 0.48}, {0.20, 0.10, 0.50}, 0.085, 0.085, 0.03, true},  // foreleg
-    {{0.18, 0.88, -0.55}, {0.21, 0.50, -0.66}, 0.22, 0.095, 0.12, true}, // thigh
-    {{0.21, 0.50, -0.66}, {0.21, 0.10, -0.60}, 0.09, 0.085, 0.03, true}, // hind leg
-    {{0.13, 1.46, 0.87}, {0.31, 1.41, 0.82}, 0.05, 0.07, 0.04, true},    // ear
-    {{0.08, 1.53, 0.91}, {0.17, 1.66, 0.93}, 0.055, 0.045, 0.03, true},  // horn
-    {{0, 1.20, -0.80}, {0, 1.05, -0.99}, 0.055, 0.05, 0.06},             // tail
-    {{0, 1.05, -0.99}, {0, 0.62, -1.06}, 0.05, 0.05, 0.02},              // tail, hanging
-    {{0, 0.62, -1.06}, {0, 0.52, -1.06}, 0.075, 0.06, 0.04},             // tuft
-}};
-
-// Round minimum (Quilez): equal to the minimum where the two differ by more than k.
-double smooth_min(double a, double b, double k) {
-    if (k <= 0.0) return std::min(a, b);
-    const double h = std::max(k - std::abs(a - b), 0.0) / k;
-    return std::min(a, b) - h * h * k * 0.25;
-}
-
-double distance_to(const Bone& bone, const glm::dvec3& p) {
-    const glm::dvec3 along = bone.b - bone.a;
-    const double t = std::clamp(dot(p - bone.a, along) / dot(along, along), 0.0, 1.0);
-    return length(p - bone.a - along * t) - (bone.radius_a + (bone.radius_b - bone.radius_a) * t);
-}
-
-// Negative inside; near the surface about the distance to it.
-double animal_field(const glm::dvec3& p) {
-    const glm::dvec3 mirrored(std::abs(p.x), p.y, p.z);
-    double field = std::numeric_limits<double>::max();
-    for (const Bone& bone : bones) {
-        field = smooth_min(field, distance_to(bone, bone.mirrored ? mirrored : p), bone.blend);
-    }
-    return field;
-}
-
-glm::dvec3 animal_gradient(const glm::dvec3& p) {
-    constexpr double h = 1e-5;
-    glm::dvec3 gradient;
-    for (int k = 0; k < 3; ++k) {
-        glm::dvec3 step(0.0);
-        step[k] = h;
-        gradient[k] = (animal_field(p + step) - animal_field(p - step)) / (2.0 * h);
-    }
-    return gradient;
-}
-
-// Newton's method towards the surface, in steps no longer than given.
-glm::dvec3 onto_animal(glm::dvec3 p, double longest_step) {
-    constexpr double near_enough = 1e-4; // m
-    for (int k = 0; k < 4; ++k) {
-        const double field = animal_field(p);
-        if (std::abs(field) < near_enough) break;
-        const glm::dvec3 gradient = animal_gradient(p);
-        glm::dvec3 step = gradient * (-field / std::max(dot(gradient, gradient), 1e-6));
-        const double size = length(step);
-        if (size > longest_step) step *= longest_step / size;
-        p += step;
-    }
-    return p;
-}
-
-// Marching tetrahedra over Kuhn's six tetrahedra of each lattice cube: no ambiguous case, so the surface is
-// closed and manifold whatever the field does, as long as it is positive on the lattice's rim.
-class TetrahedraMarcher {
-  public:
-    TetrahedraMarcher(const glm::dvec3& origin, const glm::uvec3& cells, double spacing)
-        : origin_(origin), points_(cells + glm::uvec3(1)), spacing_(spacing),
-          values_(size_t{points_.x} * points_.y * points_.z) {
-        for (size_t i = 0; i < values_.size(); ++i) values_[i] = animal_field(position(i));
-    }
-
-    TriangleMesh run() {
-        glm::uvec3 at;
-        for (at.z = 0; at.z + 1 < points_.z; ++at.z) {
-            for (at.y = 0; at.y + 1 < points_.y; ++at.y) {
-                for (at.x = 0; at.x + 1 < points_.x; ++at.x) march_cube(at);
-            }
-        }
-        return std::move(mesh_);
-    }
-
-  private:
-    size_t index(const glm::uvec3& at) const { return (size_t{at.z} * points_.y + at.y) * points_.x + at.x; }
-    glm::dvec3 position(size_t i) const {
-        const glm::dvec3 at(static_cast<double>(i % points_.x),
-                            static_cast<double>(i / points_.x % points_.y),
-                            static_cast<double>(i / points_.x / points_.y));
-        return origin_ + at * spacing_;
-    }
-
-    void march_cube(const glm::uvec3& at) {
-        constexpr std::array<std::array<int, 3>, 6> paths = {
-            {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}}; // the last three odd
-        for (size_t k = 0; k < paths.size(); ++k) {
-            std::array<size_t, 4> tetrahedron{};
-            glm::uvec3 corner = at;
-            tetrahedron[0] = index(corner);
-            for (size_t step = 0; step < 3; ++step) {
-                ++corner[paths[k][step]];
-                tetrahedron[step + 1] = index(corner);
-            }
-            if (k >= 3) std::swap(tetrahedron[1], tetrahedron[2]); // right-handed, all of them
-            march_tetrahedron(tetrahedron);
-        }
-    }
-
-    void march_tetrahedron(const std::array<size_t, 4>& v) {
-        const auto inside = [&](size_t k) { return values_[v[k]] < 0.0; };
-        size_t count = 0;
-        for (size_t k = 0; k < 4; ++k) count += inside(k);
-        if (count == 0 || count == 4) return;
-        // Even renumberings, of which one brings the vertices inside to the front, or the one outside.
-        constexpr std::array<std::array<size_t, 4>, 12> even = {{{0, 1, 2, 3},
-                                                                 {0, 2, 3, 1},
-                                                                 {0, 3, 1, 2},
-                                                                 {1, 0, 3, 2},
-                                                                 {1, 2, 0, 3},
-                                                                 {1, 3, 2, 0},
-                                                                 {2, 0, 1, 3},
-                                                                 {2, 1, 3, 0},
-                                                                 {2, 3, 0, 1},
-                                                                 {3, 0, 2, 1},
-                                                                 {3, 1, 0, 2},
-                                                                 {3, 2, 1, 0}}};
-        for (const auto& [i, j, k, l] : even) {
-            if (count == 2 ? !(inside(i) && inside(j)) : inside(i) != (count == 1)) continue;
-            // In braces, which fix the order of evaluation and with it the numbering of vertices.
-            const auto cut = [&](size_t a, size_t b) { return vertex_between(v[a], v[b]); };
-            if (count == 1) mesh_.triangles.push_back({cut(i, j), cut(i, k), cut(i, l)});
-            if (count == 3) mesh_.triangles.push_back({cut(i, j), cut(i, l), cut(i, k)});
-            if (count == 2) {
-                mesh_.triangles.push_back({cut(i, k), cut(i, l), cut(j, l)});
-                mesh_.triangles.push_back({cut(i, k), cut(j, l), cut(j, k)});
-            }
-            return;
-        }
-    }
-
-    uint32_t vertex_between(size_t a, size_t b) {
-        if (a > b) std::swap(a, b);
-        const uint64_t key = static_cast<uint64_t>(a) << 32 | b;
-        const auto [at, is_new] = vertices_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
-        if (is_new) {
-            // Kept off the lattice points: vertices that crowd around one make slivers.
-            const double t = std::clamp(values_[a] / (values_[a] - values_[b]), 0.15, 0.85);
-            mesh_.positions.push_back(position(a) + (position(b) - position(a)) * t);
-        }
-        return at->second;
-    }
-
-    glm::dvec3 origin_;
-    glm::uvec3 points_;
-    double spacing_;
-    std::vector<double> values_;
-    std::unordered_map<uint64_t, uint32_t> vertices_;
-    TriangleMesh mesh_;
-};
-
-// Moves each vertex towards the middle of its neighbours, within the surface's tangent plane.
-void relax_on_animal(TriangleMesh& mesh, double spacing, int rounds) {
-    std::vector<glm::dvec3> sum(mesh.positions.size());
-    std::vector<double> weight(mesh.positions.size());
-    for (int round = 0; round < rounds; ++round) {
-        std::fill(sum.begin(), sum.end(), glm::dvec3(0.0));
-        std::fill(weight.begin(), weight.end(), 0.0);
-        for (const Triangle& t : mesh.triangles) {
-            for (int k = 0; k < 3; ++k) {
-                sum[t[k]] += mesh.positions[t[(k + 1) % 3]];
-                weight[t[k]] += 1.0;
-            }
-        }
-        for (size_t i = 0; i < mesh.positions.size(); ++i) {
-            glm::dvec3& p = mesh.positions[i];
-            const glm::dvec3 gradient = animal_gradient(p);
-            glm::dvec3 step = (sum[i] / weight[i] - p) * 0.5;
-            step -= gradient * (dot(step, gradient) / std::max(dot(gradient, gradient), 1e-6));
-            p = onto_animal(p + step, 0.25 * spacing);
-        }
-    }
 }
 
 } // namespace
@@ -408,23 +210,6 @@ TriangleMesh hollow_sphere(uint32_t subdivisions, double radius, double cavity) 
     TriangleMesh inner = icosphere(subdivisions, cavity);
     for (Triangle& t : inner.triangles) std::swap(t.y, t.z);
     append(mesh, inner);
-    return mesh;
-}
-
-TriangleMesh four_legged_animal(uint32_t resolution) {
-    // Below 56 cells along its length the tips of the horns fall between lattice points.
-    const double spacing = 2.7 / std::clamp(resolution, 56u, 160u);
-    const glm::dvec3 low(-0.5, -0.1, -1.22), high(0.5, 1.9, 1.54);
-    // Half a cell off the plane of symmetry, which no lattice point should lie on.
-    const auto half_width = static_cast<uint32_t>(std::ceil(high.x / spacing)) + 1;
-    const glm::dvec3 size = high - low;
-    const glm::uvec3 cells(2 * half_width - 1, static_cast<uint32_t>(size.y / spacing) + 2,
-                           static_cast<uint32_t>(size.z / spacing) + 2);
-    const glm::dvec3 origin(-(half_width - 0.5) * spacing, low.y, low.z);
-    TriangleMesh mesh = TetrahedraMarcher(origin, cells, spacing).run();
-    relax_on_animal(mesh, spacing, 8);
-    const double ground = bounds(mesh).min.y;
-    for (glm::dvec3& p : mesh.positions) p.y -= ground;
     return mesh;
 }
 
@@ -542,8 +327,8 @@ TriangleMesh tower() {
 }
 
 std::span<const std::string_view> shape_names() {
-    static constexpr std::array<std::string_view, 12> names = {"cube", "lattice_cube", "icosphere", "torus", "torus_knot",
-                                                               "hollow_sphere", "menger_sponge", "pane", "wall", "arch", "tower", "animal"};
+    static constexpr std::array<std::string_view, 13> names = {"cube", "lattice_cube", "icosphere", "torus", "torus_knot",
+                                                               "hollow_sphere", "menger_sponge", "pane", "wall", "arch", "tower", "animal", "statue"};
     return names;
 }
 
@@ -560,6 +345,7 @@ std::optional<TriangleMesh> shape_of_size(std::string_view name, std::string_vie
     if (name == "torus_knot") return torus_knot(2, 3, n, n / 16);
     if (name == "menger_sponge") return menger_sponge(n);
     if (name == "animal") return four_legged_animal(n);
+    if (name == "statue") return statue(n);
     return std::nullopt;
 }
 
@@ -580,6 +366,7 @@ std::optional<TriangleMesh> shape(std::string_view name) {
     if (name == "arch") return arch();
     if (name == "tower") return tower();
     if (name == "animal") return four_legged_animal();
+    if (name == "statue") return statue();
     return std::nullopt;
 }
 

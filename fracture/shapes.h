@@ -44,13 +44,16 @@ namespace brittle::fracture {
 // component of genus 0. Feet at y = 0, looking along +Z. A plane across the legs leaves four separate parts
 // below it, as in the paper's figure 12. resolution is the number of lattice cells along its length.
 [[nodiscard]] TriangleMesh four_legged_animal(uint32_t resolution = 64);
+// A man in a long robe on a plinth, one arm raised, a hand at his belt; 2 m high, one component of genus 1. Its foot is at
+// y = 0, it looks along +Z. resolution is the number of lattice cells along its height.
+[[nodiscard]] TriangleMesh statue(uint32_t resolution = 64);
 
 // Names that shape() knows, for help texts: cube, lattice_cube, icosphere, torus, torus_knot, hollow_sphere,
-// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, tower, animal.
+// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, tower, animal, statue.
 [[nodiscard]] std::span<const std::string_view> shape_names();
 // The shape of that name with its default arguments (lattice_cube: n = 16); nothing for an unknown name. NAME:N gives one of
 // another fineness: lattice_cube:N, icosphere:SUBDIVISIONS, torus:SEGMENTS around (half as many across), torus_knot:SEGMENTS
-// (a sixteenth across), menger_sponge:LEVEL, animal:RESOLUTION.
+// (a sixteenth across), menger_sponge:LEVEL, animal:RESOLUTION, statue:RESOLUTION.
 [[nodiscard]] std::optional<TriangleMesh> shape(std::string_view name);
 
 } // namespace brittle::fracture

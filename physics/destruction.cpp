@@ -60,10 +60,6 @@ void push(World& world, BodyId body, const glm::vec3& impulse, const glm::vec3& 
     if (world.contains(body)) world.apply_impulse(body, impulse, point);
 }
 
-double kinetic_of(const World& world, BodyId body) {
-    return world.contains(body) ? world.mechanics(body).kinetic : 0.0;
-}
-
 // From a point in the coordinates of the object to the nearest corner of the solid's hulls, squared: near enough to tell
 // which of the pieces around a contact was hit.
 double distance_to(const SolidPiece& solid, const glm::dvec3& point) {
@@ -207,7 +203,7 @@ PieceId Destruction::register_piece(Live piece) {
     else
         piece.slot = free_slots_.extract(free_slots_.begin()).value();
     ++objects_.at(piece.object).pieces;
-    added_[id] = {id, piece.object, piece.slot, piece.depth, piece.solid};
+    added_[id] = {id, piece.object, piece.slot, piece.depth, piece.solid, piece.of};
     pieces_.emplace(id, std::move(piece));
     return id;
 }
@@ -360,6 +356,8 @@ void Destruction::take_back_bounce(World& world, BodyId own, const BodyBlow& blo
     push(world, own, -bounce * blow.normal, blow.point);
     push(world, blow.other, bounce * blow.normal, blow.point);
     hit.owed = (blow.impulse - bounce) * blow.normal;
+    const Pose other = world.pose(blow.other);
+    hit.on_striker = turned_back(other, blow.point - other.position);
 }
 
 void Destruction::commit_due(World& world, double budget) {
@@ -454,6 +452,7 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broke
                                                 {.object = parent.object,
                                                  .solid = broken.pieces[i],
                                                  .depth = parent.depth + 1,
+                                                 .of = old,
                                                  .seed = seed_of(parent.seed, i),
                                                  .born = world.steps_taken()},
                                                 motion, parent.solid->mass.centre_of_mass);
@@ -476,30 +475,32 @@ PieceId Destruction::nearest_of(std::span<const PieceId> made, const glm::dvec3&
     return nearest;
 }
 
-// Gives back what is owed, less what the cracks took: f of an impulse brings back f^2 of the energy. Not where the two
-// have gone other ways since and it would bring more than was lost.
+// Gives back what is owed, less what the cracks took: f of an impulse brings back f^2 of the energy. It goes through the
+// point of what hit, which may have slid since: a ball off whose middle it went would be left spinning. Where the two have
+// gone other ways and it would bring more energy than was lost, so much less of it.
 void Destruction::exchange(World& world, const Live& piece, const Broken& broken, Hit& hit) const {
     const BodyId own = body_of(piece);
-    const float impulse = glm::length(hit.owed);
-    if (!(impulse > 0.0f) || !world.contains(hit.striker) || !world.contains(own)) {
-        hit.owed = glm::vec3(0.0f);
-        return;
-    }
+    if (!world.contains(hit.striker) || !world.contains(own)) hit.owed = glm::vec3(0.0f);
     double surface = -piece.solid->mass.area;
     for (const SolidPtr& made : broken.pieces) surface += made->mass.area;
     const double cracks = 0.5 * std::max(surface, 0.0) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
-    const auto left = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cracks / hit.blow.energy)));
-    hit.owed *= left;
-    const Pose pose = world.pose(own);
-    const glm::vec3 point = moved(pose, hit.blow.point - piece.solid->mass.centre_of_mass).position;
-    const double before = kinetic_of(world, own) + kinetic_of(world, hit.striker);
+    hit.owed *= static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cracks / hit.blow.energy)));
+    const float along = glm::length(hit.owed);
+    if (!(along > 0.0f)) return;
+    const glm::vec3 normal = hit.owed / along;
+    const glm::vec3 point = moved(world.pose(hit.striker), hit.on_striker).position;
+    // s of it brings  linear s + quadratic s^2  of energy.
+    const double linear = static_cast<double>(
+        along * (speed_at(world, hit.striker, point, normal) - speed_at(world, own, point, normal)));
+    const double response = static_cast<double>(response_at(world, hit.striker, point, normal)
+                                                + response_at(world, own, point, normal));
+    const double quadratic = 0.5 * response * static_cast<double>(along) * static_cast<double>(along);
+    if (linear + quadratic > hit.blow.energy && quadratic > 0.0) {
+        const double root = std::sqrt(linear * linear + 4.0 * quadratic * hit.blow.energy);
+        hit.owed *= static_cast<float>(std::clamp((root - linear) / (2.0 * quadratic), 0.0, 1.0));
+    }
     push(world, own, -hit.owed, point);
     push(world, hit.striker, hit.owed, point);
-    const double gained = kinetic_of(world, own) + kinetic_of(world, hit.striker) - before;
-    if (gained <= hit.blow.energy) return;
-    push(world, own, hit.owed, point);
-    push(world, hit.striker, -hit.owed, point);
-    hit.owed = glm::vec3(0.0f);
 }
 
 // A dead blow between what hit and the piece that is there now.

@@ -95,6 +95,7 @@ struct PieceAdded {
     uint32_t slot = 0;
     uint32_t depth = 0; // how often what it is of was cut
     SolidPtr solid;
+    PieceId of{}; // what was cut; none at the beginning
 };
 struct PieceRemoved {
     PieceId id;
@@ -184,6 +185,7 @@ class Destruction {
         double sharp = 0.0; // N s, as of a kilogram
         BodyId striker;
         glm::vec3 owed{0.0f}; // N s, world: what the piece got and the striker against it, to be solved anew
+        glm::dvec3 on_striker{0.0}; // the contact, from the striker's centre of mass in its axes
     };
     struct Object {
         std::shared_ptr<const BreakableDesc> desc;
@@ -195,6 +197,7 @@ class Destruction {
         ObjectId object;
         SolidPtr solid{};
         uint32_t depth = 0;
+        PieceId of{};
         uint64_t seed = 0;
         uint32_t slot = 0;
         BodyId own{};            // none for a piece of a structure

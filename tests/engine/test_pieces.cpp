@@ -131,6 +131,26 @@ TEST_CASE("a batch made on another thread is drawn like the meshes it was made o
     CHECK(f.draw(known.scene).pixels == expected.pixels);
 }
 
+TEST_CASE("batches appended to each other are drawn like the meshes they were made of") {
+    const Fixture f;
+    if (!f) return;
+    const KnownScene known;
+    REQUIRE(f.renderer->set_pieces(known.pieces()));
+    const Bitmap expected = f.draw(known.scene);
+    REQUIRE(f.renderer->set_pieces({}));
+    PieceBatch batch;
+    batch.append({}, 7, glm::vec3(0.5f)); // nothing
+    for (const PieceMesh& piece : known.pieces()) {
+        PieceMesh plain = piece; // body and tint are given by append()
+        plain.body = 99;
+        plain.tint = glm::vec3(0.1f);
+        batch.append(*PieceBatch::create({&plain, 1}), piece.body, piece.tint);
+    }
+    CHECK(batch.pieces().size() == 4);
+    REQUIRE(f.renderer->add_pieces(std::move(batch)));
+    CHECK(f.draw(known.scene).pixels == expected.pixels);
+}
+
 TEST_CASE("whatever came and went, pictures, numbers and counts are those of what is left") {
     const Fixture changed, fresh;
     if (!changed) return;

@@ -136,6 +136,25 @@ TEST_CASE("the hollow sphere is two shells whose volumes subtract") {
     CHECK(volume(mesh) == doctest::Approx(shell * (1.0 - 0.216)).epsilon(1e-13));
 }
 
+TEST_CASE("the statue is one solid with one handle that stands on its plinth") {
+    double previous = 0.0;
+    for (const uint32_t resolution : {40u, 64u, 90u}) {
+        CAPTURE(resolution);
+        const TriangleMesh mesh = statue(resolution);
+        check_solid(mesh, 1, 0); // the arm with the hand at the belt
+        const Box box = bounds(mesh);
+        CHECK(box.min.y == 0.0);
+        CHECK(box.size().y == doctest::Approx(2.0).epsilon(0.01));
+        if (previous > 0.0) CHECK(volume(mesh) == doctest::Approx(previous).epsilon(0.01));
+        previous = volume(mesh);
+        // What is upright stays so: its centre of mass is above the plinth.
+        const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
+        CHECK(std::hypot(mass.centre_of_mass.x, mass.centre_of_mass.z) < 0.1);
+    }
+    CHECK(statue(0).triangles.size() == statue(40).triangles.size());
+    CHECK(shape("statue:48")->positions.size() < shape("statue")->positions.size());
+}
+
 TEST_CASE("the animal is one smooth solid of genus 0 on four legs") {
     double previous = 0.0;
     for (const uint32_t resolution : {56u, 64u, 97u}) {

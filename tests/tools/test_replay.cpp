@@ -55,7 +55,7 @@ std::vector<std::pair<uint64_t, Action>> various_actions() {
     return {{0, Shoot{{0.3, 0.5, 2.0}, {0.0, 0.0, -20.0}, 0.15, 7800.0}},
             {5, Damage{{-0.6, 0.9, 0.0}, 0.3, 0.7}},
             {5, Saw{{-1.0, 0.7, 0.0}, {0.1, 0.7, 0.0}, 0.02, 1.0}},
-            {20, Hammer{12, {0.0, 0.0, 900.0}}},
+            {20, Hammer{12, {0.4, 0.5, -0.1}, {0.0, 0.0, 900.0}}},
             {21, Grab{20, {0.0, 1.0, 0.0}}},
             {22, Drag{{0.5, 1.5, 0.6}}},
             {40, Push{3, {0.1, 0.2, 0.0}, {1.0, 2.0, 3.0}}},
@@ -81,6 +81,7 @@ std::optional<Difference> replayed(const ReplayLog& log, const fracture::Fragmen
     Simulation simulation(log.recipe.material);
     Player player(log);
     simulation.observe(&player);
+    follow(log, simulation);
     simulation.start(fragments, log.recipe.world);
     if (!player.difference()) schedule(log, simulation);
     while (!player.done() && !player.difference()) simulation.step();
@@ -127,6 +128,71 @@ TEST_CASE("simulation: with nothing there, actions and steps do nothing") {
     CHECK(!simulation.running());
 }
 
+TEST_CASE("simulation: a breakable thing stays whole, is cut where it is hit, and its foot is held") {
+    FractureOptions options;
+    options.mesh = "shape:wall";
+    use_material("concrete", options);
+    options.world = {.anchored = true, .breakable = true};
+    const fracture::Fragments whole = broken(options);
+    REQUIRE(whole.pieces.size() == 1);
+    Simulation simulation(options.material);
+    simulation.start(whole, options.world);
+    const double volume = simulation.destruction()->solid({0})->mass.volume;
+    for (int k = 0; k < 60; ++k) simulation.step();
+    CHECK(simulation.number_count() == 1);
+    CHECK(simulation.world().fixed(simulation.body_of(0)));
+    CHECK(simulation.structure() == nullptr);
+    simulation.apply(Hammer{0, {0.0, 1.1, 0.1}, {0.0, 0.0, -1e-3}}); // too weak
+    simulation.apply(Hammer{0, {0.0, 1.1, 0.1}, {0.0, 0.0, -80.0}});
+    for (int k = 0; k < 60; ++k) simulation.step();
+    CHECK(simulation.body_of(0) == physics::BodyId{});
+    CHECK(simulation.number_count() > 3);
+    double sum = 0.0;
+    int held = 0;
+    for (const physics::PieceId piece : simulation.destruction()->pieces()) {
+        sum += simulation.destruction()->solid(piece)->mass.volume;
+        held += simulation.world().fixed(simulation.body_of(piece.value));
+        CHECK(simulation.pieces_of(simulation.body_of(piece.value)) == std::vector<uint32_t>{piece.value});
+    }
+    CHECK(sum == doctest::Approx(volume).epsilon(1e-12));
+    CHECK(held == 1);
+    // What is no longer there, or never was, is left alone.
+    for (const Action& action : {Action(Hammer{0, {}, {0, 0, 9}}), Action(Push{99'999, {}, {1, 0, 0}}),
+                                 Action(Grab{0, {}}), Action(Release{{0, 5}}), Action(Damage{}), Action(Saw{})})
+        simulation.apply(action);
+    simulation.step();
+}
+
+TEST_CASE("simulation: poses since a step are those that changed") {
+    FractureOptions options = wall_options();
+    for (const bool breakable : {false, true}) {
+        for (const bool bonded : {false, true}) {
+            CAPTURE(breakable);
+            CAPTURE(bonded);
+            options.world = {.bonded = bonded, .height = 0.0, .breakable = breakable};
+            Simulation simulation(options.material);
+            simulation.start(broken(options), options.world);
+            simulation.schedule(3, Shoot{{0.3, 0.5, 2.0}, {0.0, 0.0, -20.0}, 0.15, 7800.0});
+            std::vector<physics::Pose> kept(2000);
+            uint64_t written = 0;
+            std::mt19937 random(4);
+            for (int frame = 0; frame < 120; ++frame) {
+                const float alpha = simulation.advance(static_cast<double>(random() % 30) * 1e-3);
+                simulation.visit_poses(alpha, written, [&](uint32_t slot, const physics::Pose& pose) {
+                    kept[slot] = pose;
+                });
+                written = simulation.steps();
+                simulation.visit_poses(alpha, 0, [&](uint32_t slot, const physics::Pose& pose) {
+                    CHECK(kept[slot].position == pose.position);
+                    CHECK(kept[slot].orientation == pose.orientation);
+                });
+            }
+            CHECK(simulation.steps() > 60);
+            if (breakable && !bonded) CHECK(simulation.number_count() > 1);
+        }
+    }
+}
+
 TEST_CASE("simulation: actions that make no sense are named") {
     const double nan = std::nan("");
     CHECK(fault_of(Shoot{}, 0).empty());
@@ -137,6 +203,7 @@ TEST_CASE("simulation: actions that make no sense are named") {
     CHECK(fault_of(Damage{.radius = -1.0}, 0).find("radius") != std::string::npos);
     CHECK(fault_of(Saw{.amount = nan}, 0).find("amount") != std::string::npos);
     CHECK(fault_of(Hammer{.piece = 3}, 3).find("piece is 3") != std::string::npos);
+    CHECK(fault_of(Hammer{.point = {nan, 0, 0}}, 3).find("point") != std::string::npos);
     CHECK(fault_of(Hammer{.piece = 2}, 3).empty());
     CHECK(fault_of(Push{.piece = 0}, 0).find("piece") != std::string::npos);
     CHECK(fault_of(Grab{.piece = 9}, 9).find("piece") != std::string::npos);
@@ -257,6 +324,115 @@ TEST_CASE("replay: at other frame rates and with other threads the states are eq
             simulation.advance(rate > 0.0 ? 1.0 / rate : static_cast<double>(random() % 50) * 1e-3);
         CHECK_FALSE(player.difference());
     }
+}
+
+namespace {
+
+// A ball that stands, whole, and is shot at and struck; or a bonded wall.
+FractureOptions breakable_options(bool bonded) {
+    FractureOptions options = wall_options();
+    options.world.breakable = true;
+    options.world.bonded = bonded;
+    options.world.min_size = 0.04;
+    if (!bonded) options.mesh = "shape:icosphere:2";
+    return options;
+}
+
+// Piece 3 is not there before the first blow's cut.
+std::vector<std::pair<uint64_t, Action>> blows() {
+    return {{0, Shoot{{0.3, 0.8, 3.0}, {0.0, 0.0, -25.0}, 0.15, 7800.0}},
+            {20, Hammer{0, {-0.6, 0.9, 0.3}, {20.0, -40.0, 0.0}}},
+            {25, Hammer{3, {0.0, 0.5, 0.0}, {0.0, -60.0, 0.0}}},
+            {30, Shoot{{0.0, 0.9, 3.0}, {0.0, 0.0, -25.0}, 0.1, 7800.0}},
+            {60, Push{5, {0.0, 0.5, 0.0}, {1.0, 20.0, 3.0}}}};
+}
+
+} // namespace
+
+TEST_CASE("replay: what is cut anew repeats, by its own latency and by the log, with any threads") {
+    const Folder folder;
+    for (const bool bonded : {false, true}) {
+        CAPTURE(bonded);
+        const FractureOptions options = breakable_options(bonded);
+        const ReplayLog log = recorded(options, broken(options), 120, blows(), folder.path / "run.log");
+        CHECK(log.commits.size() >= 2);
+        CHECK(log.pieces == (bonded ? broken(options).pieces.size() : 1));
+        for (const uint32_t threads : {1u, 2u, 4u}) {
+            CAPTURE(threads);
+            FractureOptions threaded = log.recipe;
+            threaded.threads = threads;
+            const fracture::Fragments fragments = broken(threaded);
+            CHECK_FALSE(replayed(log, fragments));
+            Simulation simulation(log.recipe.material); // by itself: with the latency that it was recorded with
+            Player player(log);
+            simulation.observe(&player);
+            simulation.start(fragments, log.recipe.world,
+                             prepare_bodies(fragments, log.recipe.world, log.recipe.material, {}, threads));
+            schedule(log, simulation);
+            while (!player.done() && !player.difference()) simulation.advance(0.017);
+            CHECK_FALSE(player.difference());
+        }
+        // A cut that is left out is missed in the step that it was part of.
+        ReplayLog damaged = log;
+        damaged.commits.erase(damaged.commits.begin());
+        const std::optional<Difference> difference = replayed(damaged, broken(log.recipe));
+        REQUIRE(difference);
+        CHECK(difference->step == log.commits.front().step);
+        // So is one too early; jobs that there never are, are nothing.
+        damaged = log;
+        damaged.commits.insert(damaged.commits.begin(), {1, 7'000'000});
+        CHECK_FALSE(replayed(damaged, broken(log.recipe)));
+    }
+}
+
+TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log") {
+    const Folder folder;
+    for (const bool bonded : {false, true}) {
+        CAPTURE(bonded);
+        const FractureOptions options = breakable_options(bonded);
+        Simulation simulation(options.material);
+        Recorder recorder(folder.path / "run.log", options);
+        simulation.observe(&recorder);
+        simulation.commit_as(physics::Timing::when_ready);
+        simulation.start(broken(options), options.world);
+        for (const auto& [step, action] : blows()) simulation.schedule(step, action);
+        // Until all is cut, however long the worker takes: nothing here depends on a clock but the steps of the cuts.
+        while (simulation.steps() < 100 || (simulation.destruction()->jobs_in_flight() > 0 && simulation.steps() < 20'000))
+            simulation.step();
+        recorder.finish();
+        const ReplayLog log = read_replay_log(folder.path / "run.log");
+        CHECK(log.commits.size() >= 2);
+        CHECK_FALSE(replayed(log, broken(log.recipe)));
+    }
+}
+
+TEST_CASE("replay: damaged lines of cuts are refused") {
+    const Folder folder;
+    FractureOptions options = breakable_options(false);
+    recorded(options, broken(options), 40, blows(), folder.path / "good.log");
+    const std::string good = content(folder.path / "good.log");
+    const size_t at = good.rfind('\n', good.find(R"("commit":{)")) + 1; // the header names the build's commit
+    const std::string line = good.substr(at, good.find('\n', at) - at);
+    REQUIRE(line.find("commit") != std::string::npos);
+    const auto with = [&](const std::string& other) {
+        std::string text = good;
+        text.replace(at, line.size(), other);
+        return message_of(folder.write(text));
+    };
+    CHECK(with(line).empty());
+    CHECK(with(R"({"after":1,"commit":{"job":0}})").find("/after: 1 is not the step") != std::string::npos);
+    CHECK(with(R"({"commit":{"job":0}})").find("/after: is missing") != std::string::npos);
+    const std::string after = line.substr(0, line.find(",\"commit"));
+    CHECK(with(after + R"(,"commit":{}})").find("/commit/job: is missing") != std::string::npos);
+    CHECK(with(after + R"(,"commit":{"job":-1}})").find("/commit/job") != std::string::npos);
+    CHECK(with(after + R"(,"commit":{"job":1,"by":2}})").find("/commit/by: unknown key") != std::string::npos);
+    CHECK(with(after + R"(,"commit":{"job":1},"let_go":{}})").find("/let_go: unknown key") != std::string::npos);
+    CHECK(with(after + R"(,"commit":[]})").find("/commit") != std::string::npos);
+    // Where nothing is breakable there are none.
+    std::string text = good;
+    const std::string flag = R"("breakable":true)";
+    text.replace(text.find(flag), flag.size(), R"("breakable":false)");
+    CHECK(message_of(folder.write(text)).find("nothing is breakable") != std::string::npos);
 }
 
 TEST_CASE("replay: actions between frames at any time are recorded at their step") {

@@ -100,6 +100,7 @@ void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& worl
     simulation_.start(fragments, world, std::move(ahead.bodies));
     draw_anew(std::move(ahead.batch));
     radii_ = std::move(ahead.radii);
+    untinted_ = starts_whole(world);
     take_events();
 }
 
@@ -110,7 +111,7 @@ void Stage::shoot(const Shot& shot) {
 // These in place of all that was drawn, and time begins.
 void Stage::draw_anew(engine::PieceBatch batch) {
     alpha_ = 1.0f;
-    handles_.clear();
+    drawn_.clear();
     (void)must(renderer_.set_pieces({}));
     (void)must(renderer_.add_pieces(std::move(batch)));
     moment_before_ = moment_ + 1;
@@ -118,27 +119,42 @@ void Stage::draw_anew(engine::PieceBatch batch) {
     moved_ = true;
 }
 
+// The largest of what a piece was cut into keeps its tint: a statue that loses an arm does not change its colour.
+glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
+                         const std::map<physics::PieceId, glm::vec3>& before) const {
+    const auto volume = [](const physics::PieceAdded& piece) { return piece.solid->mass.volume; };
+    const bool largest = std::ranges::none_of(all, [&](const physics::PieceAdded& other) {
+        return other.of == added.of && volume(other) > volume(added);
+    });
+    if (const auto old = before.find(added.of); old != before.end() && largest) return old->second;
+    return added.depth == 0 && untinted_ ? glm::vec3(1.0f) : engine::piece_tint(added.id.value);
+}
+
 // What has come and gone since the last call: removed first, since slots are used again.
 void Stage::take_events() {
     const physics::DestructionEvents events = simulation_.take_events();
     std::vector<engine::PieceHandle> gone;
+    std::map<physics::PieceId, glm::vec3> before;
     for (const physics::PieceRemoved& removed : events.removed) {
-        const auto at = handles_.find(removed.id);
-        gone.push_back(at->second);
-        handles_.erase(at);
+        const auto at = drawn_.find(removed.id);
+        gone.push_back(at->second.handle);
+        before[removed.id] = at->second.tint;
+        drawn_.erase(at);
     }
     must(renderer_.remove_pieces(gone));
     engine::PieceBatch batch;
+    std::vector<glm::vec3> tints;
     for (const physics::PieceAdded& added : events.added) {
         auto& look = *static_cast<engine::PieceBatch*>(added.solid->look.get());
-        batch.append(std::exchange(look, {}), added.slot, engine::piece_tint(added.id.value));
+        tints.push_back(tint_of(added, events.added, before));
+        batch.append(std::exchange(look, {}), added.slot, tints.back());
         radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
         radii_[added.slot] = added.solid->radius;
     }
     const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(batch)));
-    for (size_t i = 0; i < handles.size(); ++i) handles_[events.added[i].id] = handles[i];
+    for (size_t i = 0; i < handles.size(); ++i) drawn_[events.added[i].id] = {handles[i], tints[i]};
     for (const physics::PieceFading& fading : events.fading)
-        must(renderer_.fade_pieces({&handles_.at(fading.id), 1}, 1.0f - fading.share));
+        must(renderer_.fade_pieces({&drawn_.at(fading.id).handle, 1}, 1.0f - fading.share));
 }
 
 void Stage::advance(double seconds) {

@@ -77,13 +77,20 @@ class Stage {
   private:
     void draw_anew(engine::PieceBatch batch);
     void take_events();
+    [[nodiscard]] glm::vec3 tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
+                                    const std::map<physics::PieceId, glm::vec3>& before) const;
     void place(engine::Scene& scene);
 
     engine::Renderer& renderer_;
     Simulation simulation_;
     engine::Bounds home_;
     std::vector<float> radii_; // by slot, of a piece around its centre of mass
-    std::map<physics::PieceId, engine::PieceHandle> handles_; // of breakable things
+    struct Drawn {
+        engine::PieceHandle handle;
+        glm::vec3 tint;
+    };
+    std::map<physics::PieceId, Drawn> drawn_; // of breakable things
+    bool untinted_ = false;                   // they start whole, and so as the unbroken mesh is drawn
     uint64_t moment_ = 0;      // of the scene: steps, and what came before them
     uint64_t moment_before_ = 1; // that of the start
     uint64_t all_moved_ = 0;   // the last moment at which every pose changed
