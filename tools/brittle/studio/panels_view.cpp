@@ -76,6 +76,15 @@ void Panels::physics_panel(const PanelState& state) {
     bool changed = toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
     second_column();
     changed |= toggle("Anchored", "Bonded, and what stands on the ground is held by it", world.anchored);
+    changed |= toggle("Breakable", "Cut anew where it is hit, again and again: with the hammer, with balls, by its fall", world.breakable);
+    if (world.breakable) {
+        control("Least piece", "Cube root of the volume of the smallest pieces, on the stage");
+        auto least = static_cast<float>(world.min_size);
+        if (ImGui::SliderFloat("##Least piece", &least, 0.01f, 0.5f, "%.2f m", ImGuiSliderFlags_AlwaysClamp)) {
+            world.min_size = static_cast<double>(least);
+            changed = true;
+        }
+    }
     if (!world.anchored) {
         control("Height", "Of the mesh above the ground at first; it is 2 m long on the stage");
         auto height = static_cast<float>(world.height);
@@ -150,11 +159,10 @@ void Panels::statistics_panel(const PanelState& state) {
     value("Triangles", "%" PRIu64 " in %u draws", drawn.triangles, drawn.draws);
     value("Memory", "%.0f MiB", resident_memory());
     certificate(state);
-    if (const auto piece = state.session.piece; piece && state.session.fragments()) {
-        const fracture::Piece& selected = state.session.fragments()->pieces[*piece];
+    if (const auto piece = state.session.piece; piece && state.session.contains(*piece)) {
         const double scale = state.session.object().scale();
         value("Selected", "piece %u", *piece);
-        value("Volume", "%.3g m\xc2\xb3", selected.mass.volume / (scale * scale * scale));
+        value("Volume", "%.3g m\xc2\xb3", state.session.piece_volume(*piece) / (scale * scale * scale));
     }
     if (ImGui::TreeNode("Passes")) {
         for (const engine::PassTime& pass : state.renderer.timings()) value(pass.name.c_str(), "%.2f ms", pass.milliseconds);
