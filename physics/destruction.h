@@ -165,6 +165,7 @@ class Destruction {
     [[nodiscard]] bool contains(PieceId piece) const { return pieces_.contains(piece); }
     // Of a piece that exists:
     [[nodiscard]] const SolidPtr& solid(PieceId piece) const { return pieces_.at(piece).solid; }
+    [[nodiscard]] uint32_t slot(PieceId piece) const { return pieces_.at(piece).slot; }
     [[nodiscard]] uint32_t depth(PieceId piece) const { return pieces_.at(piece).depth; }
     [[nodiscard]] ObjectId object(PieceId piece) const { return pieces_.at(piece).object; }
     [[nodiscard]] BodyId body(PieceId piece) const { return body_of(pieces_.at(piece)); } // none once someone else removed it

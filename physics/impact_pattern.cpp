@@ -190,13 +190,28 @@ class Maker {
 
 } // namespace
 
+double energy_of(double radius, const Material& material, double volume, uint32_t most_pieces) {
+    if (!(radius > 0.0) || !(volume > 0.0) || !std::isfinite(radius) || !std::isfinite(volume)) return 0.0;
+    // The radius grows with the energy, and does so between the bounds that the numbers of pieces give.
+    const auto energy = [&](double pieces) {
+        return surface_per_radius * radius * radius * std::cbrt(pieces) * static_cast<double>(material.fracture_energy);
+    };
+    double low = energy(1.0), high = energy(std::max<double>(most_pieces, least_pieces));
+    for (int k = 0; k < 60; ++k) {
+        const double middle = 0.5 * (low + high);
+        const Blow blow{.energy = middle};
+        (damage_of(blow, material, volume, {.most_pieces = most_pieces}).radius < radius ? low : high) = middle;
+    }
+    return high;
+}
+
 Damage damage_of(const Blow& blow, const Material& material, double volume, const DamageLimits& limits) {
     if (!finite(blow.point) || !finite(blow.normal) || !(glm::length(blow.normal) > 0.5) || !(blow.energy > 0.0)
         || !std::isfinite(blow.energy) || !(volume > 0.0) || !std::isfinite(volume))
         return {};
     const double surface = blow.energy / static_cast<double>(material.fracture_energy);
-    double pieces = std::clamp(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)),
-                               static_cast<double>(least_pieces), static_cast<double>(limits.most_pieces));
+    double pieces = std::max(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)), double{least_pieces});
+    pieces = std::min(pieces, static_cast<double>(std::max(limits.most_pieces, 1u)));
     const double radius = std::sqrt(surface / (surface_per_radius * std::cbrt(pieces)));
     if (limits.least_volume > 0.0) {
         const double damaged = std::min(half_ball * radius * radius * radius, volume);

@@ -49,6 +49,10 @@ struct Damage {
 [[nodiscard]] Damage damage_of(const Blow& blow, const Material& material, double volume,
                                const DamageLimits& limits = {});
 
+// The energy, J, of a blow whose damage reaches that far, without least_volume: what a hammer of a given reach strikes with.
+// 0 for a radius or volume that is not positive and finite.
+[[nodiscard]] double energy_of(double radius, const Material& material, double volume, uint32_t most_pieces);
+
 struct ImpactPattern {
     // radial: shards in rings around the contact, through the solid along the normal. uniform: half of the pieces anywhere
     // in the damage, half close to the contact. clustered, thickness: close to the contact. splinters: long along the

@@ -47,6 +47,24 @@ TEST_CASE("a blow without energy, place or direction does no damage") {
     CHECK(sites_of(fracture::cube(), top, {}, {}).sites.empty());
 }
 
+TEST_CASE("the energy that reaches so far does") {
+    const Material material;
+    for (const double value : {0.0, -1.0, not_a_number, infinity}) {
+        CHECK(energy_of(value, material, 1.0, 40) == 0.0);
+        CHECK(energy_of(0.1, material, value, 40) == 0.0);
+    }
+    for (const uint32_t most : {0u, 1u, 10u, 48u, 1000u})
+        for (const double volume : {1e-6, 1e-3, 1.0, 50.0})
+            for (double radius = 1e-3; radius < 10.0; radius *= 1.9) {
+                CAPTURE(radius);
+                const double energy = energy_of(radius, material, volume, most);
+                const DamageLimits limits{.most_pieces = most};
+                // Where the number of pieces steps, the radius does: the least energy that reaches it is found.
+                CHECK(damage_of({top.point, top.normal, energy * (1.0 + 1e-9)}, material, volume, limits).radius >= radius * (1.0 - 1e-9));
+                CHECK(damage_of({top.point, top.normal, energy * (1.0 - 1e-6)}, material, volume, limits).radius <= radius * (1.0 + 1e-9));
+            }
+}
+
 TEST_CASE("more energy, farther and finer; never more pieces than allowed, never smaller than the least") {
     const Material material;
     double radius = 0.0;

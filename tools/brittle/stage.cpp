@@ -116,6 +116,7 @@ void Stage::draw_anew(engine::PieceBatch batch) {
     (void)must(renderer_.add_pieces(std::move(batch)));
     moment_before_ = moment_ + 1;
     all_moved_ = moment_before_;
+    last_awake_ = 0;
     moved_ = true;
 }
 
@@ -159,9 +160,11 @@ void Stage::take_events() {
 
 void Stage::advance(double seconds) {
     if (!broken()) return;
-    moved_ = true;
     alpha_ = simulation_.advance(seconds);
     take_events();
+    // What falls asleep reaches its last pose in the step after.
+    if (world().awake_count() > 0) last_awake_ = simulation_.steps();
+    if (simulation_.steps() <= last_awake_ + 2) moved_ = true;
 }
 
 void Stage::show_sites(std::span<const glm::dvec3> sites) {

@@ -100,6 +100,7 @@ class Stage {
     float alpha_ = 1.0f;
     float explode_ = 0.0f;
     bool hulls_ = false;
+    uint64_t last_awake_ = 0; // steps
     bool moved_ = true;
 };
 

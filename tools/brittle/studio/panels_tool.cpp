@@ -22,19 +22,16 @@ void explain(const char* text) {
 }
 
 void selected_piece(const Session& session) {
-    const fracture::Fragments* fragments = session.fragments();
-    if (!session.piece || !fragments) {
-        explain(fragments ? "Click a piece to see its volume." : "Drag turns the view. Once it is broken, click a piece to see its volume.");
+    if (!session.piece || !session.contains(*session.piece) || !session.counts()) {
+        explain(session.broken() ? "Click a piece to see its volume." : "Drag turns the view. Once it is broken, click a piece to see its volume.");
         return;
     }
-    const fracture::Piece& piece = fragments->pieces[*session.piece];
-    const double scale = session.object().scale();
-    double all = 0.0;
-    for (const fracture::Piece& p : fragments->pieces) all += p.mass.volume;
-    value("Piece", "%u of %zu", *session.piece, fragments->pieces.size());
-    value("Volume", "%.3g m\xc2\xb3", piece.mass.volume / (scale * scale * scale));
-    value("Share", "%.2g %% of the whole", all > 0.0 ? 100.0 * piece.mass.volume / all : 0.0);
-    value("Triangles", grouped(piece.triangles.size()).c_str());
+    const double scale = session.object().scale(), volume = session.piece_volume(*session.piece);
+    const double all = session.counts()->certificate.volume_sum;
+    value("Piece", "number %u of %u", *session.piece, session.counts()->pieces);
+    value("Volume", "%.3g m\xc2\xb3", volume / (scale * scale * scale));
+    value("Share", "%.2g %% of the whole", all > 0.0 ? 100.0 * volume / all : 0.0);
+    value("Triangles", grouped(session.piece_triangles(*session.piece)).c_str());
 }
 
 void hammer_settings(Session& session) {

@@ -63,6 +63,15 @@ void Panels::simulation_panel(const PanelState& state) {
     bool changed = toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
     second_column();
     changed |= toggle("Anchored", "Bonded, and what stands on the ground is held by it", world.anchored);
+    changed |= toggle("Breakable", "Cut anew where it is hit, again and again: with the hammer, with balls, by its fall", world.breakable);
+    if (world.breakable) {
+        control("Least piece", "Cube root of the volume of the smallest pieces, on the stage");
+        auto least = static_cast<float>(world.min_size);
+        if (ImGui::SliderFloat("##Least piece", &least, 0.01f, 0.5f, "%.2f m", ImGuiSliderFlags_AlwaysClamp)) {
+            world.min_size = static_cast<double>(least);
+            changed = true;
+        }
+    }
     if (!world.anchored) {
         control("Drop height", "From the ground to the mesh at first, which is 2 m long on the stage");
         auto height = static_cast<float>(world.height);

@@ -1,12 +1,15 @@
 #include "tools/brittle/studio/session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "physics/impact_pattern.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/piece_export.h"
 #include "tools/brittle/recipe.h"
@@ -19,6 +22,8 @@ constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
 constexpr float far_away = 12.0f;  // m from the middle, where the stage's shadow ends
 constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
+constexpr double hammer_mass = 1.0; // kg, as of Hammer
+constexpr double least_blow = 1.05; // of what a piece bears, so that it breaks
 constexpr double physics_step = 1.0 / 120.0; // s, of World
 
 bool same(const Strike& a, const Strike& b) {
@@ -66,6 +71,7 @@ Session::~Session() {
 
 void Session::make_stage() {
     stage_ = std::make_unique<Stage>(renderer_, object_->mesh(), recipe().material);
+    stage_->simulation().commit_as(physics::Timing::when_ready);
     stage_->simulation().observe(&*recorder_);
     ++stages_;
     shown_.reset();
@@ -152,7 +158,9 @@ void Session::take_sites(uint64_t gesture) {
 void Session::break_all() {
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     if (broken() || worker_.busy()) return;
-    start_breaking(recipe().world.bonded || recipe().world.anchored);
+    WorldOptions world = recipe().world;
+    if (starts_whole(world)) world.breakable = world.anchored = false; // all of it falls apart
+    start_breaking(world);
 }
 
 Strike Session::strike_at(const glm::dvec3& at, const glm::dvec3& direction) const {
@@ -161,8 +169,32 @@ Strike Session::strike_at(const glm::dvec3& at, const glm::dvec3& direction) con
 
 void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
     if (worker_.busy()) return;
-    edit(AddStrike{strike_at(at, direction)});
-    start_breaking(recipe().world.bonded || recipe().world.anchored);
+    WorldOptions world = recipe().world;
+    if (world.breakable) {
+        blow_ = {at, direction};
+    } else {
+        edit(AddStrike{strike_at(at, direction)});
+        world.bonded = world.bonded || world.anchored;
+    }
+    start_breaking(world);
+}
+
+void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
+    if (stage_->simulation().destruction()) {
+        blow(hit, direction);
+    } else { // where the place was when all was whole
+        strike(glm::dvec3(hit.grip) + fragments_.pieces[hit.piece].mass.centre_of_mass, direction);
+    }
+}
+
+// With the energy that reaches as far as the hammer's radius says.
+void Session::blow(const PieceHit& hit, const glm::dvec3& direction) {
+    const physics::SolidPiece& solid = *solid_of(hit.piece);
+    const physics::MaterialPreset* preset = stage_->simulation().material();
+    const double energy = physics::energy_of(double{tools.hammer_radius}, preset ? preset->material : physics::Material{},
+                                             solid.mass.volume, recipe().world.blow_pieces);
+    const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy), least_blow * solid.bearable);
+    stage_->simulation().apply(Hammer{hit.piece, glm::dvec3(hit.point), impulse * direction});
 }
 
 void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
@@ -172,7 +204,9 @@ void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
     }
     if (worker_.busy()) return;
     shot_ = {from, direction};
-    start_breaking(true);
+    WorldOptions world = recipe().world;
+    world.bonded = world.bonded || !world.breakable;
+    start_breaking(world);
 }
 
 void Session::grab(const PieceHit& hit) {
@@ -199,35 +233,33 @@ void Session::finish_recording() {
 void Session::reset() {
     worker_.cancel();
     shot_.reset();
+    blow_.reset();
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     counts_.reset();
     message_ = {};
     make_stage();
 }
 
-void Session::start_breaking(bool bonded) {
-    start("breaking " + object_->name(), [this, object = object_, options = recipe(), bonded, stage = stages_](const Worker::Cancelled& cancelled) {
+void Session::start_breaking(const WorldOptions& world) {
+    FractureOptions options = recipe();
+    options.world = world;
+    start("breaking " + object_->name(), [this, object = object_, options, stage = stages_](const Worker::Cancelled& cancelled) {
         const Input input = object->with_sites(options);
         auto made = std::make_shared<Broken>(
             break_input(input, options, [this](double share) { work_share_ = share; }, classifier_, cancelled));
-        post([this, made, bonded, stage] {
-            if (stages_ == stage) take_pieces(std::move(*made), bonded);
+        auto ahead = std::make_shared<PreparedPieces>(prepare_pieces(made->fragments, options.world, options.material));
+        post([this, made, ahead, world = options.world, stage] {
+            if (stages_ == stage) take_pieces(std::move(*made), std::move(*ahead), world);
         });
     });
 }
 
-void Session::take_pieces(Broken made, bool bonded) {
+void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions& world) {
     shown_.reset();
     asked_.reset();
     piece.reset();
     recorder_->use_recipe(recipe());
-    if (bonded) {
-        WorldOptions world = recipe().world;
-        world.bonded = true;
-        stage_->stand(made.fragments, world);
-    } else {
-        stage_->shatter(made.fragments);
-    }
+    stage_->stand(made.fragments, world, std::move(ahead));
     counts_ = {made.certificate.pieces, 0, made.milliseconds, made.certificate, made.fragments.timings};
     fragments_ = std::move(made.fragments);
     radii_.clear();
@@ -241,41 +273,91 @@ void Session::take_pieces(Broken made, bool bonded) {
     fractured_ = true;
     message_ = {};
     if (const auto shot = std::exchange(shot_, std::nullopt)) shoot((*shot)[0], (*shot)[1]);
+    if (const auto at = std::exchange(blow_, std::nullopt))
+        if (const auto hit = first_piece((*at)[0] - double{tools.hammer_radius} * (*at)[1], (*at)[1])) blow(*hit, (*at)[1]);
+}
+
+std::vector<uint32_t> Session::piece_numbers() const {
+    std::vector<uint32_t> numbers;
+    if (const physics::Destruction* destruction = stage_->simulation().destruction()) {
+        for (const physics::PieceId id : destruction->pieces()) numbers.push_back(id.value);
+    } else {
+        numbers.resize(fragments_.pieces.size());
+        std::iota(numbers.begin(), numbers.end(), 0u);
+    }
+    return numbers;
+}
+
+bool Session::contains(uint32_t which) const {
+    const physics::Destruction* destruction = stage_->simulation().destruction();
+    return broken() && (destruction ? destruction->contains({which}) : which < fragments_.pieces.size());
+}
+
+const physics::SolidPiece* Session::solid_of(uint32_t of) const {
+    const physics::Destruction* destruction = stage_->simulation().destruction();
+    return destruction ? destruction->solid({of}).get() : nullptr;
+}
+
+uint32_t Session::slot_of(uint32_t of) const {
+    const physics::Destruction* destruction = stage_->simulation().destruction();
+    return destruction ? destruction->slot({of}) : of;
+}
+
+double Session::piece_volume(uint32_t of) const {
+    const physics::SolidPiece* solid = solid_of(of);
+    return solid ? solid->mass.volume : fragments_.pieces[of].mass.volume;
+}
+
+size_t Session::piece_triangles(uint32_t of) const {
+    const physics::SolidPiece* solid = solid_of(of);
+    return solid ? solid->mesh.triangles.size() : fragments_.pieces[of].triangles.size();
+}
+
+// In the piece's frame: around its centre of mass.
+std::optional<double> Session::distance_to(uint32_t of, const glm::dvec3& from, const glm::dvec3& direction) const {
+    if (const physics::SolidPiece* solid = solid_of(of)) {
+        const std::vector<glm::dvec3> positions(solid->positions.begin(), solid->positions.end());
+        return fracture::first_hit(positions, solid->mesh.triangles, from, direction);
+    }
+    const fracture::Piece& fragment = fragments_.pieces[of];
+    return fracture::first_hit(fragments_.positions_of(fragment), fragments_.triangles_of(fragment),
+                               from + fragment.mass.centre_of_mass, direction);
 }
 
 std::optional<PieceHit> Session::first_piece(const glm::dvec3& from, const glm::dvec3& direction) const {
     if (!broken()) return std::nullopt;
     std::optional<PieceHit> nearest;
-    for (uint32_t p = 0; p < fragments_.pieces.size(); ++p) {
-        const fracture::Piece& piece_p = fragments_.pieces[p];
-        const glm::dvec3 centre(poses_[p].position), to = centre - from;
+    for (const uint32_t p : piece_numbers()) {
+        const uint32_t slot = slot_of(p);
+        if (slot >= poses_.size()) continue; // too new to have been drawn
+        const physics::SolidPiece* solid = solid_of(p);
+        const double radius = double{solid ? solid->radius : radii_[p]};
+        const glm::dvec3 centre(poses_[slot].position), to = centre - from;
         const double along = glm::dot(to, direction);
-        if (glm::dot(to, to) - along * along > double{radii_[p]} * radii_[p]) continue;
-        const glm::dquat back = glm::conjugate(glm::dquat(poses_[p].rotation));
-        const glm::dvec3 origin = back * (from - centre) + piece_p.mass.centre_of_mass, way = back * direction;
-        const std::optional<double> distance =
-            fracture::first_hit(fragments_.positions_of(piece_p), fragments_.triangles_of(piece_p), origin, way);
+        if (glm::dot(to, to) - along * along > radius * radius) continue;
+        const glm::dquat back = glm::conjugate(glm::dquat(poses_[slot].rotation));
+        const glm::dvec3 origin = back * (from - centre), way = back * direction;
+        const std::optional<double> distance = distance_to(p, origin, way);
         if (!distance || (nearest && nearest->distance <= *distance)) continue;
-        nearest = PieceHit{p, glm::vec3(from + *distance * direction),
-                           glm::vec3(origin + *distance * way - piece_p.mass.centre_of_mass), *distance};
+        nearest = PieceHit{p, glm::vec3(from + *distance * direction), glm::vec3(origin + *distance * way), *distance};
     }
     return nearest;
 }
 
-glm::dvec3 Session::at_home(const PieceHit& hit) const {
-    return glm::dvec3(hit.grip) + fragments_.pieces[hit.piece].mass.centre_of_mass;
-}
-
 engine::Bounds Session::piece_bounds(uint32_t of) const {
-    const glm::vec3 r(radii_[of]);
-    return {poses_[of].position - r, poses_[of].position + r};
+    const physics::SolidPiece* solid = solid_of(of);
+    const glm::vec3 r(solid ? solid->radius : radii_[of]);
+    const uint32_t slot = slot_of(of);
+    if (slot >= poses_.size()) return stage_->home_bounds();
+    return {poses_[slot].position - r, poses_[slot].position + r};
 }
 
 engine::Bounds Session::all_bounds() const {
-    if (!broken() || radii_.empty()) return stage_->home_bounds();
     engine::Bounds all{glm::vec3(far_away), glm::vec3(-far_away)};
-    for (uint32_t p = 0; p < radii_.size(); ++p)
-        if (glm::length(poses_[p].position) < far_away) all = engine::join(all, piece_bounds(p));
+    for (const uint32_t p : broken() ? piece_numbers() : std::vector<uint32_t>{}) {
+        const engine::Bounds bounds = piece_bounds(p);
+        if (glm::length(bounds.centre()) < far_away) all = engine::join(all, bounds);
+    }
     return all.min.x <= all.max.x ? all : stage_->home_bounds();
 }
 
@@ -415,6 +497,9 @@ void Session::update(double seconds) {
         stage_->advance(seconds * playback.speed);
     }
     if (counts_) counts_->awake = stage_->world().awake_count();
+    if (const physics::Destruction* destruction = stage_->simulation().destruction(); destruction && counts_)
+        counts_->pieces = static_cast<uint32_t>(destruction->pieces().size());
+    if (piece && !contains(*piece)) piece.reset(); // it was cut
 }
 
 bool Session::wants_preview() const {
@@ -484,7 +569,10 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     if (shown_) {
         scene.look.tint = preview_tint;
     }
-    if (broken() && scene.write_poses) scene.write_poses(poses_, 0);
+    if (broken() && scene.write_poses) {
+        if (const physics::Destruction* destruction = stage_->simulation().destruction()) poses_.resize(destruction->slot_count());
+        scene.write_poses(poses_, 0);
+    }
     scene.camera = camera;
     place_lines(scene);
     scene.smooth = view.smooth;

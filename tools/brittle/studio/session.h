@@ -87,7 +87,10 @@ class Session {
     [[nodiscard]] const Object& object() const { return *object_; }
     [[nodiscard]] bool broken() const { return stage_->broken(); }
     void break_all(); // by the pattern or the sites; forgets strikes
-    void strike(const glm::dvec3& at, const glm::dvec3& direction); // on the stage; breaks what is near
+    // A blow on the whole mesh, or on a piece; breaks what is near. What is breakable is cut where it is and moves on; else
+    // the whole mesh is broken anew, by the recipe with one more strike.
+    void strike(const glm::dvec3& at, const glm::dvec3& direction);
+    void strike(const PieceHit& hit, const glm::dvec3& direction);
     void aim(std::optional<Strike> ghost) { ghost_ = std::move(ghost); } // a strike to preview, or none
     [[nodiscard]] Strike strike_at(const glm::dvec3& at, const glm::dvec3& direction) const; // in the file's coordinates
     void shoot(const glm::vec3& from, const glm::vec3& direction); // a whole mesh is cut first and then stands
@@ -96,10 +99,11 @@ class Session {
     void let_go();
     void reset(); // whole again, without strikes
     [[nodiscard]] std::optional<PieceHit> first_piece(const glm::dvec3& from, const glm::dvec3& direction) const;
-    // From a place on a piece to where that place was when all was whole.
-    [[nodiscard]] glm::dvec3 at_home(const PieceHit& hit) const;
+    [[nodiscard]] bool contains(uint32_t which) const; // whether there is such a piece
     [[nodiscard]] engine::Bounds piece_bounds(uint32_t of) const;
     [[nodiscard]] engine::Bounds all_bounds() const; // of all pieces, but for those that rolled far away; or of the whole mesh
+    [[nodiscard]] double piece_volume(uint32_t of) const; // m^3, on the stage
+    [[nodiscard]] size_t piece_triangles(uint32_t of) const;
     void step_once(); // a single step of physics
     ToolSettings tools;
     Playback playback;
@@ -161,8 +165,13 @@ class Session {
     void follow(const FractureOptions& before);
     void adopt(std::shared_ptr<const Object> object);
     void make_stage();
-    void start_breaking(bool bonded);
-    void take_pieces(Broken broken, bool bonded);
+    void start_breaking(const WorldOptions& world);
+    void take_pieces(Broken broken, PreparedPieces ahead, const WorldOptions& world);
+    void blow(const PieceHit& hit, const glm::dvec3& direction);
+    [[nodiscard]] std::vector<uint32_t> piece_numbers() const;
+    [[nodiscard]] uint32_t slot_of(uint32_t of) const; // index into poses_
+    [[nodiscard]] const physics::SolidPiece* solid_of(uint32_t of) const; // of what is cut anew; or null
+    [[nodiscard]] std::optional<double> distance_to(uint32_t of, const glm::dvec3& from, const glm::dvec3& direction) const;
     void start(const std::string& what, Worker::Task task);
     void post(std::function<void()> completion); // from a worker, to the next update()
     void report(const Failure& failure, const std::string& mend = {});
@@ -182,10 +191,11 @@ class Session {
     std::vector<glm::dvec3> sites_;
     fracture::Fragments fragments_; // on the stage, once broken
     std::vector<float> radii_;      // of its pieces
-    std::vector<engine::BodyPose> poses_;
+    std::vector<engine::BodyPose> poses_; // by slot, as drawn
     std::optional<Counts> counts_;
     std::optional<Strike> ghost_;
     std::optional<std::array<glm::vec3, 2>> shot_; // to be fired when the pieces are there: from, direction
+    std::optional<std::array<glm::dvec3, 2>> blow_; // likewise, of the hammer: at, direction
     std::vector<engine::LineVertex> lines_;
     std::vector<engine::Sphere> spheres_;
     Message message_;

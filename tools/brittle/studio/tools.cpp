@@ -114,7 +114,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
     case Tool::sites: press_sites(event, view, session); break;
     case Tool::hammer:
         if (session.broken()) {
-            if (const auto hit = session.first_piece(ray.from, ray.direction)) session.strike(session.at_home(*hit), ray.direction);
+            if (const auto hit = session.first_piece(ray.from, ray.direction)) session.strike(*hit, ray.direction);
         } else if (const auto hit = session.object().first_hit(ray.from, ray.direction)) {
             session.strike(hit->point, ray.direction);
         }
