@@ -2,12 +2,12 @@
 #pragma once
 
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/body_record.h"
+#include "physics/bullet/first_touch.h"
 #include "physics/rotation.h"
 #include "physics/world.h"
 
@@ -15,15 +15,16 @@ namespace brittle::physics {
 
 class SteppedWorld final : public btDiscreteDynamicsWorld {
   public:
-    // Settings and bodies are looked at in each step; the bodies' user indices point into them.
+    // Settings, bodies and meetings are looked at in each step; the bodies' user indices point into them.
     SteppedWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver,
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
-                 const std::vector<std::unique_ptr<BodyRecord>>& bodies)
+                 const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::vector<Meeting>& meetings)
         : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), settings_(settings),
-          bodies_(bodies) {}
+          bodies_(bodies), meetings_(meetings) {}
 
   protected:
-    // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h.
+    // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h. Who would run into another
+    // body stops there; see first_touch.h.
     void integrateTransforms(btScalar seconds) override;
     // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
     // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest. That
@@ -31,7 +32,6 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     void updateActivationState(btScalar seconds) override;
 
   private:
-    void stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
     void find_touching();
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
@@ -45,8 +45,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     };
     std::vector<Island> islands_; // by island tag; scratch of one step
     std::vector<Spin> spins_;     // scratch of one step
-    std::vector<std::pair<btRigidBody*, btVector3>>
-        shortened_; // likewise: velocities of bodies that stop at a hit
+    std::vector<Meeting>& meetings_; // of this step, from hull_contact.h; cleared when they have been looked at
 };
 
 } // namespace brittle::physics
