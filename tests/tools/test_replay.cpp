@@ -417,7 +417,7 @@ TEST_CASE("replay: damaged lines of cuts are refused") {
     const auto with = [&](const std::string& other) {
         std::string text = good;
         text.replace(at, line.size(), other);
-        return message_of(folder.write(text));
+        return message_of(folder.write("run.log", text));
     };
     CHECK(with(line).empty());
     CHECK(with(R"({"after":1,"commit":{"job":0}})").find("/after: 1 is not the step") != std::string::npos);
@@ -432,7 +432,7 @@ TEST_CASE("replay: damaged lines of cuts are refused") {
     std::string text = good;
     const std::string flag = R"("breakable":true)";
     text.replace(text.find(flag), flag.size(), R"("breakable":false)");
-    CHECK(message_of(folder.write(text)).find("nothing is breakable") != std::string::npos);
+    CHECK(message_of(folder.write("run.log", text)).find("nothing is breakable") != std::string::npos);
 }
 
 TEST_CASE("replay: actions between frames at any time are recorded at their step") {

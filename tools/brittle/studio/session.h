@@ -147,7 +147,6 @@ class Session {
         std::vector<fracture::Milliseconds> phases;
     };
     [[nodiscard]] const std::optional<Counts>& counts() const { return counts_; } // of the last fracture
-    [[nodiscard]] const fracture::Fragments* fragments() const { return broken() ? &fragments_ : nullptr; }
     [[nodiscard]] const Stage& stage() const { return *stage_; }
     [[nodiscard]] uint64_t steps() const { return stage_->simulation().steps(); } // of physics since the break
     [[nodiscard]] uint32_t preview_pieces() const { return shown_ ? shown_->pieces : 0; }
