@@ -30,7 +30,7 @@ struct BodyRecord {
     glm::dvec3 moments{1.0};                        // principal, kg m^2
     float mass = 0.0f;                              // kg, as given
     bool fixed = false;
-    float moving_seconds = 0.0f; // of the last step: less than all where it stopped at another body
+    float swept_radius = 0.0f; // Bullet's units; 0: not continuous
     Pose previous;
     btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame before the step
     uint64_t moved_step = 0;                               // see World::last_moved_step()
@@ -61,6 +61,9 @@ struct BodyRecord {
 
 // The shape of a body with one hull; to_principal must be known.
 void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset);
+
+// The radius of the ball that is swept for a continuous body, in Bullet's units.
+[[nodiscard]] float swept_radius(const btCollisionShape& shape);
 
 // The longest side of the shape's box in its own axes, in Bullet's units.
 [[nodiscard]] float longest_extent(const btCollisionShape& shape);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/bullet/step_stops.h"
-
 namespace brittle::physics {
 
 namespace {
@@ -31,31 +29,43 @@ constexpr float patience = 1.5f;
 // What is deeper than this in the ground, in metres, does not fall asleep before it has come up.
 constexpr float sunk_depth = 1e-3f;
 
+// The nearest body that a ball runs into; not itself and not the ground, which has contacts of its own that
+// look ahead.
+struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
+    FirstHit(const btRigidBody& mover, const btVector3& from, const btVector3& to, btScalar ball_radius)
+        : ClosestConvexResultCallback(from, to), body(mover), path(to - from), radius(ball_radius) {}
+    bool needsCollision(btBroadphaseProxy* proxy) const override {
+        const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+        return object != &body && object->getUserIndex() >= 0
+               && ClosestConvexResultCallback::needsCollision(proxy);
+    }
+    btScalar addSingleResult(btCollisionWorld::LocalConvexResult& result, bool in_world) override {
+        // On its way out, or sliding along: too slow towards it to get through in one step.
+        if (result.m_hitNormalLocal.dot(path) > -radius) return m_closestHitFraction;
+        return ClosestConvexResultCallback::addSingleResult(result, in_world);
+    }
+    const btRigidBody& body;
+    btVector3 path;
+    btScalar radius;
+};
+
 } // namespace
 
 void SteppedWorld::integrateTransforms(btScalar seconds) {
-    find_compound_meetings(getPairCache()->getOverlappingPairArray(), seconds, meetings_);
-    const std::vector<Stop> stops = find_stops(meetings_, seconds);
-    meetings_.clear();
     spins_.clear();
+    shortened_.clear();
     for (const auto& body : bodies_) {
         if (!body->awake()) continue;
         const btQuaternion q = body->rigid->getWorldTransform().getRotation();
         spins_.push_back({glm::dquat(to_glm(q)), glm::dvec3(to_glm(body->rigid->getAngularVelocity()))});
-        body->moving_seconds = seconds;
-    }
-    std::vector<btVector3> velocities;
-    for (const auto& [body, part] : stops) {
-        bodies_[static_cast<size_t>(body->getUserIndex())]->moving_seconds = part * seconds;
-        velocities.push_back(body->getLinearVelocity());
-        body->setLinearVelocity(velocities.back() * part);
+        if (body->swept_radius > 0.0f) stop_at_hit(*body->rigid, body->swept_radius, seconds);
     }
     btDiscreteDynamicsWorld::integrateTransforms(seconds);
-    for (size_t i = 0; i < stops.size(); ++i) stops[i].body->setLinearVelocity(velocities[i]);
+    for (const auto& [rigid, velocity] : shortened_) rigid->setLinearVelocity(velocity);
     size_t next = 0;
     for (const auto& body : bodies_) {
         if (!body->awake()) continue;
-        const Spin spin = free_spin(spins_[next++], body->moments, body->moving_seconds);
+        const Spin spin = free_spin(spins_[next++], body->moments, seconds);
         btTransform frame = body->rigid->getWorldTransform();
         frame.setRotation(to_bullet(glm::quat(spin.orientation)));
         body->rigid->setWorldTransform(frame);
@@ -137,6 +147,23 @@ void SteppedWorld::find_quiet(btScalar seconds) {
             quiet ? std::min(body->quiet_seconds + seconds, patience * quiet_factor * settings_.sleep_seconds)
                   : 0.0f;
     }
+}
+
+// Bullet's own sweep knows bodies of one hull only. The body's velocity is made such that the coming
+// integration ends at the first hit; shortened_ remembers the true one.
+void SteppedWorld::stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds) {
+    const btVector3 velocity = rigid.getLinearVelocity();
+    if (velocity.length() * seconds <= radius) return;
+    btTransform from = rigid.getWorldTransform(), to = from;
+    to.setOrigin(from.getOrigin() + velocity * seconds);
+    FirstHit hit(rigid, from.getOrigin(), to.getOrigin(), radius);
+    hit.m_collisionFilterGroup = rigid.getBroadphaseProxy()->m_collisionFilterGroup;
+    hit.m_collisionFilterMask = rigid.getBroadphaseProxy()->m_collisionFilterMask;
+    btSphereShape ball(radius);
+    convexSweepTest(&ball, from, to, hit, getDispatchInfo().m_allowedCcdPenetration);
+    if (!hit.hasHit()) return;
+    shortened_.emplace_back(&rigid, velocity);
+    rigid.setLinearVelocity(velocity * hit.m_closestHitFraction);
 }
 
 void SteppedWorld::find_touching() {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/body_record.h"
-#include "physics/bullet/first_touch.h"
 #include "physics/rotation.h"
 #include "physics/world.h"
 
@@ -15,16 +15,15 @@ namespace brittle::physics {
 
 class SteppedWorld final : public btDiscreteDynamicsWorld {
   public:
-    // Settings, bodies and meetings are looked at in each step; the bodies' user indices point into them.
+    // Settings and bodies are looked at in each step; the bodies' user indices point into them.
     SteppedWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver,
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
-                 const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::vector<Meeting>& meetings)
+                 const std::vector<std::unique_ptr<BodyRecord>>& bodies)
         : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), settings_(settings),
-          bodies_(bodies), meetings_(meetings) {}
+          bodies_(bodies) {}
 
   protected:
-    // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h. Who would run into another
-    // body stops there; see first_touch.h.
+    // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h.
     void integrateTransforms(btScalar seconds) override;
     // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
     // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest. That
@@ -32,6 +31,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     void updateActivationState(btScalar seconds) override;
 
   private:
+    void stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
     void find_touching();
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
@@ -45,7 +45,8 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     };
     std::vector<Island> islands_; // by island tag; scratch of one step
     std::vector<Spin> spins_;     // scratch of one step
-    std::vector<Meeting>& meetings_; // of this step, from hull_contact.h; cleared when they have been looked at
+    std::vector<std::pair<btRigidBody*, btVector3>>
+        shortened_; // likewise: velocities of bodies that stop at a hit
 };
 
 } // namespace brittle::physics
