@@ -40,6 +40,8 @@ struct Saw {
     double amount = 1.0;
 };
 
+constexpr double hammer_mass = 1.0; // kg
+
 // A hammer of a kilogram. It breaks bonds (Structure::blow()) and, where things are breakable, the piece itself at the
 // point of it that is nearest (Destruction::strike()); it moves nothing.
 struct Hammer {

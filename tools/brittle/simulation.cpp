@@ -32,7 +32,6 @@ constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
 constexpr double foot = 0.01;  // m, as anchor_to_ground(): what is anchored and reaches below is held
 constexpr double below = 1.0;  // m, how far down that goes
-constexpr double hammer = 1.0; // kg
 constexpr size_t any_number = UINT32_MAX; // pieces that are not there yet may be named
 
 physics::Material plain_material(const physics::MaterialPreset* preset) {
@@ -291,7 +290,7 @@ void Simulation::act(const Hammer& blow) {
     const double impulse = glm::length(blow.impulse);
     if (!destruction_ || !(impulse > destruction_->solid({blow.piece})->bearable)) return;
     destruction_->strike(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
-                         0.5 * impulse * impulse / hammer);
+                         0.5 * impulse * impulse / hammer_mass);
 }
 
 void Simulation::act(const Release& release) {

@@ -22,7 +22,6 @@ constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
 constexpr float far_away = 12.0f;  // m from the middle, where the stage's shadow ends
 constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
-constexpr double hammer_mass = 1.0; // kg, as of Hammer
 constexpr double least_blow = 1.05; // of what a piece bears, so that it breaks
 constexpr double physics_step = 1.0 / 120.0; // s, of World
 
