@@ -18,8 +18,8 @@
 #include "fracture/half_edge.h"
 #include "fracture/islands.h"
 #include "fracture/mass_properties.h"
-#include "fracture/merge.h"
-#include "fracture/sequential.h"
+#include "fracture/merging/merge.h"
+#include "fracture/sequential/sequential.h"
 #include "fracture/topology.h"
 
 namespace brittle::fracture {

@@ -13,7 +13,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "fracture/triangulate.h"
+#include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture {
 namespace {

@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/fracture.h"
-#include "fracture/merge.h"
+#include "fracture/merging/merge.h"
 #include "fracture/parallel.h"
 
 namespace brittle::physics {

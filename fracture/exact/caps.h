@@ -17,7 +17,7 @@
 #include "fracture/exact/cut.h"
 #include "fracture/parallel.h"
 #include "fracture/exact/winding.h"
-#include "fracture/triangulate.h"
+#include "fracture/triangulation/triangulate.h"
 #include "fracture/voronoi.h"
 
 namespace brittle::fracture::exact {

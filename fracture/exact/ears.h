@@ -3,7 +3,7 @@
 // Nine caps of ten are such a loop. It is clipped ear by ear (Meisters; the concave vertices as by ElGindy,
 // Everett and Toussaint) without allocating, and its diagonals are flipped towards Delaunay. Whatever looks
 // doubtful in double (a collinear or repeated point, no strict ear, many concave vertices) is left to
-// triangulate() (fracture/triangulate.h), which copes with everything.
+// triangulate() (fracture/triangulation/triangulate.h), which copes with everything.
 #pragma once
 
 #include <array>

@@ -2,7 +2,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/triangulate.h"
+#include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture {
 

@@ -9,7 +9,7 @@
 
 #include "fracture/mending/fill_loop.h"
 #include "fracture/mesh.h"
-#include "fracture/triangulate.h"
+#include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture::mending {
 

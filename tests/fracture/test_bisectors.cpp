@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "fracture/bisectors.h"
+#include "fracture/sequential/bisectors.h"
 #include "fracture/random.h"
 #include "fracture/sites.h"
 

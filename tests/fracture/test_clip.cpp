@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "fracture/clip.h"
+#include "fracture/sequential/clip.h"
 #include "fracture/mass_properties.h"
 #include "fracture/random.h"
 #include "fracture/shapes.h"

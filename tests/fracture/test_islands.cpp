@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "fracture/clip.h"
+#include "fracture/sequential/clip.h"
 #include "fracture/islands.h"
 #include "fracture/shapes.h"
 #include "fracture/topology.h"

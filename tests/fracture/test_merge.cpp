@@ -1,4 +1,4 @@
-#include "fracture/merge.h"
+#include "fracture/merging/merge.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "fracture/triangulate.h"
+#include "fracture/triangulation/triangulate.h"
 
 #include <algorithm>
 #include <cmath>

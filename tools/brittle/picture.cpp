@@ -5,9 +5,9 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "fracture/bisectors.h"
+#include "fracture/sequential/bisectors.h"
 #include "fracture/half_edge.h"
-#include "fracture/sequential.h"
+#include "fracture/sequential/sequential.h"
 #include "fracture/voronoi.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/input.h"

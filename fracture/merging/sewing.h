@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "fracture/cap_pairs.h"
+#include "fracture/merging/cap_pairs.h"
 #include "fracture/fragments.h"
 
 namespace brittle::fracture {

@@ -1,4 +1,4 @@
-#include "fracture/bisectors.h"
+#include "fracture/sequential/bisectors.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <functional>
 #include <utility>
 
-#include "fracture/clip.h"
+#include "fracture/sequential/clip.h"
 #include "fracture/half_edge.h"
 
 namespace brittle::fracture {

@@ -1,4 +1,4 @@
-#include "fracture/sequential.h"
+#include "fracture/sequential/sequential.h"
 
 #include <algorithm>
 #include <atomic>
@@ -10,7 +10,7 @@
 
 #include <glm/common.hpp>
 
-#include "fracture/clip.h"
+#include "fracture/sequential/clip.h"
 #include "fracture/islands.h"
 #include "fracture/parallel.h"
 

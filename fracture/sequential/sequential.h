@@ -16,7 +16,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/bisectors.h"
+#include "fracture/sequential/bisectors.h"
 #include "fracture/fracture.h"
 #include "fracture/fragments.h"
 #include "fracture/half_edge.h"

@@ -1,4 +1,4 @@
-#include "fracture/merge.h"
+#include "fracture/merging/merge.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/cap_pairs.h"
-#include "fracture/sewing.h"
+#include "fracture/merging/cap_pairs.h"
+#include "fracture/merging/sewing.h"
 #include "fracture/union_find.h"
 
 namespace brittle::fracture {

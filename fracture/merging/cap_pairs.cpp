@@ -1,4 +1,4 @@
-#include "fracture/cap_pairs.h"
+#include "fracture/merging/cap_pairs.h"
 
 #include <algorithm>
 #include <tuple>

@@ -16,7 +16,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/plane_predicates.h"
-#include "fracture/triangulate.h"
+#include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture::triangulation {
 

@@ -1,4 +1,4 @@
-#include "fracture/sewing.h"
+#include "fracture/merging/sewing.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/merge.h"
+#include "fracture/merging/merge.h"
 #include "fracture/union_find.h"
 
 namespace brittle::fracture {

@@ -13,7 +13,7 @@
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
 
-#include "fracture/loop_nesting.h"
+#include "fracture/triangulation/loop_nesting.h"
 
 namespace brittle::fracture::triangulation {
 

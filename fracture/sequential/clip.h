@@ -12,7 +12,7 @@
 
 #include <cstdint>
 
-#include "fracture/bisectors.h"
+#include "fracture/sequential/bisectors.h"
 #include "fracture/half_edge.h"
 
 namespace brittle::fracture {

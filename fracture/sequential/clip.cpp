@@ -1,4 +1,4 @@
-#include "fracture/clip.h"
+#include "fracture/sequential/clip.h"
 
 #include <algorithm>
 #include <cassert>
@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/triangulate.h"
+#include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture {
 
