@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/random.h"
+#include "physics/nearest.h"
 
 namespace brittle::physics {
 

@@ -32,15 +32,6 @@ double cube(double x) {
     return x * x * x;
 }
 
-bool held(const std::vector<Box>& anchors, const std::vector<glm::dvec3>& positions,
-          const std::vector<Triangle>& triangles) {
-    return std::ranges::any_of(anchors, [&](const Box& box) {
-        return std::ranges::any_of(triangles, [&](const Triangle& t) {
-            return reaches(box, positions[t.x], positions[t.y], positions[t.z]);
-        });
-    });
-}
-
 // All but the parts, from mesh, exterior_triangles, source and mass.
 void finish(SolidPiece& solid, const SolidSettings& settings) {
     const std::vector<glm::dvec3>& positions = solid.mesh.positions;
@@ -54,7 +45,7 @@ void finish(SolidPiece& solid, const SolidSettings& settings) {
     const BodyMass exact = true_mass(piece, settings.material.density);
     solid.body = is_possible(exact) ? exact : box_mass(positions, settings.material.density);
     solid.bearable = bearable_impulse(settings.material, solid.mass.volume, fracture::bounds(solid.mesh));
-    solid.anchored = held(settings.anchors, positions, solid.mesh.triangles);
+    solid.anchored = reaches(settings.anchors, positions, solid.mesh.triangles);
     solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
     if (settings.look) solid.look = settings.look(solid);
 }
@@ -96,25 +87,6 @@ std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const 
         parts.push_back(convex_parts(cells.positions_of(piece), cells.triangles_of(piece), piece.mass.volume,
                                      piece.mass.centre_of_mass, few));
     return parts;
-}
-
-// Of a triangle, by the region of its plane that the point is over (Ericson, "Real-Time Collision Detection", 5.1.5).
-glm::dvec3 nearest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-    const glm::dvec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-    const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-    if (d1 <= 0.0 && d2 <= 0.0) return a;
-    const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-    if (d3 >= 0.0 && d4 <= d3) return b;
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return a + ab * (d1 / (d1 - d3));
-    const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-    if (d6 >= 0.0 && d5 <= d6) return c;
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + ac * (d2 / (d2 - d6));
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0.0 && d4 >= d3 && d5 >= d6) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    const double sum = va + vb + vc;
-    return sum > 0.0 ? a + ab * (vb / sum) + ac * (vc / sum) : a;
 }
 
 Error cancelled_error() {
@@ -228,39 +200,6 @@ Result<std::vector<SolidPtr>> solids_of(const Fragments& fragments, const SolidS
         }
     });
     return solids;
-}
-
-glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& point) {
-    glm::dvec3 nearest = point;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Triangle& t : mesh.triangles) {
-        const glm::dvec3 on =
-            nearest_on_triangle(point, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
-        const glm::dvec3 apart = on - point;
-        if (const double square = glm::dot(apart, apart); square < least) {
-            least = square;
-            nearest = on;
-        }
-    }
-    return nearest;
-}
-
-bool reaches(const Box& box, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-    const glm::dvec3 half = box.size() * 0.5, centre = box.centre();
-    const glm::dvec3 p[3] = {a - centre, b - centre, c - centre};
-    const auto apart = [&](const glm::dvec3& axis) {
-        const double reach = glm::dot(half, glm::abs(axis));
-        const double x = glm::dot(axis, p[0]), y = glm::dot(axis, p[1]), z = glm::dot(axis, p[2]);
-        return std::min({x, y, z}) > reach || std::max({x, y, z}) < -reach;
-    };
-    for (int k = 0; k < 3; ++k) {
-        glm::dvec3 axis(0.0);
-        axis[k] = 1.0;
-        if (apart(axis)) return false;
-        for (int edge = 0; edge < 3; ++edge)
-            if (apart(glm::cross(axis, p[(edge + 1) % 3] - p[edge]))) return false;
-    }
-    return !apart(glm::cross(p[1] - p[0], p[2] - p[0]));
 }
 
 } // namespace brittle::physics

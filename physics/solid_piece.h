@@ -20,6 +20,7 @@
 #include "fracture/error.h"
 #include "fracture/fragments.h"
 #include "fracture/mesh.h"
+#include "physics/anchor.h"
 #include "physics/convex_parts.h"
 #include "physics/material.h"
 #include "physics/piece_mass.h"
@@ -33,8 +34,7 @@ struct SolidSettings {
     // m, cube root of volume: no smaller piece is made but where it hangs together with nothing, and what is smaller than
     // two of them is not cut.
     double min_size = 0.05;
-    // What the world holds, in the object's coordinates: a piece that reaches into one of these boxes is fixed.
-    std::vector<fracture::Box> anchors{};
+    std::vector<AnchorRegion> anchors{}; // in the object's coordinates: a piece that reaches into one is fixed
     ConvexPartSettings parts{};
     uint32_t threads = 1; // of one fracture
     // What else is wanted of each piece, such as what a renderer uploads: made on the thread that makes the piece, when
@@ -85,11 +85,5 @@ using SolidPtr = std::shared_ptr<const SolidPiece>;
 [[nodiscard]] fracture::Result<std::vector<SolidPtr>> solids_of(const fracture::Fragments& fragments,
                                                                 const SolidSettings& settings, bool hollow,
                                                                 uint32_t threads = 0);
-
-// The point of a mesh's surface that is nearest to a point; the point itself for a mesh without triangles.
-[[nodiscard]] glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& point);
-
-// Whether a triangle reaches into a box (separating axes: box sides, normal, cross products of edges); touching counts.
-[[nodiscard]] bool reaches(const fracture::Box& box, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
 } // namespace brittle::physics

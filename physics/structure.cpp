@@ -56,23 +56,6 @@ void push(World& world, BodyId body, const glm::vec3& impulse, const glm::vec3& 
 
 } // namespace
 
-std::vector<uint32_t> anchor_to_ground(const Fragments& fragments, const Pose& placement, float ground,
-                                       float height) {
-    return anchor_where(fragments, [&](const Piece& piece) {
-        return std::ranges::any_of(fragments.positions_of(piece), [&](const glm::dvec3& position) {
-            return placement.position.y + turned(placement, position).y <= ground + height;
-        });
-    });
-}
-
-std::vector<uint32_t> anchor_where(const Fragments& fragments,
-                                   const std::function<bool(const Piece&)>& held) {
-    std::vector<uint32_t> anchored;
-    for (uint32_t i = 0; i < fragments.pieces.size(); ++i)
-        if (held(fragments.pieces[i])) anchored.push_back(i);
-    return anchored;
-}
-
 Result<Structure> Structure::create(World& world, const Fragments& fragments, const StructureDesc& desc) {
     if (const Result<void> checked = check_pieces(fragments, desc.material); !checked) return checked.error();
     for (const uint32_t piece : desc.anchored)

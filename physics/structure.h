@@ -55,19 +55,11 @@ struct StructureDesc {
     PlacedMotion motion{}; // an anchored body keeps its placement and does not move
     HullSettings hull{};
     PieceHulls hulls{}; // made ahead, one a piece (collision_hulls()); if there are any, hull is not looked at
-    std::vector<uint32_t> anchored{}; // pieces held by the world
+    std::vector<uint32_t> anchored{}; // pieces held by the world (anchor.h)
     float impact_speed = 0.5f;        // m/s; slower contacts are no blows
     bool continuous = false;          // as BodyDesc::continuous, for all its bodies
     WearSettings wear{};
 };
-
-// The pieces that come within height (m) of the ground or reach below it, for StructureDesc::anchored.
-[[nodiscard]] std::vector<uint32_t> anchor_to_ground(const fracture::Fragments& fragments,
-                                                     const Pose& placement = {}, float ground = 0.0f,
-                                                     float height = 0.01f);
-// The pieces for which the predicate holds.
-[[nodiscard]] std::vector<uint32_t> anchor_where(const fracture::Fragments& fragments,
-                                                 const std::function<bool(const fracture::Piece&)>& held);
 
 // A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3), as a blow
 // of a kilogram. Who wants things to break again takes the piece away (isolate, take_piece), fractures it at the

@@ -298,7 +298,7 @@ TEST_CASE("a pane that is held at its rim gets a hole where a ball flies through
     BreakableDesc desc = desc_of(0.01, {.density = 2500.0f, .tensile = 4e6f, .fracture_energy = 2e3f});
     desc.pattern.kind = PatternKind::radial;
     desc.motion.placement.position = {0.0f, 0.7f, 0.0f};
-    desc.solid.anchors = {{{-1.1, -0.75, -0.1}, {1.1, -0.69, 0.1}}};
+    desc.solid.anchors = {fracture::Box{{-1.1, -0.75, -0.1}, {1.1, -0.69, 0.1}}};
     must_add(destruction, world, pane, desc);
     const BodyId ball = shoot(world, 0.06f, 1.0f, {0.1f, 0.8f, 1.0f}, {0.0f, 0.0f, -40.0f});
     const double volume = volume_of(destruction);

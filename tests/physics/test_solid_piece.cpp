@@ -139,8 +139,8 @@ TEST_CASE("a group stays one piece with a hull for each of its cells, no hull re
     CHECK(sum == doctest::Approx(1.0).epsilon(1e-12));
 }
 
-TEST_CASE("a piece that reaches into an anchor's box is anchored, whether a vertex lies there or not") {
-    const SolidSettings settings{.min_size = 0.01, .anchors = {{{-0.05, -0.6, -0.05}, {0.05, -0.45, 0.05}}}};
+TEST_CASE("a piece that reaches into an anchor is anchored, whether a vertex lies there or not") {
+    const SolidSettings settings{.min_size = 0.01, .anchors = {fracture::Box{{-0.05, -0.6, -0.05}, {0.05, -0.45, 0.05}}}};
     const SolidPtr cube = must_make(fracture::cube(1.0), settings);
     CHECK(cube->anchored); // the box pierces the middle of its floor
     const glm::dvec3 sites[] = {{0.0, -0.25, 0.0}, {0.0, 0.25, 0.0}};
@@ -149,40 +149,6 @@ TEST_CASE("a piece that reaches into an anchor's box is anchored, whether a vert
     REQUIRE(halves->size() == 2);
     CHECK((*halves)[0]->anchored);
     CHECK_FALSE((*halves)[1]->anchored);
-}
-
-TEST_CASE("a triangle reaches into a box as a fine sampling of it does") {
-    fracture::Random random(11);
-    const fracture::Box box{{-0.3, -0.2, -0.1}, {0.3, 0.2, 0.1}}, around{{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}};
-    int hits = 0, misses = 0, unsure = 0;
-    for (int i = 0; i < 300; ++i) {
-        const glm::dvec3 a = random.uniform_in(around), b = random.uniform_in(around), c = random.uniform_in(around);
-        constexpr int n = 60;
-        const double slack = 3.0 / n; // of the triangle's sides, below 3.5 m
-        bool in = false, near = false;
-        for (int u = 0; u <= n; ++u)
-            for (int v = 0; v + u <= n; ++v) {
-                const glm::dvec3 p = a + (b - a) * (static_cast<double>(u) / n) + (c - a) * (static_cast<double>(v) / n);
-                const glm::dvec3 out = glm::max(box.min - p, p - box.max);
-                const double most = std::max({out.x, out.y, out.z});
-                in = in || most <= 0.0;
-                near = near || most <= slack;
-            }
-        if (in) CHECK(reaches(box, a, b, c));
-        if (!near) CHECK_FALSE(reaches(box, a, b, c));
-        (in ? hits : near ? unsure : misses) += 1;
-    }
-    CHECK(hits > 30);
-    CHECK(misses > 30);
-}
-
-TEST_CASE("the nearest point of a surface is on it, and no sample of it is nearer") {
-    CHECK(nearest_on({}, glm::dvec3(2.0)) == glm::dvec3(2.0));
-    const fracture::TriangleMesh cube = fracture::cube(2.0);
-    CHECK(glm::distance(nearest_on(cube, {5.0, 0.3, 0.2}), {1.0, 0.3, 0.2}) < 1e-12);
-    CHECK(glm::distance(nearest_on(cube, {5.0, 7.0, 0.2}), {1.0, 1.0, 0.2}) < 1e-12);
-    CHECK(glm::distance(nearest_on(cube, {5.0, 7.0, -9.0}), {1.0, 1.0, -1.0}) < 1e-12);
-    CHECK(glm::distance(nearest_on(cube, {0.9, 0.1, 0.0}), {1.0, 0.1, 0.0}) < 1e-12);
 }
 
 TEST_CASE("thin and slender solids bear less than a cube of their volume") {

@@ -13,6 +13,7 @@
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
+#include "physics/anchor.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -236,17 +237,6 @@ TEST_CASE("what is anchored stays, what is cut off from it falls, and it falls w
     structure.write_piece_transforms(world, poses);
     CHECK(poses[0].position.y < 0.3f);
     CHECK(world.body_count() >= 2);
-}
-
-TEST_CASE("anchors are found by height above the ground and by predicate") {
-    const fracture::Fragments fragments = test::bonded_grid(glm::dvec3(0.0), glm::dvec3(1.0), 2, 4, 1);
-    CHECK(anchor_to_ground(fragments) == std::vector<uint32_t>{0, 4});
-    CHECK(anchor_to_ground(fragments, {}, 0.0f, 0.3f) == std::vector<uint32_t>{0, 1, 4, 5});
-    CHECK(anchor_to_ground(fragments, {{0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}).empty());
-    const glm::quat upside_down(0.0f, 0.0f, 0.0f, 1.0f);
-    CHECK(anchor_to_ground(fragments, {{0.0f, 1.0f, 0.0f}, upside_down}) == std::vector<uint32_t>{3, 7});
-    CHECK(anchor_where(fragments, [](const fracture::Piece& piece) { return piece.mass.centre_of_mass.x > 0.5; })
-          == std::vector<uint32_t>{4, 5, 6, 7});
 }
 
 TEST_CASE("damage is full at the point, falls off to nothing at the radius, and adds up") {

@@ -60,7 +60,7 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
-    options.world = {.bonded = true, .anchored = true, .height = 1.5, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .piece_limit = 900, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+    options.world = {.bonded = true, .anchored = true, .height = 1.5, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
     options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
     options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
                        .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
@@ -178,6 +178,9 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "strikes": [{"at": [0, 0, 0]}, {"radius": -1}]})", "/strikes/1/radius: expected a number");
     says(R"({"brittle": 1, "strikes": [{"where": 1}]})", "/strikes/0/where: unknown key");
     says(R"({"brittle": 1, "strikes": {}})", "/strikes: expected a list");
+    says(R"({"brittle": 1, "world": {"anchors": 1}})", "/world/anchors: expected a list");
+    says(R"({"brittle": 1, "world": {"anchors": [{"radius": 0}]}})", "/world/anchors/0/radius: expected a number");
+    says(R"({"brittle": 1, "world": {"anchors": [{"at": [0, 0, 0], "size": 1}]}})", "/world/anchors/0");
     says(R"({"brittle": 1, "pattern": 7})", "/pattern: expected an object { }, found 7");
     says(R"({"brittle": 1, "repair": "yes"})", "/repair: expected true or false");
     says(R"({"brittle": 1, "algorithm": "fast"})", "/algorithm: expected \"exact\" or \"sequential\"");
@@ -230,6 +233,9 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
     const auto& of_strike = schema["properties"]["strikes"]["items"]["properties"];
     for (const auto& [key, value] : of_strike.items()) CHECK(all["strikes"][0].contains(key));
     for (const auto& [key, value] : all["strikes"][0].items()) CHECK(of_strike.contains(key));
+    const auto& of_anchor = schema["properties"]["world"]["properties"]["anchors"]["items"]["properties"];
+    for (const auto& [key, value] : of_anchor.items()) CHECK(all["world"]["anchors"][0].contains(key));
+    for (const auto& [key, value] : all["world"]["anchors"][0].items()) CHECK(of_anchor.contains(key));
     const auto& materials = schema["properties"]["material"]["enum"];
     REQUIRE(materials.size() == physics::material_presets().size());
     for (size_t k = 0; k < materials.size(); ++k) CHECK(materials[k] == std::string(physics::material_presets()[k].name));

@@ -1,6 +1,7 @@
 // The `brittle` program: parses the command line and hands over to one function a command.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -41,6 +42,21 @@ std::string mesh_help() {
     std::string shapes;
     for (const std::string_view s : fracture::shape_names()) shapes.append(" shape:").append(s);
     return "The mesh to break: a closed triangle mesh in a file (" + endings + ") or one of" + shapes;
+}
+
+struct Ball {
+    glm::dvec3 centre{0.0};
+    double radius = 0.0;
+};
+
+Ball ball_of(const std::string& option, const std::string& text) {
+    Ball ball;
+    char rest = 0;
+    const bool read = std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%c", &ball.centre.x, &ball.centre.y, &ball.centre.z,
+                                  &ball.radius, &rest) == 4;
+    if (!read || !std::isfinite(ball.centre.x + ball.centre.y + ball.centre.z + ball.radius))
+        throw CLI::ValidationError(option, "'" + text + "' is not X,Y,Z,RADIUS");
+    return ball;
 }
 
 void add_fracture_options(CLI::App& command, FractureOptions& options) {
@@ -118,11 +134,10 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
             [&options](const std::vector<std::string>& strikes) {
                 options.strikes.clear();
                 for (const std::string& text : strikes) {
+                    const Ball ball = ball_of("--strike", text);
                     Strike strike;
-                    char rest = 0;
-                    if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%c", &strike.at.x, &strike.at.y, &strike.at.z,
-                                    &strike.radius, &rest) != 4)
-                        throw CLI::ValidationError("--strike", "'" + text + "' is not X,Y,Z,RADIUS");
+                    strike.at = ball.centre;
+                    strike.radius = ball.radius;
                     options.strikes.push_back(strike);
                 }
             },
@@ -183,6 +198,21 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
 void add_world_options(CLI::App& command, WorldOptions& world) {
     command.add_flag("--bonded", world.bonded, "Pieces hold together until blows or loads break their bonds");
     command.add_flag("--anchored", world.anchored, "Bonded, or breakable, and what stands on the ground is held by it");
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--anchor",
+            [&world](const std::vector<std::string>& anchors) {
+                world.anchors.clear();
+                for (const std::string& text : anchors) {
+                    const Ball ball = ball_of("--anchor", text);
+                    if (ball.radius < 0.001 || ball.radius > 10.0)
+                        throw CLI::ValidationError("--anchor", "'" + text + "' has a radius that is not in [0.001, 10]");
+                    world.anchors.push_back({ball.centre, ball.radius});
+                }
+            },
+            "Bonded, or breakable, and held where it is within RADIUS of a point: metres from the middle of its foot, with "
+            "the mesh 2 m long. May be given again")
+        ->type_name("X,Y,Z,RADIUS");
     command.add_option("--strength", world.strength,
                        "Of bonds and breakable pieces, in the material's own; 0.05 is masonry laid in weak mortar")
         ->check(CLI::Range(1e-6, 1e6))

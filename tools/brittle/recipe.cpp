@@ -84,6 +84,8 @@ Json world_json(const WorldOptions& world) {
     if (world.min_size != plain.min_size) json["min_size"] = world.min_size;
     if (world.blow_pieces != plain.blow_pieces) json["blow_pieces"] = world.blow_pieces;
     if (world.piece_limit != plain.piece_limit) json["piece_limit"] = world.piece_limit;
+    for (const Anchor& anchor : world.anchors)
+        json["anchors"].push_back({{"at", vector_json(anchor.at)}, {"radius", anchor.radius}});
     for (const Shot& shot : world.shots)
         json["shots"].push_back({{"time", shot.time},
                                  {"from", vector_json(shot.from)},
@@ -201,6 +203,23 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
     }
 }
 
+void read_anchors(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
+                  std::vector<Anchor>& anchors) {
+    const Json* list = reader.find("anchors");
+    if (!list) return;
+    if (!list->is_array() || list->size() > most_anchors)
+        reader.fail("anchors", "a list [{ }, ...] of at most " + std::to_string(most_anchors), *list);
+    anchors.clear();
+    for (size_t k = 0; k < list->size(); ++k) {
+        JsonReader inner(file, (*list)[k], path + "/anchors/" + std::to_string(k));
+        Anchor anchor;
+        inner.vector("at", anchor.at);
+        inner.number("radius", anchor.radius, 0.001, 10.0);
+        inner.refuse_unknown_keys();
+        anchors.push_back(anchor);
+    }
+}
+
 void read_world(const std::filesystem::path& file, const std::string& path, JsonReader& reader, WorldOptions& world) {
     reader.flag("bonded", world.bonded);
     reader.flag("anchored", world.anchored);
@@ -210,6 +229,7 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     reader.number("min_size", world.min_size, 1e-4, 10.0);
     reader.whole("blow_pieces", world.blow_pieces, 2, 1000);
     reader.whole("piece_limit", world.piece_limit, 1, 1'000'000);
+    read_anchors(file, path, reader, world.anchors);
     const Json* shots = reader.find("shots");
     if (!shots) return;
     if (!shots->is_array()) reader.fail("shots", "a list [{ }, ...]", *shots);

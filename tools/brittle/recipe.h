@@ -15,6 +15,8 @@ namespace brittle::tools {
 // Sites that a recipe may list itself: all of it stays below the longest file that is read, 1 MiB.
 inline constexpr size_t most_points = 10'000;
 
+inline constexpr size_t most_anchors = 1000; // that a recipe may have; pieces are compared with each
+
 // The options as a recipe. Paths are as in the options.
 [[nodiscard]] std::string recipe_json(const FractureOptions& options);
 // The same with paths relative to a folder, which is absolute; absolute paths and shapes stay.

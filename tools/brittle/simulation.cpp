@@ -10,6 +10,7 @@
 
 #include "fracture/mass_properties.h"
 #include "fracture/shapes.h"
+#include "physics/anchor.h"
 #include "physics/pieces.h"
 #include "tools/brittle/failure.h"
 
@@ -30,7 +31,7 @@ constexpr float grab_rate = 10.0f;          // 1/s; higher: stiffer
 constexpr float grab_acceleration = 150.0f; // m/s^2; less would not hold what hangs from it in a fast hand
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
-constexpr double foot = 0.01;  // m, as anchor_to_ground(): what is anchored and reaches below is held
+constexpr double foot = 0.01;  // m: what is anchored and reaches below is held
 constexpr double below = 1.0;  // m, how far down that goes
 constexpr size_t any_number = UINT32_MAX; // pieces that are not there yet may be named
 
@@ -45,11 +46,24 @@ physics::Material flawed_material(const physics::MaterialPreset* preset, const W
     return material;
 }
 
+std::vector<physics::AnchorRegion> anchor_regions(const fracture::Fragments& fragments, const WorldOptions& options) {
+    std::vector<physics::AnchorRegion> regions;
+    if (options.anchored) {
+        fracture::Box box = fracture::bounds({fragments.positions, {}});
+        box.max.y = foot;
+        box.min.y = -below;
+        regions.push_back(box);
+    }
+    for (const Anchor& anchor : options.anchors)
+        regions.push_back(physics::Ball{anchor.at + glm::dvec3(0.0, foot_height(options), 0.0), anchor.radius});
+    return regions;
+}
+
 physics::StructureDesc structure_desc(const fracture::Fragments& fragments, const physics::MaterialPreset* preset,
                                       const WorldOptions& options) {
     physics::StructureDesc desc{.material = flawed_material(preset, options)};
     desc.wear.strength_scale /= flawed;
-    if (options.anchored) desc.anchored = physics::anchor_to_ground(fragments);
+    desc.anchored = physics::anchor_to(fragments, anchor_regions(fragments, options));
     return desc;
 }
 
@@ -62,12 +76,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
     if (preset) desc.pattern.kind = preset->pattern.kind;
     if (preset) desc.pattern.slenderness = preset->pattern.slenderness;
     desc.most_pieces = options.blow_pieces;
-    if (options.anchored) {
-        fracture::Box box = fracture::bounds({fragments.positions, {}});
-        box.max.y = foot;
-        box.min.y = -below;
-        desc.solid.anchors.push_back(box);
-    }
+    desc.solid.anchors = anchor_regions(fragments, options);
     return desc;
 }
 
@@ -122,7 +131,7 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
     clear();
     if (options.breakable) {
         start_breakable(fragments, options, ahead);
-    } else if (options.bonded || options.anchored) {
+    } else if (holds_together(options)) {
         physics::StructureDesc desc = structure_desc(fragments, material_, options);
         desc.hulls = std::move(ahead.hulls);
         structure_ = must(physics::Structure::create(world_, fragments, desc));

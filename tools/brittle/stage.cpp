@@ -40,7 +40,7 @@ Input placed_on_stage(Input input, const WorldOptions& world) {
     const double longest = std::max({box.size().x, box.size().y, box.size().z});
     if (!(longest > 0.0) || !std::isfinite(longest)) return input;
     const double scale = stage_size / longest;
-    const double height = world.anchored ? 0.0 : world.height;
+    const double height = foot_height(world);
     const glm::dvec3 foot(box.centre().x, box.min.y, box.centre().z);
     const auto place = [&](glm::dvec3& p) { p = (p - foot) * scale + glm::dvec3(0.0, height, 0.0); };
     std::for_each(input.model.mesh.positions.begin(), input.model.mesh.positions.end(), place);

@@ -17,6 +17,13 @@ struct Shot {
     double density = 7800.0;              // kg/m^3; steel
 };
 
+// A spot that was painted: the world holds what of the mesh reaches into a ball. In metres of the stage from the foot of
+// the mesh, which is in the middle below it: so it stays where it is when the mesh is lifted.
+struct Anchor {
+    glm::dvec3 at{0.0};
+    double radius = 0.1; // m
+};
+
 struct WorldOptions {
     bool bonded = false;   // pieces hold together until blows, loads or wear break their bonds
     bool anchored = false; // bonded unless it is breakable, and what stands on the ground is held by it
@@ -28,8 +35,19 @@ struct WorldOptions {
     double min_size = 0.05;        // m, cube root of volume; no smaller piece is made
     uint32_t blow_pieces = 48;     // at most, of one blow
     uint32_t piece_limit = 2000;   // in the world; beyond it debris fades, what is small and old first
+    std::vector<Anchor> anchors{}; // bonded unless it is breakable, and held there
     std::vector<Shot> shots{};
 };
+
+// Of the mesh's foot above the ground, m.
+[[nodiscard]] inline double foot_height(const WorldOptions& world) {
+    return world.anchored ? 0.0 : world.height;
+}
+
+// Whether pieces that are there from the beginning hold together.
+[[nodiscard]] inline bool holds_together(const WorldOptions& world) {
+    return world.bonded || world.anchored || !world.anchors.empty();
+}
 
 // Whether the mesh is not cut beforehand.
 [[nodiscard]] inline bool starts_whole(const WorldOptions& world) {
