@@ -42,6 +42,7 @@ enum class Key : int {
     f3 = 292,
     f4 = 293,
     f5 = 294,
+    f6 = 295,
     f12 = 301,
     left_shift = 340,
     left_control = 341,

@@ -72,6 +72,28 @@ TEST_CASE("document: place, move, duplicate, mirror, delete") {
     CHECK(sites(document)[1] == three[2]);
 }
 
+TEST_CASE("document: anchors are painted, rubbed out by number, undone by strokes, and go with the mesh") {
+    Document document(plain());
+    const uint64_t stroke = document.begin_gesture();
+    for (int k = 0; k < 3; ++k) document.apply(AddAnchor{{{0.1 * k, 1.0, 0.0}, 0.2}}, stroke);
+    const auto anchors = [&] { return document.recipe().world.anchors; };
+    REQUIRE(anchors().size() == 3);
+    document.apply(RemoveAnchors{{1, 1, 7}});
+    REQUIRE(anchors().size() == 2);
+    CHECK(anchors()[1] == Anchor{{0.2, 1.0, 0.0}, 0.2});
+    CHECK_FALSE(document.apply(RemoveAnchors{{}}));
+    document.undo();
+    CHECK(anchors().size() == 3);
+    document.undo(); // the whole stroke
+    CHECK(anchors().empty());
+    document.redo();
+    document.apply(SetMesh{"shape:torus"});
+    CHECK(anchors().empty());
+    for (size_t k = 0; k < most_anchors; ++k) document.apply(AddAnchor{{{0.0, 1.0 * static_cast<double>(k), 0.0}, 0.1}}, stroke);
+    CHECK_THROWS_AS(document.apply(AddAnchor{}), Failure);
+    CHECK(anchors().size() == most_anchors);
+}
+
 TEST_CASE("document: a pattern takes the place of sites, sites that of a pattern, and both of strikes") {
     Document document = with_sites();
     document.apply(AddStrike{{.at = {1.0, 1.0, 1.0}}});

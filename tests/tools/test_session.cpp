@@ -257,6 +257,59 @@ TEST_CASE("tools: wheel and buttons move the camera as the help says, and only o
     CHECK(glm::distance(turned.eye, panned.eye) > 0.3f);
 }
 
+TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out with Ctrl, and hold what breaks") {
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    Tools tools;
+    Navigation navigation;
+    navigation.frame(session.stage().home_bounds(), 4.0f / 3.0f);
+    tools.choose(Tool::anchors, session);
+    const auto stroke = [&](glm::vec2 from, glm::vec2 to, bool rub_out) {
+        const engine::Modifiers modifiers{.control = rub_out};
+        tools.handle({.buttons = {{.button = engine::Button::left, .down = true, .cursor = from, .modifiers = modifiers}},
+                      .modifiers = modifiers, .cursor = from},
+                     view_of(navigation), true, session, navigation);
+        tools.handle({.buttons = {{.button = engine::Button::left, .down = false, .cursor = to, .modifiers = modifiers}},
+                      .modifiers = modifiers, .cursor = to},
+                     view_of(navigation), true, session, navigation);
+    };
+    const auto& anchors = session.recipe().world.anchors;
+    stroke({20.0f, 20.0f}, {30.0f, 20.0f}, false); // beside the cube
+    CHECK(anchors.empty());
+    stroke({340.0f, 300.0f}, {460.0f, 300.0f}, false);
+    const size_t painted = anchors.size();
+    CHECK(painted >= 3);
+    for (size_t k = 0; k + 1 < painted; ++k) { // on the surface, and their balls overlap
+        CHECK(glm::distance(anchors[k].at, anchors[k + 1].at) < 2.0 * anchors[k].radius);
+        const glm::dvec3 p = session.on_stage(anchors[k]);
+        const fracture::Box box = fracture::bounds(session.object().mesh());
+        const glm::dvec3 inside = glm::min(p - box.min, box.max - p);
+        CHECK(std::abs(std::min({inside.x, inside.y, inside.z})) < 1e-9);
+    }
+    stroke({340.0f, 300.0f}, {460.0f, 300.0f}, false); // over what is painted
+    CHECK(anchors.size() == painted);
+    session.undo();
+    CHECK(anchors.empty());
+    session.redo();
+    CHECK(anchors.size() == painted);
+    stroke({450.0f, 300.0f}, {460.0f, 300.0f}, true);
+    CHECK(anchors.size() < painted);
+    CHECK(!anchors.empty());
+    // Space: cut into pieces that hold together and hang on what is painted.
+    room.break_it();
+    for (int k = 0; k < 30; ++k) session.update(frame);
+    bool held = false;
+    for (const physics::BodyId body : session.stage().world().bodies()) held = held || session.stage().world().fixed(body);
+    CHECK(held);
+    const size_t before = anchors.size();
+    stroke({400.0f, 250.0f}, {400.0f, 350.0f}, false); // broken: no paint, but a word why
+    CHECK(anchors.size() == before);
+    CHECK_FALSE(session.message().text.empty());
+    session.undo(); // makes it whole again
+    CHECK_FALSE(session.broken());
+}
+
 TEST_CASE("studio: flying goes where one looks, aside and up, at a speed that suits the distance") {
     Navigation navigation;
     navigation.frame({}, 1.5f);

@@ -22,6 +22,8 @@ struct Shot {
 struct Anchor {
     glm::dvec3 at{0.0};
     double radius = 0.1; // m
+
+    friend bool operator==(const Anchor&, const Anchor&) = default;
 };
 
 struct WorldOptions {

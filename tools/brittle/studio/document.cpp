@@ -13,12 +13,12 @@ namespace {
 
 constexpr size_t longest_history = 500; // steps; a step holds a recipe, some kilobytes
 
-// Ascending, each once, all of them sites.
-std::vector<uint32_t> existing(std::vector<uint32_t> sites, size_t count) {
-    std::sort(sites.begin(), sites.end());
-    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
-    std::erase_if(sites, [count](uint32_t s) { return s >= count; });
-    return sites;
+// Ascending, each once, all of them below the count.
+std::vector<uint32_t> existing(std::vector<uint32_t> indices, size_t count) {
+    std::sort(indices.begin(), indices.end());
+    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    std::erase_if(indices, [count](uint32_t k) { return k >= count; });
+    return indices;
 }
 
 struct Applier {
@@ -28,6 +28,7 @@ struct Applier {
         recipe.mesh = edit.mesh;
         recipe.repair = edit.repair;
         recipe.points.clear();
+        recipe.world.anchors.clear();
         recipe.strikes.clear();
     }
     void operator()(const SetMaterial& edit) const {
@@ -77,6 +78,12 @@ struct Applier {
         }
         recipe.strikes.clear();
     }
+    void operator()(const AddAnchor& edit) const { recipe.world.anchors.push_back(edit.anchor); }
+    void operator()(const RemoveAnchors& edit) const {
+        std::vector<Anchor>& anchors = recipe.world.anchors;
+        const std::vector<uint32_t> gone = existing(edit.anchors, anchors.size());
+        for (size_t k = gone.size(); k-- > 0;) anchors.erase(anchors.begin() + gone[k]);
+    }
     void operator()(const AddStrike& edit) const { recipe.strikes.push_back(edit.strike); }
     void operator()(const ClearStrikes&) const { recipe.strikes.clear(); }
     void operator()(const SetRecipe& edit) const { recipe = edit.recipe; }
@@ -88,7 +95,7 @@ std::string_view name_of(const Edit& edit) {
     static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{
         "open a mesh",  "change the material", "change the pattern", "change the world", "set the sites",
         "place a site", "move sites",          "delete sites",       "duplicate sites",  "mirror sites",
-        "strike",       "mend",                "open a recipe"};
+        "anchor",       "rub anchors out",     "strike",             "mend",         "open a recipe"};
     return names[edit.index()];
 }
 
@@ -97,6 +104,8 @@ bool Document::apply(const Edit& edit, uint64_t gesture) {
     std::visit(Applier{changed}, edit);
     if (changed.points.size() > most_points)
         throw Failure(exit_usage, "a recipe holds " + std::to_string(most_points) + " sites at most; write more into a file (--sites)");
+    if (changed.world.anchors.size() > most_anchors)
+        throw Failure(exit_usage, "a recipe holds " + std::to_string(most_anchors) + " anchors at most; paint with a larger radius");
     if (recipe_json(changed) == recipe_json(recipe_)) return false;
     const bool goes_on = gesture != 0 && !past_.empty() && past_.back().gesture == gesture && future_.empty();
     if (!goes_on) past_.push_back({recipe_, name_of(edit), gesture});

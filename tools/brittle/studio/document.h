@@ -26,7 +26,7 @@
 namespace brittle::tools {
 
 struct SetMesh {
-    std::string mesh; // a file, or shape:NAME; sites and strikes of the mesh before go
+    std::string mesh; // a file, or shape:NAME; sites, strikes and anchors of the mesh before go
     bool repair = false;
 };
 struct SetMaterial {
@@ -60,6 +60,12 @@ struct MirrorSites { // adds the images of the listed sites in the plane across 
     int axis = 0;       // 0, 1, 2
     double plane = 0.0; // m
 };
+struct AddAnchor {
+    Anchor anchor;
+};
+struct RemoveAnchors { // indices
+    std::vector<uint32_t> anchors;
+};
 struct AddStrike {
     Strike strike;
 };
@@ -69,7 +75,7 @@ struct SetRecipe { // as read from a file
 };
 
 using Edit = std::variant<SetMesh, SetMaterial, SetPattern, SetWorld, SetSites, AddSite, MoveSites, RemoveSites,
-                          DuplicateSites, MirrorSites, AddStrike, ClearStrikes, SetRecipe>;
+                          DuplicateSites, MirrorSites, AddAnchor, RemoveAnchors, AddStrike, ClearStrikes, SetRecipe>;
 
 // For menus and messages, e.g. "move sites".
 [[nodiscard]] std::string_view name_of(const Edit& edit);
@@ -83,7 +89,7 @@ class Document {
     // Edits of one gesture are taken back together, in so far as nothing came between them.
     [[nodiscard]] uint64_t begin_gesture() { return ++gestures_; }
     // Whether it changed anything. Throws a Failure with exit_usage for a material that does not exist, and for more than
-    // most_points sites (recipe.h), and leaves everything as it was.
+    // most_points sites or most_anchors (recipe.h), and leaves everything as it was.
     bool apply(const Edit& edit, uint64_t gesture = 0);
 
     [[nodiscard]] bool can_undo() const { return !past_.empty(); }

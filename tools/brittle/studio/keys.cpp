@@ -32,6 +32,7 @@ constexpr std::array bindings{
     KeyBinding{Key::f3, none, Command::tool_hammer, "F3", "tool: hammer"},
     KeyBinding{Key::f4, none, Command::tool_shoot, "F4", "tool: shoot"},
     KeyBinding{Key::f5, none, Command::tool_grab, "F5", "tool: grab"},
+    KeyBinding{Key::f6, none, Command::tool_anchors, "F6", "tool: paint anchors"},
     KeyBinding{key('1'), none, Command::material_1, "1 - 5", "glass, stone, concrete, wood, ceramic"},
     KeyBinding{key('2'), none, Command::material_2, "", ""},
     KeyBinding{key('3'), none, Command::material_3, "", ""},
@@ -57,7 +58,7 @@ constexpr std::array mouse{
     MouseHelp{"right + W A S D", "fly; Q and E go down and up"},
     MouseHelp{"middle drag", "pan; so does Shift + right drag"},
     MouseHelp{"wheel", "zoom to the cursor"},
-    MouseHelp{"Shift + wheel", "radius of the hammer, or of the ball"},
+    MouseHelp{"Shift + wheel", "radius of hammer, ball or brush"},
 };
 
 } // namespace

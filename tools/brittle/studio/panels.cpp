@@ -77,6 +77,10 @@ void draw_overlay(const Overlay& overlay, float scale) {
         list.AddLine(at(axis.from), at(axis.to), colours.axis[axis.axis], width);
         list.AddCircleFilled(at(axis.to), 5.0f * scale, colours.axis[axis.axis]);
     }
+    for (const Overlay::Spot& spot : overlay.spots) {
+        list.AddCircleFilled(at(spot.centre), spot.radius, colours.anchor);
+        list.AddCircle(at(spot.centre), spot.radius, colours.anchor_rim, 0, 1.5f * scale);
+    }
     for (const Overlay::Circle& circle : overlay.circles) {
         list.AddCircle(at(circle.centre), circle.radius, colours.outline, 0, 4.0f * scale);
         list.AddCircle(at(circle.centre), circle.radius, circle.strong ? colours.accent : colours.accent_soft, 0, 2.0f * scale);

@@ -2,7 +2,10 @@
 // stays in its place.
 #include <algorithm>
 #include <numbers>
+#include <numeric>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <imgui.h>
 
@@ -53,6 +56,21 @@ void ball_settings(Session& session) {
     value("Mass", mass < 10.0 ? "%.1f kg of steel" : "%.0f kg of steel", mass);
 }
 
+void anchor_settings(Session& session) {
+    const size_t count = session.recipe().world.anchors.size();
+    control("Radius", "Of the brush (Shift + wheel); the mesh is 2 m long on the stage");
+    (void)slider("##brush", session.tools.brush_radius, 0.02f, 0.5f, "%.2f m");
+    value("Painted", count == 1 ? "%zu spot" : "%zu spots", count);
+    ImGui::BeginDisabled(count == 0 || session.broken());
+    if (wide_button("Rub all out", "The mesh is held nowhere, or by its foot alone")) {
+        std::vector<uint32_t> all(count);
+        std::iota(all.begin(), all.end(), 0u);
+        session.edit(RemoveAnchors{std::move(all)});
+    }
+    ImGui::EndDisabled();
+    explain("What lies in the blue spots is held, and the rest by its bonds.");
+}
+
 } // namespace
 
 void Panels::tool_panel(const PanelState& state) {
@@ -64,6 +82,7 @@ void Panels::tool_panel(const PanelState& state) {
     case Tool::hammer: hammer_settings(state.session); break;
     case Tool::shoot: ball_settings(state.session); break;
     case Tool::grab: explain("Drag a piece: it hangs on a spring from the mouse, and pulls what is bonded to it."); break;
+    case Tool::anchors: anchor_settings(state.session); break;
     }
     ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top + rows * ImGui::GetFrameHeightWithSpacing()));
 }

@@ -113,8 +113,9 @@ void Session::follow(const FractureOptions& before) {
     }
     const bool placed = now.world.anchored != before.world.anchored || now.world.height != before.world.height;
     const bool sites = !same_sites(now, before), strikes = !same_strikes(now, before);
+    const bool anchors = now.world.anchors != before.world.anchors;
     if (placed) object_ = object_->placed_for(now.world);
-    if (placed || now.material != before.material || ((sites || strikes) && (broken() || worker_.busy()))) make_stage();
+    if (placed || now.material != before.material || ((sites || strikes || anchors) && (broken() || worker_.busy()))) make_stage();
     if (placed || sites || strikes) {
         try {
             FractureOptions whole = now;
@@ -152,13 +153,24 @@ void Session::take_sites(uint64_t gesture) {
     edit(SetSites{std::move(sites)}, gesture);
 }
 
+Anchor Session::anchor_at(const glm::dvec3& on_stage) const {
+    return {on_stage - glm::dvec3(0.0, foot_height(recipe().world), 0.0), double{tools.brush_radius}};
+}
+
+glm::dvec3 Session::on_stage(const Anchor& anchor) const {
+    return anchor.at + glm::dvec3(0.0, foot_height(recipe().world), 0.0);
+}
+
 // --- what happens on the stage ---
 
 void Session::break_all() {
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     if (broken() || worker_.busy()) return;
     WorldOptions world = recipe().world;
-    if (starts_whole(world)) world.breakable = world.anchored = false; // all of it falls apart
+    if (starts_whole(world)) { // all of it falls apart
+        world.breakable = world.anchored = false;
+        world.anchors.clear();
+    }
     start_breaking(world);
 }
 
@@ -173,7 +185,7 @@ void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
         blow_ = {at, direction};
     } else {
         edit(AddStrike{strike_at(at, direction)});
-        world.bonded = world.bonded || world.anchored;
+        world.bonded = holds_together(world);
     }
     start_breaking(world);
 }

@@ -40,6 +40,7 @@ struct ToolSettings {
     uint32_t hammer_pieces = 16; // cells in the ball
     float ball_speed = 14.0f;    // m/s
     float ball_radius = 0.1f;    // m
+    float brush_radius = 0.15f;  // m, of painted anchors
 };
 
 struct Playback {
@@ -82,6 +83,10 @@ class Session {
     [[nodiscard]] const std::vector<glm::dvec3>& sites() const { return sites_; }
     // So that single ones can be edited: what the pattern made becomes sites placed by hand.
     void take_sites(uint64_t gesture);
+
+    // Anchors are given from the foot of the mesh (world_options.h).
+    [[nodiscard]] Anchor anchor_at(const glm::dvec3& on_stage) const;
+    [[nodiscard]] glm::dvec3 on_stage(const Anchor& anchor) const;
 
     // --- what happens on the stage ---
     [[nodiscard]] const Object& object() const { return *object_; }

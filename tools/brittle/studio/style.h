@@ -11,6 +11,8 @@ struct StudioColours {
     ImU32 accent = IM_COL32(236, 142, 66, 255); // of terracotta, where things break
     ImU32 accent_soft = IM_COL32(236, 142, 66, 110);
     ImU32 axis[3] = {IM_COL32(228, 84, 74, 255), IM_COL32(118, 192, 82, 255), IM_COL32(84, 148, 236, 255)};
+    ImU32 anchor = IM_COL32(84, 148, 236, 70); // painted, over the picture
+    ImU32 anchor_rim = IM_COL32(120, 176, 250, 255);
     ImU32 bar = IM_COL32(112, 70, 40, 255); // of a slider, under its number
     ImU32 outline = IM_COL32(0, 0, 0, 120);
 };

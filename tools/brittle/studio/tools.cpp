@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace brittle::tools {
@@ -14,6 +15,8 @@ constexpr float site_reach = 8.0f;    // pixels around a site that count as the 
 constexpr float axis_reach = 7.0f;    // pixels beside an axis of the gizmo
 constexpr float axis_length = 64.0f;  // pixels
 constexpr float click_slack = 4.0f;   // pixels that the mouse may move in a click
+constexpr float dab_spacing = 8.0f;   // pixels of the mouse's way between two tries to paint
+constexpr int most_dabs = 100;        // in one frame
 constexpr float radius_step = 1.12f;  // a notch of the wheel
 
 constexpr std::array infos{
@@ -22,6 +25,7 @@ constexpr std::array infos{
     ToolInfo{"Hammer", "F3", "click to break off what is near (Shift + wheel: radius)"},
     ToolInfo{"Shoot", "F4", "click to fire a ball (Shift + wheel: its radius)"},
     ToolInfo{"Grab", "F5", "drag a piece of what is broken about"},
+    ToolInfo{"Anchors", "F6", "paint where it is held (Ctrl: rub out, Shift + wheel: radius)"},
 };
 
 glm::vec3 axis_vector(int axis) {
@@ -93,8 +97,10 @@ void Tools::handle(const engine::Input& input, const Viewport& view, bool free, 
             navigation.zoom(input.scroll, view, input.cursor);
         } else if (input.scroll != 0.0f) {
             const float factor = std::pow(radius_step, input.scroll);
-            float& radius = tool_ == Tool::shoot ? session.tools.ball_radius : session.tools.hammer_radius;
-            radius = std::clamp(radius * factor, 0.02f, tool_ == Tool::shoot ? 0.5f : 1.5f);
+            float& radius = tool_ == Tool::shoot     ? session.tools.ball_radius
+                            : tool_ == Tool::anchors ? session.tools.brush_radius
+                                                     : session.tools.hammer_radius;
+            radius = std::clamp(radius * factor, 0.02f, tool_ == Tool::hammer ? 1.5f : 0.5f);
         }
     }
     aim(input, view, free, session);
@@ -112,6 +118,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
     switch (tool_) {
     case Tool::inspect: drag_ = Drag::orbit; break;
     case Tool::sites: press_sites(event, view, session); break;
+    case Tool::anchors: press_anchors(event, view, session); break;
     case Tool::hammer:
         if (session.broken()) {
             if (const auto hit = session.first_piece(ray.from, ray.direction)) session.strike(*hit, ray.direction);
@@ -148,7 +155,7 @@ void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, 
     if (const auto axis = axis_at(event.cursor, view, session)) {
         drag_ = Drag::axis;
         axis_ = *axis;
-        anchor_ = on_axis(view.ray(event.cursor), glm::dvec3(*gizmo_at(session)), glm::dvec3(axis_vector(axis_)));
+        dragged_ = on_axis(view.ray(event.cursor), glm::dvec3(*gizmo_at(session)), glm::dvec3(axis_vector(axis_)));
         session.take_sites(gesture_);
         return;
     }
@@ -165,7 +172,7 @@ void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, 
     }
     if (at == selection.end()) selection = {*site};
     drag_ = Drag::site;
-    anchor_ = on_view_plane(view.ray(event.cursor), session.sites()[*site], view);
+    dragged_ = on_view_plane(view.ray(event.cursor), session.sites()[*site], view);
 }
 
 // On the surface, or with Alt in the middle of what the ray passes first.
@@ -187,8 +194,47 @@ void Tools::place_site(const engine::ButtonEvent& event, const Viewport& view, S
     session.selection = {static_cast<uint32_t>(session.sites().size() - 1)};
 }
 
+void Tools::press_anchors(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
+    if (session.broken()) {
+        session.say({"R makes it whole again; then it can be anchored."});
+        return;
+    }
+    gesture_ = session.begin_gesture();
+    drag_ = event.modifiers.control ? Drag::rub_out : Drag::paint;
+    painted_to_ = event.cursor;
+    paint(view.ray(event.cursor), session);
+}
+
+// The mouse goes far in a slow frame.
+void Tools::paint_along(glm::vec2 to, const Viewport& view, Session& session) {
+    const float way = glm::distance(to, painted_to_);
+    const int dabs = std::min(static_cast<int>(std::ceil(way / dab_spacing)), most_dabs);
+    for (int k = 1; k <= dabs; ++k)
+        paint(view.ray(glm::mix(painted_to_, to, static_cast<float>(k) / static_cast<float>(dabs))), session);
+    painted_to_ = to;
+}
+
+// Spots lie so far apart that their balls cover what lies between.
+void Tools::paint(const Ray& ray, Session& session) {
+    const auto hit = session.object().first_hit(ray.from, ray.direction);
+    if (!hit) return;
+    const Anchor spot = session.anchor_at(hit->point);
+    const std::vector<Anchor>& anchors = session.recipe().world.anchors;
+    std::vector<uint32_t> near;
+    for (uint32_t k = 0; k < anchors.size(); ++k) {
+        const double reach = drag_ == Drag::rub_out ? anchors[k].radius : 0.5 * spot.radius;
+        if (glm::distance(anchors[k].at, spot.at) < reach) near.push_back(k);
+    }
+    if (drag_ == Drag::rub_out) session.edit(RemoveAnchors{near}, gesture_);
+    else if (near.empty()) session.edit(AddAnchor{spot}, gesture_);
+}
+
 void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
     const Ray ray = view.ray(cursor);
+    if (drag_ == Drag::paint || drag_ == Drag::rub_out) {
+        paint_along(cursor, view, session);
+        return;
+    }
     if (drag_ == Drag::grab) {
         target_ = glm::vec3(on_view_plane(ray, glm::dvec3(target_), view));
         session.drag(target_);
@@ -197,12 +243,12 @@ void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
     if (drag_ != Drag::site && drag_ != Drag::axis) return;
     if (drag_ == Drag::site && glm::distance(cursor, pressed_at_) <= click_slack && session.recipe().points.empty()) return;
     const glm::dvec3 now =
-        drag_ == Drag::site ? on_view_plane(ray, anchor_, view) : on_axis(ray, anchor_, glm::dvec3(axis_vector(axis_)));
-    const glm::dvec3 by = (now - anchor_) / session.object().scale();
+        drag_ == Drag::site ? on_view_plane(ray, dragged_, view) : on_axis(ray, dragged_, glm::dvec3(axis_vector(axis_)));
+    const glm::dvec3 by = (now - dragged_) / session.object().scale();
     if (by == glm::dvec3(0.0)) return;
     session.take_sites(gesture_);
     session.edit(MoveSites{session.selection, by}, gesture_);
-    anchor_ = now;
+    dragged_ = now;
 }
 
 void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Session& session) {
@@ -210,8 +256,10 @@ void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Ses
     aimed_.reset();
     const bool over = free && view.is_free(input.cursor);
     if (tool_ == Tool::sites && over && !left_) hovered_ = site_at(input.cursor, view, session);
-    if (tool_ != Tool::hammer) return;
     const Ray ray = view.ray(input.cursor);
+    if (tool_ == Tool::anchors && over && !session.broken() && !right_ && !middle_)
+        if (const auto hit = session.object().first_hit(ray.from, ray.direction)) aimed_ = glm::vec3(hit->point);
+    if (tool_ != Tool::hammer) return;
     if (over && !session.broken() && !right_ && !middle_)
         if (const auto hit = session.object().first_hit(ray.from, ray.direction)) {
             aimed_ = glm::vec3(hit->point);
@@ -258,6 +306,15 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
     Overlay overlay;
     if (tool_ == Tool::hammer && aimed_)
         overlay.circles.push_back({cursor_, session.tools.hammer_radius * view.pixels_a_metre(*aimed_), true});
+    if (tool_ == Tool::anchors) {
+        if (aimed_)
+            overlay.circles.push_back({cursor_, session.tools.brush_radius * view.pixels_a_metre(*aimed_), true});
+        for (const Anchor& anchor : session.recipe().world.anchors) {
+            const auto centre = glm::vec3(session.on_stage(anchor));
+            const float radius = static_cast<float>(anchor.radius) * view.pixels_a_metre(centre);
+            if (const auto at = view.pixel(centre)) overlay.spots.push_back({*at, radius});
+        }
+    }
     if (tool_ == Tool::shoot) overlay.circles.push_back({cursor_, 6.0f, true});
     if (drag_ == Drag::grab)
         if (const auto at = view.pixel(target_)) overlay.string = {*at, cursor_};

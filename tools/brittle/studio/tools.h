@@ -18,7 +18,7 @@
 
 namespace brittle::tools {
 
-enum class Tool { inspect, sites, hammer, shoot, grab };
+enum class Tool { inspect, sites, hammer, shoot, grab, anchors };
 
 struct ToolInfo {
     std::string_view name;
@@ -26,7 +26,8 @@ struct ToolInfo {
     const char* hint; // what the left button does
 };
 [[nodiscard]] const ToolInfo& info_of(Tool tool);
-inline constexpr std::array all_tools{Tool::inspect, Tool::sites, Tool::hammer, Tool::shoot, Tool::grab};
+inline constexpr std::array all_tools{Tool::inspect, Tool::sites, Tool::hammer, Tool::shoot, Tool::grab,
+                                           Tool::anchors};
 
 // What to draw over the picture; pixels.
 struct Overlay {
@@ -35,12 +36,17 @@ struct Overlay {
         float radius;
         bool strong;
     };
+    struct Spot { // of paint
+        glm::vec2 centre;
+        float radius;
+    };
     struct Axis {
         glm::vec2 from, to;
         int axis; // 0, 1, 2
         bool strong;
     };
     std::vector<Circle> circles;
+    std::vector<Spot> spots;
     std::vector<Axis> axes; // of the move gizmo
     std::optional<std::array<glm::vec2, 2>> string; // from what is grabbed to the cursor
 };
@@ -64,12 +70,15 @@ class Tools {
     void mirror_selected(Session& session, int axis) const; // in the middle of the mesh; all sites where none is selected
 
   private:
-    enum class Drag { none, orbit, site, axis, grab };
+    enum class Drag { none, orbit, site, axis, grab, paint, rub_out };
 
     void press(const engine::ButtonEvent& event, const Viewport& view, Session& session);
     void release(const engine::ButtonEvent& event, const Viewport& view, Session& session);
     void press_sites(const engine::ButtonEvent& event, const Viewport& view, Session& session);
     void place_site(const engine::ButtonEvent& event, const Viewport& view, Session& session);
+    void press_anchors(const engine::ButtonEvent& event, const Viewport& view, Session& session);
+    void paint_along(glm::vec2 to, const Viewport& view, Session& session);
+    void paint(const Ray& ray, Session& session);
     void drag_to(glm::vec2 cursor, const Viewport& view, Session& session);
     void aim(const engine::Input& input, const Viewport& view, bool free, Session& session);
     [[nodiscard]] std::optional<uint32_t> site_at(glm::vec2 pixel, const Viewport& view, const Session& session) const;
@@ -79,12 +88,12 @@ class Tools {
     Tool tool_ = Tool::inspect;
     Drag drag_ = Drag::none;
     bool left_ = false, right_ = false, middle_ = false; // pressed over the scene
-    glm::vec2 cursor_{0.0f}, pressed_at_{0.0f};
+    glm::vec2 cursor_{0.0f}, pressed_at_{0.0f}, painted_to_{0.0f};
     uint64_t gesture_ = 0;
     int axis_ = 0;
-    glm::dvec3 anchor_{0.0}; // where the drag was last, on the stage
+    glm::dvec3 dragged_{0.0}; // where the drag was last, on the stage
     std::optional<uint32_t> hovered_;
-    std::optional<glm::vec3> aimed_; // where the hammer would hit
+    std::optional<glm::vec3> aimed_; // where the hammer would hit, or the brush
     glm::vec3 target_{0.0f};
 
 };
