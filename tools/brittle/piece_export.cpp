@@ -42,10 +42,10 @@ std::vector<std::filesystem::path> write_pieces(const FractureCommand& command, 
     options.hull_names = command.hulls == "unreal" ? fracture::HullNames::unreal : fracture::HullNames::godot;
     options.rigid_bodies = command.rigid_bodies;
     options.density = density(command);
-    std::vector<fracture::TriangleMesh> hulls;
+    std::vector<std::vector<fracture::TriangleMesh>> hulls;
     if (!command.hulls.empty() || command.rigid_bodies) {
         for (const fracture::Piece& piece : broken.fragments.pieces)
-            hulls.push_back(collision_mesh(broken.fragments, piece));
+            hulls.push_back({collision_mesh(broken.fragments, piece)});
         options.hulls = hulls;
     }
     if (!command.interior_texture.empty()) options.interior_image = must(fracture::read_image(command.interior_texture));
