@@ -53,7 +53,27 @@ glm::dvec3 weights_at(const glm::dvec3& p, const std::array<glm::dvec3, 3>& corn
     return std::isfinite(sum) && sum > 0.0 ? weights / sum : along_longest_side(p, corners);
 }
 
+// The same for both sides of a cut: the first component that is plainly not zero is positive.
+glm::dvec3 without_side(const glm::dvec3& unit) {
+    for (int k = 0; k < 3; ++k)
+        if (std::abs(unit[k]) >= 1e-6) return unit[k] > 0.0 ? unit : -unit;
+    return unit;
+}
+
+// Level and upward on a plane, of its unit normal.
+std::array<glm::dvec3, 2> axes_on(const glm::dvec3& normal) {
+    const bool is_level = std::abs(normal.y) > 0.999;
+    const glm::dvec3 up = is_level ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
+    const glm::dvec3 u = glm::normalize(glm::cross(up, normal));
+    return {u, glm::cross(normal, u)};
+}
+
 } // namespace
+
+glm::dvec2 plane_uv(const glm::dvec3& normal, const glm::dvec3& point) {
+    const auto [u, v] = axes_on(without_side(normal));
+    return {glm::dot(point, u), glm::dot(point, v)};
+}
 
 std::array<glm::dvec3, 3> barycentrics(const TriangleMesh& source, const Fragments& fragments, const Piece& piece,
                                        uint32_t triangle) {
@@ -87,17 +107,9 @@ std::array<glm::dvec2, 3> interior_uv(std::span<const glm::dvec3> sites, const F
     glm::dvec3 own = glm::cross(p[1] - p[0], p[2] - p[0]);
     const double area2 = glm::length(own);
     if (area2 > 0.0 && !(std::abs(glm::dot(own, normal)) > same_plane * area2)) {
-        own /= area2;
-        // The same for both sides: the first component that is plainly not zero is positive.
-        for (int k = 0; k < 3; ++k) {
-            if (std::abs(own[k]) < 1e-6) continue;
-            normal = own[k] > 0.0 ? own : -own;
-            break;
-        }
+        normal = without_side(own / area2);
     }
-    const bool is_level = std::abs(normal.y) > 0.999;
-    const glm::dvec3 up = is_level ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
-    const glm::dvec3 u = glm::normalize(glm::cross(up, normal)), v = glm::cross(normal, u);
+    const auto [u, v] = axes_on(normal);
     const glm::dvec3 middle = 0.5 * low + 0.5 * high;
     std::array<glm::dvec2, 3> result{};
     for (size_t k = 0; k < 3; ++k) result[k] = {glm::dot(p[k] - middle, u), glm::dot(p[k] - middle, v)};

@@ -35,4 +35,7 @@ namespace brittle::fracture {
 [[nodiscard]] std::array<glm::dvec2, 3> interior_uv(std::span<const glm::dvec3> sites, const Fragments& fragments,
                                                     const Piece& piece, uint32_t triangle);
 
+// Likewise of a point on a cut, by the cut's unit normal alone, from the origin.
+[[nodiscard]] glm::dvec2 plane_uv(const glm::dvec3& normal, const glm::dvec3& point);
+
 } // namespace brittle::fracture

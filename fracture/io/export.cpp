@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <numeric>
 
@@ -11,6 +12,8 @@
 namespace brittle::fracture {
 
 namespace {
+
+constexpr double unit_slack = 1e-4; // of a quaternion's length: what comes from single precision
 
 using Files = std::vector<std::filesystem::path>;
 using Writer = Result<std::vector<OutputFile>> (*)(const ExportJob&);
@@ -35,6 +38,24 @@ Error unsupported(const std::filesystem::path& file) {
                                                  + "; choose one of " + known};
 }
 
+// What is given for each piece must be there for each.
+Result<void> check_lists(const Fragments& fragments, const ExportOptions& options) {
+    const auto wrong = [&](size_t count, const char* what) {
+        return Error{Status::invalid_setting, "there are " + std::to_string(count) + " " + what + " for "
+                                                  + std::to_string(fragments.pieces.size()) + " pieces"};
+    };
+    if (!options.hulls.empty() && options.hulls.size() != fragments.pieces.size()) return wrong(options.hulls.size(), "lists of hulls");
+    if (!options.poses.empty() && options.poses.size() != fragments.pieces.size()) return wrong(options.poses.size(), "poses");
+    for (size_t p = 0; p < options.poses.size(); ++p) {
+        const PiecePose& pose = options.poses[p];
+        const double sum = pose.position.x + pose.position.y + pose.position.z, length = glm::length(pose.orientation);
+        if (!std::isfinite(sum) || !(std::abs(length - 1.0) < unit_slack))
+            return Error{Status::invalid_setting, "the pose of piece " + std::to_string(p) + " is none: its position must be finite "
+                                                      "and its rotation a unit quaternion"};
+    }
+    return {};
+}
+
 Result<void> write_job(const std::filesystem::path& file, Writer writer, const ExportJob& job, Files& written) {
     Result<std::vector<OutputFile>> outputs = writer(job);
     if (!outputs) return Error{outputs.error().status, file.string() + ": " + outputs.error().message};
@@ -53,6 +74,16 @@ std::string piece_name(const ExportOptions& options, uint32_t piece) {
     char number[16];
     std::snprintf(number, sizeof number, "_%03u", piece);
     return options.name + number;
+}
+
+glm::dvec3 placed(const ExportJob& job, uint32_t piece, const glm::dvec3& point) {
+    if (job.options.poses.empty()) return point;
+    const PiecePose& pose = job.options.poses[piece];
+    return pose.position + pose.orientation * (point - job.fragments.pieces[piece].mass.centre_of_mass);
+}
+
+glm::vec3 turned(const ExportJob& job, uint32_t piece, const glm::vec3& direction) {
+    return job.options.poses.empty() ? direction : glm::vec3(job.options.poses[piece].orientation * glm::dvec3(direction));
 }
 
 // Weathered stone outside; darker and warmer inside, so that a break is seen at once.
@@ -77,9 +108,7 @@ Result<Files> export_pieces(const std::filesystem::path& file, const Fragments& 
                             const Certificate& certificate, const ExportOptions& options) {
     const Writer writer = writer_of(file);
     if (!writer) return unsupported(file);
-    if (!options.hulls.empty() && options.hulls.size() != fragments.pieces.size())
-        return Error{Status::invalid_setting, "there are " + std::to_string(options.hulls.size()) + " hulls for "
-                                                  + std::to_string(fragments.pieces.size()) + " pieces"};
+    if (const Result<void> valid = check_lists(fragments, options); !valid) return valid.error();
     std::vector<uint32_t> pieces(fragments.pieces.size());
     std::iota(pieces.begin(), pieces.end(), 0u);
     Files written;

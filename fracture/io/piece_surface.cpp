@@ -89,8 +89,9 @@ struct HashCorner {
 
 class PartBuilder {
   public:
-    PartBuilder(const Fragments& fragments, const Piece& piece, const Model* source, std::span<const glm::dvec3> sites)
-        : fragments_(fragments), piece_(piece), source_(source), sites_(sites) {}
+    PartBuilder(const Fragments& fragments, const Piece& piece, const Model* source, std::span<const glm::dvec3> sites,
+                bool uv_by_plane)
+        : fragments_(fragments), piece_(piece), source_(source), sites_(sites), uv_by_plane_(uv_by_plane && sites.empty()) {}
 
     std::vector<DrawnPart> build() {
         add_exterior();
@@ -128,7 +129,7 @@ class PartBuilder {
             const auto plane = order.subspan(first, last - first);
             const glm::vec3 normal = normal_of(positions, triangles, plane);
             for (const auto& [source, number, t] : plane) {
-                const auto corners = parts_.back().interior ? interior_corners(t) : exterior_corners(t, source);
+                const auto corners = parts_.back().interior ? interior_corners(t, normal) : exterior_corners(t, source);
                 for (Corner corner : corners) {
                     if (corner.normal == glm::vec3(0.0f)) corner.normal = normal;
                     add(corner);
@@ -137,12 +138,13 @@ class PartBuilder {
         }
     }
 
-    [[nodiscard]] std::array<Corner, 3> interior_corners(uint32_t t) const {
+    [[nodiscard]] std::array<Corner, 3> interior_corners(uint32_t t, const glm::vec3& normal) const {
         std::array<Corner, 3> corners{};
         std::array<glm::dvec2, 3> uv{};
         if (!sites_.empty()) uv = interior_uv(sites_, fragments_, piece_, piece_.triangles.begin + t);
         for (size_t k = 0; k < 3; ++k) {
-            corners[k].vertex = fragments_.triangles_of(piece_)[t][static_cast<int>(k)];
+            const uint32_t v = corners[k].vertex = fragments_.triangles_of(piece_)[t][static_cast<int>(k)];
+            if (uv_by_plane_) uv[k] = plane_uv(glm::dvec3(normal), fragments_.positions_of(piece_)[v]);
             corners[k].uv[0] = glm::vec2(uv[k].x, -uv[k].y);
         }
         return corners;
@@ -182,7 +184,7 @@ class PartBuilder {
             part.vertices.push_back(corner.vertex);
             part.normals.push_back(corner.normal);
             for (size_t set = 0; set < 2; ++set)
-                if (part.interior ? set == 0 && !sites_.empty() : source_ && !source_->uv[set].empty())
+                if (part.interior ? set == 0 && (!sites_.empty() || uv_by_plane_) : source_ && !source_->uv[set].empty())
                     part.uv[set].push_back(corner.uv[set]);
             if (!part.interior && source_ && !source_->colours.empty()) part.colours.push_back(corner.colour);
         }
@@ -193,6 +195,7 @@ class PartBuilder {
     const Piece& piece_;
     const Model* source_;
     std::span<const glm::dvec3> sites_;
+    bool uv_by_plane_;
     std::vector<DrawnPart> parts_;
     std::unordered_map<Corner, uint32_t, HashCorner> known_; // of the part at hand
 };
@@ -200,8 +203,8 @@ class PartBuilder {
 } // namespace
 
 std::vector<DrawnPart> drawn_parts(const Fragments& fragments, const Piece& piece, const Model* source,
-                                   std::span<const glm::dvec3> sites) {
-    return PartBuilder(fragments, piece, source, sites).build();
+                                   std::span<const glm::dvec3> sites, bool uv_by_plane) {
+    return PartBuilder(fragments, piece, source, sites, uv_by_plane).build();
 }
 
 } // namespace brittle::fracture

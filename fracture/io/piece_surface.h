@@ -27,12 +27,11 @@ struct DrawnPart {
     std::vector<uint32_t> indices{}; // three a triangle, into the above
 };
 
-// Exterior parts by material, those of none first; the interior last. Parts without triangles are left out. `source`
-// and `sites` as in ExportOptions.
+// Exterior parts by material, those of none first; the interior last. Parts without triangles are left out.
 //
 // Flat shading where the source has no normals: triangles of one triangle_source and one plane share their normal, so
-// slivers get that of their plane.
+// slivers get that of their plane. `source`, `sites` and `uv_by_plane` as in ExportOptions.
 [[nodiscard]] std::vector<DrawnPart> drawn_parts(const Fragments& fragments, const Piece& piece, const Model* source,
-                                                 std::span<const glm::dvec3> sites);
+                                                 std::span<const glm::dvec3> sites, bool uv_by_plane = false);
 
 } // namespace brittle::fracture

@@ -14,7 +14,13 @@ nlohmann::ordered_json rigid_body_json(const MassProperties& mass, double densit
     json["motion"] = {{"mass", mass.volume * density},
                       {"inertiaDiagonal", {moments.x, moments.y, moments.z}},
                       {"inertiaOrientation", {turn.x, turn.y, turn.z, turn.w}}};
-    if (hull) json["collider"]["geometry"] = {{"node", *hull}, {"convexHull", true}};
+    if (hull) json.update(collider_json(*hull));
+    return json;
+}
+
+nlohmann::ordered_json collider_json(size_t hull) {
+    nlohmann::ordered_json json;
+    json["collider"]["geometry"] = {{"node", hull}, {"convexHull", true}};
     return json;
 }
 

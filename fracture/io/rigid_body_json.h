@@ -12,9 +12,11 @@ namespace brittle::fracture {
 
 inline constexpr const char* rigid_body_extension = "KHR_physics_rigid_bodies";
 
-// `mass` at density 1, `density` in kg/m^3; the node's origin is the centre of mass and it has no rotation. `hull` is the
-// node whose mesh bounds the piece, whose convex hull collides; without one the piece has no collider.
+// `mass` at density 1 in the node's axes, `density` in kg/m^3; the node's origin is the centre of mass. `hull` is the node
+// whose mesh bounds the piece, whose convex hull collides; without one the piece has no collider of its own.
 [[nodiscard]] nlohmann::ordered_json rigid_body_json(const MassProperties& mass, double density,
                                                      std::optional<size_t> hull);
+// Of a node below it that is one of several colliders.
+[[nodiscard]] nlohmann::ordered_json collider_json(size_t hull);
 
 } // namespace brittle::fracture

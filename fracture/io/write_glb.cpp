@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 
@@ -137,16 +138,16 @@ class GlbWriter {
     Result<void> add_piece(uint32_t p) {
         const Piece& piece = job_.fragments.pieces[p];
         const MassProperties& mass = piece.mass;
-        const glm::vec3 translation(mass.centre_of_mass);
+        const glm::dvec3 origin = origin_of(mass);
         const std::string name = piece_name(options_, p);
         Json primitives = Json::array();
-        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, source_, options_.sites)) {
-            Result<Json> primitive = add_part(part, piece, translation, name);
+        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, source_, options_.sites, options_.uv_by_plane)) {
+            Result<Json> primitive = add_part(part, piece, origin, name);
             if (!primitive) return primitive.error();
             primitives.push_back(std::move(*primitive));
         }
         Json node = {{"name", name}};
-        node["translation"] = array_of(translation);
+        place(node, p, origin);
         if (!primitives.empty()) {
             node["mesh"] = meshes_.size();
             meshes_.push_back({{"name", name}, {"primitives", std::move(primitives)}});
@@ -167,27 +168,60 @@ class GlbWriter {
 
         const size_t at = nodes_.size();
         nodes_.push_back(nullptr);
-        if (!options_.hulls.empty() && !options_.hulls[p].triangles.empty()) {
-            Result<Json> hull = hull_node(options_.hulls[p], translation, name);
-            if (!hull) return hull.error();
-            node["children"] = Json::array({nodes_.size()});
-            if (options_.rigid_bodies) node["extensions"][rigid_body_extension] = rigid_body_json(mass, options_.density, nodes_.size());
-            nodes_.push_back(std::move(*hull));
-        } else if (options_.rigid_bodies) {
-            node["extensions"][rigid_body_extension] = rigid_body_json(mass, options_.density, std::nullopt);
-        }
+        if (Result<void> done = add_hulls(node, p, origin, name); !done) return done.error();
         nodes_[at] = std::move(node);
         return {};
     }
 
-    Result<Json> hull_node(const TriangleMesh& hull, const glm::vec3& translation, const std::string& piece) {
+    // Of the node's axes: the centre of mass, rounded where it is the translation as well.
+    [[nodiscard]] glm::dvec3 origin_of(const MassProperties& mass) const {
+        return options_.poses.empty() ? glm::dvec3(glm::vec3(mass.centre_of_mass)) : mass.centre_of_mass;
+    }
+
+    void place(Json& node, uint32_t p, const glm::dvec3& origin) const {
+        if (options_.poses.empty()) {
+            node["translation"] = array_of(glm::vec3(origin));
+            return;
+        }
+        const PiecePose& pose = options_.poses[p];
+        const glm::quat turn(glm::normalize(pose.orientation));
+        node["translation"] = array_of(glm::vec3(pose.position));
+        node["rotation"] = {turn.x, turn.y, turn.z, turn.w};
+    }
+
+    // One hull is the collider of its piece; several are colliders themselves.
+    Result<void> add_hulls(Json& node, uint32_t p, const glm::dvec3& origin, const std::string& name) {
+        std::vector<const TriangleMesh*> hulls;
+        if (!options_.hulls.empty())
+            for (const TriangleMesh& hull : options_.hulls[p])
+                if (!hull.triangles.empty()) hulls.push_back(&hull);
+        const bool alone = hulls.size() == 1;
+        if (options_.rigid_bodies)
+            node["extensions"][rigid_body_extension] = rigid_body_json(
+                job_.fragments.pieces[p].mass, options_.density, alone ? std::optional(nodes_.size()) : std::nullopt);
+        for (size_t k = 0; k < hulls.size(); ++k) {
+            Result<Json> hull = hull_node(*hulls[k], origin, hull_name(name, k, alone));
+            if (!hull) return hull.error();
+            if (options_.rigid_bodies && !alone) (*hull)["extensions"][rigid_body_extension] = collider_json(nodes_.size());
+            node["children"].push_back(nodes_.size());
+            nodes_.push_back(std::move(*hull));
+        }
+        return {};
+    }
+
+    [[nodiscard]] std::string hull_name(const std::string& piece, size_t hull, bool alone) const {
+        char number[24];
+        std::snprintf(number, sizeof number, "_%02zu", hull);
+        if (options_.hull_names == HullNames::unreal) return "UCX_" + piece + number;
+        return piece + (alone ? "" : number) + "-convcolonly";
+    }
+
+    Result<Json> hull_node(const TriangleMesh& hull, const glm::dvec3& origin, const std::string& name) {
         std::vector<glm::vec3> positions;
-        for (const glm::dvec3& p : hull.positions) positions.emplace_back(p - glm::dvec3(translation));
+        for (const glm::dvec3& p : hull.positions) positions.emplace_back(p - origin);
         std::vector<uint32_t> indices;
         for (const Triangle& t : hull.triangles)
             for (int k = 0; k < 3; ++k) indices.push_back(t[k]);
-        const std::string name =
-            options_.hull_names == HullNames::godot ? piece + "-convcolonly" : "UCX_" + piece + "_00";
         Result<Json> attributes = add_positions(positions, name);
         if (!attributes) return attributes.error();
         Json primitive = {{"attributes", std::move(*attributes)}, {"indices", add_indices(indices, positions.size())}};
@@ -218,11 +252,11 @@ class GlbWriter {
         return Json{{"POSITION", accessor}};
     }
 
-    Result<Json> add_part(const DrawnPart& part, const Piece& piece, const glm::vec3& translation, const std::string& name) {
+    Result<Json> add_part(const DrawnPart& part, const Piece& piece, const glm::dvec3& origin, const std::string& name) {
         const auto of_piece = job_.fragments.positions_of(piece);
         std::vector<glm::vec3> positions;
         positions.reserve(part.vertices.size());
-        for (const uint32_t v : part.vertices) positions.emplace_back(of_piece[v] - glm::dvec3(translation));
+        for (const uint32_t v : part.vertices) positions.emplace_back(of_piece[v] - origin);
         Result<Json> attributes = add_positions(positions, name);
         if (!attributes) return attributes.error();
         (*attributes)["NORMAL"] = add_accessor("normals", std::span<const glm::vec3>(part.normals), "VEC3");

@@ -73,11 +73,12 @@ class ObjWriter {
         const auto positions = job_.fragments.positions_of(piece);
         obj_ += "o " + word(piece_name(job_.options, p), "piece") + "\n";
         for (const glm::dvec3& v : positions) {
+            const glm::dvec3 at = placed(job_, p, v);
             obj_ += 'v';
-            for (int k = 0; k < 3; ++k) append(obj_, v[k]);
+            for (int k = 0; k < 3; ++k) append(obj_, at[k]);
             obj_ += '\n';
         }
-        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, source_, job_.options.sites)) {
+        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, source_, job_.options.sites, job_.options.uv_by_plane)) {
             const bool has_uv = !part.uv[0].empty();
             for (const glm::vec2& at : part.uv[0]) {
                 obj_ += "vt";
@@ -85,7 +86,8 @@ class ObjWriter {
                 append(obj_, 1.0f - at.y); // up here
                 obj_ += '\n';
             }
-            for (const glm::vec3& n : part.normals) {
+            for (const glm::vec3& normal : part.normals) {
+                const glm::vec3 n = turned(job_, p, normal);
                 obj_ += "vn";
                 for (int k = 0; k < 3; ++k) append(obj_, n[k]);
                 obj_ += '\n';

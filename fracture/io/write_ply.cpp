@@ -54,7 +54,7 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
                     const uint32_t corner = part.indices[k], v = part.vertices[corner];
                     const uint32_t colour = part.interior ? of_cuts : bytes_of(part.colours[corner]);
                     const auto [known, is_new] = written.emplace(uint64_t{v} << 32 | colour, 0);
-                    if (is_new) known->second = add_vertex(positions[v], colour);
+                    if (is_new) known->second = add_vertex(placed(job, p, positions[v]), colour);
                     return known->second;
                 };
                 for (size_t k = 0; k < part.indices.size(); k += 3)
@@ -62,7 +62,7 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
             }
         } else {
             const auto base = static_cast<uint32_t>(vertex_count);
-            for (const glm::dvec3& v : positions) add_vertex(v, std::nullopt);
+            for (const glm::dvec3& v : positions) add_vertex(placed(job, p, v), std::nullopt);
             const auto triangles = job.fragments.triangles_of(piece);
             for (uint32_t t = 0; t < triangles.size(); ++t) add_face(triangles[t] + base, p, t >= piece.exterior_triangles);
         }

@@ -30,6 +30,10 @@ struct ExportJob {
 // NAME_000, ...
 [[nodiscard]] std::string piece_name(const ExportOptions& options, uint32_t piece);
 
+// Where a point and a direction of a piece come to by its pose, if it has one.
+[[nodiscard]] glm::dvec3 placed(const ExportJob& job, uint32_t piece, const glm::dvec3& point);
+[[nodiscard]] glm::vec3 turned(const ExportJob& job, uint32_t piece, const glm::vec3& direction);
+
 // The material of the cuts: what the options say, or the default.
 [[nodiscard]] Material interior_material(const ExportOptions& options);
 // For parts of the exterior that have none.

@@ -283,10 +283,10 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     const Model crate = imported(meshes / "crate.obj");
     const Cut pieces = cut(crate, 9);
     // Any closed mesh will do for a hull here.
-    std::vector<TriangleMesh> hulls;
+    std::vector<std::vector<TriangleMesh>> hulls;
     for (const Piece& piece : pieces.fragments.pieces) {
-        hulls.push_back(cube(0.1));
-        for (glm::dvec3& p : hulls.back().positions) p += piece.mass.centre_of_mass;
+        hulls.push_back({cube(0.1)});
+        for (glm::dvec3& p : hulls.back()[0].positions) p += piece.mass.centre_of_mass;
     }
     ExportOptions options{.name = "crate", .source = &crate};
     options.hulls = hulls;
@@ -324,11 +324,89 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     options.hull_names = HullNames::unreal;
     const json unreal = document_of(written(folder.path() / "b.glb", pieces, options));
     CHECK(unreal["nodes"][2]["name"] == "UCX_crate_000_00");
+    hulls[0].push_back(hulls[0][0]);
+    options.hulls = hulls;
+    const json several = document_of(written(folder.path() / "d.glb", pieces, options));
+    const json &first = several["nodes"][1], &second_hull = several["nodes"][3];
+    CHECK(first["children"] == json{2, 3});
+    CHECK_FALSE(first["extensions"]["KHR_physics_rigid_bodies"].contains("collider")); // its hulls are colliders
+    CHECK(second_hull["name"] == "UCX_crate_000_01");
+    CHECK(second_hull["extensions"]["KHR_physics_rigid_bodies"]["collider"]["geometry"]["node"] == 3);
     hulls.pop_back();
     options.hulls = hulls;
     const auto refused = export_pieces(folder.path() / "c.glb", pieces.fragments, pieces.certificate, options);
     REQUIRE(!refused);
     CHECK(refused.error().status == Status::invalid_setting);
+}
+
+TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates and normals are turned elsewhere") {
+    const test::TemporaryFolder folder;
+    const Model crate = imported(meshes / "crate.obj");
+    const Cut pieces = cut(crate, 9);
+    std::vector<PiecePose> poses;
+    std::vector<glm::dmat3> turns; // by Rodrigues' formula, not by quaternions
+    for (size_t p = 0; p < pieces.fragments.pieces.size(); ++p) {
+        const double angle = 0.4 + static_cast<double>(p), c = std::cos(angle), s = std::sin(angle);
+        const glm::dvec3 a = glm::normalize(glm::dvec3(1.0, 0.5 * static_cast<double>(p) - 1.0, 0.3));
+        const glm::dmat3 cross(0.0, a.z, -a.y, -a.z, 0.0, a.x, a.y, -a.x, 0.0);
+        turns.push_back(c * glm::dmat3(1.0) + s * cross + (1.0 - c) * glm::outerProduct(a, a));
+        poses.push_back({glm::dvec3(static_cast<double>(p), 2.0, -1.0), glm::angleAxis(angle, a)});
+    }
+    ExportOptions options{.source = &crate, .uv_by_plane = true, .poses = poses, .per_piece = true};
+    for (const std::string ending : {".glb", ".obj", ".ply", ".stl"}) {
+        CAPTURE(ending);
+        const auto files = export_pieces(folder.path() / ("c" + ending), pieces.fragments, pieces.certificate, options);
+        REQUIRE(files);
+        for (size_t p = 0; p < poses.size(); ++p) {
+            const Piece& piece = pieces.fragments.pieces[p];
+            const Model back = imported((*files)[p]);
+            CHECK(check_topology(back.mesh.positions.size(), back.mesh.triangles).closed());
+            std::vector<glm::dvec3> expected;
+            for (const glm::dvec3& v : pieces.fragments.positions_of(piece))
+                expected.push_back(poses[p].position + turns[p] * (v - piece.mass.centre_of_mass));
+            for (const glm::dvec3& v : back.mesh.positions) {
+                double nearest = 1.0;
+                for (const glm::dvec3& e : expected) nearest = std::min(nearest, glm::distance(v, e));
+                CHECK(nearest < 2e-6); // single precision, metres
+            }
+            CHECK(signed_volume(back.mesh.positions, back.mesh.triangles) == doctest::Approx(piece.mass.volume).epsilon(1e-5));
+            double worst = 1.0; // normals look outwards, as their triangles do
+            for (size_t t = 0; t < back.mesh.triangles.size() && !back.normals.empty(); ++t) {
+                const Triangle& at = back.mesh.triangles[t];
+                const glm::dvec3 across = glm::cross(back.mesh.positions[at.y] - back.mesh.positions[at.x], back.mesh.positions[at.z] - back.mesh.positions[at.x]);
+                if (glm::length(across) < 1e-4) continue; // a sliver has no plane in single precision
+                worst = std::min(worst, glm::dot(glm::normalize(across), glm::dvec3(back.normals[3 * t])));
+            }
+            CHECK(worst > 0.99);
+        }
+    }
+    poses[2].orientation *= 1.1;
+    CHECK(export_pieces(folder.path() / "d.glb", pieces.fragments, pieces.certificate, options).error().status == Status::invalid_setting);
+    options.poses = std::span(poses).first(2);
+    CHECK(export_pieces(folder.path() / "d.glb", pieces.fragments, pieces.certificate, options).error().status == Status::invalid_setting);
+    CHECK_FALSE(fs::exists(folder.path() / "d_000.glb"));
+}
+
+TEST_CASE("model: cuts have texture coordinates by their planes where sites are not known") {
+    const test::TemporaryFolder folder;
+    Model plain;
+    plain.mesh = cube(1.0);
+    const Cut pieces = cut(plain, 9);
+    REQUIRE(export_pieces(folder.path() / "a.glb", pieces.fragments, pieces.certificate, {.uv_by_plane = true}));
+    const Model back = imported(folder.path() / "a.glb");
+    REQUIRE(!back.uv[0].empty());
+    size_t cuts = 0;
+    for (size_t t = 0; t < back.mesh.triangles.size(); ++t) {
+        if (back.materials[back.material_of[t]].name != "interior") continue;
+        const Triangle& at = back.mesh.triangles[t];
+        for (int k = 0; k < 3; ++k) { // metres: as long in the texture as in space
+            const auto a = 3 * t + static_cast<size_t>(k), b = 3 * t + static_cast<size_t>((k + 1) % 3);
+            CHECK(double(glm::distance(back.uv[0][a], back.uv[0][b]))
+                  == doctest::Approx(glm::distance(back.mesh.positions[at[k]], back.mesh.positions[at[(k + 1) % 3]])).epsilon(1e-4).scale(1.0));
+        }
+        ++cuts;
+    }
+    CHECK(cuts == pieces.certificate.cap_triangles);
 }
 
 TEST_CASE("model: an image for the cuts, and one that could not be read") {

@@ -63,6 +63,33 @@ TEST_CASE("what render records is repeated without a device, and drawn again as 
         CHECK(read_text(folder / "a_" + number + ".png") == read_text(folder / "b_" + number + ".png"));
 }
 
+TEST_CASE("render and replay write the pieces of the last moment, and the same ones") {
+    const Folder folder;
+    const std::string run = "render shape:animal --breakable --material stone --height 1.5 --frames 60 --size 64x48";
+    const Outcome rendered = run_brittle(folder, run + " --record " + (folder / "run.log") + " --export " + (folder / "a.ply"));
+    INFO(rendered.output);
+    if (no_vulkan(rendered)) return;
+    REQUIRE(rendered.exit_code == 0);
+    CHECK(rendered.has(" pieces in " + (folder / "a.ply")));
+    CHECK_FALSE(rendered.has("1 pieces"));
+    CHECK_FALSE(rendered.has(": 1 piece ")); // it broke where it fell
+    CHECK_FALSE(fs::exists(folder / "frame_0060.png")); // not asked for
+    const Outcome replayed = run_brittle(folder, "replay " + (folder / "run.log") + " --export " + (folder / "b.ply"));
+    INFO(replayed.output);
+    CHECK(replayed.exit_code == 0);
+    CHECK(read_text(folder / "a.ply") == read_text(folder / "b.ply"));
+    const Outcome made = run_brittle(folder, "replay " + (folder / "run.log") + " --export-as made --hulls godot --export " + (folder / "b.glb"));
+    CHECK(made.exit_code == 0);
+    CHECK(read_text(folder / "b.glb").find("_01-convcolonly") != std::string::npos); // legs and body
+    CHECK(run_brittle(folder, "inspect " + (folder / "b.glb")).exit_code == 0);
+
+    CHECK(run_brittle(folder, run + " --whole --export " + (folder / "c.glb")).exit_code == 2);
+    CHECK(run_brittle(folder, run + " --export " + (folder / "c.fbx")).exit_code == 2);
+    CHECK(run_brittle(folder, run + " --export-as flat --export " + (folder / "c.glb")).exit_code == 2);
+    CHECK(run_brittle(folder, "replay " + (folder / "run.log") + " --render " + (folder / "c_%02d.png") + " --export " + (folder / "c.glb")).exit_code == 2);
+    CHECK(run_brittle(folder, run + " --export " + (folder / "none/c.glb")).exit_code == 5);
+}
+
 TEST_CASE("a replay that differs has its exit code and names step and body") {
     const Folder folder;
     const Outcome recorded = record(folder);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <thread>
@@ -13,6 +14,7 @@
 
 #include "tests/engine/support.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/replay/player.h"
 #include "tools/brittle/studio/tools.h"
 
 using namespace brittle;
@@ -67,6 +69,11 @@ class Folder {
     ~Folder() { fs::remove_all(path); }
     fs::path path;
 };
+
+std::string content(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 Viewport view_of(const Navigation& navigation) {
     return {navigation.camera({}), {800.0f, 600.0f}, {}, {800.0f, 600.0f}};
@@ -208,6 +215,92 @@ TEST_CASE("session: a replay log is there once something broke, and not before")
     CHECK(fs::file_size(file) > size);
     session.save_replay(folder.path / "none" / "run.log");
     CHECK(session.message().fault);
+}
+
+TEST_CASE("session: exports what is on the stage, as its log repeats it; before the break the recipe's pieces") {
+    const Folder folder;
+    Room room("shape:animal", 20);
+    if (!room.device) return;
+    Session& session = *room.session;
+    const auto exported = [&](const fs::path& name, PiecesAs as) {
+        session.say({});
+        session.export_pieces(folder.path / name, as);
+        REQUIRE(room.soon([&] { return !session.work() && !session.message().text.empty(); }));
+        CHECK_MESSAGE(!session.message().fault, session.message().text);
+        return content(folder.path / name);
+    };
+    const auto recipe_pieces = [&] {
+        const FractureOptions options = session.recipe();
+        const Input input = load_input(options, true);
+        (void)write_pieces({.output = (folder.path / "line.glb").string()}, options, input, break_input(input, options));
+        return content(folder.path / "line.glb");
+    };
+    // What the log of this moment gives without a window.
+    const auto replayed = [&](PiecesAs as, const std::string& ending) {
+        session.save_replay(folder.path / "run.log");
+        const ReplayLog log = read_replay_log(folder.path / "run.log");
+        const Input source = load_input(log.recipe, true);
+        const auto fragments = std::make_shared<const fracture::Fragments>(
+            break_input(placed_on_stage(source, log.recipe.world), log.recipe).fragments);
+        Simulation simulation(log.recipe.material);
+        Player player(log);
+        simulation.observe(&player);
+        follow(log, simulation);
+        simulation.start(*fragments, log.recipe.world);
+        schedule(log, simulation);
+        while (!player.done()) simulation.step();
+        CHECK_MESSAGE(!player.difference(), (player.difference() ? player.difference()->what : ""));
+        const std::string file = (folder.path / ("line" + ending)).string();
+        (void)write_state({.output = file}, as, log.recipe, source, snapshot(simulation, fragments));
+        return content(file);
+    };
+    CHECK(exported("whole.glb", PiecesAs::made) == recipe_pieces());
+    room.break_it();
+    for (int k = 0; k < 40; ++k) session.update(frame);
+    session.playback.paused = true; // while the export is waited for, frames go on
+    CHECK(exported("made.glb", PiecesAs::made) == recipe_pieces());
+    CHECK(exported("lie.ply", PiecesAs::they_lie) == replayed(PiecesAs::they_lie, ".ply"));
+
+    // Cut live, and what is held by the ground broken altogether.
+    session.playback.paused = false;
+    session.reset();
+    WorldOptions world;
+    world.breakable = world.anchored = true;
+    session.edit(SetWorld{world});
+    REQUIRE(room.soon([&] { return !session.work(); }));
+    const glm::dvec3 middle = 0.5 * glm::dvec3(session.stage().home_bounds().min + session.stage().home_bounds().max);
+    const auto hit = session.object().first_hit(middle + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
+    REQUIRE(hit);
+    session.strike(hit->point, {0.0, 0.0, -1.0});
+    REQUIRE(room.soon([&] { return session.counts() && session.counts()->pieces > 3; }));
+    session.playback.paused = true;
+    for (const PiecesAs as : {PiecesAs::they_lie, PiecesAs::made}) CHECK(exported("cut.ply", as) == replayed(as, ".ply"));
+    session.playback.paused = false;
+    session.reset();
+    room.break_it();
+    for (int k = 0; k < 20; ++k) session.update(frame);
+    session.playback.paused = true;
+    CHECK(session.counts()->pieces >= 15);
+    CHECK(exported("fallen.ply", PiecesAs::they_lie) == replayed(PiecesAs::they_lie, ".ply"));
+    FractureOptions cut = session.recipe();
+    cut.world.breakable = false;
+    const Input input = load_input(cut, true);
+    (void)write_pieces({.output = (folder.path / "line.ply").string()}, cut, input, break_input(input, cut));
+    CHECK(exported("fallen_made.ply", PiecesAs::made) == content(folder.path / "line.ply"));
+
+    // Called off, or where nothing can be written: no file, and it says so.
+    session.say({});
+    session.export_pieces(folder.path / "none" / "a.glb", PiecesAs::they_lie);
+    REQUIRE(room.soon([&] { return session.message().fault; }));
+    session.say({});
+    session.export_pieces(folder.path / "called_off.glb", PiecesAs::they_lie);
+    session.cancel();
+    REQUIRE(room.soon([&] { return !session.work(); }));
+    session.update(frame); // what it has to say
+    CHECK_FALSE(session.message().fault);
+    const bool done = session.message().text.find("called_off") != std::string::npos; // it was faster
+    CHECK(fs::exists(folder.path / "called_off.glb") == done);
+    for (const auto& entry : fs::directory_iterator(folder.path)) CHECK(entry.path().extension() != ".tmp");
 }
 
 TEST_CASE("tools: wheel and buttons move the camera as the help says, and only over the scene") {

@@ -33,13 +33,12 @@ int run_fracture(const FractureCommand& command) {
                            choice.classifier.get());
     }();
 
-    const std::string recipe = recipe_json(command.fracture);
-    const auto files = write_pieces(command, input, broken, recipe);
+    const auto files = write_pieces(command.files, command.fracture, input, broken);
     std::printf("%s", report_text(input, broken).c_str());
     if (!files.empty()) std::printf("  written    %s", files.front().c_str());
     std::printf(files.size() > 1 ? " to %s\n" : "\n", files.size() > 1 ? files.back().c_str() : "");
     if (!command.report.empty()) {
-        const std::string json = report_json(input, broken, recipe);
+        const std::string json = report_json(input, broken, recipe_json(command.fracture));
         must(fracture::write_file_atomically(command.report, std::as_bytes(std::span(json))));
         std::printf("  report     %s\n", command.report.c_str());
     }

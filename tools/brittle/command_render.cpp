@@ -1,6 +1,9 @@
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 
 #include "fracture/io/atomic_file.h"
 #include "tools/brittle/classify_choice.h"
@@ -12,17 +15,22 @@
 #include "tools/brittle/progress.h"
 #include "tools/brittle/replay/recorder.h"
 #include "tools/brittle/stage.h"
+#include "tools/brittle/state_export.h"
 #include "tools/brittle/view.h"
 
 namespace brittle::tools {
 
 namespace {
 
-// What cannot be repeated is not worth a log.
-void check_recording(const RenderCommand& command) {
-    if (command.record.empty()) return;
-    if (command.fracture.picture.whole) throw Failure(exit_usage, "--record: with --whole nothing moves");
-    if (command.fracture.picture.planes > 0) throw Failure(exit_usage, "--record: with --planes nothing is broken");
+// What cannot be repeated is not worth a log, and where nothing broke there are no pieces.
+void check_run(const RenderCommand& command) {
+    const PictureOptions& picture = command.fracture.picture;
+    for (const char* option : {"--record", "--export"}) {
+        const std::string& file = option == std::string("--record") ? command.record : command.pieces.files.output;
+        if (file.empty()) continue;
+        if (picture.whole) throw Failure(exit_usage, std::string(option) + ": with --whole nothing moves");
+        if (picture.planes > 0) throw Failure(exit_usage, std::string(option) + ": with --planes nothing is broken");
+    }
 }
 
 } // namespace
@@ -33,9 +41,10 @@ int run_render(const RenderCommand& command) {
     const FilmOptions film_options{
         .output = command.output, .ids = command.ids, .every = command.every, .video = command.video};
     check_film(film_options);
-    check_recording(command);
+    check_run(command);
     catch_interrupts();
-    const Input input = placed_on_stage(load_input(command.fracture), command.fracture.world);
+    const bool exports = !command.pieces.files.output.empty();
+    const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);
@@ -44,6 +53,7 @@ int run_render(const RenderCommand& command) {
         recorder.emplace(command.record, command.fracture);
         stage.simulation().observe(&*recorder);
     }
+    std::shared_ptr<const fracture::Fragments> fragments;
     if (picture.planes > 0) {
         stage.shatter(partly_cut(input, picture.planes));
     } else if (!picture.whole) {
@@ -51,9 +61,10 @@ int run_render(const RenderCommand& command) {
             choose_classifier(classify_path(command.classify), *device, input, command.fracture);
         if (command.classify != "cpu") std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
         Progress progress("fracturing " + input.name);
-        const Broken broken = break_input(
+        Broken broken = break_input(
             input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
         stage.stand(broken.fragments, world);
+        fragments = std::make_shared<const fracture::Fragments>(std::move(broken.fragments));
     }
     if (picture.sites) stage.show_sites(input.sites);
     if (picture.cells) stage.show_lines(cell_lines(input));
@@ -75,7 +86,13 @@ int run_render(const RenderCommand& command) {
         const std::string& dot = renderer->graph_dot();
         must(fracture::write_file_atomically(command.graph, std::as_bytes(std::span(dot))));
     }
-    std::printf("%s: %s on %s\n", input.name.c_str(), film.summary().c_str(), device->info().name.c_str());
+    std::string done = film.summary();
+    if (exports) {
+        const Snapshot state = snapshot(stage.simulation(), fragments);
+        const auto files = write_state(command.pieces.files, pieces_as(command.pieces.as), command.fracture, source, state);
+        done += (done.empty() ? "" : ", and ") + written_text(state.pieces.size(), files);
+    }
+    std::printf("%s: %s on %s\n", input.name.c_str(), done.c_str(), device->info().name.c_str());
     check_validation(*device);
     return exit_success;
 }

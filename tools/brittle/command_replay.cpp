@@ -9,6 +9,7 @@
 #include "tools/brittle/progress.h"
 #include "tools/brittle/replay/player.h"
 #include "tools/brittle/stage.h"
+#include "tools/brittle/state_export.h"
 #include "tools/brittle/view.h"
 
 namespace brittle::tools {
@@ -24,27 +25,45 @@ void run_steps(Simulation& simulation, const Player& player, uint64_t steps) {
     }
 }
 
+struct Run {
+    const ReplayCommand& command;
+    const ReplayLog& log;
+    const Input& source; // as in its file
+    std::shared_ptr<const fracture::Fragments> fragments;
+};
+
+// Nothing where the run was another than the log tells.
+void write_pieces_of(const Run& run, const Player& player, const Simulation& simulation) {
+    const StateExport& pieces = run.command.pieces;
+    if (pieces.files.output.empty() || player.difference()) return;
+    const Snapshot state = snapshot(simulation, run.fragments);
+    const auto files = write_state(pieces.files, pieces_as(pieces.as), run.log.recipe, run.source, state);
+    std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
+}
+
 // Without a device. Stops at the first difference.
-void replay(const ReplayLog& log, Player& player, const fracture::Fragments& fragments) {
-    Simulation simulation(log.recipe.material);
+void replay(const Run& run, Player& player) {
+    Simulation simulation(run.log.recipe.material);
     simulation.observe(&player);
-    follow(log, simulation);
-    simulation.start(fragments, log.recipe.world);
+    follow(run.log, simulation);
+    simulation.start(*run.fragments, run.log.recipe.world);
     if (player.difference()) return;
-    schedule(log, simulation);
-    run_steps(simulation, player, log.states.size());
+    schedule(run.log, simulation);
+    run_steps(simulation, player, run.log.states.size());
+    write_pieces_of(run, player, simulation);
 }
 
 // Goes on after a difference, so that one can see what comes of it; but not with other pieces than the log is
 // about.
-void draw(const ReplayCommand& command, const ReplayLog& log, Player& player, const Input& input,
-          const fracture::Fragments& fragments) {
+void draw(const Run& run, Player& player, const Input& input) {
+    const ReplayCommand& command = run.command;
+    const ReplayLog& log = run.log;
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, log.recipe.material);
     stage.simulation().observe(&player);
     follow(log, stage.simulation());
-    stage.stand(fragments, log.recipe.world);
+    stage.stand(*run.fragments, log.recipe.world);
     if (player.difference()) return;
     schedule(log, stage.simulation());
     Film film(*renderer, {.output = command.pictures, .every = command.every, .video = command.video}, log.recipe.picture, command.view,
@@ -70,13 +89,15 @@ int run_replay(const ReplayCommand& command) {
     catch_interrupts();
     ReplayLog log = read_replay_log(command.log);
     log.recipe.threads = command.threads;
-    const Input input = placed_on_stage(load_input(log.recipe), log.recipe.world);
-    const Broken broken = break_input(input, log.recipe);
+    const Input source = load_input(log.recipe, !command.pieces.files.output.empty());
+    const Input input = placed_on_stage(source, log.recipe.world);
+    const Run run{command, log, source,
+                  std::make_shared<const fracture::Fragments>(break_input(input, log.recipe).fragments)};
     Player player(log);
     if (command.pictures.empty() && command.video.empty())
-        replay(log, player, broken.fragments);
+        replay(run, player);
     else
-        draw(command, log, player, input, broken.fragments);
+        draw(run, player, input);
 
     const size_t steps = log.states.size() - 1;
     if (const std::optional<Difference>& difference = player.difference()) {

@@ -6,6 +6,7 @@
 
 #include "fracture/repair.h"
 #include "tools/brittle/input.h"
+#include "tools/brittle/piece_export.h"
 #include "tools/brittle/profile/scenario.h"
 
 namespace brittle::tools {
@@ -20,14 +21,15 @@ struct ViewOptions {
 
 struct FractureCommand {
     FractureOptions fracture;
-    std::string output;      // its ending says the format
-    bool per_piece = false;  // a file for each
-    std::string hulls;       // "godot" or "unreal": how collision hulls are named; empty: none
-    bool rigid_bodies = false;
-    double density = 0.0;    // kg/m^3, of rigid_bodies; 0: the material's
+    ExportSettings files;
     std::string classify = "cpu"; // auto, cpu or gpu
-    std::string interior_texture; // an image for the cuts; empty: none
     std::string report;      // empty: none
+};
+
+// The pieces of the last moment; nowhere without an output.
+struct StateExport {
+    ExportSettings files;
+    std::string as = "lie"; // or made: see pieces_as()
 };
 
 struct RenderCommand {
@@ -40,6 +42,7 @@ struct RenderCommand {
     std::string ids;     // where each picture's piece numbers go (id_picture.h), named like output; empty: nowhere
     std::string graph;   // where the frame graph goes, as DOT; empty: nowhere
     std::string classify = "cpu"; // auto, cpu or gpu
+    StateExport pieces;
 };
 
 struct ReplayCommand {
@@ -48,6 +51,7 @@ struct ReplayCommand {
     uint32_t every = 10;
     std::string video;    // empty: none
     uint32_t threads = 0; // of the fracture; 0: one a core
+    StateExport pieces;
     ViewOptions view;
 };
 

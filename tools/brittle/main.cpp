@@ -254,6 +254,32 @@ std::string has_exportable_ending(const std::string& file) {
     return "'" + file + "' does not end with one of " + list;
 }
 
+void add_export_options(CLI::App& command, ExportSettings& files) {
+    command.add_flag("--per-piece", files.per_piece, "A file for each piece: FILE_000, FILE_001, ...");
+    command.add_option("--hulls", files.hulls, "GLB: also collision hulls, named so that the engine finds them")
+        ->check(CLI::IsMember({"godot", "unreal"}))
+        ->type_name("ENGINE");
+    command.add_flag("--rigid-bodies", files.rigid_bodies,
+                     "GLB: also masses and hulls by KHR_physics_rigid_bodies, the draft of 2024");
+    command.add_option("--density", files.density, "kg/m^3, of --rigid-bodies; the material's if not given")
+        ->check(CLI::PositiveNumber);
+    command.add_option("--interior-texture", files.interior_texture,
+                       "An image for the cuts, repeated every metre (PNG or JPEG)")
+        ->type_name("FILE");
+}
+
+void add_state_export(CLI::App& command, StateExport& pieces) {
+    command.add_option("--export", pieces.files.output,
+                       "Also write the pieces of the last moment, as blows have cut them by then: .glb, .obj, .ply or .stl")
+        ->check(has_exportable_ending)
+        ->type_name("FILE");
+    command.add_option("--export-as", pieces.as, "lie: turned and moved as they lie; made: where they were cut")
+        ->check(CLI::IsMember({"lie", "made"}))
+        ->type_name("HOW")
+        ->capture_default_str();
+    add_export_options(command, pieces.files);
+}
+
 void add_profile(CLI::App& app, std::function<int()>& run) {
     static ProfileCommand command;
     ProfilePlan& plan = command.plan;
@@ -333,6 +359,8 @@ void add_replay(CLI::App& app, std::function<int()>& run) {
     replay->add_option("--threads", command.threads, "Worker threads; 0 is one a core. Never changes the result")
         ->check(CLI::Range(0u, 1024u))
         ->capture_default_str();
+    add_state_export(*replay, command.pieces);
+    replay->get_option("--export")->excludes("--render")->excludes("--video"); // frames may go beyond the log's last step
     add_view_options(*replay, command.view);
     replay->footer("Ends with 0 where all states are those recorded, with 8 where one is not.");
     replay->callback([&run] { run = [] { return run_replay(command); }; });
@@ -342,23 +370,12 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     static FractureCommand fracture_command;
     auto* fracture = app.add_subcommand("fracture", "Break a mesh and write the pieces: GLB, OBJ, PLY or STL");
     add_fracture_options(*fracture, fracture_command.fracture);
-    fracture->add_option("-o,--output", fracture_command.output,
+    fracture->add_option("-o,--output", fracture_command.files.output,
                          "The file to write; its ending says the format: .glb, .obj (with .mtl), .ply or .stl")
         ->required()
         ->check(has_exportable_ending)
         ->type_name("FILE");
-    fracture->add_flag("--per-piece", fracture_command.per_piece, "A file for each piece: FILE_000, FILE_001, ...");
-    fracture->add_option("--hulls", fracture_command.hulls,
-                         "GLB: also collision hulls, named so that the engine finds them")
-        ->check(CLI::IsMember({"godot", "unreal"}))
-        ->type_name("ENGINE");
-    fracture->add_flag("--rigid-bodies", fracture_command.rigid_bodies,
-                       "GLB: also masses and hulls by KHR_physics_rigid_bodies, the draft of 2024");
-    fracture->add_option("--density", fracture_command.density, "kg/m^3, of --rigid-bodies; the material's if not given")
-        ->check(CLI::PositiveNumber);
-    fracture->add_option("--interior-texture", fracture_command.interior_texture,
-                         "An image for the cuts, repeated every metre (PNG or JPEG)")
-        ->type_name("FILE");
+    add_export_options(*fracture, fracture_command.files);
     add_classify_option(*fracture, fracture_command.classify);
     fracture->add_option("--report", fracture_command.report, "Also write counts, proof and times as JSON")
         ->type_name("FILE.json");
@@ -427,7 +444,7 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->check(CLI::Range(0.1f, 10.0f))
         ->capture_default_str();
     render->add_option("--video", render_command.video,
-                       "Also write all frames as a video, by the program ffmpeg; without -o no pictures then")
+                       "Also write all frames as a video, by the program ffmpeg; without -o no pictures then, nor with --export")
         ->type_name("FILE.mp4");
     add_record_option(*render, render_command.record);
     render->add_option("--ids", render_command.ids,
@@ -436,11 +453,13 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
         ->type_name("FILE.png");
     render->add_option("--graph", render_command.graph, "Also write the frame graph of the last picture, for `dot -Tsvg`")
         ->type_name("FILE.dot");
+    add_state_export(*render, render_command.pieces);
     add_world_options(*render, render_command.fracture.world);
     add_classify_option(*render, render_command.classify);
     add_view_options(*render, render_command.view);
     render->callback([&run, render] {
-        if (!render_command.video.empty() && render->count("--output") == 0) render_command.output.clear();
+        const bool other = !render_command.video.empty() || !render_command.pieces.files.output.empty();
+        if (other && render->count("--output") == 0) render_command.output.clear();
         run = [] { return run_render(render_command); };
     });
 

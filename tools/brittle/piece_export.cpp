@@ -1,10 +1,10 @@
 #include "tools/brittle/piece_export.h"
 
-#include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "physics/hull.h"
 #include "physics/material.h"
 #include "tools/brittle/failure.h"
+#include "tools/brittle/recipe.h"
 
 namespace brittle::tools {
 
@@ -12,6 +12,12 @@ namespace {
 
 // Engines add margins of their own, so hardly any is taken off here.
 constexpr float least_margin = 0.001f;
+
+double density_of(const ExportSettings& settings, const physics::MaterialPreset* preset) {
+    return settings.density > 0.0 ? settings.density : double{(preset ? preset->material : physics::Material{}).density};
+}
+
+} // namespace
 
 fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, const fracture::Piece& piece) {
     const glm::dvec3 centre = piece.mass.centre_of_mass;
@@ -22,34 +28,38 @@ fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, cons
     return mesh;
 }
 
-double density(const FractureCommand& command) {
-    const physics::MaterialPreset* preset = physics::material_preset(command.fracture.material);
-    return command.density > 0.0 ? command.density : (preset ? preset->material.density : physics::Material{}.density);
+bool wants_hulls(const ExportSettings& settings) {
+    return !settings.hulls.empty() || settings.rigid_bodies;
 }
 
-} // namespace
-
-std::vector<std::filesystem::path> write_pieces(const FractureCommand& command, const Input& input, const Broken& broken,
-                                                const std::string& recipe) {
-    fracture::ExportOptions options{.name = input.name, .recipe = recipe, .source = &input.model, .sites = input.sites};
-    options.per_piece = command.per_piece;
-    if (const physics::MaterialPreset* preset = physics::material_preset(command.fracture.material)) {
+fracture::ExportOptions export_options(const ExportSettings& settings, const FractureOptions& recipe, const Input& source) {
+    fracture::ExportOptions options{.name = source.name, .recipe = recipe_json(recipe), .source = &source.model};
+    options.per_piece = settings.per_piece;
+    const physics::MaterialPreset* preset = physics::material_preset(recipe.material);
+    if (preset) {
         options.exterior = fracture::Material{
-            .name = command.fracture.material, .base_colour = glm::dvec4(preset->exterior, 1.0), .roughness = 0.85};
-        options.interior = fracture::Material{
-            .name = "interior", .base_colour = glm::dvec4(preset->interior, 1.0), .roughness = 0.95};
+            .name = recipe.material, .base_colour = glm::dvec4(preset->exterior, 1.0), .roughness = 0.85};
+        options.interior =
+            fracture::Material{.name = "interior", .base_colour = glm::dvec4(preset->interior, 1.0), .roughness = 0.95};
     }
-    options.hull_names = command.hulls == "unreal" ? fracture::HullNames::unreal : fracture::HullNames::godot;
-    options.rigid_bodies = command.rigid_bodies;
-    options.density = density(command);
-    std::vector<fracture::TriangleMesh> hulls;
-    if (!command.hulls.empty() || command.rigid_bodies) {
+    options.hull_names = settings.hulls == "unreal" ? fracture::HullNames::unreal : fracture::HullNames::godot;
+    options.rigid_bodies = settings.rigid_bodies;
+    options.density = density_of(settings, preset);
+    if (!settings.interior_texture.empty()) options.interior_image = must(fracture::read_image(settings.interior_texture));
+    return options;
+}
+
+std::vector<std::filesystem::path> write_pieces(const ExportSettings& settings, const FractureOptions& recipe,
+                                                const Input& input, const Broken& broken) {
+    fracture::ExportOptions options = export_options(settings, recipe, input);
+    options.sites = input.sites;
+    std::vector<std::vector<fracture::TriangleMesh>> hulls;
+    if (wants_hulls(settings)) {
         for (const fracture::Piece& piece : broken.fragments.pieces)
-            hulls.push_back(collision_mesh(broken.fragments, piece));
+            hulls.push_back({collision_mesh(broken.fragments, piece)});
         options.hulls = hulls;
     }
-    if (!command.interior_texture.empty()) options.interior_image = must(fracture::read_image(command.interior_texture));
-    return must(fracture::export_pieces(command.output, broken.fragments, broken.certificate, options));
+    return must(fracture::export_pieces(settings.output, broken.fragments, broken.certificate, options));
 }
 
 } // namespace brittle::tools

@@ -14,7 +14,6 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr double stage_size = 2.0;     // m, longest side of the mesh
 constexpr float piece_tint_strength = 0.9f;
 constexpr float material_tint_strength = 0.15f; // a material shows its own colour
 constexpr float site_radius = 0.02f;   // m
@@ -36,16 +35,10 @@ std::shared_ptr<void> look_of(const physics::SolidPiece& solid) {
 } // namespace
 
 Input placed_on_stage(Input input, const WorldOptions& world) {
-    const fracture::Box box = fracture::bounds(input.model.mesh);
-    const double longest = std::max({box.size().x, box.size().y, box.size().z});
-    if (!(longest > 0.0) || !std::isfinite(longest)) return input;
-    const double scale = stage_size / longest;
-    const double height = foot_height(world);
-    const glm::dvec3 foot(box.centre().x, box.min.y, box.centre().z);
-    const auto place = [&](glm::dvec3& p) { p = (p - foot) * scale + glm::dvec3(0.0, height, 0.0); };
-    std::for_each(input.model.mesh.positions.begin(), input.model.mesh.positions.end(), place);
-    std::for_each(input.sites.begin(), input.sites.end(), place);
-    for (double& weight : input.weights) weight *= scale * scale;
+    const StagePlacement placement = placement_on_stage(input.model.mesh, world);
+    for (glm::dvec3& p : input.model.mesh.positions) p = placement.to_stage(p);
+    for (glm::dvec3& site : input.sites) site = placement.to_stage(site);
+    for (double& weight : input.weights) weight *= placement.scale * placement.scale;
     return input;
 }
 

@@ -2,7 +2,7 @@
 // and the poses of pieces that moved go straight into the renderer's instance buffer. Of what is cut anew, the new pieces
 // alone are uploaded; the thread that cut them has made them ready (PieceLook).
 //
-// Metres: the mesh is scaled so that its longest side is 2 m and floats above the ground (y = 0), or stands on it.
+// Metres: the mesh is scaled and floats above the ground (y = 0), or stands on it (stage_placement.h).
 //
 //     Input input = placed_on_stage(load_input(options));
 //     Stage stage(renderer, input.mesh);
@@ -23,10 +23,11 @@
 #include "physics/world.h"
 #include "tools/brittle/input.h"
 #include "tools/brittle/simulation.h"
+#include "tools/brittle/stage_placement.h"
 
 namespace brittle::tools {
 
-// Scales and moves mesh and sites to the place described above. A mesh without extent is left as it is.
+// Mesh, sites and weights as placement_on_stage() wants them.
 [[nodiscard]] Input placed_on_stage(Input input, const WorldOptions& world = {});
 
 // All that costs milliseconds of putting pieces on the stage.

@@ -39,13 +39,8 @@ std::shared_ptr<const Object> Object::placed_for(const WorldOptions& world) cons
 
 Object::Object(Input file, const WorldOptions& world)
     : file_(std::move(file)), stage_(placed_on_stage(file_, world)), world_(world),
+      placement_(placement_on_stage(file_.model.mesh, world)),
       tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)) {
-    const fracture::Box from = fracture::bounds(file_.model.mesh), onto = fracture::bounds(stage_.model.mesh);
-    const glm::dvec3 size = from.size();
-    const int longest = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-    if (size[longest] > 0.0) scale_ = onto.size()[longest] / size[longest];
-    foot_ = {from.centre().x, from.min.y, from.centre().z};
-    height_ = onto.min.y;
     const fracture::TriangleMesh& shown = stage_.model.mesh;
     const std::vector<glm::vec3> positions(shown.positions.begin(), shown.positions.end());
     const engine::PieceMesh whole{.positions = positions, .triangles = shown.triangles, .exterior_triangles = static_cast<uint32_t>(shown.triangles.size())};

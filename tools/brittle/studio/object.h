@@ -9,6 +9,7 @@
 #include "engine/render/piece_batch.h"
 #include "fracture/triangle_tree.h"
 #include "tools/brittle/input.h"
+#include "tools/brittle/stage_placement.h"
 
 namespace brittle::tools {
 
@@ -37,9 +38,10 @@ class Object {
     // For break_input().
     [[nodiscard]] Input with_sites(const FractureOptions& options) const;
 
-    [[nodiscard]] glm::dvec3 to_stage(const glm::dvec3& p) const { return (p - foot_) * scale_ + glm::dvec3(0.0, height_, 0.0); }
-    [[nodiscard]] glm::dvec3 to_file(const glm::dvec3& p) const { return (p - glm::dvec3(0.0, height_, 0.0)) / scale_ + foot_; }
-    [[nodiscard]] double scale() const { return scale_; } // metres on the stage by those in the file
+    [[nodiscard]] const StagePlacement& placement() const { return placement_; }
+    [[nodiscard]] glm::dvec3 to_stage(const glm::dvec3& p) const { return placement_.to_stage(p); }
+    [[nodiscard]] glm::dvec3 to_file(const glm::dvec3& p) const { return placement_.to_file(p); }
+    [[nodiscard]] double scale() const { return placement_.scale; } // metres on the stage by those in the file
 
     // Where a ray first meets the surface, from outside or inside. The direction is a unit one.
     [[nodiscard]] std::optional<Hit> first_hit(const glm::dvec3& from, const glm::dvec3& direction) const;
@@ -51,9 +53,7 @@ class Object {
 
     Input file_, stage_;
     WorldOptions world_;
-    glm::dvec3 foot_{0.0};
-    double scale_ = 1.0;
-    double height_ = 0.0;
+    StagePlacement placement_;
     fracture::TriangleTree tree_;
     engine::PieceBatch batch_;
 };

@@ -282,6 +282,26 @@ void Panels::help_sheet(const PanelState& state) {
     ImGui::PopStyleVar(2);
 }
 
+void Panels::piece_options(Session& session) {
+    ImGui::BeginDisabled(!session.broken());
+    const auto as = [this](const char* name, const char* tip_text, PiecesAs what) {
+        if (ImGui::RadioButton(name, pieces_as == what)) pieces_as = what;
+        tip(tip_text);
+    };
+    as("as they lie", "Turned and moved: what one sees", PiecesAs::they_lie);
+    ImGui::SameLine();
+    as("as made", "Where they were cut: together they make up the mesh", PiecesAs::made);
+    ImGui::EndDisabled();
+    control("Hulls", "GLB: collision hulls, named so that the engine finds them");
+    const std::string& now = session.exports.hulls;
+    if (ImGui::BeginCombo("##Hulls", now.empty() ? "none" : now.c_str())) {
+        for (const char* name : {"", "godot", "unreal"})
+            if (ImGui::Selectable(*name ? name : "none", now == name)) session.exports.hulls = name;
+        ImGui::EndCombo();
+    }
+    ImGui::Separator();
+}
+
 void Panels::export_window(const PanelState& state) {
     ImGui::SetNextWindowPos({0.5f * state.window.x, 0.5f * state.window.y}, ImGuiCond_Always, {0.5f, 0.5f});
     ImGui::SetNextWindowSize({330.0f * state.scale, 0.0f});
@@ -293,7 +313,9 @@ void Panels::export_window(const PanelState& state) {
         export_ = kind;
         export_open = false;
     };
-    choice("Pieces: GLB, OBJ, PLY or STL ...", "The pieces of the recipe for other programs, as `brittle fracture` writes them", ExportKind::pieces);
+    const bool broken = state.session.broken();
+    choice("Pieces: GLB, OBJ, PLY or STL ...", broken ? "The pieces on the stage, as all blows have cut them, for other programs" : "The pieces of the recipe for other programs, as `brittle fracture` writes them", ExportKind::pieces);
+    piece_options(state.session);
     choice("Recipe ...", "Mesh and options, to do it again; `brittle render` and `fracture` take it too", ExportKind::recipe);
     choice("Screenshot", "What the window shows, without its panels, as PNG in the current folder (F12)", ExportKind::screenshot);
     ImGui::BeginDisabled(!state.session.broken());

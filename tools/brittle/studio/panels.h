@@ -58,6 +58,7 @@ class Panels {
     bool export_open = false;
     [[nodiscard]] ExportKind take_export() { return std::exchange(export_, ExportKind::none); }
     int sequence_frames = 120;
+    PiecesAs pieces_as = PiecesAs::they_lie; // of what is broken
 
   private:
     void left_column(const PanelState& state, const Layout& layout);
@@ -66,6 +67,7 @@ class Panels {
     void state_line(const PanelState& state, const Layout& layout);
     void help_sheet(const PanelState& state);
     void export_window(const PanelState& state);
+    void piece_options(Session& session);
     void message(const PanelState& state, const Layout& layout);
     void progress(const PanelState& state, const Layout& layout);
 

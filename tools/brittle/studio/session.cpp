@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <utility>
 
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
 
 #include "physics/impact_pattern.h"
 #include "tools/brittle/failure.h"
-#include "tools/brittle/piece_export.h"
 #include "tools/brittle/recipe.h"
 
 namespace brittle::tools {
@@ -20,7 +16,6 @@ namespace {
 
 constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
-constexpr float far_away = 12.0f;  // m from the middle, where the stage's shadow ends
 constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
 constexpr double least_blow = 1.05; // of what a piece bears, so that it breaks
 constexpr double physics_step = 1.0 / 120.0; // s, of World
@@ -167,7 +162,8 @@ void Session::break_all() {
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     if (broken() || worker_.busy()) return;
     WorldOptions world = recipe().world;
-    if (starts_whole(world)) { // all of it falls apart
+    if (starts_whole(world)) { // all of it falls apart, from where it stands
+        world.height = foot_height(world);
         world.breakable = world.anchored = false;
         world.anchors.clear();
     }
@@ -194,7 +190,7 @@ void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
     if (stage_->simulation().destruction()) {
         blow(hit, direction);
     } else { // where the place was when all was whole
-        strike(glm::dvec3(hit.grip) + fragments_.pieces[hit.piece].mass.centre_of_mass, direction);
+        strike(glm::dvec3(hit.grip) + fragments_->pieces[hit.piece].mass.centre_of_mass, direction);
     }
 }
 
@@ -232,15 +228,6 @@ void Session::let_go() {
     stage_->simulation().apply(LetGo{});
 }
 
-void Session::record(const std::filesystem::path& file) {
-    recorder_.emplace(file, recipe());
-    stage_->simulation().observe(&*recorder_);
-}
-
-void Session::finish_recording() {
-    recorder_->finish();
-}
-
 void Session::reset() {
     worker_.cancel();
     shot_.reset();
@@ -271,16 +258,17 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
     piece.reset();
     recorder_->use_recipe(recipe());
     stage_->stand(made.fragments, world, std::move(ahead));
+    world_ = world;
     counts_ = {made.certificate.pieces, 0, made.milliseconds, made.certificate, made.fragments.timings};
-    fragments_ = std::move(made.fragments);
+    fragments_ = std::make_shared<const fracture::Fragments>(std::move(made.fragments));
     radii_.clear();
-    for (const fracture::Piece& p : fragments_.pieces) {
+    for (const fracture::Piece& p : fragments_->pieces) {
         double radius = 0.0;
-        for (const glm::dvec3& v : fragments_.positions_of(p)) radius = std::max(radius, glm::distance(v, p.mass.centre_of_mass));
+        for (const glm::dvec3& v : fragments_->positions_of(p)) radius = std::max(radius, glm::distance(v, p.mass.centre_of_mass));
         radii_.push_back(static_cast<float>(radius));
     }
     poses_.assign(radii_.size(), {});
-    for (size_t k = 0; k < poses_.size(); ++k) poses_[k].position = glm::vec3(fragments_.pieces[k].mass.centre_of_mass);
+    for (size_t k = 0; k < poses_.size(); ++k) poses_[k].position = glm::vec3(fragments_->pieces[k].mass.centre_of_mass);
     fractured_ = true;
     message_ = {};
     if (const auto shot = std::exchange(shot_, std::nullopt)) shoot((*shot)[0], (*shot)[1]);
@@ -288,170 +276,9 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
         if (const auto hit = first_piece((*at)[0] - double{tools.hammer_radius} * (*at)[1], (*at)[1])) blow(*hit, (*at)[1]);
 }
 
-std::vector<uint32_t> Session::piece_numbers() const {
-    std::vector<uint32_t> numbers;
-    if (const physics::Destruction* destruction = stage_->simulation().destruction()) {
-        for (const physics::PieceId id : destruction->pieces()) numbers.push_back(id.value);
-    } else {
-        numbers.resize(fragments_.pieces.size());
-        std::iota(numbers.begin(), numbers.end(), 0u);
-    }
-    return numbers;
-}
-
-bool Session::contains(uint32_t which) const {
-    const physics::Destruction* destruction = stage_->simulation().destruction();
-    return broken() && (destruction ? destruction->contains({which}) : which < fragments_.pieces.size());
-}
-
-const physics::SolidPiece* Session::solid_of(uint32_t of) const {
-    const physics::Destruction* destruction = stage_->simulation().destruction();
-    return destruction ? destruction->solid({of}).get() : nullptr;
-}
-
-uint32_t Session::slot_of(uint32_t of) const {
-    const physics::Destruction* destruction = stage_->simulation().destruction();
-    return destruction ? destruction->slot({of}) : of;
-}
-
-double Session::piece_volume(uint32_t of) const {
-    const physics::SolidPiece* solid = solid_of(of);
-    return solid ? solid->mass.volume : fragments_.pieces[of].mass.volume;
-}
-
-size_t Session::piece_triangles(uint32_t of) const {
-    const physics::SolidPiece* solid = solid_of(of);
-    return solid ? solid->mesh.triangles.size() : fragments_.pieces[of].triangles.size();
-}
-
-// In the piece's frame: around its centre of mass.
-std::optional<double> Session::distance_to(uint32_t of, const glm::dvec3& from, const glm::dvec3& direction) const {
-    if (const physics::SolidPiece* solid = solid_of(of)) {
-        const std::vector<glm::dvec3> positions(solid->positions.begin(), solid->positions.end());
-        return fracture::first_hit(positions, solid->mesh.triangles, from, direction);
-    }
-    const fracture::Piece& fragment = fragments_.pieces[of];
-    return fracture::first_hit(fragments_.positions_of(fragment), fragments_.triangles_of(fragment),
-                               from + fragment.mass.centre_of_mass, direction);
-}
-
-std::optional<PieceHit> Session::first_piece(const glm::dvec3& from, const glm::dvec3& direction) const {
-    if (!broken()) return std::nullopt;
-    std::optional<PieceHit> nearest;
-    for (const uint32_t p : piece_numbers()) {
-        const uint32_t slot = slot_of(p);
-        if (slot >= poses_.size()) continue; // too new to have been drawn
-        const physics::SolidPiece* solid = solid_of(p);
-        const double radius = double{solid ? solid->radius : radii_[p]};
-        const glm::dvec3 centre(poses_[slot].position), to = centre - from;
-        const double along = glm::dot(to, direction);
-        if (glm::dot(to, to) - along * along > radius * radius) continue;
-        const glm::dquat back = glm::conjugate(glm::dquat(poses_[slot].rotation));
-        const glm::dvec3 origin = back * (from - centre), way = back * direction;
-        const std::optional<double> distance = distance_to(p, origin, way);
-        if (!distance || (nearest && nearest->distance <= *distance)) continue;
-        nearest = PieceHit{p, glm::vec3(from + *distance * direction), glm::vec3(origin + *distance * way), *distance};
-    }
-    return nearest;
-}
-
-engine::Bounds Session::piece_bounds(uint32_t of) const {
-    const physics::SolidPiece* solid = solid_of(of);
-    const glm::vec3 r(solid ? solid->radius : radii_[of]);
-    const uint32_t slot = slot_of(of);
-    if (slot >= poses_.size()) return stage_->home_bounds();
-    return {poses_[slot].position - r, poses_[slot].position + r};
-}
-
-engine::Bounds Session::all_bounds() const {
-    engine::Bounds all{glm::vec3(far_away), glm::vec3(-far_away)};
-    for (const uint32_t p : broken() ? piece_numbers() : std::vector<uint32_t>{}) {
-        const engine::Bounds bounds = piece_bounds(p);
-        if (glm::length(bounds.centre()) < far_away) all = engine::join(all, bounds);
-    }
-    return all.min.x <= all.max.x ? all : stage_->home_bounds();
-}
-
 void Session::step_once() {
     playback.paused = true;
     single_step_ = true;
-}
-
-// --- files ---
-
-void Session::open(const std::string& path, bool repair) {
-    FractureOptions options = recipe();
-    if (!path.ends_with(".json")) {
-        options.mesh = path;
-        options.repair = repair;
-        options.points.clear();
-        options.strikes.clear();
-    }
-    start("opening " + path, [this, path, options, repair](const Worker::Cancelled&) mutable {
-        try {
-            const bool is_recipe = path.ends_with(".json");
-            if (is_recipe) {
-                FractureOptions plain;
-                plain.threads = options.threads;
-                options = plain;
-                read_recipe(path, options);
-            }
-            auto object = Object::load(options);
-            post([this, path, options, object, is_recipe, repair] {
-                is_recipe ? document_.apply(SetRecipe{options}) : document_.apply(SetMesh{path, repair});
-                adopt(object);
-                if (is_recipe) {
-                    document_.mark_saved();
-                    if (opened) opened(path);
-                }
-            });
-        } catch (const Failure& failure) {
-            const bool mendable = std::string(failure.what()).find("--repair") != std::string::npos;
-            post([this, failure, mend = mendable ? path : std::string()] { report(failure, mend); });
-        }
-    });
-}
-
-void Session::save_recipe(const std::filesystem::path& file) {
-    try {
-        write_recipe(file, recipe());
-        document_.mark_saved();
-        say({"saved " + file.string()});
-        if (opened) opened(file.string());
-    } catch (const Failure& failure) {
-        report(failure);
-    }
-}
-
-void Session::export_pieces(const std::filesystem::path& file) {
-    start("writing " + file.string(), [this, file, options = recipe()](const Worker::Cancelled& cancelled) {
-        FractureCommand command;
-        command.fracture = options;
-        command.fracture.save_recipe.clear();
-        command.output = file.string();
-        const Input input = load_input(command.fracture, true);
-        const Broken made = break_input(input, options, [this](double share) { work_share_ = share; }, nullptr, cancelled);
-        const auto files = write_pieces(command, input, made, recipe_json(options));
-        post([this, count = made.certificate.pieces, first = files.front().string(), more = files.size() - 1] {
-            say({std::to_string(count) + " pieces in " + first + (more ? " and " + std::to_string(more) + " more" : "")});
-        });
-    });
-}
-
-void Session::save_replay(const std::filesystem::path& file) {
-    try {
-        recorder_->save(file);
-        say({"saved " + file.string() + "; `brittle replay` repeats it"});
-    } catch (const Failure& failure) {
-        report(failure);
-    }
-}
-
-void Session::finish_video(std::shared_ptr<Video> video, const std::string& file) {
-    start("encoding " + file, [this, video = std::move(video), file](const Worker::Cancelled&) {
-        video->finish();
-        post([this, file] { say({"wrote " + file}); });
-    });
 }
 
 // --- work that takes long ---

@@ -26,6 +26,7 @@
 #include "tools/brittle/failure.h"
 #include "tools/brittle/replay/recorder.h"
 #include "tools/brittle/stage.h"
+#include "tools/brittle/state_export.h"
 #include "tools/brittle/studio/document.h"
 #include "tools/brittle/studio/object.h"
 #include "tools/brittle/studio/preview.h"
@@ -120,7 +121,10 @@ class Session {
     // --- files ---
     void open(const std::string& path, bool repair = false); // a mesh, shape:NAME or a recipe; on a worker
     void save_recipe(const std::filesystem::path& file);
-    void export_pieces(const std::filesystem::path& file); // as `brittle fracture` does, on a worker
+    // On a worker, as `exports` says. Once broken what is on the stage; before, the recipe's pieces as `brittle fracture`
+    // writes them, which is also what `made` means where nothing was cut anew.
+    void export_pieces(const std::filesystem::path& file, PiecesAs as = PiecesAs::made);
+    ExportSettings exports; // but for the output
     void save_replay(const std::filesystem::path& file);   // of what happened since the break (docs/replay.md)
     void finish_video(std::shared_ptr<Video> video, const std::string& file); // on a worker
     std::function<void(const std::string&)> opened;        // told of each mesh and recipe, for the list of recent files
@@ -193,7 +197,8 @@ class Session {
     std::optional<Recorder> recorder_; // always there
     std::unique_ptr<Stage> stage_;
     std::vector<glm::dvec3> sites_;
-    fracture::Fragments fragments_; // on the stage, once broken
+    std::shared_ptr<const fracture::Fragments> fragments_; // that broke off first, once broken
+    WorldOptions world_; // that they were put into
     std::vector<float> radii_;      // of its pieces
     std::vector<engine::BodyPose> poses_; // by slot, as drawn
     std::optional<Counts> counts_;

@@ -239,7 +239,7 @@ void Studio::answer(const std::filesystem::path& file) {
     switch (asked_) {
     case Asked::open: session_.open(file.string()); break;
     case Asked::recipe: answer_recipe(file.extension() == ".json" ? file.string() : file.string() + ".json"); break;
-    case Asked::pieces: session_.export_pieces(file); break;
+    case Asked::pieces: session_.export_pieces(file, session_.broken() ? panels_.pieces_as : PiecesAs::made); break;
     case Asked::replay: session_.save_replay(file); break;
     case Asked::sequence: begin_recording(file.string()); break;
     }
