@@ -12,9 +12,6 @@
 #include "physics/bullet/world_impl.h"
 #include "physics/world_check.h"
 
-// Bullet's global slack around every box in its broadphase tree; not declared by the umbrella header.
-extern btScalar gDbvtMargin;
-
 namespace brittle::physics {
 
 namespace {
@@ -106,7 +103,6 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     body->previous = body->pose();
     if (desc.previous) body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
 
-    gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
     const bool debris =
         !desc.fixed && longest_extent(*body->collision_shape()) < impl_->settings.debris_size * bullet_units;
     impl_->engine->world->addRigidBody(body->rigid.get(), group_of(desc.fixed, debris),
@@ -164,7 +160,6 @@ void World::step() {
         body->stepped_from = body->rigid->getWorldTransform();
         if (body->moved_step >= impl_->steps) body->previous = body->pose(); // else they are the same
     }
-    gDbvtMargin = impl_->settings.broadphase_margin * bullet_units;
     impl_->engine->solver.contacts.clear();
     impl_->engine->world->stepSimulation(impl_->settings.step, 0); // 0: one step of just that length
     impl_->engine->solver.report_sleeping(impl_->engine->dispatcher);

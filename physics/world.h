@@ -59,9 +59,6 @@ struct WorldSettings {
     // with their hulls at birth: a high speed blows them apart, a low one lets hard impacts overlap for
     // longer. Moving apart gives no velocity.
     float separation_speed = 0.2f;
-    // A pair of bodies is examined closely when their boxes come within this distance, m. Bullet's own
-    // default of 5 cm is made for crates: among centimetre pieces it finds many times more pairs than touch.
-    float broadphase_margin = 0.01f;
     // Bodies whose longest extent is below this, m, are debris: they collide with the ground, with fixed bodies and with
     // all that is larger, but not with each other. What a blow leaves by the hundred then costs a tenth. 0: no debris.
     float debris_size = 0.02f;

@@ -102,8 +102,6 @@ Result<void> validate(const WorldSettings& settings) {
         return outside("angular_damping", settings.angular_damping, "between 0 and 1");
     if (!in(settings.separation_speed, 0.0f, far))
         return outside("separation_speed", settings.separation_speed, "0 m/s or more");
-    if (!in(settings.broadphase_margin, 0.0f, far))
-        return outside("broadphase_margin", settings.broadphase_margin, "0 m or more");
     if (!in(settings.debris_size, 0.0f, far)) return outside("debris_size", settings.debris_size, "0 m or more");
     if (!in(settings.sleep_linear_speed, 0.0f, far))
         return outside("sleep_linear_speed", settings.sleep_linear_speed, "0 m/s or more");

@@ -21,12 +21,12 @@ float least_extent(const btCollisionShape& shape) {
 
 // Bullet's frame has the principal axes, so the hull is turned into them.
 void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset) {
-    body.shape = std::make_unique<btConvexHullShape>();
+    body.shape = std::make_unique<HullShape>();
     const glm::quat from_body = glm::conjugate(body.to_principal);
     for (const glm::vec3& point : hull.points)
         body.shape->addPoint(metres_to_bullet(from_body * (point + offset)), false);
     body.shape->setMargin(hull.margin * bullet_units);
-    body.shape->recalcLocalAabb();
+    body.shape->finish();
 }
 
 float swept_radius(const btCollisionShape& shape) {

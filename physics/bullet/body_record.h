@@ -11,6 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include "physics/bullet/convert.h"
+#include "physics/bullet/hull_shape.h"
 #include "physics/hull.h"
 #include "physics/world.h"
 
@@ -19,7 +20,7 @@ namespace brittle::physics {
 // A hull that bodies may share: Bullet's copy in the hull's own axes.
 struct SharedShape {
     std::shared_ptr<const CollisionHull> hull;
-    btConvexHullShape shape;
+    HullShape shape;
     std::vector<HullEdge> edges; // for debug lines; filled when first asked for
 };
 
@@ -42,7 +43,7 @@ struct BodyRecord {
     bool sunk = false;                             // likewise: in the ground, too deep to sleep
     std::vector<HullEdge>
         edges; // for debug lines, indices into the points of shape; filled when first asked for
-    std::unique_ptr<btConvexHullShape> shape;         // of a body with one hull; null for a compound
+    std::unique_ptr<HullShape> shape;                 // of a body with one hull; null for a compound
     std::vector<std::shared_ptr<SharedShape>> shared; // of a compound, in the order of its parts
     std::unique_ptr<btCompoundShape> compound;        // null for a body with one hull
     std::unique_ptr<btRigidBody> rigid;

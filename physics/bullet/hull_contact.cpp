@@ -8,8 +8,9 @@
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
-#include <LinearMath/btAabbUtil2.h>
 #include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/hull_shape.h"
 
 namespace brittle::physics {
 
@@ -22,25 +23,13 @@ constexpr btScalar still_part = 0.25f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
 constexpr btScalar near_part = 0.02f;
 
-const btConvexHullShape& hull_of(const btCollisionObjectWrapper& object) {
-    return static_cast<const btConvexHullShape&>(*object.getCollisionShape());
-}
-
-// Radius of the ball around the shape's origin that holds it, margin included.
-btScalar radius_of(const btConvexHullShape& hull) {
-    btScalar square = 0.0f;
-    for (int i = 0; i < hull.getNumPoints(); ++i)
-        square = std::max(square, hull.getUnscaledPoints()[i].length2());
-    return std::sqrt(square) + hull.getMargin();
+const HullShape& hull_of(const btCollisionObjectWrapper& object) {
+    return static_cast<const HullShape&>(*object.getCollisionShape());
 }
 
 // The farthest that the hull, without margin, reaches in a direction of the world.
-btScalar reach(const btConvexHullShape& hull, const btTransform& frame, const btVector3& direction) {
-    const btVector3 local = direction * frame.getBasis();
-    const btVector3* const points = hull.getUnscaledPoints();
-    btScalar farthest = -BT_LARGE_FLOAT;
-    for (int i = 0; i < hull.getNumPoints(); ++i) farthest = std::max(farthest, local.dot(points[i]));
-    return farthest + direction.dot(frame.getOrigin());
+btScalar reach(const HullShape& hull, const btTransform& frame, const btVector3& direction) {
+    return hull.reach(direction * frame.getBasis()) + direction.dot(frame.getOrigin());
 }
 
 bool is_debris(const btCollisionObjectWrapper& object) {
@@ -54,9 +43,9 @@ class HullPair final : public btCollisionAlgorithm {
              const btCollisionObjectWrapper* second, btConvexPenetrationDepthSolver& penetration)
         : btCollisionAlgorithm(info), penetration_(penetration), manifold_(info.m_manifold),
           own_(!info.m_manifold) {
-        const btConvexHullShape& a = hull_of(*first);
-        const btConvexHullShape& b = hull_of(*second);
-        const btScalar radius_a = radius_of(a), radius_b = radius_of(b);
+        const HullShape& a = hull_of(*first);
+        const HullShape& b = hull_of(*second);
+        const btScalar radius_a = a.radius(), radius_b = b.radius();
         first_moves_ = radius_a < radius_b;
         radius_ = std::min(radius_a, radius_b);
         margins_ = a.getMargin() + b.getMargin();
@@ -200,22 +189,6 @@ struct CreateHullPair final : btCollisionAlgorithmCreateFunc {
     }
 };
 
-// Bullet's tree keeps pairs whose boxes, swollen by its margin, overlap, and looks at each. Those whose true
-// boxes are apart have no contact: what they knew is forgotten.
-void look_at_close_pairs(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
-                         const btDispatcherInfo& info) {
-    const btBroadphaseProxy& first = *pair.m_pProxy0;
-    const btBroadphaseProxy& second = *pair.m_pProxy1;
-    if (TestAabbAgainstAabb2(first.m_aabbMin, first.m_aabbMax, second.m_aabbMin, second.m_aabbMax)) {
-        btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
-        return;
-    }
-    if (!pair.m_algorithm) return;
-    pair.m_algorithm->~btCollisionAlgorithm();
-    dispatcher.freeCollisionAlgorithm(pair.m_algorithm);
-    pair.m_algorithm = nullptr;
-}
-
 } // namespace
 
 struct HullContacts::Impl {
@@ -225,7 +198,6 @@ struct HullContacts::Impl {
 HullContacts::HullContacts(btCollisionDispatcher& dispatcher) : impl_(std::make_unique<Impl>()) {
     dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
                                            &impl_->create);
-    dispatcher.setNearCallback(look_at_close_pairs);
 }
 HullContacts::~HullContacts() = default;
 

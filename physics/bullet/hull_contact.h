@@ -1,6 +1,6 @@
-// Contacts of convex hulls with each other, and which pairs of boxes are worth a look.
+// Contacts of convex hulls with each other.
 //
-// Most pairs that Bullet's tree of boxes finds in a heap do not touch, and most that touch hardly move
+// Half of the pairs whose boxes overlap in a heap do not touch, and most that touch hardly move
 // against each other. Bullet runs GJK for all of them in every step. Here a pair remembers how its hulls
 // stood when it last looked closely, and what it saw:
 // - a gap: as long as one hull has moved against the other by less than that, there is still none of it gone;

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-// Bullet's global slack around every box in its broadphase tree; not declared by the umbrella header.
-extern btScalar gDbvtMargin;
-
 namespace brittle::physics {
 
 Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
@@ -44,7 +41,6 @@ Engine::~Engine() {
 }
 
 void World::Impl::make_engine() {
-    gDbvtMargin = settings.broadphase_margin * bullet_units;
     engine = std::make_unique<Engine>(settings, bodies);
 }
 
@@ -58,7 +54,7 @@ std::shared_ptr<SharedShape> World::Impl::shared_shape(const std::shared_ptr<con
     made->hull = hull;
     for (const glm::vec3& point : hull->points) made->shape.addPoint(metres_to_bullet(point), false);
     made->shape.setMargin(hull->margin * bullet_units);
-    made->shape.recalcLocalAabb();
+    made->shape.finish();
     shared_shapes.emplace(hull.get(), made);
     return made;
 }

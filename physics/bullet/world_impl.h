@@ -17,6 +17,7 @@
 #include "physics/bullet/hull_contact.h"
 #include "physics/bullet/piece_solver.h"
 #include "physics/bullet/stepped_world.h"
+#include "physics/bullet/sweep_broadphase.h"
 #include "physics/world.h"
 
 namespace brittle::physics {
@@ -30,7 +31,7 @@ struct Engine {
     btCollisionDispatcher dispatcher{&configuration};
     GroundContacts ground_contacts{dispatcher};
     HullContacts hull_contacts{dispatcher};
-    btDbvtBroadphase broadphase;
+    SweepBroadphase broadphase;
     PieceSolver solver;
     std::unique_ptr<SteppedWorld> world;
     std::unique_ptr<btStaticPlaneShape> ground_shape;

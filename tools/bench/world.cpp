@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include <time.h>
 
 #include <benchmark/benchmark.h>
 
@@ -22,7 +26,9 @@ using namespace brittle::fracture;
 using namespace brittle::physics;
 
 constexpr const char* bunny_file = "/usr/share/glmark2/models/bunny.obj"; // assets/SOURCES.md
-constexpr uint32_t sites_for_2000 = 5000;                                 // of the bunny
+constexpr uint32_t sites_for_1000 = 2400, sites_for_2000 = 5000; // of the bunny
+constexpr int longest_to_sleep = 2400;                           // steps that a heap may take to come to rest
+constexpr float little_bunny = 0.15f; // m: a thousand pieces of it are debris by the world's default
 
 // A metre high, standing on the ground.
 TriangleMesh bunny() {
@@ -34,76 +40,155 @@ TriangleMesh bunny() {
     return mesh;
 }
 
-Fragments broken_bunny(uint32_t sites) {
-    static const TriangleMesh mesh = bunny();
-    return *fracture::fracture(mesh, uniform_sites(bounds(mesh), sites, 1));
-}
+// In pieces that are ready to become bodies.
+struct Broken {
+    Fragments pieces;
+    PieceHulls hulls;
+    double hull_milliseconds = 0.0; // of all threads together, on the clock
+
+    explicit Broken(uint32_t sites, float height = 1.0f) {
+        static const TriangleMesh mesh = bunny();
+        TriangleMesh scaled = mesh;
+        for (glm::dvec3& p : scaled.positions) p *= static_cast<double>(height);
+        pieces = *fracture::fracture(scaled, uniform_sites(bounds(scaled), sites, 1));
+        const auto start = std::chrono::steady_clock::now();
+        hulls = collision_hulls(pieces);
+        hull_milliseconds =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    }
+    // False if there is no room.
+    [[nodiscard]] bool add_to(World& world, glm::vec3 at) const {
+        return add_pieces(world, pieces, {}, {.placement = {at, {1.0f, 0.0f, 0.0f, 0.0f}}}, hulls).has_value();
+    }
+};
 
 double median(std::vector<double> samples) {
     const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
     std::nth_element(samples.begin(), middle, samples.end());
     return *middle;
 }
+double longest(std::span<const double> samples) {
+    return *std::ranges::max_element(samples);
+}
 
+// What this thread has worked.
 double milliseconds_of(const auto& body) {
-    const auto start = std::chrono::steady_clock::now();
+    const auto now = [] {
+        timespec time{};
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+        return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+    };
+    const double start = now();
     body();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return now() - start;
+}
+
+std::vector<double> steps_of(World& world, int count) {
+    std::vector<double> steps;
+    for (int step = 0; step < count; ++step) steps.push_back(milliseconds_of([&] { world.step(); }));
+    return steps;
+}
+
+// Two thousand pieces that have come to rest five metres away; how many do sleep.
+size_t add_sleepers(World& world) {
+    static const Broken others(sites_for_2000);
+    if (!others.add_to(world, {5.0f, 0.0f, 0.0f})) return 0;
+    for (int step = 0; step < longest_to_sleep && world.awake_count() > 0; ++step) world.step();
+    return world.body_count() - world.awake_count();
 }
 
 // The steps of the first second and a half after the break: the fall of 30 cm, the impact and the spreading.
-void run_drop(benchmark::State& state, uint32_t sites, float debris_size, bool among_sleepers) {
-    const Fragments pieces = broken_bunny(sites);
-    PieceHulls hulls;
-    const double hull_milliseconds = milliseconds_of([&] { hulls = collision_hulls(pieces); });
-    World world({.debris_size = debris_size});
-    if (among_sleepers) {
-        const Fragments others = broken_bunny(sites_for_2000);
-        if (!add_pieces(world, others, {}, {.placement = {{5.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}}))
-            return state.SkipWithError("no bodies");
-        for (int step = 0; step < 3600 && world.awake_count() > 0; ++step) world.step();
-    }
-    const size_t asleep = world.body_count() - world.awake_count();
-    double add = 0.0;
-    std::vector<double> steps;
+void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& settings, bool among_sleepers) {
+    const Broken broken(sites);
+    std::vector<double> medians, first, fall, impact, heap;
+    double most = 0.0, add = 0.0;
+    size_t asleep = 0, awake = 0;
     for (auto _ : state) {
+        World world(settings);
+        asleep = among_sleepers ? add_sleepers(world) : 0;
         bool added = false;
-        add = milliseconds_of([&] {
-            added = add_pieces(world, pieces, {},
-                               {.placement = {{0.0f, 0.3f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}}, hulls)
-                        .has_value();
-        });
+        add = milliseconds_of([&] { added = broken.add_to(world, {0.0f, 0.3f, 0.0f}); });
         if (!added) return state.SkipWithError("no bodies");
-        for (int step = 0; step < 180; ++step) steps.push_back(milliseconds_of([&] { world.step(); }));
-        state.SetIterationTime(median(steps) * 1e-3);
+        const std::vector<double> steps = steps_of(world, 180);
+        const auto part = [&](int from, int to) {
+            return median(std::vector<double>(steps.begin() + from, steps.begin() + to));
+        };
+        medians.push_back(median(steps));
+        first.push_back(steps.front());
+        fall.push_back(part(1, 30));
+        impact.push_back(part(30, 90));
+        heap.push_back(part(90, 180));
+        most = std::max(most, longest(std::span(steps).subspan(1)));
+        awake = world.awake_count();
+        state.SetIterationTime(medians.back() * 1e-3);
     }
-    state.counters["pieces"] = static_cast<double>(pieces.pieces.size());
+    state.counters["pieces"] = static_cast<double>(broken.pieces.pieces.size());
     state.counters["asleep"] = static_cast<double>(asleep);
-    state.counters["awake"] = static_cast<double>(world.awake_count());
-    state.counters["first"] = steps.front();
-    state.counters["most"] = *std::max_element(steps.begin() + 1, steps.end());
-    state.counters["hulls"] = hull_milliseconds;
+    state.counters["awake"] = static_cast<double>(awake);
+    state.counters["low"] = *std::ranges::min_element(medians);
+    state.counters["high"] = longest(medians);
+    state.counters["first"] = median(first);
+    state.counters["fall"] = median(fall);
+    state.counters["impact"] = median(impact);
+    state.counters["heap"] = median(heap);
+    state.counters["most"] = most;
+    state.counters["hulls"] = broken.hull_milliseconds;
     state.counters["add"] = add;
+}
+
+// A thousand more pieces come in one frame.
+void run_add(benchmark::State& state, float height) {
+    const Broken there(sites_for_1000), coming(sites_for_1000, height);
+    std::vector<double> before, worst, after;
+    size_t asleep = 0;
+    for (auto _ : state) {
+        World world;
+        asleep = add_sleepers(world);
+        if (!there.add_to(world, {0.0f, 0.3f, 0.0f})) return state.SkipWithError("no bodies");
+        steps_of(world, 60);
+        before.push_back(median(steps_of(world, 30)));
+        bool added = false;
+        const double adding = milliseconds_of([&] { added = coming.add_to(world, {-3.0f, 0.3f, 0.0f}); });
+        if (!added) return state.SkipWithError("no bodies");
+        std::vector<double> frames = steps_of(world, 60);
+        frames.front() += adding;
+        worst.push_back(longest(frames));
+        after.push_back(median(frames));
+        state.SetIterationTime(worst.back() * 1e-3);
+    }
+    state.counters["coming_pieces"] = static_cast<double>(coming.pieces.pieces.size());
+    state.counters["asleep"] = static_cast<double>(asleep);
+    state.counters["before"] = median(before);
+    state.counters["longest"] = median(worst);
+    state.counters["after"] = median(after);
+    state.counters["ratio"] = median(worst) / median(before);
+    state.counters["coming"] = median(worst) / median(after);
 }
 
 } // namespace
 
 void add_world_benchmarks() {
-    const auto add = [](const std::string& name, uint32_t sites, float debris_size, bool among_sleepers) {
-        benchmark::RegisterBenchmark(
-            name.c_str(),
-            [=](benchmark::State& state) { run_drop(state, sites, debris_size, among_sleepers); })
+    const auto add = [](const std::string& name, int runs, const auto& run) {
+        benchmark::RegisterBenchmark(name.c_str(), run)
             ->Unit(benchmark::kMillisecond)
             ->UseManualTime()
-            ->Iterations(1);
+            ->Iterations(runs);
     };
-    for (const auto& [count, sites] :
-         {std::pair(100, 150u), std::pair(300, 570u), std::pair(1000, 2400u), std::pair(3000, 8200u)}) {
-        add("world/bunny/" + std::to_string(count), sites, 0.0f, false);
-        add("world/debris/" + std::to_string(count), sites, 1.0f, false);
+    const std::pair<const char*, WorldSettings> kinds[] = {
+        {"meet", {.debris_size = 0.0f}}, {"default", {}}, {"debris", {.debris_size = 1.0f}}};
+    for (const auto& [kind, settings] : kinds) {
+        const auto drop = [&add, name = std::string("world/") + kind + "/",
+                           settings = settings](const std::string& what, uint32_t sites, int runs, bool sleepers) {
+            add(name + what, runs, [=](benchmark::State& state) { run_drop(state, sites, settings, sleepers); });
+        };
+        drop("100", 150, 5, false);
+        drop("300", 570, 5, false);
+        drop("1000", sites_for_1000, 3, false);
+        drop("3000", 8200, 1, false);
+        drop("1000_of_3000", sites_for_1000, 1, true);
     }
-    add("world/bunny/1000_of_3000", 2400, 0.0f, true);
-    add("world/debris/1000_of_3000", 2400, 1.0f, true);
+    add("world/add/meet/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, 1.0f); });
+    add("world/add/debris/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, little_bunny); });
 }
 
 } // namespace brittle::tools

@@ -1,0 +1,97 @@
+// Four floats that are added, multiplied and compared at once: SSE2 where the compiler has it, which every x86-64 does, and
+// plain loops elsewhere. Both give the same bits: there is no multiply-add.
+#pragma once
+
+#include <cstdint>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace brittle::physics {
+
+// Memory is read and written unaligned. min and max give the second operand where one is not a number.
+#if defined(__SSE2__)
+
+struct Float4 {
+    __m128 v;
+
+    static Float4 load(const float* from) { return {_mm_loadu_ps(from)}; }
+    static Float4 all(float value) { return {_mm_set1_ps(value)}; }
+    void store(float* to) const { _mm_storeu_ps(to, v); }
+
+    friend Float4 operator+(Float4 a, Float4 b) { return {_mm_add_ps(a.v, b.v)}; }
+    friend Float4 operator-(Float4 a, Float4 b) { return {_mm_sub_ps(a.v, b.v)}; }
+    friend Float4 operator*(Float4 a, Float4 b) { return {_mm_mul_ps(a.v, b.v)}; }
+    friend Float4 min(Float4 a, Float4 b) { return {_mm_min_ps(a.v, b.v)}; }
+    friend Float4 max(Float4 a, Float4 b) { return {_mm_max_ps(a.v, b.v)}; }
+    // Bit i is set where a <= b and c <= d in lane i, and so on.
+    friend uint32_t all_less_equal(Float4 a, Float4 b, Float4 c, Float4 d, Float4 e, Float4 f) {
+        return static_cast<uint32_t>(_mm_movemask_ps(
+            _mm_and_ps(_mm_and_ps(_mm_cmple_ps(a.v, b.v), _mm_cmple_ps(c.v, d.v)), _mm_cmple_ps(e.v, f.v))));
+    }
+    // Bit i is set where a == b in lane i.
+    friend uint32_t equal(Float4 a, Float4 b) {
+        return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v)));
+    }
+};
+
+#else
+
+struct Float4 {
+    float v[4];
+
+    static Float4 load(const float* from) { return {{from[0], from[1], from[2], from[3]}}; }
+    static Float4 all(float value) { return {{value, value, value, value}}; }
+    void store(float* to) const {
+        for (int i = 0; i < 4; ++i) to[i] = v[i];
+    }
+
+    static Float4 each(Float4 a, Float4 b, const auto& of) {
+        return {{of(a.v[0], b.v[0]), of(a.v[1], b.v[1]), of(a.v[2], b.v[2]), of(a.v[3], b.v[3])}};
+    }
+    static uint32_t mask(Float4 a, Float4 b, const auto& of) {
+        uint32_t bits = 0;
+        for (int i = 0; i < 4; ++i) bits |= of(a.v[i], b.v[i]) ? 1u << i : 0u;
+        return bits;
+    }
+    friend Float4 operator+(Float4 a, Float4 b) {
+        return each(a, b, [](float x, float y) { return x + y; });
+    }
+    friend Float4 operator-(Float4 a, Float4 b) {
+        return each(a, b, [](float x, float y) { return x - y; });
+    }
+    friend Float4 operator*(Float4 a, Float4 b) {
+        return each(a, b, [](float x, float y) { return x * y; });
+    }
+    friend Float4 min(Float4 a, Float4 b) {
+        return each(a, b, [](float x, float y) { return x < y ? x : y; });
+    }
+    friend Float4 max(Float4 a, Float4 b) {
+        return each(a, b, [](float x, float y) { return x > y ? x : y; });
+    }
+    friend uint32_t all_less_equal(Float4 a, Float4 b, Float4 c, Float4 d, Float4 e, Float4 f) {
+        const auto below = [](float x, float y) { return x <= y; };
+        return mask(a, b, below) & mask(c, d, below) & mask(e, f, below);
+    }
+    friend uint32_t equal(Float4 a, Float4 b) {
+        return mask(a, b, [](float x, float y) { return x == y; });
+    }
+};
+
+#endif
+
+inline float least(Float4 a) {
+    float lanes[4];
+    a.store(lanes);
+    const float low = lanes[0] < lanes[1] ? lanes[0] : lanes[1], high = lanes[2] < lanes[3] ? lanes[2] : lanes[3];
+    return low < high ? low : high;
+}
+inline float greatest(Float4 a) {
+    float lanes[4];
+    a.store(lanes);
+    const float low = lanes[0] > lanes[1] ? lanes[0] : lanes[1], high = lanes[2] > lanes[3] ? lanes[2] : lanes[3];
+    return low > high ? low : high;
+}
+
+} // namespace brittle::physics

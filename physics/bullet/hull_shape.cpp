@@ -1,0 +1,70 @@
+#include "physics/bullet/hull_shape.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+
+#include "physics/bullet/float4.h"
+
+namespace brittle::physics {
+
+namespace {
+
+constexpr size_t group_size = 12; // floats of four points
+
+Float4 along(const btScalar* group, const btVector3& direction) {
+    return Float4::load(group) * Float4::all(direction.x()) + Float4::load(group + 4) * Float4::all(direction.y())
+           + Float4::load(group + 8) * Float4::all(direction.z());
+}
+
+} // namespace
+
+void HullShape::finish() {
+    recalcLocalAabb();
+    const int count = getNumPoints();
+    assert(count > 0);
+    lanes_.assign(static_cast<size_t>((count + 3) / 4) * group_size, 0.0f);
+    btScalar square = 0.0f;
+    for (size_t place = 0; place < lanes_.size() / 3; ++place) {
+        const btVector3& point = getUnscaledPoints()[std::min(static_cast<int>(place), count - 1)];
+        for (size_t axis = 0; axis < 3; ++axis)
+            lanes_[place / 4 * group_size + axis * 4 + place % 4] = point[static_cast<int>(axis)];
+        square = std::max(square, point.length2());
+    }
+    radius_ = std::sqrt(square) + getMargin();
+}
+
+void HullShape::getAabb(const btTransform& frame, btVector3& low, btVector3& high) const {
+    const btVector3 swollen(getMargin(), getMargin(), getMargin());
+    for (int axis = 0; axis < 3; ++axis) {
+        const btVector3& row = frame.getBasis()[axis];
+        Float4 least_of = along(lanes_.data(), row), greatest_of = least_of;
+        for (size_t at = group_size; at < lanes_.size(); at += group_size) {
+            const Float4 there = along(lanes_.data() + at, row);
+            least_of = min(least_of, there);
+            greatest_of = max(greatest_of, there);
+        }
+        low[axis] = least(least_of);
+        high[axis] = greatest(greatest_of);
+    }
+    low += frame.getOrigin() - swollen;
+    high += frame.getOrigin() + swollen;
+}
+
+btScalar HullShape::reach(const btVector3& direction) const {
+    Float4 most = along(lanes_.data(), direction);
+    for (size_t at = group_size; at < lanes_.size(); at += group_size)
+        most = max(most, along(lanes_.data() + at, direction));
+    return greatest(most);
+}
+
+int HullShape::farthest(const btVector3& direction) const {
+    const Float4 most = Float4::all(reach(direction));
+    for (size_t at = 0; at < lanes_.size(); at += group_size)
+        if (const uint32_t lanes = equal(along(lanes_.data() + at, direction), most); lanes != 0)
+            return static_cast<int>(at / 3) + std::countr_zero(lanes);
+    return 0; // the direction is not a number
+}
+
+} // namespace brittle::physics

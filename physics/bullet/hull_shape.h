@@ -1,0 +1,34 @@
+// Bullet's convex hull with what a heap asks of it thousands of times a step done four points at a time: how far it
+// reaches in a direction, and its box.
+//
+// The box is that of the points where they are, not, as Bullet's, that of a turned box: in a heap of pieces half as many pairs
+// of boxes overlap. Add all points, set the margin, then call finish() once. Bullet's units.
+#pragma once
+
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+
+namespace brittle::physics {
+
+class HullShape final : public btConvexHullShape {
+  public:
+    BT_DECLARE_ALIGNED_ALLOCATOR();
+
+    void finish();
+
+    void getAabb(const btTransform& frame, btVector3& low, btVector3& high) const override;
+
+    // The farthest that the points, without margin, reach in a direction of the shape's own axes.
+    [[nodiscard]] btScalar reach(const btVector3& direction) const;
+    // The point that reaches farthest, the first of several.
+    [[nodiscard]] int farthest(const btVector3& direction) const;
+    // Radius of the ball around the shape's origin that holds it, margin included.
+    [[nodiscard]] btScalar radius() const { return radius_; }
+
+  private:
+    std::vector<btScalar> lanes_; // by groups of four points: four x, four y, four z; the last point fills up
+    btScalar radius_ = 0.0f;
+};
+
+} // namespace brittle::physics

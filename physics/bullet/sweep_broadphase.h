@@ -1,0 +1,141 @@
+// Which boxes overlap, found anew in each step by sweeping along one axis.
+//
+// Bullet's tree swells boxes so that it need not look in every step, and keeps a hash of all pairs that come out of it. In a
+// heap of pieces that are as small as their slack, that is three times as many pairs as there are overlaps, and while things
+// fall, every box leaves its slack in every step. Here boxes are as tight as they are given. Those whose box was set since the
+// last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
+// other and with those that were not, four at a time; pairs of two that were not stay as they are.
+//
+// - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
+//   on what happened before.
+// - What a pair keeps (its collision algorithm) lives as long as the boxes overlap in each step, and is freed at once when
+//   one of the two is removed.
+// - Bodies that sleep cost a comparison of one coordinate each.
+// - The work grows with the pairs that overlap along the axis: n to the power of 5/3 for n pieces of one object. A
+//   thousand take 0.4 ms, three thousand 1.2 ms.
+// - Not thread-safe.
+//
+// Sweep and prune: D. Baraff, "Dynamic Simulation of Non-Penetrating Rigid Bodies", 1992.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/float4.h"
+
+namespace brittle::physics {
+
+// Proxies are numbered by rank: their place among all, in the order in which they were made.
+struct SweptProxy final : btBroadphaseProxy {
+    uint32_t rank = 0;
+    bool set = true;    // its box, since pairs were last found
+    bool gone = false;  // destroyed; let go of when pairs are next found
+};
+
+// Pairs of boxes in the order of their ranks.
+class SweptPairs final : public btOverlappingPairCache {
+  public:
+    using Key = uint64_t; // lower rank, higher rank
+
+    // Keeps, of the pairs with a box that was set, those that are found, adds what is new and drops what is not. Keys are
+    // ascending.
+    void update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
+                btDispatcher* dispatcher);
+
+    void cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* dispatcher) override;
+    void cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
+    void processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher* dispatcher) override;
+    // Only those with a box that was set: two that sleep need no look.
+    void processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher* dispatcher,
+                                    const btDispatcherInfo& info) override;
+    bool needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const override;
+    btBroadphasePair* findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) override;
+
+    btBroadphasePair* getOverlappingPairArrayPtr() override { return pairs_.size() > 0 ? &pairs_[0] : nullptr; }
+    const btBroadphasePair* getOverlappingPairArrayPtr() const override {
+        return pairs_.size() > 0 ? &pairs_[0] : nullptr;
+    }
+    btBroadphasePairArray& getOverlappingPairArray() override { return pairs_; }
+    int getNumOverlappingPairs() const override { return pairs_.size(); }
+
+    // Of Bullet's interface, but only asked for by its own broadphases.
+    btBroadphasePair* addOverlappingPair(btBroadphaseProxy*, btBroadphaseProxy*) override { return nullptr; }
+    void* removeOverlappingPair(btBroadphaseProxy*, btBroadphaseProxy*, btDispatcher*) override { return nullptr; }
+    void removeOverlappingPairsContainingProxy(btBroadphaseProxy*, btDispatcher*) override {}
+    btOverlapFilterCallback* getOverlapFilterCallback() override { return nullptr; }
+    void setOverlapFilterCallback(btOverlapFilterCallback*) override {}
+    void setInternalGhostPairCallback(btOverlappingPairCallback*) override {}
+    void sortOverlappingPairs(btDispatcher*) override {}
+    bool hasDeferredRemoval() override { return true; }
+
+  private:
+    btBroadphasePairArray pairs_, next_;
+    std::vector<int> awake_; // indices of those with a box that was set
+};
+
+class SweepBroadphase final : public btBroadphaseInterface {
+  public:
+    btBroadphaseProxy* createProxy(const btVector3& low, const btVector3& high, int shape, void* object, int group,
+                                   int mask, btDispatcher* dispatcher) override;
+    void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
+    void setAabb(btBroadphaseProxy* proxy, const btVector3& low, const btVector3& high,
+                 btDispatcher* dispatcher) override;
+    void getAabb(btBroadphaseProxy* proxy, btVector3& low, btVector3& high) const override;
+    // Boxes that a ray, or a box along it, may hit; in the order of ranks.
+    void rayTest(const btVector3& from, const btVector3& to, btBroadphaseRayCallback& callback, const btVector3& low,
+                 const btVector3& high) override;
+    void aabbTest(const btVector3& low, const btVector3& high, btBroadphaseAabbCallback& callback) override;
+    void calculateOverlappingPairs(btDispatcher* dispatcher) override;
+    btOverlappingPairCache* getOverlappingPairCache() override { return &pairs_; }
+    const btOverlappingPairCache* getOverlappingPairCache() const override { return &pairs_; }
+    void getBroadphaseAabb(btVector3& low, btVector3& high) const override;
+    void printStats() override {}
+
+  private:
+    // One box four times over.
+    struct Box4 {
+        std::array<Float4, 3> low, high;
+        Box4(const btVector3& from, const btVector3& to);
+    };
+    // Boxes side by side; behind the last one three that overlap nothing, so that four can be read anywhere.
+    struct Boxes {
+        std::array<std::vector<float>, 3> low, high;
+        void resize(size_t count);
+        void set(size_t place, const btVector3& from, const btVector3& to);
+        [[nodiscard]] size_t size() const { return low[0].size() - 3; }
+        // Bit i of the result: whether the box at first + i overlaps the given one.
+        [[nodiscard]] uint32_t overlaps(size_t first, const Box4& box) const;
+    };
+    // Boxes in ascending order of where they begin on the axis.
+    struct Sorted {
+        std::vector<uint32_t> ranks;
+        Boxes boxes;
+    };
+
+    void forget_gone();
+    [[nodiscard]] int widest_axis() const;
+    void sort(Sorted& sorted);
+    // Sorts boxes that were set since the last time, and the others where they are not the same ones as then.
+    void find_moving();
+    void sweep();
+    // Emits the pairs of a box with those of others, from a place on, that begin before it ends.
+    void sweep_one(uint32_t rank, const Sorted& others, size_t from);
+    void sort_found();
+
+    std::vector<std::unique_ptr<SweptProxy>> proxies_; // by rank
+    Boxes boxes_;                                      // likewise
+    SweptPairs pairs_;
+    int next_uid_ = 0;
+    bool some_gone_ = false;
+    int axis_ = 0; // along which boxes are sorted
+    Sorted moving_, still_;
+    std::vector<SweptPairs::Key> found_, scratch_; // of one call, as are the last two below
+    std::vector<uint32_t> still_ranks_; // of still_, ascending
+    std::vector<uint32_t> ranks_, starts_;
+};
+
+} // namespace brittle::physics

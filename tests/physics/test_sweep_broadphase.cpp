@@ -1,0 +1,207 @@
+#include "physics/bullet/sweep_broadphase.h"
+
+#include <map>
+#include <memory>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+using namespace brittle::physics;
+
+namespace {
+
+// A broadphase beside a plain list of what is in it, to compare with.
+struct Boxes {
+    struct One {
+        btBroadphaseProxy* proxy;
+        int group, mask;
+    };
+    SweepBroadphase sweep;
+    std::vector<One> boxes;
+    std::map<std::pair<int, int>, int> ages; // of the pairs that overlapped when pairs were last found
+    std::mt19937 random{7};
+
+    ~Boxes() {
+        while (!boxes.empty()) remove(0);
+    }
+    float number(float low, float high) {
+        return low + (high - low) * static_cast<float>(random() >> 8) / 16777216.0f;
+    }
+    btVector3 corner(float size) { return {number(-size, size), number(-size, size), number(-size, size)}; }
+
+    btBroadphaseProxy* add(const btVector3& low, const btVector3& high, int group = 1, int mask = -1) {
+        boxes.push_back({sweep.createProxy(low, high, 0, nullptr, group, mask, nullptr), group, mask});
+        return boxes.back().proxy;
+    }
+    btBroadphaseProxy* add_random(float space, float size, int group = 1, int mask = -1) {
+        const btVector3 low = corner(space);
+        return add(low, low + btVector3(number(0, size), number(0, size), number(0, size)), group, mask);
+    }
+    void move(size_t which, float by) {
+        btBroadphaseProxy* proxy = boxes[which].proxy;
+        const btVector3 step = corner(by);
+        sweep.setAabb(proxy, proxy->m_aabbMin + step, proxy->m_aabbMax + step, nullptr);
+    }
+    void remove(size_t which) {
+        btBroadphaseProxy* proxy = boxes[which].proxy;
+        std::erase_if(ages, [&](const auto& pair) {
+            return pair.first.first == proxy->m_uniqueId || pair.first.second == proxy->m_uniqueId;
+        });
+        sweep.getOverlappingPairCache()->cleanProxyFromPairs(proxy, nullptr);
+        sweep.destroyProxy(proxy, nullptr);
+        boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(which));
+    }
+
+    // Every pair of boxes that overlap and may meet, by comparing all with all.
+    [[nodiscard]] std::map<std::pair<int, int>, int> expected() const {
+        std::map<std::pair<int, int>, int> pairs;
+        for (size_t i = 0; i < boxes.size(); ++i)
+            for (size_t j = 0; j < i; ++j) {
+                const btBroadphaseProxy &a = *boxes[j].proxy, &b = *boxes[i].proxy;
+                bool overlap = (boxes[i].group & boxes[j].mask) != 0 && (boxes[j].group & boxes[i].mask) != 0;
+                for (int axis = 0; axis < 3; ++axis)
+                    overlap = overlap && a.m_aabbMin[axis] <= b.m_aabbMax[axis] && b.m_aabbMin[axis] <= a.m_aabbMax[axis];
+                if (overlap) pairs[{a.m_uniqueId, b.m_uniqueId}] = 0;
+            }
+        return pairs;
+    }
+
+    // Finds pairs; they must be the expected ones, ascending, and a pair that was there before the same one still: it
+    // counts in what Bullet leaves to its user how often it was found.
+    void check() {
+        sweep.calculateOverlappingPairs(nullptr);
+        std::map<std::pair<int, int>, int> now = expected();
+        for (auto& [pair, age] : now)
+            if (const auto before = ages.find(pair); before != ages.end()) age = before->second + 1;
+        ages = now;
+        std::map<std::pair<int, int>, int> found;
+        std::pair<int, int> last{-1, -1};
+        btBroadphasePairArray& pairs = sweep.getOverlappingPairCache()->getOverlappingPairArray();
+        for (int i = 0; i < pairs.size(); ++i) {
+            const std::pair<int, int> names{pairs[i].m_pProxy0->m_uniqueId, pairs[i].m_pProxy1->m_uniqueId};
+            CHECK(last < names);
+            last = names;
+            found[names] = pairs[i].m_internalTmpValue++;
+        }
+        CHECK(found == now);
+    }
+};
+
+} // namespace
+
+TEST_CASE("a broadphase of nothing has no pairs, and one box has none") {
+    Boxes boxes;
+    boxes.check();
+    boxes.add({0, 0, 0}, {1, 1, 1});
+    boxes.check();
+    CHECK(boxes.sweep.getOverlappingPairCache()->getNumOverlappingPairs() == 0);
+}
+
+TEST_CASE("boxes that are equal, flat, points or touch in a corner overlap") {
+    Boxes boxes;
+    for (int i = 0; i < 5; ++i) boxes.add({0, 0, 0}, {1, 1, 1});
+    boxes.add({1, 1, 1}, {2, 2, 2});
+    boxes.add({0, 0, 1}, {1, 1, 1});
+    boxes.add({1, 1, 1}, {1, 1, 1});
+    boxes.check();
+    CHECK(boxes.sweep.getOverlappingPairCache()->getNumOverlappingPairs() == 8 * 7 / 2);
+}
+
+TEST_CASE("a box without bounds meets every other, whichever of them moves") {
+    Boxes boxes;
+    boxes.add({-1e18f, -1e18f, -1e18f}, {1e18f, 1e18f, 1e18f});
+    for (int i = 0; i < 30; ++i) boxes.add_random(5.0f, 1.0f);
+    boxes.check();
+    for (size_t i = 1; i < 10; ++i) boxes.move(i, 3.0f);
+    boxes.check();
+    CHECK(boxes.sweep.getOverlappingPairCache()->getNumOverlappingPairs() >= 30);
+}
+
+TEST_CASE("pairs are those that comparing all with all finds, while boxes move, rest, come and go") {
+    Boxes boxes;
+    for (int i = 0; i < 150; ++i) boxes.add_random(2.0f, 1.5f);
+    for (int round = 0; round < 60; ++round) {
+        // All of them, some, or none.
+        for (size_t i = 0; i < boxes.boxes.size(); ++i)
+            if (round % 4 == 0 || (round % 4 != 3 && boxes.random() % 5 == 0)) boxes.move(i, 0.2f);
+        if (round % 3 == 1)
+            for (int i = 0; i < 5; ++i) boxes.remove(boxes.random() % boxes.boxes.size());
+        if (round % 5 == 2)
+            for (int i = 0; i < 8; ++i) boxes.add_random(2.0f, 1.5f);
+        boxes.check();
+    }
+}
+
+TEST_CASE("what spreads along another axis than before is still found") {
+    Boxes boxes;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int i = 0; i < 40; ++i) {
+            btVector3 low = boxes.corner(0.5f);
+            low[axis] *= 40.0f;
+            boxes.add(low, low + btVector3(1, 1, 1));
+        }
+        boxes.check();
+        for (size_t i = 0; i < boxes.boxes.size(); i += 2) boxes.move(i, 0.5f);
+        boxes.check();
+    }
+}
+
+TEST_CASE("boxes meet as their groups say") {
+    Boxes boxes;
+    for (int i = 0; i < 60; ++i) {
+        const int group = 1 << (i % 3);
+        boxes.add_random(1.0f, 1.0f, group, i % 2 ? ~group : -1);
+    }
+    boxes.check();
+    for (size_t i = 0; i < boxes.boxes.size(); i += 3) boxes.move(i, 0.5f);
+    boxes.check();
+}
+
+TEST_CASE("only pairs with a box that was set are looked at") {
+    Boxes boxes;
+    for (int i = 0; i < 40; ++i) boxes.add_random(1.0f, 1.0f);
+    boxes.check();
+    boxes.move(11, 0.1f);
+    boxes.check();
+    struct Looks final : btOverlapCallback {
+        int count = 0;
+        bool processOverlap(btBroadphasePair& pair) override {
+            CHECK((pair.m_pProxy0->m_uniqueId == 11 || pair.m_pProxy1->m_uniqueId == 11));
+            ++count;
+            return false;
+        }
+    } looks;
+    boxes.sweep.getOverlappingPairCache()->processAllOverlappingPairs(&looks, nullptr, btDispatcherInfo{});
+    int of_it = 0;
+    for (const auto& [names, age] : boxes.expected()) of_it += names.first == 11 || names.second == 11;
+    CHECK(of_it > 0);
+    CHECK(looks.count == of_it);
+}
+
+TEST_CASE("a query finds the boxes that overlap it, those that came since pairs were found among them") {
+    Boxes boxes;
+    for (int i = 0; i < 50; ++i) boxes.add_random(2.0f, 1.0f);
+    boxes.check();
+    boxes.remove(13);
+    for (int i = 0; i < 5; ++i) boxes.add_random(2.0f, 1.0f);
+    struct Met final : btBroadphaseAabbCallback {
+        std::vector<int> names;
+        bool process(const btBroadphaseProxy* proxy) override {
+            names.push_back(proxy->m_uniqueId);
+            return true;
+        }
+    } met;
+    const btVector3 low(-0.5f, -0.5f, -0.5f), high(0.7f, 0.7f, 0.7f);
+    boxes.sweep.aabbTest(low, high, met);
+    std::vector<int> expected;
+    for (const auto& box : boxes.boxes) {
+        bool overlap = true;
+        for (int axis = 0; axis < 3; ++axis)
+            overlap = overlap && box.proxy->m_aabbMin[axis] <= high[axis] && low[axis] <= box.proxy->m_aabbMax[axis];
+        if (overlap) expected.push_back(box.proxy->m_uniqueId);
+    }
+    CHECK(expected.size() > 3);
+    CHECK(met.names == expected);
+}
