@@ -29,7 +29,7 @@ void replay(const ReplayLog& log, Player& player, const fracture::Fragments& fra
     Simulation simulation(log.recipe.material);
     simulation.observe(&player);
     follow(log, simulation);
-    simulation.start(fragments, log.recipe.world);
+    simulation.start(fragments, world_of(log.recipe));
     if (player.difference()) return;
     schedule(log, simulation);
     run_steps(simulation, player, log.states.size());
@@ -44,7 +44,7 @@ void draw(const ReplayCommand& command, const ReplayLog& log, Player& player, co
     Stage stage(*renderer, input.model.mesh, log.recipe.material);
     stage.simulation().observe(&player);
     follow(log, stage.simulation());
-    stage.stand(fragments, log.recipe.world);
+    stage.stand(fragments, world_of(log.recipe));
     if (player.difference()) return;
     schedule(log, stage.simulation());
     Film film(*renderer, {.output = command.pictures, .every = command.every, .video = command.video}, log.recipe.picture, command.view,

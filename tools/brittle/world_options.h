@@ -28,6 +28,7 @@ struct WorldOptions {
     double min_size = 0.05;        // m, cube root of volume; no smaller piece is made
     uint32_t blow_pieces = 48;     // at most, of one blow
     uint32_t piece_limit = 2000;   // in the world; beyond it debris fades, what is small and old first
+    uint64_t seed = 1;             // of where blows cut: see world_of()
     std::vector<Shot> shots{};
 };
 
