@@ -42,6 +42,9 @@ uint64_t seed_of(uint64_t parent, uint64_t child) {
     return fracture::Random(parent ^ (0x9e3779b97f4a7c15ull * (child + 1))).next();
 }
 
+// Blows after a piece's first, among its children: those are fewer.
+constexpr uint64_t first_blow = uint64_t{1} << 32;
+
 uint64_t steps_of(double seconds, const World& world) {
     const double steps = std::ceil(seconds / static_cast<double>(world.settings().step));
     return steps < 1.0 ? 1 : steps > 1e15 ? uint64_t{1'000'000'000'000'000} : static_cast<uint64_t>(steps);
@@ -326,7 +329,8 @@ void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
     const Damage damage = damage_of(hit.blow, desc->solid.material, piece.solid->mass.volume, {desc->most_pieces, least});
     if (damage.pieces == 0) return;
     ImpactPattern pattern = desc->pattern;
-    pattern.seed = piece.seed;
+    pattern.seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, first_blow + piece.blows);
+    ++piece.blows;
     piece.job = next_job_++;
     jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit};
     ++statistics_.blows;

@@ -63,7 +63,8 @@ struct ObjectId {
 
 struct BreakableDesc {
     SolidSettings solid{};
-    ImpactPattern pattern{};     // its seed is the object's: those of pieces derive from it and their ancestry
+    ImpactPattern pattern{};     // its seed is the object's: that of a blow derives from it, the object's number, the
+                                 // piece's ancestry and how many blows to the piece were worked on before
     uint32_t most_pieces = 48;   // of one blow
     PlacedMotion motion{};       // an anchored object keeps its placement and does not move
     float impact_speed = 0.5f;   // m/s
@@ -204,6 +205,7 @@ class Destruction {
         BodyId own{};            // none for a piece of a structure
         uint32_t bonded = none;  // piece of the structure
         uint32_t job = none;
+        uint32_t blows = 0;      // that began a job
         bool unbreakable = false; // a cut of it was refused
         std::optional<Hit> waiting{}; // blows while the job runs
         uint64_t born = 0;       // steps

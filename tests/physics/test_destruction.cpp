@@ -259,6 +259,47 @@ TEST_CASE("two that break each other keep their momentum, and no energy comes of
     CHECK(most <= energy * 1.001);
 }
 
+TEST_CASE("where a blow cuts is up to the seed, the object and the blows to it before") {
+    struct Case {
+        uint64_t seed = 1;
+        int objects_before = 0, blows_before = 0;
+    };
+    const auto hash_after = [](const Case& chosen) {
+        World world(empty_space);
+        Destruction destruction;
+        BreakableDesc desc = desc_of(0.1);
+        desc.pattern.seed = chosen.seed;
+        // Sites so far apart that a weak blow has none in reach: such a job leaves the object as it is.
+        desc.pattern.diagram = {{0.0, 0.0, 0.0}, {1.0, 0.9, 0.1}, {0.8, 1.0, 1.0}, {0.1, 0.95, 0.8}, {0.45, 0.9, 0.2}, {0.3, 0.0, 1.0}};
+        for (int k = 0; k < chosen.objects_before; ++k)
+            destruction.remove(world, must_add(destruction, world, fracture::cube(1.0), desc));
+        must_add(destruction, world, fracture::cube(1.0), desc);
+        const PieceId whole = destruction.pieces().front();
+        const glm::vec3 top = world.pose(destruction.body(whole)).position + glm::vec3(0.0f, 0.5f, 0.0f);
+        for (int k = 0; k < chosen.blows_before; ++k) {
+            REQUIRE(destruction.strike(world, whole, top, {0.0f, -1.0f, 0.0f}, 20.0));
+            run(world, destruction, 3);
+            REQUIRE(destruction.contains(whole));
+        }
+        REQUIRE(destruction.strike(world, whole, top, {0.0f, -1.0f, 0.0f}, 2000.0));
+        run(world, destruction, 3);
+        REQUIRE(destruction.pieces().size() > 1);
+        CHECK(volume_of(destruction) == doctest::Approx(1.0).epsilon(1e-12));
+        uint64_t hash = 0;
+        for (const PieceId piece : destruction.pieces())
+            hash = hash * 31 + std::bit_cast<uint64_t>(destruction.solid(piece)->mass.volume);
+        return hash;
+    };
+    const uint64_t plain = hash_after({});
+    CHECK(hash_after({}) == plain);
+    for (const Case& other : {Case{.seed = 2}, Case{.objects_before = 1}, Case{.blows_before = 1}, Case{.blows_before = 2}}) {
+        const uint64_t hash = hash_after(other);
+        CHECK(hash != plain);
+        CHECK(hash_after(other) == hash);
+    }
+    CHECK(hash_after({.blows_before = 2}) != hash_after({.blows_before = 1}));
+}
+
 TEST_CASE("a diagram made beforehand is what an object breaks along") {
     World world(empty_space);
     Destruction destruction;

@@ -73,6 +73,7 @@ FractureOptions points() {
     options.mesh = "shape:cube";
     options.sites_file = "/sites/fan.txt";
     options.fit_sites = true;
+    options.pattern.seed = 77;
     options.sites_placement = {.turn = {10.0, -20.0, 1.0 / 3.0}, .scale = 0.5, .move = {0.0, 1e-3, 2.0}};
     return options;
 }

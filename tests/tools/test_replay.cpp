@@ -70,7 +70,7 @@ ReplayLog recorded(const FractureOptions& options, const fracture::Fragments& fr
     Simulation simulation(options.material);
     Recorder recorder(file, options);
     simulation.observe(&recorder);
-    simulation.start(fragments, options.world);
+    simulation.start(fragments, world_of(options));
     for (const auto& [step, action] : actions) simulation.schedule(step, action);
     while (simulation.steps() < steps) simulation.step();
     recorder.finish();
@@ -82,7 +82,7 @@ std::optional<Difference> replayed(const ReplayLog& log, const fracture::Fragmen
     Player player(log);
     simulation.observe(&player);
     follow(log, simulation);
-    simulation.start(fragments, log.recipe.world);
+    simulation.start(fragments, world_of(log.recipe));
     if (!player.difference()) schedule(log, simulation);
     while (!player.done() && !player.difference()) simulation.step();
     return player.difference();
@@ -366,8 +366,8 @@ TEST_CASE("replay: what is cut anew repeats, by its own latency and by the log, 
             Simulation simulation(log.recipe.material); // by itself: with the latency that it was recorded with
             Player player(log);
             simulation.observe(&player);
-            simulation.start(fragments, log.recipe.world,
-                             prepare_bodies(fragments, log.recipe.world, log.recipe.material, {}, threads));
+            simulation.start(fragments, world_of(log.recipe),
+                             prepare_bodies(fragments, world_of(log.recipe), log.recipe.material, {}, threads));
             schedule(log, simulation);
             while (!player.done() && !player.difference()) simulation.advance(0.017);
             CHECK_FALSE(player.difference());
@@ -385,6 +385,25 @@ TEST_CASE("replay: what is cut anew repeats, by its own latency and by the log, 
     }
 }
 
+TEST_CASE("replay: the recipe's seed says where blows cut, and is in the log") {
+    const Folder folder;
+    FractureOptions options = breakable_options(false);
+    const fracture::Fragments whole = broken(options); // what starts whole has no sites that a seed could move
+    const auto states_of = [&](uint64_t seed) {
+        options.pattern.seed = seed;
+        const ReplayLog log = recorded(options, whole, 60, blows(), folder.path / "run.log");
+        CHECK(log.commits.size() >= 1);
+        CHECK_FALSE(replayed(log, broken(log.recipe)));
+        return log.states.back().hash;
+    };
+    const uint64_t first = states_of(11);
+    CHECK(states_of(12) != first);
+    CHECK(states_of(11) == first);
+    // Also where sites are points, which have no seed of their own.
+    options.points = {{0.0, 0.0, 0.0}};
+    CHECK(states_of(11) == first);
+}
+
 TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log") {
     const Folder folder;
     for (const bool bonded : {false, true}) {
@@ -394,7 +413,7 @@ TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log
         Recorder recorder(folder.path / "run.log", options);
         simulation.observe(&recorder);
         simulation.commit_as(physics::Timing::when_ready);
-        simulation.start(broken(options), options.world);
+        simulation.start(broken(options), world_of(options));
         for (const auto& [step, action] : blows()) simulation.schedule(step, action);
         // Until all is cut, however long the worker takes: nothing here depends on a clock but the steps of the cuts.
         while (simulation.steps() < 100 || (simulation.destruction()->jobs_in_flight() > 0 && simulation.steps() < 20'000))

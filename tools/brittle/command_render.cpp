@@ -37,7 +37,7 @@ void check_run(const RenderCommand& command) {
 
 int run_render(const RenderCommand& command) {
     const PictureOptions& picture = command.fracture.picture;
-    const WorldOptions& world = command.fracture.world;
+    const WorldOptions world = world_of(command.fracture);
     const FilmOptions film_options{
         .output = command.output, .ids = command.ids, .every = command.every, .video = command.video};
     check_film(film_options);

@@ -46,7 +46,7 @@ void replay(const Run& run, Player& player) {
     Simulation simulation(run.log.recipe.material);
     simulation.observe(&player);
     follow(run.log, simulation);
-    simulation.start(*run.fragments, run.log.recipe.world);
+    simulation.start(*run.fragments, world_of(run.log.recipe));
     if (player.difference()) return;
     schedule(run.log, simulation);
     run_steps(simulation, player, run.log.states.size());
@@ -63,7 +63,7 @@ void draw(const Run& run, Player& player, const Input& input) {
     Stage stage(*renderer, input.model.mesh, log.recipe.material);
     stage.simulation().observe(&player);
     follow(log, stage.simulation());
-    stage.stand(*run.fragments, log.recipe.world);
+    stage.stand(*run.fragments, world_of(log.recipe));
     if (player.difference()) return;
     schedule(log, stage.simulation());
     Film film(*renderer, {.output = command.pictures, .every = command.every, .video = command.video}, log.recipe.picture, command.view,

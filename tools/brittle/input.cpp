@@ -102,6 +102,12 @@ SiteSet sites_of_file(const FractureOptions& options, const fracture::TriangleMe
 
 } // namespace
 
+WorldOptions world_of(const FractureOptions& options) {
+    WorldOptions world = options.world;
+    world.seed = options.pattern.seed;
+    return world;
+}
+
 SiteSet sites_for(const FractureOptions& options, const fracture::TriangleMesh& mesh) {
     if (options.strikes.empty() && !options.points.empty()) return {options.points, {}, {}};
     if (options.strikes.empty() && !options.sites_file.empty()) return sites_of_file(options, mesh);

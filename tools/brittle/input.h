@@ -30,8 +30,11 @@ struct FractureOptions {
     double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
     uint32_t threads = 0;    // 0: one a core
     PictureOptions picture;  // what `brittle render` shows
-    WorldOptions world;
+    WorldOptions world;     // its seed is not looked at: world_of()
 };
+
+// The world, in which blows cut by the pattern's seed: equal seeds, equal cuts.
+[[nodiscard]] WorldOptions world_of(const FractureOptions& options);
 
 // A mesh and the sites to break it by.
 struct Input {

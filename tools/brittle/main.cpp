@@ -82,8 +82,8 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
                                      "Number of Voronoi sites; those outside the solid give no piece")
                       ->check(CLI::Range(1u, 1'000'000u))
                       ->capture_default_str();
-    auto* seed = command.add_option("--seed", pattern.seed, "Seed of what is random: equal seeds, equal pieces")
-                     ->capture_default_str();
+    command.add_option("--seed", pattern.seed, "Seed of what is random, the cuts of blows too: equal seeds, equal pieces")
+        ->capture_default_str();
     // Before --pattern and its shape, which outdo it.
     command
         .add_option_function<std::string>(
@@ -121,7 +121,6 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
     command.add_option("--sites", options.sites_file, "Read the sites from FILE instead: a line `x y z` each, or `x y z radius` for cells of graded sizes")
         ->type_name("FILE")
         ->excludes(count)
-        ->excludes(seed)
         ->excludes("--pattern");
     command.add_flag("--fit-sites", options.fit_sites, "Scale and move the sites of --sites onto the mesh's box");
     add_vector("--turn-sites", options.sites_placement.turn, "Turn them, degrees about X, then Y, then Z");

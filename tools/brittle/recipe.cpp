@@ -51,6 +51,7 @@ Json pattern_json(const Pattern& pattern, const Pattern& plain) {
 Json points_json(const FractureOptions& options) {
     const fracture::Placement plain, &placement = options.sites_placement;
     Json json{{"type", "points"}};
+    if (options.pattern.seed != Pattern{}.seed) json["seed"] = options.pattern.seed; // of what blows cut
     if (!options.points.empty()) {
         for (const glm::dvec3& p : options.points) json["sites"].push_back(vector_json(p));
         return json;
@@ -167,6 +168,7 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
         options.sites_file.clear();
         reader.text("file", options.sites_file);
         options.points = read_points(reader);
+        reader.whole("seed", options.pattern.seed, 0, UINT64_MAX);
         if (options.sites_file.empty() == options.points.empty())
             throw reader.failure("file", "a pattern of points needs the file that they are in, or a list \"sites\" of them");
         reader.flag("fit", options.fit_sites);

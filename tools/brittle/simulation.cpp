@@ -73,6 +73,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
     desc.solid.material = flawed_material(preset, options);
     desc.solid.min_size = options.min_size;
     desc.solid.look = look;
+    desc.pattern.seed = options.seed;
     if (preset) desc.pattern.kind = preset->pattern.kind;
     if (preset) desc.pattern.slenderness = preset->pattern.slenderness;
     desc.most_pieces = options.blow_pieces;

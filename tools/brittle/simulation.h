@@ -11,8 +11,8 @@
 // - Not thread-safe; as World, one at a time.
 //
 //     Simulation simulation("stone");
-//     PreparedBodies bodies = prepare_bodies(broken.fragments, options.world, "stone");   // on any thread
-//     simulation.start(broken.fragments, options.world, std::move(bodies));
+//     PreparedBodies bodies = prepare_bodies(broken.fragments, world_of(options), "stone");   // on any thread
+//     simulation.start(broken.fragments, world_of(options), std::move(bodies));
 //     simulation.apply(Shoot{.from = eye, .velocity = 14.0 * direction});
 //     each frame: float alpha = simulation.advance(seconds); simulation.write_poses(poses, alpha);
 #pragma once

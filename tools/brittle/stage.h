@@ -7,8 +7,8 @@
 //     Input input = placed_on_stage(load_input(options));
 //     Stage stage(renderer, input.mesh);
 //     Broken broken = break_input(input, options);                                  // these two on any thread
-//     PreparedPieces ahead = prepare_pieces(broken.fragments, options.world, options.material);
-//     stage.stand(broken.fragments, options.world, std::move(ahead));
+//     PreparedPieces ahead = prepare_pieces(broken.fragments, world_of(options), options.material);
+//     stage.stand(broken.fragments, world_of(options), std::move(ahead));
 //     each frame: stage.advance(1.0 / 60.0); renderer.render(stage.scene(), size);
 #pragma once
 

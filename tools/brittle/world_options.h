@@ -38,6 +38,7 @@ struct WorldOptions {
     uint32_t blow_pieces = 48;     // at most, of one blow
     uint32_t piece_limit = 2000;   // in the world; beyond it debris fades, what is small and old first
     std::vector<Anchor> anchors{}; // bonded unless it is breakable, and held there
+    uint64_t seed = 1;             // of where blows cut: see world_of()
     std::vector<Shot> shots{};
 };
 

@@ -4,7 +4,7 @@
 //     Player player(log);
 //     simulation.observe(&player);
 //     follow(log, simulation);
-//     simulation.start(fragments, log.recipe.world);
+//     simulation.start(fragments, world_of(log.recipe));
 //     schedule(log, simulation);
 //     while (!player.done()) simulation.step();
 //     if (player.difference()) ...

@@ -241,6 +241,7 @@ void Session::reset() {
 void Session::start_breaking(const WorldOptions& world) {
     FractureOptions options = recipe();
     options.world = world;
+    options.world = world_of(options);
     start("breaking " + object_->name(), [this, object = object_, options, stage = stages_](const Worker::Cancelled& cancelled) {
         const Input input = object->with_sites(options);
         auto made = std::make_shared<Broken>(
