@@ -290,17 +290,33 @@ void Destruction::update_structures(World& world) {
 
 bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point, const glm::vec3& normal, double energy) {
     const auto at = pieces_.find(id);
-    if (at == pieces_.end() || !finite(point) || !finite(normal) || !(glm::length(normal) > 0.0f)) return false;
-    const std::optional<Pose> pose = pose_of(world, at->second, 1.0f);
-    if (!pose || !(energy > 0.0) || !std::isfinite(energy)) return false;
+    if (at == pieces_.end()) return false;
+    const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy);
+    if (!blow) return false;
     Hit hit;
-    hit.blow = {turned_back(*pose, point - pose->position) + at->second.solid->mass.centre_of_mass,
-                turned_back(*pose, glm::normalize(normal)), energy};
+    hit.blow = *blow;
     hit.sharp = std::numeric_limits<double>::infinity();
     hit_piece(world, id, hit);
     if (at->second.bonded != none && at->second.job != none)
         objects_.at(at->second.object).structure->isolate(at->second.bonded);
     return at->second.job != none;
+}
+
+std::optional<PlannedCut> Destruction::foresee(const World& world, PieceId id, const glm::vec3& point,
+                                               const glm::vec3& normal, double energy) const {
+    const auto at = pieces_.find(id);
+    if (at == pieces_.end() || at->second.job != none) return std::nullopt;
+    const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy);
+    return blow ? plan(at->second, *blow) : std::nullopt;
+}
+
+std::optional<Blow> Destruction::blow_at(const World& world, const Live& piece, const glm::vec3& point,
+                                         const glm::vec3& normal, double energy) const {
+    if (!finite(point) || !finite(normal) || !(glm::length(normal) > 0.0f)) return std::nullopt;
+    const std::optional<Pose> pose = pose_of(world, piece, 1.0f);
+    if (!pose || !(energy > 0.0) || !std::isfinite(energy)) return std::nullopt;
+    return Blow{turned_back(*pose, point - pose->position) + piece.solid->mass.centre_of_mass,
+                turned_back(*pose, glm::normalize(normal)), energy};
 }
 
 // Begins a job, or lays the blow by for when the one that runs is done.
@@ -321,26 +337,36 @@ void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
     piece.waiting->owed = glm::vec3(0.0f);
 }
 
+std::optional<PlannedCut> Destruction::plan(const Live& piece, const Blow& blow) const {
+    if (!piece.solid->breakable || piece.unbreakable || piece.fading > 0) return std::nullopt;
+    const std::shared_ptr<const BreakableDesc>& desc = objects_.at(piece.object).desc;
+    const double least = desc->solid.min_size * desc->solid.min_size * desc->solid.min_size;
+    const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume, {desc->most_pieces, least});
+    if (damage.pieces == 0) return std::nullopt;
+    const uint64_t seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, first_blow + piece.blows);
+    return PlannedCut{piece.solid, desc, blow, damage, seed};
+}
+
+Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled) {
+    ImpactPattern pattern = cut.desc->pattern;
+    pattern.seed = cut.seed;
+    Blow on_surface = cut.blow;
+    on_surface.point = nearest_on(cut.solid->mesh, cut.blow.point);
+    const ImpactSites sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, cut.damage, pattern);
+    return break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
+}
+
 void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
-    if (!piece.solid->breakable || piece.unbreakable || piece.fading > 0) return;
-    const std::shared_ptr<const BreakableDesc> desc = objects_.at(piece.object).desc;
-    const double least = desc->solid.min_size * desc->solid.min_size * desc->solid.min_size;
-    const Damage damage = damage_of(hit.blow, desc->solid.material, piece.solid->mass.volume, {desc->most_pieces, least});
-    if (damage.pieces == 0) return;
-    ImpactPattern pattern = desc->pattern;
-    pattern.seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, first_blow + piece.blows);
+    const std::optional<PlannedCut> cut = plan(piece, hit.blow);
+    if (!cut) return;
     ++piece.blows;
     piece.job = next_job_++;
     jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit};
     ++statistics_.blows;
-    background_.start(piece.job, [=, solid = piece.solid, blow = hit.blow](const std::atomic<bool>& cancelled) {
+    background_.start(piece.job, [cut = *cut](const std::atomic<bool>& cancelled) {
         Broken broken;
-        Blow on_surface = blow;
-        on_surface.point = nearest_on(solid->mesh, blow.point);
-        const ImpactSites cut = impact_sites(solid->mesh, solid->mass, on_surface, damage, pattern);
-        Result<std::vector<SolidPtr>> pieces = break_solid(*solid, cut.sites, cut.groups, desc->solid,
-                                                           [&] { return cancelled.load(); });
+        Result<std::vector<SolidPtr>> pieces = carry_out(cut, [&] { return cancelled.load(); });
         if (pieces)
             broken.pieces = std::move(*pieces);
         else

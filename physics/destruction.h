@@ -82,6 +82,17 @@ struct DestructionSettings {
     DebrisLimits debris{};
 };
 
+// What a blow makes of a piece: all that it takes to carry it out, on any thread.
+struct PlannedCut {
+    SolidPtr solid;
+    std::shared_ptr<const BreakableDesc> desc;
+    Blow blow; // in the coordinates of the object
+    Damage damage;
+    uint64_t seed = 0;
+};
+// The pieces, one where it withstands. Fails as break_solid() does.
+[[nodiscard]] Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled = {});
+
 // A job that was committed, and the World::steps_taken() of then.
 struct Commit {
     uint64_t step = 0;
@@ -145,6 +156,9 @@ class Destruction {
     // A blow by hand: nothing moves of it. The normal points into the piece. False where the piece is not there or does not
     // break of it.
     bool strike(const World& world, PieceId piece, const glm::vec3& point, const glm::vec3& normal, double energy);
+    // What strike() would make of it, without doing it. Nothing where it would not break, or while another blow breaks it.
+    [[nodiscard]] std::optional<PlannedCut> foresee(const World& world, PieceId piece, const glm::vec3& point,
+                                                    const glm::vec3& normal, double energy) const;
     // What to commit when, for Timing::scripted: a log of commits(), in its order. Jobs that are not in it are not committed.
     void follow(std::span<const Commit> log) { script_.assign(log.begin(), log.end()); }
     [[nodiscard]] std::span<const Commit> commits() const { return commits_; } // of the last update()
@@ -237,6 +251,9 @@ class Destruction {
     void take_up_blows(World& world);
     void update_structures(World& world);
     void hit_piece(const World& world, PieceId id, const Hit& hit);
+    [[nodiscard]] std::optional<Blow> blow_at(const World& world, const Live& piece, const glm::vec3& point,
+                                              const glm::vec3& normal, double energy) const;
+    [[nodiscard]] std::optional<PlannedCut> plan(const Live& piece, const Blow& blow) const;
     void start_job(const World& world, PieceId id, const Hit& hit);
     void take_back_bounce(World& world, BodyId own, const BodyBlow& blow, Hit& hit) const;
     void commit_due(World& world, double budget);

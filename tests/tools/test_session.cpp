@@ -1,10 +1,12 @@
 // The studio's session on a real renderer without a window: files, work that is cancelled, time, previews; and the mouse
 // as the tools see it.
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -12,6 +14,7 @@
 #include <glm/geometric.hpp>
 #include <unistd.h>
 
+#include "fracture/mass_properties.h"
 #include "tests/engine/support.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/replay/player.h"
@@ -38,8 +41,8 @@ class Room {
         session = std::make_unique<Session>(options, Object::load(options), *renderer, nullptr);
     }
     // Frames until the condition holds, for half a minute at most.
-    template<class Condition> bool soon(const Condition& condition) {
-        for (int k = 0; k < 3000 && !condition(); ++k) {
+    template<class Condition> bool soon(const Condition& condition, int frames = 3000) {
+        for (int k = 0; k < frames && !condition(); ++k) {
             session->update(frame);
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
@@ -73,6 +76,27 @@ class Folder {
 std::string content(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::multiset<double> volumes_of(const fracture::Fragments& fragments) {
+    std::multiset<double> volumes;
+    for (const fracture::Piece& piece : fragments.pieces) volumes.insert(piece.mass.volume);
+    return volumes;
+}
+
+std::multiset<double> volumes_of(const Session& session) {
+    const physics::Destruction& destruction = *session.stage().simulation().destruction();
+    std::multiset<double> volumes;
+    for (const physics::PieceId id : destruction.pieces()) volumes.insert(destruction.solid(id)->mass.volume);
+    return volumes;
+}
+
+uint32_t largest_of(const Session& session) {
+    const physics::Destruction& destruction = *session.stage().simulation().destruction();
+    const auto all = destruction.pieces();
+    return std::max_element(all.begin(), all.end(), [&](physics::PieceId a, physics::PieceId b) {
+               return destruction.solid(a)->mass.volume < destruction.solid(b)->mass.volume;
+           })->value;
 }
 
 Viewport view_of(const Navigation& navigation) {
@@ -215,6 +239,113 @@ TEST_CASE("session: a replay log is there once something broke, and not before")
     CHECK(fs::file_size(file) > size);
     session.save_replay(folder.path / "none" / "run.log");
     CHECK(session.message().fault);
+}
+
+TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost showed, and undo and reset mend it") {
+    Room room("shape:animal");
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.edit(SetMaterial{"stone"});
+    WorldOptions world;
+    world.breakable = world.anchored = true;
+    session.edit(SetWorld{world});
+    session.tools.hammer_radius = 0.3f;
+    REQUIRE(room.soon([&] { return !session.work(); }));
+    const auto undo_name = std::string(session.document().undo_name());
+    const glm::dvec3 middle(session.stage().home_bounds().centre());
+    const std::vector<std::pair<glm::dvec3, glm::dvec3>> rays{{middle + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0}},
+                                                              {middle + glm::dvec3(0.1, 3.0, 0.0), {0.0, -1.0, 0.0}}};
+    int blows = 0;
+    for (const auto& [from, direction] : rays) {
+        const auto hit = session.object().first_hit(from, direction);
+        REQUIRE(hit);
+        session.aim(hit->point, direction);
+        REQUIRE(room.soon([&] { return session.preview() && session.preview()->ghost; }));
+        const auto volumes_ahead = volumes_of(session.preview()->fragments);
+        const auto falls = std::count(session.preview()->stays.begin(), session.preview()->stays.end(), 0);
+        REQUIRE(volumes_ahead.size() > 4);
+        CHECK(falls == static_cast<std::ptrdiff_t>(volumes_ahead.size()) - 1);
+        for (const engine::LineVertex& v : session.preview()->cracks) CHECK(glm::distance(glm::dvec3(v.position), hit->point) < 1.2); // radii: 4
+        (void)room.picture();
+        CHECK(room.renderer->stats().pieces == volumes_ahead.size());
+
+        session.strike(hit->point, direction);
+        session.playback.paused = true; // once it is cut, nothing is to break by its fall
+        REQUIRE(room.soon([&] { return session.broken(); }));
+        while (session.counts()->pieces == 1 && session.steps() < 600) {
+            session.step_once();
+            session.update(frame);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        CHECK(volumes_of(session) == volumes_ahead);
+        CHECK(session.recipe().strikes.empty()); // an action of the log, no edit
+        CHECK(session.document().undo_name() == undo_name);
+
+        // A second blow, at a piece where it lies.
+        (void)room.picture(); // where it is drawn
+        const glm::dvec3 largest(session.piece_bounds(largest_of(session)).centre());
+        const auto piece = session.first_piece(largest + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
+        REQUIRE(piece);
+        session.aim(*piece, direction);
+        const bool foreseen = room.soon([&] { return session.preview() && session.preview()->piece == piece->piece; }, 300);
+        if (foreseen) {
+            const auto part = volumes_of(session.preview()->fragments);
+            std::multiset<double> expected = volumes_of(session);
+            expected.erase(expected.find(session.piece_volume(piece->piece)));
+            expected.insert(part.begin(), part.end());
+            const size_t before = session.counts()->pieces;
+            session.strike(*piece, direction);
+            const uint64_t until = session.steps() + 600;
+            while (session.counts()->pieces == before && session.steps() < until) {
+                session.step_once();
+                session.update(frame);
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+            CHECK(volumes_of(session) == expected);
+            ++blows;
+        }
+        session.playback.paused = false;
+        session.aim_nowhere();
+        session.reset();
+        CHECK_FALSE(session.broken());
+        session.update(frame);
+        CHECK(session.all_bounds().min == session.stage().home_bounds().min);
+    }
+    CHECK(blows >= 1);
+    session.undo(); // the world; the mesh is whole and falls apart no more
+    CHECK_FALSE(session.recipe().world.breakable);
+    CHECK_FALSE(session.broken());
+}
+
+TEST_CASE("session: a ball cuts what is breakable where it hits; undo takes a change of it back, and it is whole") {
+    Room room("shape:pane");
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.edit(SetMaterial{"glass"});
+    WorldOptions world;
+    world.breakable = world.anchored = true;
+    session.edit(SetWorld{world});
+    const engine::Bounds home = session.stage().home_bounds();
+    const glm::vec3 middle = home.centre();
+    session.shoot(middle + glm::vec3(0.0f, 0.0f, 3.0f), {0.0f, 0.0f, -1.0f});
+    REQUIRE(room.soon([&] { return session.counts() && session.counts()->pieces > 8; }));
+    CHECK(session.recipe().strikes.empty());
+    const physics::Destruction& destruction = *session.stage().simulation().destruction();
+    double sum = 0.0;
+    size_t near = 0;
+    for (const physics::PieceId id : destruction.pieces()) {
+        const physics::SolidPiece& solid = *destruction.solid(id);
+        sum += solid.mass.volume;
+        if (glm::distance(solid.mass.centre_of_mass, glm::dvec3(middle)) < 0.6) ++near; // where it was in the pane
+    }
+    CHECK(near > destruction.pieces().size() / 2);
+    CHECK(sum == doctest::Approx(fracture::signed_volume(session.object().mesh().positions, session.object().mesh().triangles)).epsilon(1e-6));
+    session.undo();
+    CHECK_FALSE(session.broken());
+    session.redo();
+    CHECK_FALSE(session.broken());
+    CHECK(session.recipe().world.breakable);
+    CHECK(session.first_piece(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0}) == std::nullopt); // nothing but the mesh
 }
 
 TEST_CASE("session: exports what is on the stage, as its log repeats it; before the break the recipe's pieces") {

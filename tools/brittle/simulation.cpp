@@ -35,6 +35,10 @@ constexpr double foot = 0.01;  // m: what is anchored and reaches below is held
 constexpr double below = 1.0;  // m, how far down that goes
 constexpr size_t any_number = UINT32_MAX; // pieces that are not there yet may be named
 
+double hammer_energy(double impulse) {
+    return 0.5 * impulse * impulse / hammer_mass;
+}
+
 physics::Material plain_material(const physics::MaterialPreset* preset) {
     return preset ? preset->material : physics::Material{};
 }
@@ -258,7 +262,7 @@ std::vector<uint32_t> Simulation::pieces_of(BodyId body) const {
     return pieces;
 }
 
-Pose Simulation::piece_pose(uint32_t piece) const {
+Pose Simulation::pose_of(uint32_t piece) const {
     Pose pose = world_.pose(body_of(piece));
     if (is_bonded(piece)) pose.position += pose.orientation * structure()->offset(piece);
     return pose;
@@ -299,8 +303,14 @@ void Simulation::act(const Hammer& blow) {
     if (is_bonded(blow.piece)) bonded()->blow(world_, blow.piece, glm::vec3(blow.impulse));
     const double impulse = glm::length(blow.impulse);
     if (!destruction_ || !(impulse > destruction_->solid({blow.piece})->bearable)) return;
-    destruction_->strike(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
-                         0.5 * impulse * impulse / hammer_mass);
+    destruction_->strike(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse), hammer_energy(impulse));
+}
+
+std::optional<physics::PlannedCut> Simulation::foresee(const Hammer& blow) const {
+    const double impulse = glm::length(blow.impulse);
+    if (!destruction_ || body_of(blow.piece) == BodyId{} || !(impulse > destruction_->solid({blow.piece})->bearable)) return std::nullopt;
+    return destruction_->foresee(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
+                                 hammer_energy(impulse));
 }
 
 void Simulation::act(const Release& release) {
@@ -320,7 +330,7 @@ void Simulation::act(const Push& push) {
 void Simulation::act(const Grab& grab) {
     held_.reset();
     if (body_of(grab.piece) == BodyId{}) return;
-    const Pose pose = piece_pose(grab.piece);
+    const Pose pose = pose_of(grab.piece);
     const glm::dvec3 arm = grab.point - glm::dvec3(pose.position);
     held_ = Held{grab.piece, glm::conjugate(glm::dquat(pose.orientation)) * arm, grab.point};
 }
@@ -343,7 +353,7 @@ void Simulation::draw_held() {
         return;
     }
     if (world_.fixed(body)) return;
-    const Pose pose = piece_pose(held_->piece);
+    const Pose pose = pose_of(held_->piece);
     const glm::vec3 arm = pose.orientation * glm::vec3(held_->local);
     const glm::vec3 point = pose.position + arm;
     const glm::vec3 angular = world_.angular_velocity(body);

@@ -97,6 +97,9 @@ class Simulation {
     void schedule(uint64_t step, const Action& action);
 
     void step();
+    // What the hammer would cut its piece into, without doing it (Destruction::foresee()); nothing where it would not.
+    [[nodiscard]] std::optional<physics::PlannedCut> foresee(const Hammer& blow) const;
+
     // As World::advance(): as many steps as fit, and how far the time reaches into the next one.
     float advance(double seconds);
     [[nodiscard]] uint64_t steps() const { return world_.steps_taken(); } // since the start
@@ -118,6 +121,8 @@ class Simulation {
     // All pieces have numbers below this, and none twice.
     [[nodiscard]] uint32_t number_count() const;
     [[nodiscard]] physics::BodyId body_of(uint32_t piece) const; // none for a piece that is gone
+    // Of the centre of mass of a piece that has a body, after the last step.
+    [[nodiscard]] physics::Pose pose_of(uint32_t piece) const;
     // That a body holds, ascending; none for a ball.
     [[nodiscard]] std::vector<uint32_t> pieces_of(physics::BodyId body) const;
 
@@ -145,7 +150,6 @@ class Simulation {
     void after_step();
     void act_when_due();
     void draw_held();
-    [[nodiscard]] physics::Pose piece_pose(uint32_t piece) const;
 
     void act(const Shoot& action);
     void act(const Damage& action);

@@ -72,6 +72,7 @@ class Stage {
     [[nodiscard]] engine::Bounds home_bounds() const { return home_; } // of the unbroken mesh, for the camera
     // For actions and observers; start() and clear() are the stage's own.
     [[nodiscard]] Simulation& simulation() { return simulation_; }
+    [[nodiscard]] const Simulation& simulation() const { return simulation_; }
     [[nodiscard]] const physics::World& world() const { return simulation_.world(); }
     [[nodiscard]] bool broken() const { return simulation_.running(); }
 

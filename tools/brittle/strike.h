@@ -23,6 +23,8 @@ struct Strike {
     glm::dvec3 direction{0.0, 0.0, -1.0}; // of the blow; any length but zero
     double radius = 0.1;                  // m, > 0
     uint32_t pieces = 16;                 // cells in the ball, about; those outside the solid give no piece
+
+    friend bool operator==(const Strike&, const Strike&) = default;
 };
 
 // Of all strikes together. Errors: invalid_setting that names the strike's number and field.

@@ -111,7 +111,7 @@ void Panels::certificate(const PanelState& state) {
     if (!counts) {
         if (state.session.preview_pieces() > 0) {
             value("Preview", "%u pieces", state.session.preview_pieces());
-            value("Fracture", "%.1f ms", state.session.preview_milliseconds());
+            value("Fracture", "%.1f ms", state.session.preview()->milliseconds);
         }
         return;
     }

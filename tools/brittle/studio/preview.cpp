@@ -80,33 +80,55 @@ std::shared_ptr<Cracked> Preview::take() {
     return std::exchange(finished_, nullptr);
 }
 
+// As the recipe says, with the ghost's strike.
+void Preview::fracture(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made) {
+    FractureOptions recipe = request.recipe;
+    if (request.ghost) recipe.strikes.push_back(*request.ghost);
+    SiteSet set = request.object->sites(recipe);
+    const fracture::TriangleMesh& mesh = request.object->mesh();
+    // Always the exact algorithm: the other may take minutes, and its pieces look the same.
+    const fracture::Settings settings{.threads = recipe.threads,
+                                      .groups = set.groups,
+                                      .weights = set.weights,
+                                      .min_volume = recipe.min_volume,
+                                      .cancelled = cancelled};
+    const Stopwatch stopwatch;
+    must(fracture::fracture(mesh, set.sites, settings, workspace_, made.fragments));
+    made.milliseconds = stopwatch.milliseconds();
+    if (!recipe.strikes.empty()) {
+        mark_what_stays(made);
+        return;
+    }
+    made.cells = cell_lines(mesh, set.sites, set.weights);
+    made.sites = std::move(set.sites);
+}
+
+void Preview::foresee_blow(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made) {
+    const Stopwatch stopwatch;
+    Foreseen foreseen = request.cut ? foresee(*request.cut, cancelled)
+                                    : foresight_.of_whole(request.object, request.recipe, request.version, *request.blow, cancelled);
+    made.milliseconds = stopwatch.milliseconds();
+    made.fragments = std::move(foreseen.fragments);
+    for (const uint8_t falls : foreseen.falls) made.stays.push_back(falls ? 0 : 1);
+}
+
 std::shared_ptr<Cracked> Preview::make(const PreviewRequest& request, const Worker::Cancelled& cancelled) {
     auto made = std::make_shared<Cracked>();
     made->key = request.key;
-    made->ghost = request.ghost.has_value();
+    made->ghost = request.ghost || request.blow || request.cut;
+    made->piece = request.piece;
     try {
-        FractureOptions recipe = request.recipe;
-        if (request.ghost) recipe.strikes.push_back(*request.ghost);
-        SiteSet set = request.object->sites(recipe);
-        const fracture::TriangleMesh& mesh = request.object->mesh();
-        // Always the exact algorithm: the other may take minutes, and its pieces look the same.
-        const fracture::Settings settings{.threads = recipe.threads,
-                                          .groups = set.groups,
-                                          .weights = set.weights,
-                                          .min_volume = recipe.min_volume,
-                                          .cancelled = cancelled};
-        const Stopwatch stopwatch;
-        must(fracture::fracture(mesh, set.sites, settings, workspace_, made->fragments));
-        made->milliseconds = stopwatch.milliseconds();
+        if (request.blow || request.cut) foresee_blow(request, cancelled, *made);
+        else fracture(request, cancelled, *made);
         made->pieces = static_cast<uint32_t>(made->fragments.pieces.size());
         made->positions.assign(made->fragments.positions.begin(), made->fragments.positions.end());
-        if (!recipe.strikes.empty()) mark_what_stays(*made);
         for (size_t p = 0; p < made->fragments.pieces.size(); ++p)
             if (made->stays.empty() || !made->stays[p]) append_cracks(*made, made->fragments.pieces[p], made->cracks);
-        made->batch = batch_of(*made);
-        if (recipe.strikes.empty()) {
-            made->cells = cell_lines(mesh, set.sites, set.weights);
-            made->sites = std::move(set.sites);
+        if (request.cut) {
+            const glm::vec3 centre(request.cut->solid->mass.centre_of_mass);
+            for (engine::LineVertex& v : made->cracks) v.position -= centre;
+        } else {
+            made->batch = batch_of(*made);
         }
     } catch (const Failure& failure) {
         made->fragments = {};

@@ -15,6 +15,7 @@
 #include "engine/render/piece_batch.h"
 #include "engine/render/scene.h"
 #include "fracture/fracture.h"
+#include "tools/brittle/studio/foresight.h"
 #include "tools/brittle/studio/object.h"
 #include "tools/brittle/studio/worker.h"
 
@@ -22,26 +23,31 @@ namespace brittle::tools {
 
 struct PreviewRequest {
     std::shared_ptr<const Object> object;
-    FractureOptions recipe;
-    std::optional<Strike> ghost{}; // a blow that may come, in the coordinates of the file
-    uint64_t key = 0;              // told apart by whoever asks
+    FractureOptions recipe{};
+    std::optional<Strike> ghost{};   // a blow that may come, in the coordinates of the file
+    std::optional<AimedBlow> blow{}; // at what is breakable and whole still
+    std::optional<physics::PlannedCut> cut{}; // a blow to one piece, of this number; then object and recipe do not matter
+    std::optional<uint32_t> piece{};
+    uint64_t version = 0; // of the recipe: with `blow`, an equal one stands there already
+    uint64_t key = 0;     // told apart by whoever asks
 };
 
 // All on the stage. Nothing in it where the recipe cannot be carried out; `fault` says why.
 struct Cracked {
     uint64_t key = 0;
-    bool ghost = false;
+    bool ghost = false;            // of a blow
+    std::optional<uint32_t> piece; // that it is the ghost of; cracks are in its frame then, about its centre of mass
     std::vector<glm::dvec3> sites;
     std::vector<engine::LineVertex> cracks; // a little above the surface, two a line
     std::vector<engine::LineVertex> cells;  // edges of the Voronoi diagram around the mesh; none for strikes
     uint32_t pieces = 0;
-    double milliseconds = 0.0; // of the fracture
+    double milliseconds = 0.0; // of the fracture; of a blow, all that it takes
     std::string fault;
 
     fracture::Fragments fragments;
     std::vector<glm::vec3> positions;
     engine::PieceBatch batch; // of all pieces, ready to be drawn
-    std::vector<uint8_t> stays; // by piece: the largest, where only a part breaks
+    std::vector<uint8_t> stays; // by piece: what does not fall, where only a part breaks
 };
 
 class Preview {
@@ -53,8 +59,11 @@ class Preview {
 
   private:
     [[nodiscard]] std::shared_ptr<Cracked> make(const PreviewRequest& request, const Worker::Cancelled& cancelled);
+    void fracture(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made);
+    void foresee_blow(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made);
 
     fracture::Workspace workspace_; // the worker's
+    Foresight foresight_;           // likewise
     std::mutex mutex_;
     std::shared_ptr<Cracked> finished_;
     Worker worker_; // last: its destructor waits

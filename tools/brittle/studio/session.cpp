@@ -6,7 +6,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "physics/impact_pattern.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/recipe.h"
 
@@ -16,13 +15,7 @@ namespace {
 
 constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
-constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
-constexpr double least_blow = 1.05; // of what a piece bears, so that it breaks
 constexpr double physics_step = 1.0 / 120.0; // s, of World
-
-bool same(const Strike& a, const Strike& b) {
-    return a.at == b.at && a.direction == b.direction && a.radius == b.radius && a.pieces == b.pieces;
-}
 
 bool same_sites(const FractureOptions& a, const FractureOptions& b) {
     const auto how = [](const FractureOptions& options) {
@@ -46,7 +39,7 @@ uint32_t bond_colour(double load) {
 }
 
 bool same_strikes(const FractureOptions& a, const FractureOptions& b) {
-    return std::equal(a.strikes.begin(), a.strikes.end(), b.strikes.begin(), b.strikes.end(), same);
+    return std::equal(a.strikes.begin(), a.strikes.end(), b.strikes.begin(), b.strikes.end());
 }
 
 } // namespace
@@ -63,14 +56,22 @@ Session::~Session() {
     worker_.cancel();
 }
 
+void Session::leave_piece() {
+    shown_.reset();
+    asked_.reset();
+    cracks_ahead_.reset();
+    asked_ahead_.reset();
+    piece.reset();
+}
+
 void Session::make_stage() {
     stage_ = std::make_unique<Stage>(renderer_, object_->mesh(), recipe().material);
     stage_->simulation().commit_as(physics::Timing::when_ready);
     stage_->simulation().observe(&*recorder_);
     ++stages_;
-    shown_.reset();
-    asked_.reset();
-    piece.reset();
+    shot_.reset(); // what waits for the pieces of another stage
+    blow_.reset();
+    leave_piece();
 }
 
 // --- the recipe ---
@@ -170,15 +171,11 @@ void Session::break_all() {
     start_breaking(world);
 }
 
-Strike Session::strike_at(const glm::dvec3& at, const glm::dvec3& direction) const {
-    return {object_->to_file(at), direction, tools.hammer_radius / object_->scale(), tools.hammer_pieces};
-}
-
 void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
     if (worker_.busy()) return;
     WorldOptions world = recipe().world;
     if (world.breakable) {
-        blow_ = {at, direction};
+        blow_ = blow_at(at, direction);
     } else {
         edit(AddStrike{strike_at(at, direction)});
         world.bonded = holds_together(world);
@@ -188,20 +185,11 @@ void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
 
 void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
     if (stage_->simulation().destruction()) {
-        blow(hit, direction);
+        Simulation& simulation = stage_->simulation();
+        simulation.apply(hammer_blow(simulation, hit, direction, double{tools.hammer_radius}, recipe().world.blow_pieces));
     } else { // where the place was when all was whole
         strike(glm::dvec3(hit.grip) + fragments_->pieces[hit.piece].mass.centre_of_mass, direction);
     }
-}
-
-// With the energy that reaches as far as the hammer's radius says.
-void Session::blow(const PieceHit& hit, const glm::dvec3& direction) {
-    const physics::SolidPiece& solid = *solid_of(hit.piece);
-    const physics::MaterialPreset* preset = stage_->simulation().material();
-    const double energy = physics::energy_of(double{tools.hammer_radius}, preset ? preset->material : physics::Material{},
-                                             solid.mass.volume, recipe().world.blow_pieces);
-    const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy), least_blow * solid.bearable);
-    stage_->simulation().apply(Hammer{hit.piece, glm::dvec3(hit.point), impulse * direction});
 }
 
 void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
@@ -217,7 +205,7 @@ void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
 }
 
 void Session::grab(const PieceHit& hit) {
-    stage_->simulation().apply(Grab{hit.piece, glm::dvec3(hit.point)});
+    stage_->simulation().apply(Grab{hit.piece, place_of(stage_->simulation(), hit)});
 }
 
 void Session::drag(const glm::vec3& to) {
@@ -230,8 +218,6 @@ void Session::let_go() {
 
 void Session::reset() {
     worker_.cancel();
-    shot_.reset();
-    blow_.reset();
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     counts_.reset();
     message_ = {};
@@ -254,9 +240,7 @@ void Session::start_breaking(const WorldOptions& world) {
 }
 
 void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions& world) {
-    shown_.reset();
-    asked_.reset();
-    piece.reset();
+    leave_piece();
     recorder_->use_recipe(recipe());
     stage_->stand(made.fragments, world, std::move(ahead));
     world_ = world;
@@ -274,7 +258,7 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
     message_ = {};
     if (const auto shot = std::exchange(shot_, std::nullopt)) shoot((*shot)[0], (*shot)[1]);
     if (const auto at = std::exchange(blow_, std::nullopt))
-        if (const auto hit = first_piece((*at)[0] - double{tools.hammer_radius} * (*at)[1], (*at)[1])) blow(*hit, (*at)[1]);
+        if (const auto hammer = hammer_at(stage_->simulation(), *fragments_, *at, recipe().world.blow_pieces)) stage_->simulation().apply(*hammer);
 }
 
 void Session::step_once() {
@@ -341,41 +325,6 @@ void Session::update(double seconds) {
     if (piece && !contains(*piece)) piece.reset(); // it was cut
 }
 
-bool Session::wants_preview() const {
-    return !broken() && (recipe().picture.cells || preview_wanted || ghost_);
-}
-
-void Session::update_preview() {
-    if (!wants_preview()) {
-        leave_preview();
-        return;
-    }
-    const bool asked = asked_ && asked_->version == document_.version() && asked_->object == object_.get()
-                       && asked_->ghost.has_value() == ghost_.has_value() && (!ghost_ || same(*asked_->ghost, *ghost_));
-    if (!asked) {
-        asked_ = Shown{document_.version(), object_.get(), ghost_};
-        preview_.request({object_, recipe(), ghost_, ++preview_key_});
-    }
-    std::shared_ptr<Cracked> made = preview_.take();
-    // A drag asks faster than answers come: the newest answer is shown even if it is not the last word.
-    if (!made || made->ghost != ghost_.has_value() || !made->fault.empty()) return;
-    draw_instead(std::move(made->batch));
-    shown_ = std::move(made);
-}
-
-void Session::leave_preview() {
-    asked_.reset();
-    (void)preview_.take();
-    if (!shown_) return;
-    shown_.reset();
-    if (!broken()) draw_instead(object_->batch());
-}
-
-void Session::draw_instead(engine::PieceBatch batch) {
-    must(renderer_.set_pieces({}));
-    (void)must(renderer_.add_pieces(std::move(batch)));
-}
-
 void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {
     const physics::Structure* structure = stage_->simulation().structure();
     if (!structure) return;
@@ -395,12 +344,14 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     const PictureOptions& view = recipe().picture;
     stage_->show_hulls(view.hulls);
     stage_->explode(view.explode);
-    const bool marks_sites = !broken() && (view.sites || preview_wanted) && !ghost_ && recipe().strikes.empty();
+    const bool aimed = aimed_strike_ || aimed_blow_;
+    const bool marks_sites = !broken() && (view.sites || preview_wanted) && !aimed && recipe().strikes.empty();
     stage_->show_sites(marks_sites || (broken() && view.sites) ? std::span(sites_) : std::span<const glm::dvec3>());
     lines_.clear();
     if (broken() && bonds) add_bond_lines(lines_);
     if (shown_ && !shown_->ghost && view.cells) lines_ = shown_->cells;
     if (shown_) lines_.insert(lines_.end(), shown_->cracks.begin(), shown_->cracks.end());
+    add_cracks_ahead(lines_);
     stage_->show_lines(lines_);
     engine::Scene scene = stage_->scene();
     // Only a part broke: the rest is to look as before.
@@ -417,17 +368,6 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     scene.smooth = view.smooth;
     scene.wireframe = view.wireframe;
     return scene;
-}
-
-// Lines are to be seen through pieces, as bonds are, or to lie on them: cracks, and of hulls what is in front, which would
-// be a tangle otherwise.
-void Session::place_lines(engine::Scene& scene) {
-    const bool hulls_alone = broken() && recipe().picture.hulls && !bonds;
-    if (shown_ || hulls_alone) scene.lines_on_top = false;
-    if (!hulls_alone) return;
-    lines_.assign(scene.lines.begin(), scene.lines.end());
-    for (engine::LineVertex& v : lines_) v.position += hull_lift * (scene.camera.eye - v.position);
-    scene.lines = lines_;
 }
 
 bool Session::take_fracture_mark() {

@@ -29,6 +29,7 @@
 #include "tools/brittle/state_export.h"
 #include "tools/brittle/studio/document.h"
 #include "tools/brittle/studio/object.h"
+#include "tools/brittle/studio/piece_view.h"
 #include "tools/brittle/studio/preview.h"
 #include "tools/brittle/studio/worker.h"
 #include "tools/brittle/video.h"
@@ -47,14 +48,6 @@ struct ToolSettings {
 struct Playback {
     bool paused = false;
     float speed = 1.0f; // of the clock: 0.1 is slow motion
-};
-
-// A piece under the cursor.
-struct PieceHit {
-    uint32_t piece = 0;
-    glm::vec3 point{0.0f}; // in the world
-    glm::vec3 grip{0.0f};  // the same in the piece's frame
-    double distance = 0.0; // m
 };
 
 struct Message {
@@ -97,8 +90,10 @@ class Session {
     // the whole mesh is broken anew, by the recipe with one more strike.
     void strike(const glm::dvec3& at, const glm::dvec3& direction);
     void strike(const PieceHit& hit, const glm::dvec3& direction);
-    void aim(std::optional<Strike> ghost) { ghost_ = std::move(ghost); } // a strike to preview, or none
-    [[nodiscard]] Strike strike_at(const glm::dvec3& at, const glm::dvec3& direction) const; // in the file's coordinates
+    // What such a strike would do is shown until another call: on the whole mesh, or on a piece that is at rest.
+    void aim(const glm::dvec3& at, const glm::dvec3& direction);
+    void aim(const PieceHit& hit, const glm::dvec3& direction);
+    void aim_nowhere();
     void shoot(const glm::vec3& from, const glm::vec3& direction); // a whole mesh is cut first and then stands
     void grab(const PieceHit& hit);
     void drag(const glm::vec3& to); // where what is grabbed shall come
@@ -158,8 +153,8 @@ class Session {
     [[nodiscard]] const std::optional<Counts>& counts() const { return counts_; } // of the last fracture
     [[nodiscard]] const Stage& stage() const { return *stage_; }
     [[nodiscard]] uint64_t steps() const { return stage_->simulation().steps(); } // of physics since the break
-    [[nodiscard]] uint32_t preview_pieces() const { return shown_ ? shown_->pieces : 0; }
-    [[nodiscard]] double preview_milliseconds() const { return shown_ ? shown_->milliseconds : 0.0; }
+    [[nodiscard]] const Cracked* preview() const { return shown_ ? shown_.get() : cracks_ahead_.get(); } // that is shown, or null
+    [[nodiscard]] uint32_t preview_pieces() const { return preview() ? preview()->pieces : 0; }
     // True once after each fracture that was put on the stage: for the mark in the graph of frame times.
     [[nodiscard]] bool take_fracture_mark();
 
@@ -167,28 +162,40 @@ class Session {
     struct Shown { // what the preview was last asked for
         uint64_t version;
         const Object* object;
-        std::optional<Strike> ghost;
+        std::optional<Strike> strike;
+        std::optional<AimedBlow> blow;
+
+        friend bool operator==(const Shown&, const Shown&) = default;
+    };
+    struct AimedPiece {
+        PieceHit hit;
+        glm::dvec3 direction;
+        double radius;
+
+        friend bool operator==(const AimedPiece&, const AimedPiece&) = default;
     };
 
     void follow(const FractureOptions& before);
     void adopt(std::shared_ptr<const Object> object);
     void make_stage();
+    void leave_piece(); // what was selected or aimed at
     void start_breaking(const WorldOptions& world);
     void take_pieces(Broken broken, PreparedPieces ahead, const WorldOptions& world);
-    void blow(const PieceHit& hit, const glm::dvec3& direction);
-    [[nodiscard]] std::vector<uint32_t> piece_numbers() const;
-    [[nodiscard]] uint32_t slot_of(uint32_t of) const; // index into poses_
-    [[nodiscard]] const physics::SolidPiece* solid_of(uint32_t of) const; // of what is cut anew; or null
-    [[nodiscard]] std::optional<double> distance_to(uint32_t of, const glm::dvec3& from, const glm::dvec3& direction) const;
+    [[nodiscard]] Strike strike_at(const glm::dvec3& at, const glm::dvec3& direction) const; // in the file's coordinates
+    [[nodiscard]] AimedBlow blow_at(const glm::dvec3& at, const glm::dvec3& direction) const;
+    [[nodiscard]] PieceView pieces() const { return {stage_->simulation(), *fragments_, radii_, poses_}; } // once broken
     void start(const std::string& what, Worker::Task task);
     void post(std::function<void()> completion); // from a worker, to the next update()
     void report(const Failure& failure, const std::string& mend = {});
     void update_preview();
     void leave_preview();
+    void look_ahead();
+    [[nodiscard]] bool rests(uint32_t of) const;
     void draw_instead(engine::PieceBatch batch); // of all that is drawn
     void place_lines(engine::Scene& scene);
     [[nodiscard]] bool wants_preview() const;
     void add_bond_lines(std::vector<engine::LineVertex>& lines) const;
+    void add_cracks_ahead(std::vector<engine::LineVertex>& lines) const;
 
     Document document_;
     std::shared_ptr<const Object> object_;
@@ -202,9 +209,11 @@ class Session {
     std::vector<float> radii_;      // of its pieces
     std::vector<engine::BodyPose> poses_; // by slot, as drawn
     std::optional<Counts> counts_;
-    std::optional<Strike> ghost_;
+    std::optional<Strike> aimed_strike_; // at the whole mesh, to be shown; at most one of the three
+    std::optional<AimedBlow> aimed_blow_;
+    std::optional<AimedPiece> aimed_piece_;
     std::optional<std::array<glm::vec3, 2>> shot_; // to be fired when the pieces are there: from, direction
-    std::optional<std::array<glm::dvec3, 2>> blow_; // likewise, of the hammer: at, direction
+    std::optional<AimedBlow> blow_; // likewise, of the hammer
     std::vector<engine::LineVertex> lines_;
     std::vector<engine::Sphere> spheres_;
     Message message_;
@@ -214,6 +223,8 @@ class Session {
 
     std::shared_ptr<Cracked> shown_; // uploaded in place of the whole mesh
     std::optional<Shown> asked_;
+    std::shared_ptr<Cracked> cracks_ahead_;    // of the piece that is aimed at
+    std::optional<AimedPiece> asked_ahead_;
     uint64_t preview_key_ = 0;
     Preview preview_;
 

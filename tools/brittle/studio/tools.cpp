@@ -70,7 +70,7 @@ void Tools::choose(Tool tool, Session& session) {
     if (std::exchange(drag_, Drag::none) == Drag::grab) session.let_go();
     tool_ = tool;
     hovered_.reset();
-    session.aim(std::nullopt);
+    session.aim_nowhere();
     session.preview_wanted = tool == Tool::sites;
 }
 
@@ -256,19 +256,22 @@ void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Ses
     aimed_.reset();
     const bool over = free && view.is_free(input.cursor);
     if (tool_ == Tool::sites && over && !left_) hovered_ = site_at(input.cursor, view, session);
+    if (tool_ == Tool::hammer) session.aim_nowhere();
+    if (!over) return;
     const Ray ray = view.ray(input.cursor);
-    if (tool_ == Tool::anchors && over && !session.broken() && !right_ && !middle_)
+    const bool turning = right_ || middle_; // the view; what is shown would only lag behind
+    if (tool_ == Tool::anchors && !session.broken() && !turning)
         if (const auto hit = session.object().first_hit(ray.from, ray.direction)) aimed_ = glm::vec3(hit->point);
     if (tool_ != Tool::hammer) return;
-    if (over && !session.broken() && !right_ && !middle_)
-        if (const auto hit = session.object().first_hit(ray.from, ray.direction)) {
-            aimed_ = glm::vec3(hit->point);
-            session.aim(session.strike_at(hit->point, ray.direction));
-            return;
-        }
-    if (over && session.broken())
-        if (const auto hit = session.first_piece(ray.from, ray.direction)) aimed_ = hit->point;
-    session.aim(std::nullopt);
+    if (session.broken()) {
+        const auto hit = session.first_piece(ray.from, ray.direction);
+        if (!hit) return;
+        aimed_ = hit->point;
+        if (!turning) session.aim(*hit, ray.direction);
+    } else if (const auto hit = session.object().first_hit(ray.from, ray.direction); hit && !turning) {
+        aimed_ = glm::vec3(hit->point);
+        session.aim(hit->point, ray.direction);
+    }
 }
 
 // The nearest to the eye of those that are near the cursor.

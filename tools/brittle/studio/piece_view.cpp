@@ -1,0 +1,107 @@
+#include "tools/brittle/studio/piece_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "fracture/triangle_tree.h"
+#include "physics/impact_pattern.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr double least_blow = 1.05; // of what a piece bears, so that it breaks
+
+} // namespace
+
+std::vector<uint32_t> PieceView::numbers() const {
+    std::vector<uint32_t> all;
+    if (const physics::Destruction* destruction = simulation.destruction()) {
+        for (const physics::PieceId id : destruction->pieces()) all.push_back(id.value);
+    } else {
+        all.resize(fragments.pieces.size());
+        std::iota(all.begin(), all.end(), 0u);
+    }
+    return all;
+}
+
+bool PieceView::contains(uint32_t piece) const {
+    const physics::Destruction* destruction = simulation.destruction();
+    return destruction ? destruction->contains({piece}) : piece < fragments.pieces.size();
+}
+
+const physics::SolidPiece* PieceView::solid(uint32_t piece) const {
+    const physics::Destruction* destruction = simulation.destruction();
+    return destruction ? destruction->solid({piece}).get() : nullptr;
+}
+
+std::optional<engine::BodyPose> PieceView::pose(uint32_t piece) const {
+    const physics::Destruction* destruction = simulation.destruction();
+    const uint32_t slot = destruction ? destruction->slot({piece}) : piece;
+    return slot < poses.size() ? std::optional(poses[slot]) : std::nullopt;
+}
+
+double PieceView::volume(uint32_t piece) const {
+    const physics::SolidPiece* own = solid(piece);
+    return own ? own->mass.volume : fragments.pieces[piece].mass.volume;
+}
+
+size_t PieceView::triangles(uint32_t piece) const {
+    const physics::SolidPiece* own = solid(piece);
+    return own ? own->mesh.triangles.size() : fragments.pieces[piece].triangles.size();
+}
+
+float PieceView::radius(uint32_t piece) const {
+    const physics::SolidPiece* own = solid(piece);
+    return own ? own->radius : radii[piece];
+}
+
+// In the piece's frame: around its centre of mass.
+std::optional<double> PieceView::distance_to(uint32_t piece, const glm::dvec3& from, const glm::dvec3& direction) const {
+    if (const physics::SolidPiece* own = solid(piece)) {
+        const std::vector<glm::dvec3> positions(own->positions.begin(), own->positions.end());
+        return fracture::first_hit(positions, own->mesh.triangles, from, direction);
+    }
+    const fracture::Piece& fragment = fragments.pieces[piece];
+    return fracture::first_hit(fragments.positions_of(fragment), fragments.triangles_of(fragment),
+                               from + fragment.mass.centre_of_mass, direction);
+}
+
+std::optional<PieceHit> PieceView::first(const glm::dvec3& from, const glm::dvec3& direction) const {
+    std::optional<PieceHit> nearest;
+    for (const uint32_t piece : numbers()) {
+        const std::optional<engine::BodyPose> at = pose(piece);
+        if (!at) continue;
+        const double reach = double{radius(piece)};
+        const glm::dvec3 centre(at->position), to = centre - from;
+        const double along = glm::dot(to, direction);
+        if (glm::dot(to, to) - along * along > reach * reach) continue;
+        const glm::dquat back = glm::conjugate(glm::dquat(at->rotation));
+        const glm::dvec3 origin = back * (from - centre), way = back * direction;
+        const std::optional<double> distance = distance_to(piece, origin, way);
+        if (!distance || (nearest && nearest->distance <= *distance)) continue;
+        nearest = PieceHit{piece, glm::vec3(from + *distance * direction), glm::vec3(origin + *distance * way), *distance};
+    }
+    return nearest;
+}
+
+glm::dvec3 place_of(const Simulation& simulation, const PieceHit& hit) {
+    if (simulation.body_of(hit.piece) == physics::BodyId{}) return glm::dvec3(hit.point);
+    const physics::Pose pose = simulation.pose_of(hit.piece);
+    return glm::dvec3(pose.position) + glm::dquat(pose.orientation) * glm::dvec3(hit.grip);
+}
+
+Hammer hammer_blow(const Simulation& simulation, const PieceHit& hit, const glm::dvec3& direction, double radius,
+                   uint32_t most_pieces) {
+    const physics::SolidPiece& solid = *simulation.destruction()->solid({hit.piece});
+    const physics::MaterialPreset* preset = simulation.material();
+    const double energy = physics::energy_of(radius, preset ? preset->material : physics::Material{}, solid.mass.volume, most_pieces);
+    const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy), least_blow * solid.bearable);
+    return {hit.piece, place_of(simulation, hit), impulse * direction};
+}
+
+} // namespace brittle::tools
