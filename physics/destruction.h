@@ -16,7 +16,9 @@
 //   cracks took of the energy, and solved anew against the piece that was hit alone. Momentum and angular momentum are kept. (Of bonded pieces the
 //   contact stays as Structure leaves it.)
 // - One job a piece at a time. Later blows to it are summed up, and what comes out nearest to the hardest takes them.
-// - A piece that reaches into an anchor is fixed; what no longer does, falls.
+// - A piece that reaches into an anchor is fixed; what no longer does, falls. What is held and too thin for its weight, for
+//   what rests on it or for a blow to another place of it parts there (held_blocks.h): when it is added, after a cut in the
+//   same job, and in a job of its own when more comes to rest on it or a blow breaks nothing where it lands.
 // - Commits: a job is committed as a whole, in the order of job numbers. What the main thread does then is to take one body
 //   out and put at most some dozens of prepared ones in: microseconds each, since masses and hulls are there. So a
 //   budget is divided by jobs: when_ready takes jobs while the budget lasts, at least one a step.
@@ -89,6 +91,7 @@ struct PlannedCut {
     Blow blow; // in the coordinates of the object
     Damage damage;
     uint64_t seed = 0;
+    glm::dvec3 gravity{0.0}; // m/s^2, likewise: what is held and left too thin comes apart as well
 };
 // The pieces, one where it withstands. Fails as break_solid() does.
 [[nodiscard]] Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled = {});
@@ -131,6 +134,7 @@ class Destruction {
     struct Statistics {
         uint32_t blows = 0;     // that began a job
         uint32_t commits = 0;
+        uint32_t overloads = 0; // jobs that took a held piece apart under its load, or after a blow elsewhere
         uint32_t withstood = 0; // jobs that left the piece as it was: nothing came off
         uint32_t failed = 0;    // jobs whose cut was refused: such a piece is not cut again
         uint32_t retired = 0;   // debris
@@ -225,11 +229,14 @@ class Destruction {
         uint64_t born = 0;       // steps
         uint64_t slept = 0;      // steps
         uint64_t fading = 0;     // steps that are left of it; 0: not fading
+        double load = 0.0;       // N, mean of what rests on a held piece,
+        double looked_at = 0.0;  // and the least since its blocks were looked at
     };
     struct Job {
         PieceId piece;
         uint64_t due = 0; // steps
-        Hit hit;
+        Hit hit{};
+        bool parts = false; // along its blocks, of a load or a blow elsewhere; hit is none
     };
     struct Broken {
         std::vector<SolidPtr> pieces;
@@ -253,8 +260,14 @@ class Destruction {
     void hit_piece(const World& world, PieceId id, const Hit& hit);
     [[nodiscard]] std::optional<Blow> blow_at(const World& world, const Live& piece, const glm::vec3& point,
                                               const glm::vec3& normal, double energy) const;
-    [[nodiscard]] std::optional<PlannedCut> plan(const Live& piece, const Blow& blow) const;
+    [[nodiscard]] std::optional<PlannedCut> plan(const World& world, const Live& piece, const Blow& blow) const;
     void start_job(const World& world, PieceId id, const Hit& hit);
+    using Parting = std::function<std::vector<uint32_t>(const SolidPiece&, const SolidSettings&, const glm::dvec3& gravity)>;
+    [[nodiscard]] glm::dvec3 gravity_of(const World& world, const Live& piece) const;
+    void knock(const World& world, PieceId id, const Hit& hit);
+    void update_loads(const World& world);
+    void part_if_overloaded(const World& world, PieceId id);
+    void start_parting(const World& world, PieceId id, const Parting& parts);
     void take_back_bounce(World& world, BodyId own, const BodyBlow& blow, Hit& hit) const;
     void commit_due(World& world, double budget);
     bool commit(World& world, uint32_t job);

@@ -1,8 +1,10 @@
 #include "physics/solid_piece.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -48,6 +50,15 @@ void finish(SolidPiece& solid, const SolidSettings& settings) {
     solid.anchored = reaches(settings.anchors, positions, solid.mesh.triangles);
     solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
     if (settings.look) solid.look = settings.look(solid);
+}
+
+// What loads are found with, of what is held.
+void add_blocks(SolidPiece& solid, const SolidSettings& settings, const std::function<bool()>& cancelled = {}) {
+    if (!settings.blocks.enabled || !solid.anchored || !solid.breakable) return;
+    const auto anchored = [&](const Fragments& fragments, const Piece& piece) {
+        return reaches(settings.anchors, fragments.positions_of(piece), fragments.triangles_of(piece));
+    };
+    solid.blocks = held_blocks(solid.mesh, settings.material.density, settings.blocks, anchored, settings.threads, cancelled);
 }
 
 Result<void> check(const SolidSettings& settings) {
@@ -121,28 +132,29 @@ Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSetti
     finish(solid, settings);
     solid.parts = convex_parts(solid.mesh.positions, solid.mesh.triangles, solid.mass.volume, solid.mass.centre_of_mass,
                                settings.parts);
+    add_blocks(solid, settings);
     return std::make_shared<const SolidPiece>(std::move(solid));
 }
 
-Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites,
-                                          std::span<const uint32_t> groups, const SolidSettings& settings,
-                                          const std::function<bool()>& cancelled) {
-    Result<Fragments> cut = fracture::fracture(solid.mesh, sites, {.threads = settings.threads, .cancelled = cancelled});
-    if (!cut) return cut.error();
-    const std::vector<std::vector<BodyPart>> parts = parts_of_cells(*cut, settings.parts);
+namespace {
+
+// The pieces of a cut, those of one representative joined.
+Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& cut, const std::vector<uint32_t>& goes_to,
+                                            const SolidSettings& settings, const std::function<bool()>& cancelled) {
+    const std::vector<std::vector<BodyPart>> parts = parts_of_cells(cut, settings.parts);
     if (cancelled && cancelled()) return cancelled_error();
     std::vector<glm::dvec3> centres;
-    for (const Piece& cell : cut->pieces) centres.push_back(cell.mass.centre_of_mass);
-    const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
+    for (const Piece& cell : cut.pieces) centres.push_back(cell.mass.centre_of_mass);
     fracture::Threads threads(settings.threads);
-    fracture::merge_pieces(*cut, goes_to, threads);
+    fracture::merge_pieces(cut, goes_to, threads);
 
     std::vector<SolidPtr> pieces;
     for (uint32_t cell = 0; cell < goes_to.size(); ++cell) {
         if (goes_to[cell] != cell) continue;
         if (cancelled && cancelled()) return cancelled_error();
-        SolidPiece piece = mesh_of(solid, *cut, cut->pieces[pieces.size()]);
+        SolidPiece piece = mesh_of(solid, cut, cut.pieces[pieces.size()]);
         finish(piece, settings);
+        add_blocks(piece, settings, cancelled);
         for (uint32_t other = 0; other < goes_to.size(); ++other) {
             if (goes_to[other] != cell) continue;
             for (BodyPart part : parts[other]) {
@@ -154,6 +166,48 @@ Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<con
         pieces.push_back(std::make_shared<const SolidPiece>(std::move(piece)));
     }
     return pieces;
+}
+
+// The first piece of the island of each, where islands that are too small have joined those that they touch most.
+std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uint32_t> islands, double least_volume) {
+    std::vector<uint32_t> island(islands.begin(), islands.end());
+    for (;;) {
+        std::map<uint32_t, double> volumes;
+        for (size_t i = 0; i < island.size(); ++i) volumes[island[i]] += cut.pieces[i].mass.volume;
+        std::erase_if(volumes, [&](const auto& entry) { return entry.second >= least_volume; });
+        std::map<std::pair<uint32_t, uint32_t>, double> contacts; // small one, other: area
+        for (const fracture::Bond& bond : cut.bonds)
+            for (const auto& [from, to] : {std::pair(island[bond.a], island[bond.b]), {island[bond.b], island[bond.a]}})
+                if (from != to && volumes.contains(from)) contacts[{from, to}] += bond.area;
+        const auto widest = std::ranges::max_element(contacts, {}, [](const auto& entry) { return entry.second; });
+        if (widest == contacts.end()) break;
+        std::ranges::replace(island, widest->first.first, widest->first.second);
+    }
+    std::vector<uint32_t> first(island.size());
+    for (size_t i = 0; i < island.size(); ++i)
+        first[i] = static_cast<uint32_t>(std::ranges::find(island, island[i]) - island.begin());
+    return first;
+}
+
+} // namespace
+
+Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites,
+                                          std::span<const uint32_t> groups, const SolidSettings& settings,
+                                          const std::function<bool()>& cancelled) {
+    Result<Fragments> cut = fracture::fracture(solid.mesh, sites, {.threads = settings.threads, .cancelled = cancelled});
+    if (!cut) return cut.error();
+    const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
+    return joined_pieces(solid, *cut, goes_to, settings, cancelled);
+}
+
+Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid, std::span<const uint32_t> islands,
+                                          const SolidSettings& settings, const std::function<bool()>& cancelled) {
+    assert(solid.blocks && islands.size() == solid.blocks->nodes.size());
+    Result<Fragments> cut =
+        fracture::fracture(solid.mesh, solid.blocks->sites, {.threads = settings.threads, .cancelled = cancelled});
+    if (!cut) return cut.error();
+    const std::vector<uint32_t> goes_to = first_of_islands(*cut, islands, cube(settings.min_size));
+    return joined_pieces(solid, *cut, goes_to, settings, cancelled);
 }
 
 namespace {
@@ -196,6 +250,7 @@ Result<std::vector<SolidPtr>> solids_of(const Fragments& fragments, const SolidS
             SolidPiece solid = copy_of(fragments, piece, settings);
             solid.parts = convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece),
                                        piece.mass.volume, piece.mass.centre_of_mass, settings.parts);
+            add_blocks(solid, settings);
             solids[i] = std::make_shared<const SolidPiece>(std::move(solid));
         }
     });

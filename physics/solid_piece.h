@@ -22,6 +22,7 @@
 #include "fracture/mesh.h"
 #include "physics/anchor.h"
 #include "physics/convex_parts.h"
+#include "physics/held_blocks.h"
 #include "physics/material.h"
 #include "physics/piece_mass.h"
 
@@ -36,6 +37,7 @@ struct SolidSettings {
     double min_size = 0.05;
     std::vector<AnchorRegion> anchors{}; // in the object's coordinates: a piece that reaches into one is fixed
     ConvexPartSettings parts{};
+    HeldBlockSettings blocks{}; // of what is held and breakable
     uint32_t threads = 1; // of one fracture
     // What else is wanted of each piece, such as what a renderer uploads: made on the thread that makes the piece, when
     // all but its parts is there, and kept as SolidPiece::look. May be called on several threads at once.
@@ -54,6 +56,7 @@ struct SolidPiece {
     double bearable = 0.0;               // N s; a blow above it breaks the piece: see bearable_impulse()
     bool anchored = false;
     bool breakable = false;
+    std::shared_ptr<const HeldBlocks> blocks{}; // for loads: of what is anchored and breakable; or null
     std::shared_ptr<void> look{};        // what SolidSettings::look made; belongs to who set that
 };
 
@@ -74,6 +77,13 @@ using SolidPtr = std::shared_ptr<const SolidPiece>;
 [[nodiscard]] fracture::Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid,
                                                                   std::span<const glm::dvec3> sites,
                                                                   std::span<const uint32_t> groups,
+                                                                  const SolidSettings& settings,
+                                                                  const std::function<bool()>& cancelled = {});
+
+// Cuts a solid along those of its blocks that are in different islands (overloaded(), knocked_loose()). Islands of less
+// than the least size join a neighbour. One piece where nothing is left to cut; else as break_solid().
+[[nodiscard]] fracture::Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid,
+                                                                  std::span<const uint32_t> islands,
                                                                   const SolidSettings& settings,
                                                                   const std::function<bool()>& cancelled = {});
 

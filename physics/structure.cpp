@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "physics/body_motion.h"
 #include "physics/piece_mass.h"
 
 namespace brittle::physics {
@@ -19,15 +20,6 @@ using fracture::Fragments;
 using fracture::Piece;
 using fracture::Status;
 
-glm::dvec3 turned(const Pose& pose, const glm::dvec3& arm) {
-    return glm::dquat(pose.orientation) * arm;
-}
-
-// The pose of what is at an arm, in body axes, from a body.
-Pose moved(const Pose& body, const glm::dvec3& arm) {
-    return {glm::vec3(glm::dvec3(body.position) + turned(body, arm)), body.orientation};
-}
-
 constexpr int solver_sweeps = 10; // over contacts that are solved anew
 
 // A contact of a body that comes apart, taken back from both.
@@ -36,22 +28,8 @@ struct TakenBack {
     uint32_t piece_a = UINT32_MAX, piece_b = UINT32_MAX;
 };
 
-float response_of(const World& world, BodyId body, const Contact& contact) {
-    return world.contains(body) ? world.response(body, contact.point, contact.normal) : 0.0f;
-}
-
-float speed_of(const World& world, BodyId body, const Contact& contact) {
-    if (!world.contains(body)) return 0.0f;
-    const glm::vec3 arm = contact.point - world.pose(body).position;
-    return glm::dot(world.linear_velocity(body) + glm::cross(world.angular_velocity(body), arm), contact.normal);
-}
-
 bool moves(const World& world, BodyId body) {
     return world.contains(body) && !world.fixed(body);
-}
-
-void push(World& world, BodyId body, const glm::vec3& impulse, const glm::vec3& point) {
-    if (world.contains(body)) world.apply_impulse(body, impulse, point);
 }
 
 } // namespace
@@ -341,13 +319,14 @@ void Structure::split(World& world) {
             const TakenBack& back = taken[i];
             const BodyId a = back.piece_a != none ? body_of(back.piece_a) : back.contact.a;
             const BodyId b = back.piece_b != none ? body_of(back.piece_b) : back.contact.b;
-            const float response = response_of(world, a, back.contact) + response_of(world, b, back.contact);
+            const glm::vec3 &point = back.contact.point, &normal = back.contact.normal;
+            const float response = response_at(world, a, point, normal) + response_at(world, b, point, normal);
             if (!(response > 0.0f)) continue;
-            const float approach = speed_of(world, b, back.contact) - speed_of(world, a, back.contact);
+            const float approach = speed_at(world, b, point, normal) - speed_at(world, a, point, normal);
             const float before = std::exchange(given[i], std::max(given[i] + approach / response, 0.0f));
-            const glm::vec3 impulse = (given[i] - before) * back.contact.normal;
-            push(world, a, impulse, back.contact.point);
-            push(world, b, -impulse, back.contact.point);
+            const glm::vec3 impulse = (given[i] - before) * normal;
+            push(world, a, impulse, point);
+            push(world, b, -impulse, point);
         }
 }
 

@@ -225,7 +225,7 @@ TEST_CASE("model: what a material library lacks or asks for is a note, and no fi
     CHECK(model.material_of == std::vector<uint32_t>{0, 0, 2, 2});
 }
 
-TEST_CASE("model: PLY keeps colours, STL the triangles; both are closed and have the volume") {
+TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have the volume") {
     const test::TemporaryFolder folder;
     const Model crate = imported(meshes / "crate.glb");
     const Cut pieces = cut(crate, 15);

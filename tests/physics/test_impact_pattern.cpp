@@ -65,7 +65,7 @@ TEST_CASE("the energy that reaches so far does") {
             }
 }
 
-TEST_CASE("more energy, farther and finer; never more pieces than allowed, never smaller than the least") {
+TEST_CASE("more energy, farther and finer, never more pieces than allowed, never smaller than the least") {
     const Material material;
     double radius = 0.0;
     uint32_t pieces = 0;

@@ -205,7 +205,7 @@ TEST_CASE("it goes on where it stopped, and starts warm after a change") {
     CHECK(at_once.load(100).force == glm::dvec3(0.0));
 }
 
-TEST_CASE("bonds break by tension, by compression and by shear; pressure helps against bending") {
+TEST_CASE("bonds break by tension, by compression and by shear, pressure helps against bending") {
     const Material material{.tensile = 1e6f, .compressive = 1e7f, .shear = 2e6f};
     CHECK(load_ratio({.tension = 1e6}, material) == doctest::Approx(1.0));
     CHECK(load_ratio({.compression = 1e6}, material) == doctest::Approx(0.1));

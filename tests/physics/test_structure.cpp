@@ -279,7 +279,7 @@ TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it
     CHECK(structure.graph().bonds()[5].health == 1.0);
 }
 
-TEST_CASE("a ball breaks a piece out of a pane and flies on; momentum is kept") {
+TEST_CASE("a ball breaks a piece out of a pane and flies on, momentum is kept") {
     for (const bool anchored : {false, true}) {
         World world(empty_space);
         const fracture::Fragments pane = test::bonded_grid({-0.5, -0.5, -0.01}, {0.5, 0.5, 0.01}, 5, 5, 1);

@@ -156,7 +156,7 @@ TEST_CASE("a run that is interrupted leaves a log that can be repeated") {
     CHECK(replayed.has("interrupted"));
 }
 
-TEST_CASE("a video gets all frames; ffmpeg's absence and failures are told") {
+TEST_CASE("a video gets all frames, ffmpeg's absence and failures are told") {
     const Folder folder;
     const std::string render =
         "render shape:cube -n 5 --size 64x48 --frames 6 --video " + folder / "fall.mp4";

@@ -111,7 +111,7 @@ TEST_CASE("document: a pattern takes the place of sites, sites that of a pattern
     CHECK(document.recipe().mesh == "shape:torus");
 }
 
-TEST_CASE("document: a material brings its way to break; one that does not exist changes nothing") {
+TEST_CASE("document: a material brings its way to break, one that does not exist changes nothing") {
     Document document(plain());
     document.apply(SetMaterial{"wood"});
     CHECK(document.recipe().pattern.kind == fracture::PatternKind::splinters);
@@ -128,7 +128,7 @@ TEST_CASE("document: more sites than a recipe holds are refused") {
     CHECK(sites(document).empty());
 }
 
-TEST_CASE("document: the edits of one gesture are one step; another one, or an undo, ends it") {
+TEST_CASE("document: the edits of one gesture are one step, another one, or an undo, ends it") {
     Document document = with_sites();
     const uint64_t drag = document.begin_gesture();
     for (int k = 0; k < 10; ++k) document.apply(MoveSites{{1}, {0.0, 0.25, 0.0}}, drag);

@@ -100,7 +100,7 @@ std::string message_of(const fs::path& file) {
 
 } // namespace
 
-TEST_CASE("body checks: texts are counted and compared; damaged ones are none") {
+TEST_CASE("body checks: texts are counted and compared, damaged ones are none") {
     CHECK(count_bodies("") == 0);
     CHECK(count_bodies("00ff(3)abcd(1)") == 6);
     for (const char* bad : {"0", "00f", "00FF", "00fg", "(", "()", "(0)", "(3", "(-1)", "(3)1",
@@ -534,7 +534,7 @@ TEST_CASE("replay: what differs is found at its step, with the body") {
     }
 }
 
-TEST_CASE("replay: a log of what was interrupted tells the run so far; a new start begins a new one") {
+TEST_CASE("replay: a log of what was interrupted tells the run so far, a new start begins a new one") {
     const Folder folder;
     const FractureOptions options = wall_options();
     const fracture::Fragments fragments = broken(options);
@@ -555,7 +555,7 @@ TEST_CASE("replay: a log of what was interrupted tells the run so far; a new sta
     CHECK_FALSE(replayed(log, fragments));
 }
 
-TEST_CASE("replay: nothing started, nothing written; a folder that is not there is an output error") {
+TEST_CASE("replay: nothing started, nothing written, a folder that is not there is an output error") {
     const Folder folder;
     const FractureOptions options = wall_options();
     Recorder(folder.path / "run.log", options).finish();

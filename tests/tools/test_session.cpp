@@ -105,7 +105,7 @@ Viewport view_of(const Navigation& navigation) {
 
 } // namespace
 
-TEST_CASE("session: a dropped file takes the scene's place; a bad one leaves it and says why") {
+TEST_CASE("session: a dropped file takes the scene's place, a bad one leaves it and says why") {
     const Folder folder;
     const std::string open = (folder.path / "open.off").string(), noise = (folder.path / "noise.stl").string(),
                       good = (folder.path / "good.off").string();
@@ -162,7 +162,7 @@ TEST_CASE("session: work that takes long can be cancelled, and what comes after 
     CHECK(session.counts()->pieces >= 4);
 }
 
-TEST_CASE("session: nothing moves while it is paused; a single step is one; slow motion is slow") {
+TEST_CASE("session: nothing moves while it is paused, a single step is one, slow motion is slow") {
     Room room("shape:cube");
     if (!room.device) return;
     Session& session = *room.session;

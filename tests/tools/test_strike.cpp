@@ -44,7 +44,7 @@ TEST_CASE("strike: values without sense are refused by name") {
     CHECK(fault_of({.pieces = 0}).find("strike 1: it makes 0 pieces") == 0);
 }
 
-TEST_CASE("strike: no strike, no sites; a strike that misses leaves one piece") {
+TEST_CASE("strike: no strike, no sites, a strike that misses leaves one piece") {
     CHECK(strike_sites({}, {})->sites.empty());
     const fracture::Fragments fragments = broken(fracture::cube(), {{.at = {10.0, 0.0, 0.0}, .radius = 0.5}});
     CHECK(fragments.pieces.size() == 1);

@@ -16,7 +16,10 @@
 #include "fracture/io/import.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
+#include "physics/anchor.h"
+#include "physics/material.h"
 #include "physics/pieces.h"
+#include "physics/structure.h"
 
 namespace brittle::tools {
 
@@ -165,6 +168,46 @@ void run_add(benchmark::State& state, float height) {
     state.counters["coming"] = median(worst) / median(after);
 }
 
+// The scene tower_collapses.json without its program: half a second unhit, then two balls into the foot and two seconds.
+void run_tower(benchmark::State& state) {
+    const Result<SiteList> sites = read_sites(BRITTLE_ASSETS "/sites/tower_bricks.txt");
+    if (!sites) return state.SkipWithError("no sites");
+    const TriangleMesh mesh = fracture::tower();
+    const auto pieces = fracture::fracture(mesh, sites->sites);
+    physics::Material material = material_preset("stone")->material;
+    for (float* strength : {&material.tensile, &material.compressive, &material.shear}) *strength *= 0.1f; // as the program
+    const TriangleMesh ball = icosphere(2, 0.17);
+    BodyDesc shot{.hull = collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}), .continuous = true, .mass = 53.5f};
+    shot.inertia = glm::mat3(0.4f * shot.mass * 0.17f * 0.17f);
+    for (auto _ : state) {
+        World world;
+        auto tower = Structure::create(world, *pieces, {.material = material, .anchored = anchor_to_ground(*pieces)});
+        if (!tower) return state.SkipWithError("no bodies");
+        std::vector<double> unhit, hit;
+        const auto run = [&](int steps, std::vector<double>& into) {
+            for (int step = 0; step < steps; ++step)
+                into.push_back(milliseconds_of([&] {
+                    world.step();
+                    tower->update(world);
+                }));
+        };
+        run(60, unhit);
+        for (const float aside : {0.0f, 0.2f}) {
+            shot.pose.position = {-2.99f + aside, 0.3f, 1.83f + aside};
+            shot.linear_velocity = {18.0f, 0.0f, -12.6f};
+            (void)world.add_body(shot);
+            run(15, hit);
+        }
+        run(210, hit);
+        state.SetIterationTime(median(hit) * 1e-3);
+        state.counters["pieces"] = static_cast<double>(pieces->pieces.size());
+        state.counters["bodies"] = static_cast<double>(world.body_count());
+        state.counters["awake"] = static_cast<double>(world.awake_count());
+        state.counters["unhit"] = median(unhit);
+        state.counters["most"] = *std::max_element(hit.begin(), hit.end());
+    }
+}
+
 } // namespace
 
 void add_world_benchmarks() {
@@ -189,6 +232,7 @@ void add_world_benchmarks() {
     }
     add("world/add/meet/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, 1.0f); });
     add("world/add/debris/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, little_bunny); });
+    add("world/tower", 1, run_tower);
 }
 
 } // namespace brittle::tools

@@ -75,6 +75,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
                                       const WorldOptions& options, const PieceLook& look) {
     physics::BreakableDesc desc;
     desc.solid.material = flawed_material(preset, options);
+    desc.solid.blocks.strength_scale /= flawed;
     desc.solid.min_size = options.min_size;
     desc.solid.look = look;
     desc.pattern.seed = options.seed;

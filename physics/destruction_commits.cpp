@@ -1,0 +1,192 @@
+// What a job has made takes the place of what was broken.
+#include "physics/destruction.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+#include "physics/body_motion.h"
+#include "physics/destruction_seeds.h"
+
+namespace brittle::physics {
+
+namespace {
+
+// From a point in the coordinates of the object to the nearest corner of the solid's hulls, squared: near enough to tell
+// which of the pieces around a contact was hit.
+double distance_to(const SolidPiece& solid, const glm::dvec3& point) {
+    const glm::vec3 local(point - solid.mass.centre_of_mass);
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const BodyPart& part : solid.parts)
+        for (const glm::vec3& corner : part.hull->points) {
+            const glm::vec3 apart = corner + part.offset - local;
+            nearest = std::min(nearest, glm::dot(apart, apart));
+        }
+    return nearest;
+}
+
+} // namespace
+
+void Destruction::commit_due(World& world, double budget) {
+    using Clock = std::chrono::steady_clock;
+    const auto seconds_since = [](Clock::time_point start) {
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    };
+    const uint64_t now = world.steps_taken();
+    const auto note = [&](uint32_t job) {
+        if (commit(world, job)) commits_.push_back({now, job});
+    };
+    if (settings_.timing == Timing::scripted) {
+        while (script_at_ < script_.size() && script_[script_at_].step <= now) {
+            const uint32_t job = script_[script_at_++].job;
+            if (jobs_.contains(job)) note(job);
+        }
+        return;
+    }
+    std::vector<uint32_t> due; // jobs that the commits begin are not
+    for (const auto& [id, job] : jobs_)
+        if (settings_.timing == Timing::when_ready ? background_.ready(id) : job.due <= now) due.push_back(id);
+    if (settings_.timing == Timing::fixed_latency) {
+        const size_t most = settings_.commits_a_step == 0 ? due.size() : settings_.commits_a_step;
+        for (size_t i = 0; i < std::min(due.size(), most); ++i)
+            if (jobs_.contains(due[i])) note(due[i]);
+        return;
+    }
+    const Clock::time_point start = Clock::now();
+    double longest = 0.0;
+    for (const uint32_t job : due) {
+        if (seconds_since(start) + longest > budget && job != due.front()) break;
+        if (!jobs_.contains(job)) continue;
+        const Clock::time_point begin = Clock::now();
+        note(job);
+        longest = std::max(longest, seconds_since(begin));
+    }
+    statistics_.longest_commit = std::max(statistics_.longest_commit, longest);
+}
+
+// A piece of a structure that is still held to others: its structure lets go of it with the next update.
+bool Destruction::is_held(const Live& piece) const {
+    if (piece.bonded == none) return false;
+    const BodyId body = body_of(piece);
+    return std::ranges::count_if(objects_.at(piece.object).bonded, [&](PieceId other) {
+               const auto at = pieces_.find(other);
+               return at != pieces_.end() && body_of(at->second) == body;
+           }) > 1;
+}
+
+// False where it must wait.
+bool Destruction::commit(World& world, uint32_t number) {
+    Job job = jobs_.at(number);
+    Live& piece = pieces_.at(job.piece);
+    if (is_held(piece)) return false;
+    const Broken broken = background_.take(number);
+    jobs_.erase(number);
+    piece.job = none;
+    const std::optional<Hit> waiting = std::exchange(piece.waiting, std::nullopt);
+    ++statistics_.commits;
+    if (job.parts && broken.pieces.size() > 1) ++statistics_.overloads;
+    if (!broken.failure.empty()) {
+        ++statistics_.failed;
+        statistics_.last_failure = broken.failure;
+        piece.unbreakable = true;
+    } else if (broken.pieces.size() < 2) {
+        if (!job.parts) ++statistics_.withstood;
+        if (waiting) start_job(world, job.piece, *waiting);
+    } else {
+        if (!job.parts) exchange(world, piece, broken, job.hit);
+        const std::vector<PieceId> made = replace(world, job.piece, broken);
+        if (const PieceId hit = nearest_of(made, job.hit.blow.point); !job.parts && hit != PieceId{})
+            solve_anew(world, pieces_.at(hit), job.hit);
+        if (!waiting) return true;
+        const PieceId next = nearest_of(made, waiting->blow.point);
+        if (next != PieceId{} && waiting->sharp > pieces_.at(next).solid->bearable) start_job(world, next, *waiting);
+    }
+    return true;
+}
+
+// Takes a piece's body out and puts what it broke into in, with its motion.
+std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broken& broken) {
+    const Live parent = pieces_.at(old);
+    const Motion motion = *motion_of(world, parent);
+    Object& object = objects_.at(parent.object);
+    if (parent.bonded != none)
+        object.structure->take_piece(world, parent.bonded);
+    else
+        world.remove_body(parent.own);
+    forget_piece(old);
+    std::vector<PieceId> made;
+    for (size_t i = 0; i < broken.pieces.size(); ++i) {
+        const Result<PieceId> added = add_piece(world,
+                                                {.object = parent.object,
+                                                 .solid = broken.pieces[i],
+                                                 .depth = parent.depth + 1,
+                                                 .of = old,
+                                                 .seed = seed_of(parent.seed, i),
+                                                 .born = world.steps_taken()},
+                                                motion, parent.solid->mass.centre_of_mass);
+        if (added)
+            made.push_back(*added);
+        else // a speck whose mass single precision cannot hold
+            statistics_.last_failure = added.error().message;
+    }
+    return made;
+}
+
+PieceId Destruction::nearest_of(std::span<const PieceId> made, const glm::dvec3& point) const {
+    PieceId nearest;
+    double least = std::numeric_limits<double>::infinity();
+    for (const PieceId id : made)
+        if (const double d = distance_to(*pieces_.at(id).solid, point); d < least) {
+            least = d;
+            nearest = id;
+        }
+    return nearest;
+}
+
+// Gives back what is owed, less what the cracks took: f of an impulse brings back f^2 of the energy. It goes through the
+// point of what hit, which may have slid since: a ball off whose middle it went would be left spinning. Where the two have
+// gone other ways and it would bring more energy than was lost, so much less of it.
+void Destruction::exchange(World& world, const Live& piece, const Broken& broken, Hit& hit) const {
+    const BodyId own = body_of(piece);
+    if (!world.contains(hit.striker) || !world.contains(own)) hit.owed = glm::vec3(0.0f);
+    double surface = -piece.solid->mass.area;
+    for (const SolidPtr& made : broken.pieces) surface += made->mass.area;
+    const double cracks = 0.5 * std::max(surface, 0.0) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
+    hit.owed *= static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cracks / hit.blow.energy)));
+    const float along = glm::length(hit.owed);
+    if (!(along > 0.0f)) return;
+    const glm::vec3 normal = hit.owed / along;
+    const glm::vec3 point = moved(world.pose(hit.striker), hit.on_striker).position;
+    // s of it brings  linear s + quadratic s^2  of energy.
+    const double linear = static_cast<double>(
+        along * (speed_at(world, hit.striker, point, normal) - speed_at(world, own, point, normal)));
+    const double response = static_cast<double>(response_at(world, hit.striker, point, normal)
+                                                + response_at(world, own, point, normal));
+    const double quadratic = 0.5 * response * static_cast<double>(along) * static_cast<double>(along);
+    if (linear + quadratic > hit.blow.energy && quadratic > 0.0) {
+        const double root = std::sqrt(linear * linear + 4.0 * quadratic * hit.blow.energy);
+        hit.owed *= static_cast<float>(std::clamp((root - linear) / (2.0 * quadratic), 0.0, 1.0));
+    }
+    push(world, own, -hit.owed, point);
+    push(world, hit.striker, hit.owed, point);
+}
+
+// A dead blow between what hit and the piece that is there now.
+void Destruction::solve_anew(World& world, const Live& piece, const Hit& hit) {
+    const float most = glm::length(hit.owed);
+    if (!(most > 0.0f) || !world.contains(hit.striker)) return;
+    const glm::vec3 normal = hit.owed / most;
+    const glm::vec3 point = moved(world.pose(piece.own), hit.blow.point - piece.solid->mass.centre_of_mass).position;
+    const float approach = speed_at(world, hit.striker, point, normal) - speed_at(world, piece.own, point, normal);
+    const float response = response_at(world, piece.own, point, normal) + response_at(world, hit.striker, point, normal);
+    if (!(response > 0.0f)) return;
+    const float impulse = std::clamp(approach / response, 0.0f, most);
+    push(world, piece.own, impulse * normal, point);
+    push(world, hit.striker, -impulse * normal, point);
+}
+
+} // namespace brittle::physics

@@ -1,0 +1,158 @@
+// What scenes must do beside looking right: the pane stops nothing it should not and lets nothing through unbroken, the tower
+// stands until it is hit.
+//
+// BRITTLE_LONG_RUNS=1 follows the tower's heap until ten seconds after the last blow (HACKING.md).
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/mass_properties.h"
+#include "fracture/topology.h"
+#include "tools/brittle/input.h"
+#include "tools/brittle/recipe.h"
+#include "tools/brittle/simulation.h"
+#include "tools/brittle/stage.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+
+namespace {
+
+FractureOptions recipe_of(const char* name) {
+    FractureOptions options;
+    read_recipe(std::filesystem::path(BRITTLE_ASSETS "/scenes") / (std::string(name) + ".json"), options);
+    return options;
+}
+
+fracture::Fragments started(const FractureOptions& options) {
+    return break_input(placed_on_stage(load_input(options), options.world), options).fragments;
+}
+
+double volume_of(const fracture::Fragments& fragments) {
+    double sum = 0.0;
+    for (const fracture::Piece& piece : fragments.pieces) sum += piece.mass.volume;
+    return sum;
+}
+
+bool all_finite(const physics::World& world) {
+    return std::ranges::all_of(world.bodies(), [&](physics::BodyId id) {
+        const physics::Pose pose = world.pose(id);
+        const glm::vec3 v = world.linear_velocity(id), w = world.angular_velocity(id);
+        return std::isfinite(glm::dot(pose.position, pose.position) + glm::dot(v, v) + glm::dot(w, w))
+               && std::isfinite(glm::dot(pose.orientation, pose.orientation));
+    });
+}
+
+// Closed, of positive volume, and together the whole.
+void check_pieces(const physics::Destruction& destruction, double whole) {
+    double sum = 0.0;
+    for (const physics::PieceId id : destruction.pieces()) {
+        const physics::SolidPiece& piece = *destruction.solid(id);
+        CHECK(fracture::check_topology(piece.positions.size(), piece.mesh.triangles).closed());
+        const std::vector<glm::dvec3> positions(piece.positions.begin(), piece.positions.end());
+        const double volume = fracture::signed_volume(positions, piece.mesh.triangles);
+        CHECK(volume > 0.0);
+        sum += volume;
+    }
+    CHECK(destruction.statistics().failed == 0);
+    CHECK(sum == doctest::Approx(whole).epsilon(1e-6)); // positions for drawing are single precision
+}
+
+// Of the tower: how far each piece has moved.
+std::vector<float> moves(const Simulation& simulation, const std::vector<physics::Pose>& from) {
+    std::vector<physics::Pose> now(from.size());
+    simulation.write_poses(now, 1.0f);
+    std::vector<float> far;
+    for (size_t i = 0; i < from.size(); ++i) far.push_back(glm::distance(now[i].position, from[i].position));
+    return far;
+}
+
+std::vector<physics::Pose> poses_of(const Simulation& simulation) {
+    std::vector<physics::Pose> poses(simulation.piece_count());
+    simulation.write_poses(poses, 1.0f);
+    return poses;
+}
+
+} // namespace
+
+TEST_CASE("scene: a ball at 25 to 400 m/s breaks the pane, is slowed by it and does not pass through it unbroken") {
+    FractureOptions options = recipe_of("glass_pane_shot_by_a_ball");
+    REQUIRE(options.world.shots.size() == 1);
+    const fracture::Fragments whole = started(options);
+    REQUIRE(whole.pieces.size() == 1);
+    for (const double speed : {25.0, 100.0, 200.0, 400.0})
+        for (const double phase : {0.0, 0.3, 0.6}) { // where in a step it meets the pane
+            CAPTURE(speed);
+            CAPTURE(phase);
+            Shot& shot = options.world.shots[0];
+            shot.velocity = {0.0, 0.0, speed};
+            shot.from.z = -1.0 - phase * speed / 120.0;
+            Simulation simulation(options.material);
+            simulation.start(whole, world_of(options));
+            float behind = -10.0f;
+            while (simulation.steps() < 90) {
+                simulation.step();
+                if (simulation.balls().empty()) continue;
+                const float z = simulation.world().pose(simulation.balls()[0].body).position.z;
+                const bool broken = simulation.number_count() > 1;
+                if (!broken) behind = std::max(behind, z);
+            }
+            CHECK(behind < 0.015f); // the ball's middle never gets behind the unbroken pane's back
+            CHECK(simulation.number_count() > 10);
+            const float left = simulation.world().linear_velocity(simulation.balls()[0].body).z;
+            CHECK(left < static_cast<float>(speed));
+            if (speed >= 100.0) CHECK(left > 0.0f); // it goes through
+            CHECK(all_finite(simulation.world()));
+            check_pieces(*simulation.destruction(), volume_of(whole));
+        }
+}
+
+TEST_CASE("scene: the tower of a thousand pieces stands for ten seconds unhit, held by the ground or not") {
+    FractureOptions options = recipe_of("tower_collapses");
+    options.world.shots.clear();
+    for (const bool anchored : {true, false}) {
+        CAPTURE(anchored);
+        options.world.anchored = anchored;
+        options.world.bonded = true;
+        options.world.height = 0.0;
+        const fracture::Fragments pieces = started(options);
+        REQUIRE(pieces.pieces.size() >= 1000);
+        Simulation simulation(options.material);
+        simulation.start(pieces, world_of(options));
+        const std::vector<physics::Pose> start = poses_of(simulation);
+        while (simulation.steps() < 1200) simulation.step();
+        CHECK(simulation.world().awake_count() == 0);
+        CHECK(simulation.world().body_count() == 1);
+        CHECK(std::ranges::max(moves(simulation, start)) < 0.01f);
+    }
+}
+
+TEST_CASE("scene: the tower collapses when its foot is shot away") {
+    const FractureOptions options = recipe_of("tower_collapses");
+    const fracture::Fragments pieces = started(options);
+    Simulation simulation(options.material);
+    simulation.start(pieces, world_of(options));
+    const std::vector<physics::Pose> start = poses_of(simulation);
+    const char* const wanted = std::getenv("BRITTLE_LONG_RUNS");
+    const uint64_t steps = wanted && *wanted ? 1320 : 2 * options.picture.frames;
+    while (simulation.steps() < steps) simulation.step();
+    const std::vector<physics::Pose> now = poses_of(simulation);
+    size_t high = 0, fallen = 0;
+    for (size_t i = 0; i < now.size(); ++i) {
+        if (start[i].position.y < 1.0f) continue;
+        ++high;
+        if (now[i].position.y < start[i].position.y - 0.3f) ++fallen;
+    }
+    MESSAGE(fallen, " of ", high, " pieces of the upper half have come down; ", simulation.world().body_count(), " bodies, ",
+            simulation.world().awake_count(), " awake");
+    CHECK(fallen > high / 2);
+    CHECK(simulation.world().body_count() > 100);
+    CHECK(all_finite(simulation.world()));
+    for (const physics::Pose& pose : now) CHECK(pose.position.y > 0.0f); // centres of mass
+}
