@@ -17,6 +17,10 @@ struct Float4 {
     __m128 v;
 
     static Float4 load(const float* from) { return {_mm_loadu_ps(from)}; }
+    // Three, and 0; the fourth is read as well.
+    static Float4 load3(const float* from) {
+        return {_mm_and_ps(_mm_loadu_ps(from), _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1)))};
+    }
     static Float4 all(float value) { return {_mm_set1_ps(value)}; }
     void store(float* to) const { _mm_storeu_ps(to, v); }
 
@@ -25,10 +29,21 @@ struct Float4 {
     friend Float4 operator*(Float4 a, Float4 b) { return {_mm_mul_ps(a.v, b.v)}; }
     friend Float4 min(Float4 a, Float4 b) { return {_mm_min_ps(a.v, b.v)}; }
     friend Float4 max(Float4 a, Float4 b) { return {_mm_max_ps(a.v, b.v)}; }
+    // Of the first three: (0 + 1) + 2.
+    friend float sum3(Float4 a) {
+        const __m128 second = _mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(1, 1, 1, 1));
+        const __m128 third = _mm_movehl_ps(a.v, a.v);
+        return _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(a.v, second), third));
+    }
     // Bit i is set where a <= b and c <= d in lane i, and so on.
     friend uint32_t all_less_equal(Float4 a, Float4 b, Float4 c, Float4 d, Float4 e, Float4 f) {
         return static_cast<uint32_t>(_mm_movemask_ps(
             _mm_and_ps(_mm_and_ps(_mm_cmple_ps(a.v, b.v), _mm_cmple_ps(c.v, d.v)), _mm_cmple_ps(e.v, f.v))));
+    }
+    // yes where a < b, no elsewhere.
+    friend Float4 where_less(Float4 a, Float4 b, Float4 yes, Float4 no) {
+        const __m128 less = _mm_cmplt_ps(a.v, b.v);
+        return {_mm_or_ps(_mm_and_ps(less, yes.v), _mm_andnot_ps(less, no.v))};
     }
     // Bit i is set where a == b in lane i.
     friend uint32_t equal(Float4 a, Float4 b) {
@@ -42,6 +57,7 @@ struct Float4 {
     float v[4];
 
     static Float4 load(const float* from) { return {{from[0], from[1], from[2], from[3]}}; }
+    static Float4 load3(const float* from) { return {{from[0], from[1], from[2], 0.0f}}; }
     static Float4 all(float value) { return {{value, value, value, value}}; }
     void store(float* to) const {
         for (int i = 0; i < 4; ++i) to[i] = v[i];
@@ -70,9 +86,16 @@ struct Float4 {
     friend Float4 max(Float4 a, Float4 b) {
         return each(a, b, [](float x, float y) { return x > y ? x : y; });
     }
+    friend float sum3(Float4 a) { return a.v[0] + a.v[1] + a.v[2]; }
     friend uint32_t all_less_equal(Float4 a, Float4 b, Float4 c, Float4 d, Float4 e, Float4 f) {
         const auto below = [](float x, float y) { return x <= y; };
         return mask(a, b, below) & mask(c, d, below) & mask(e, f, below);
+    }
+    friend Float4 where_less(Float4 a, Float4 b, Float4 yes, Float4 no) {
+        Float4 chosen = no;
+        for (int i = 0; i < 4; ++i)
+            if (a.v[i] < b.v[i]) chosen.v[i] = yes.v[i];
+        return chosen;
     }
     friend uint32_t equal(Float4 a, Float4 b) {
         return mask(a, b, [](float x, float y) { return x == y; });

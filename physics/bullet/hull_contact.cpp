@@ -5,11 +5,9 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-#include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
-#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
-#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 #include <btBulletDynamicsCommon.h>
 
+#include "physics/bullet/hull_distance.h"
 #include "physics/bullet/hull_shape.h"
 
 namespace brittle::physics {
@@ -40,9 +38,8 @@ bool is_debris(const btCollisionObjectWrapper& object) {
 class HullPair final : public btCollisionAlgorithm {
   public:
     HullPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* first,
-             const btCollisionObjectWrapper* second, btConvexPenetrationDepthSolver& penetration)
-        : btCollisionAlgorithm(info), penetration_(penetration), manifold_(info.m_manifold),
-          own_(!info.m_manifold) {
+             const btCollisionObjectWrapper* second)
+        : btCollisionAlgorithm(info), manifold_(info.m_manifold), own_(!info.m_manifold) {
         const HullShape& a = hull_of(*first);
         const HullShape& b = hull_of(*second);
         const btScalar radius_a = a.radius(), radius_b = b.radius();
@@ -67,7 +64,7 @@ class HullPair final : public btCollisionAlgorithm {
         const btScalar ahead = looks_ahead_ ? approach(*first, *second) * info.m_timeStep : 0.0f;
         if (!(moved_since(relative) + ahead < free_)) {
             seen_ = relative;
-            free_ = look(*first, *second, near_ + ahead, info, *result);
+            free_ = look(*first, *second, near_ + ahead, *result);
         }
         if (!own_ || !manifold_) return;
         result->setPersistentManifold(manifold_);
@@ -118,53 +115,31 @@ class HullPair final : public btCollisionAlgorithm {
     // Finds a contact, if there is one, and says by how much the hulls may move until it must be called
     // again.
     btScalar look(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                  btScalar near, const btDispatcherInfo& info, btManifoldResult& result) {
+                  btScalar near, btManifoldResult& result) {
         const btTransform& a = first.getWorldTransform();
         const btScalar known = gap(first, second, a.getBasis() * axis_) - near;
         if (known > 0.0f) return known;
 
         const int before = manifold_ ? manifold_->getNumContacts() : 0;
-        btVoronoiSimplexSolver simplex;
-        btGjkPairDetector gjk(&hull_of(first), &hull_of(second), &simplex, &penetration_);
-        btGjkPairDetector::ClosestPointInput input;
-        input.m_transformA = a;
-        input.m_transformB = second.getWorldTransform();
-        input.m_maximumDistanceSquared = (margins_ + near) * (margins_ + near);
-        Found found;
-        gjk.getClosestPoints(input, found, info.m_debugDraw);
-        if (found.is && found.distance <= near) {
-            if (!manifold_)
-                manifold_ =
-                    m_dispatcher->getNewManifold(first.getCollisionObject(), second.getCollisionObject());
-            if (looks_ahead_) manifold_->setContactBreakingThreshold(near);
-            result.setPersistentManifold(manifold_);
-            result.addContactPoint(found.normal, found.point, found.distance);
-            return manifold_->getNumContacts() == before ? still_ : -1.0f;
-        }
-        btVector3 direction = gjk.getCachedSeparatingAxis();
-        if (direction.fuzzyZero()) return -1.0f;
-        direction.normalize();
-        axis_ = direction * a.getBasis();
-        return gap(first, second, direction) - near;
+        const HullShape& hull_b = hull_of(second);
+        const HullDistance found =
+            hull_distance(hull_of(first), hull_b, a.inverseTimes(second.getWorldTransform()), margins_ + near, corners_);
+        axis_ = found.normal;
+        const btScalar distance = found.distance - margins_;
+        if (distance > near) return distance - near;
+        if (!manifold_)
+            manifold_ = m_dispatcher->getNewManifold(first.getCollisionObject(), second.getCollisionObject());
+        if (looks_ahead_) manifold_->setContactBreakingThreshold(near);
+        result.setPersistentManifold(manifold_);
+        result.addContactPoint(a.getBasis() * found.normal, a * (found.point + found.normal * hull_b.getMargin()), distance);
+        return manifold_->getNumContacts() == before ? still_ : -1.0f;
     }
-
-    struct Found final : btDiscreteCollisionDetectorInterface::Result {
-        btVector3 normal, point;
-        btScalar distance = BT_LARGE_FLOAT;
-        bool is = false;
-        void setShapeIdentifiersA(int, int) override {}
-        void setShapeIdentifiersB(int, int) override {}
-        void addContactPoint(const btVector3& on_second, const btVector3& at, btScalar depth) override {
-            normal = on_second, point = at, distance = depth, is = true;
-        }
-    };
 
     void release() {
         if (own_ && manifold_) m_dispatcher->releaseManifold(manifold_);
         manifold_ = own_ ? nullptr : manifold_;
     }
 
-    btConvexPenetrationDepthSolver& penetration_;
     btPersistentManifold* manifold_; // of our own: only while there are contacts
     bool own_;
     bool first_moves_;      // what is looked at as moving: the smaller one
@@ -175,17 +150,16 @@ class HullPair final : public btCollisionAlgorithm {
     btScalar still_;        // movement that contacts bear
     btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look
     btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame
+    NearCorners corners_;
     btVector3 axis_; // unit, from second to first, in the first's frame: separated them last
 };
 
 struct CreateHullPair final : btCollisionAlgorithmCreateFunc {
-    btGjkEpaPenetrationDepthSolver penetration;
-
     btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                    const btCollisionObjectWrapper* first,
                                                    const btCollisionObjectWrapper* second) override {
         void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(HullPair));
-        return new (place) HullPair(info, first, second, penetration);
+        return new (place) HullPair(info, first, second);
     }
 };
 

@@ -60,11 +60,20 @@ btScalar HullShape::reach(const btVector3& direction) const {
 }
 
 int HullShape::farthest(const btVector3& direction) const {
-    const Float4 most = Float4::all(reach(direction));
-    for (size_t at = 0; at < lanes_.size(); at += group_size)
-        if (const uint32_t lanes = equal(along(lanes_.data() + at, direction), most); lanes != 0)
-            return static_cast<int>(at / 3) + std::countr_zero(lanes);
-    return 0; // the direction is not a number
+    Float4 most = along(lanes_.data(), direction), group = Float4::all(0.0f);
+    for (size_t at = group_size; at < lanes_.size(); at += group_size) {
+        const Float4 there = along(lanes_.data() + at, direction);
+        group = where_less(most, there, Float4::all(static_cast<float>(at / group_size)), group);
+        most = max(most, there);
+    }
+    float groups[4];
+    group.store(groups);
+    int first = getNumPoints() - 1; // stays where the direction is not a number
+    for (uint32_t lanes = equal(most, Float4::all(greatest(most))); lanes != 0; lanes &= lanes - 1) {
+        const int lane = std::countr_zero(lanes);
+        first = std::min(first, 4 * static_cast<int>(groups[lane]) + lane);
+    }
+    return first;
 }
 
 } // namespace brittle::physics

