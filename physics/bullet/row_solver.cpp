@@ -11,6 +11,8 @@ namespace {
 
 // Points of one pair of bodies that are told apart; a hull has up to twelve on the ground, and more only as a compound.
 constexpr uint32_t most_points = 32;
+// Of how hard a contact presses.
+constexpr float no_limit = std::numeric_limits<float>::max();
 
 void put(float* to, const btVector3& from) {
     for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis];
@@ -41,6 +43,7 @@ void RowSolver::solve(btAlignedObjectArray<btSolverBody>& bodies, btConstraintAr
     }
     contacts_.clear();
     for (const uint32_t index : order_) contacts_.push_back(row_of(contacts[static_cast<int>(index)], bodies));
+    held_ = first_held(contacts_);
     // Bullet makes one friction row a contact, in their order.
     const auto friction_count = static_cast<uint32_t>(frictions.size());
     frictions_.clear();
@@ -53,13 +56,8 @@ void RowSolver::solve(btAlignedObjectArray<btSolverBody>& bodies, btConstraintAr
     }
 
     for (int sweep = 0; sweep < sweeps; ++sweep) {
-        for (Row& row : contacts_) resolve(row, motions_.data(), 0.0f, std::numeric_limits<float>::max());
-        for (size_t i = 0; i < frictions_.size(); ++i) {
-            const float pressing = contacts_[of_friction_[i]].impulse;
-            if (pressing <= 0.0f) continue;
-            const float most = frictions_[i].friction * pressing;
-            resolve(frictions_[i], motions_.data(), -most, most);
-        }
+        press();
+        rub();
     }
 
     for (size_t i = 0; i < order_.size(); ++i)
@@ -70,6 +68,31 @@ void RowSolver::solve(btAlignedObjectArray<btSolverBody>& bodies, btConstraintAr
         bodies[i].internalGetDeltaLinearVelocity() = vector(motions_[static_cast<size_t>(i)].linear);
         bodies[i].internalGetDeltaAngularVelocity() = vector(motions_[static_cast<size_t>(i)].angular);
     }
+}
+
+void RowSolver::press() {
+    Motion* const motions = motions_.data();
+    for (size_t i = 0; i < held_; ++i) resolve(contacts_[i], motions, 0.0f, no_limit);
+    for (size_t i = held_; i < contacts_.size(); ++i) resolve_held(contacts_[i], motions, 0.0f, no_limit);
+}
+
+void RowSolver::rub() {
+    Motion* const motions = motions_.data();
+    for (size_t i = 0; i < frictions_.size(); ++i) {
+        const float pressing = contacts_[of_friction_[i]].impulse;
+        if (pressing <= 0.0f) continue;
+        const float most = frictions_[i].friction * pressing;
+        if (frictions_[i].light_b > 0.0f)
+            resolve(frictions_[i], motions, -most, most);
+        else
+            resolve_held(frictions_[i], motions, -most, most);
+    }
+}
+
+// They are behind all others.
+size_t RowSolver::first_held(const std::vector<Row>& rows) {
+    return static_cast<size_t>(
+        std::ranges::partition_point(rows, [](const Row& row) { return row.light_b > 0.0f; }) - rows.begin());
 }
 
 // By whether a body never moves, then by the place among the points of the same two bodies: a sort by counting.
@@ -95,22 +118,24 @@ void RowSolver::order(const btAlignedObjectArray<btSolverBody>& bodies, const bt
 }
 
 RowSolver::Row RowSolver::row_of(const btSolverConstraint& from, const btAlignedObjectArray<btSolverBody>& bodies) {
+    const btSolverBody &first = bodies[from.m_solverBodyIdA], &second = bodies[from.m_solverBodyIdB];
+    const bool turned = never_moves(first);
     Row row;
-    // Bullet leaves out what belongs to a body that never moves.
-    put(row.normal, never_moves(bodies[from.m_solverBodyIdA]) ? -from.m_contactNormal2 : from.m_contactNormal1);
-    put(row.arm_a, from.m_relpos1CrossNormal);
-    put(row.arm_b, from.m_relpos2CrossNormal);
-    put(row.turn_a, from.m_angularComponentA);
-    put(row.turn_b, from.m_angularComponentB);
+    // Of a body that never moves, Bullet leaves the normal out.
+    put(row.normal, turned ? from.m_contactNormal2 : from.m_contactNormal1);
+    put(row.arm_a, turned ? from.m_relpos2CrossNormal : from.m_relpos1CrossNormal);
+    put(row.arm_b, turned ? from.m_relpos1CrossNormal : from.m_relpos2CrossNormal);
+    put(row.turn_a, turned ? from.m_angularComponentB : from.m_angularComponentA);
+    put(row.turn_b, turned ? from.m_angularComponentA : from.m_angularComponentB);
+    row.a = static_cast<uint32_t>(turned ? from.m_solverBodyIdB : from.m_solverBodyIdA);
+    row.b = static_cast<uint32_t>(turned ? from.m_solverBodyIdA : from.m_solverBodyIdB);
+    row.light_a = (turned ? second : first).internalGetInvMass().x();
+    row.light_b = (turned ? first : second).internalGetInvMass().x();
     row.wanted = from.m_rhs;
     row.gain = from.m_jacDiagABInv;
     row.softness = from.m_cfm;
     row.impulse = from.m_appliedImpulse;
     row.friction = from.m_friction;
-    row.a = static_cast<uint32_t>(from.m_solverBodyIdA);
-    row.b = static_cast<uint32_t>(from.m_solverBodyIdB);
-    row.light_a = bodies[from.m_solverBodyIdA].internalGetInvMass().x();
-    row.light_b = bodies[from.m_solverBodyIdB].internalGetInvMass().x();
     return row;
 }
 
@@ -131,6 +156,19 @@ inline void RowSolver::resolve(Row& row, Motion* motions, float low, float high)
     (angular_b + Float4::load3(row.turn_b) * Float4::all(change)).store(b.angular);
 }
 
+// Where b never moves, it is neither read nor written: all that lie on the ground would wait for each other.
+inline void RowSolver::resolve_held(Row& row, Motion* motions, float low, float high) {
+    Motion& a = motions[row.a];
+    const Float4 normal = Float4::load3(row.normal);
+    const Float4 linear = Float4::load(a.linear), angular = Float4::load(a.angular);
+    const float apart = sum3(normal * linear + Float4::load3(row.arm_a) * angular);
+    const float before = row.impulse;
+    const float after = std::clamp(before + row.wanted - before * row.softness - apart * row.gain, low, high);
+    row.impulse = after;
+    (linear + normal * Float4::all((after - before) * row.light_a)).store(a.linear);
+    (angular + Float4::load3(row.turn_a) * Float4::all(after - before)).store(a.angular);
+}
+
 // The same with velocities of their own that only move the bodies and are then forgotten.
 void RowSolver::move_apart(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& contacts, int sweeps) {
     deep_.clear();
@@ -149,8 +187,8 @@ void RowSolver::move_apart(btAlignedObjectArray<btSolverBody>& bodies, btConstra
         put4(motions_[static_cast<size_t>(i)].linear, bodies[i].internalGetPushVelocity());
         put4(motions_[static_cast<size_t>(i)].angular, bodies[i].internalGetTurnVelocity());
     }
-    for (int sweep = 0; sweep < sweeps; ++sweep)
-        for (Row& row : contacts_) resolve(row, motions_.data(), 0.0f, std::numeric_limits<float>::max());
+    held_ = first_held(contacts_);
+    for (int sweep = 0; sweep < sweeps; ++sweep) press();
     for (size_t i = 0; i < deep_.size(); ++i)
         contacts[static_cast<int>(deep_[i])].m_appliedPushImpulse = contacts_[i].impulse;
     for (int i = 0; i < bodies.size(); ++i) {

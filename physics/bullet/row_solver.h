@@ -28,8 +28,8 @@ class RowSolver {
   private:
     // Of a contact or of its friction. Vectors lie without gaps; four floats can be read at each.
     struct Row {
-        float normal[3];          // from b to a
-        float arm_a[3], arm_b[3]; // arm x normal; of b with -normal
+        float normal[3];            // from b to a
+        float arm_a[3], arm_b[3];   // arm x normal; of b with -normal
         float turn_a[3], turn_b[3]; // what a unit of impulse does to the angular velocity
         float wanted;               // impulse that brings the velocity that is wanted, from that before the sweeps
         float gain;                 // impulse a unit of velocity
@@ -37,7 +37,7 @@ class RowSolver {
         float impulse;
         float friction;         // coefficient
         float light_a, light_b; // inverse masses
-        uint32_t a, b;          // bodies
+        uint32_t a, b;          // bodies; if one never moves it is b
     };
     struct Motion {
         float linear[4], angular[4]; // changes so far; the last of four is 0
@@ -45,13 +45,18 @@ class RowSolver {
 
     void order(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& contacts);
     static Row row_of(const btSolverConstraint& from, const btAlignedObjectArray<btSolverBody>& bodies);
+    static size_t first_held(const std::vector<Row>& rows);
     static void resolve(Row& row, Motion* motions, float low, float high);
+    static void resolve_held(Row& row, Motion* motions, float low, float high);
+    void press(); // one sweep over contacts_
+    void rub();   // and one over frictions_
     void move_apart(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& contacts, int sweeps);
 
     std::vector<uint32_t> order_;    // indices of contacts in the order in which they are solved
     std::vector<uint32_t> keys_, starts_; // scratch of order()
     std::vector<uint32_t> place_;    // of a contact in order_
     std::vector<Row> contacts_, frictions_;
+    size_t held_ = 0; // from here on contacts_ are with what never moves
     std::vector<uint32_t> of_friction_; // place of the contact it belongs to
     std::vector<uint32_t> deep_;        // contacts whose overlap is undone
     std::vector<Motion> motions_;
