@@ -25,8 +25,8 @@ constexpr double flat_half_thickness = 5e-5;
 constexpr double point_half_thickness = 5e-5;
 // Range of HullSettings::margin_fraction: something to stand on, and something left in the middle.
 constexpr double least_fraction = 1e-3, greatest_fraction = 0.45;
-// Directions in which a piece's points are looked through before its exact hull is made: 16 degrees apart.
-constexpr size_t extreme_directions = 160;
+// Directions in which a piece's points are looked through, 16 degrees apart, and as many again closer to the thin axes.
+constexpr size_t even_directions = 160;
 constexpr double golden_angle = 2.399963229728653; // rad; of Vogel's spiral
 // Cosine of 3 degrees: planes closer in direction are one face to the eye.
 constexpr double same_face = 0.9986;
@@ -185,31 +185,70 @@ OrientedExtents oriented_extents(const std::vector<glm::dvec3>& points) {
     return extents;
 }
 
-// Of many points those that are extreme in one of a number of directions spread evenly over the sphere, once
-// the piece is scaled to a cube: vertices of the full hull, without those that barely stick out. The exact
-// hull of 700 points costs two milliseconds, this a fiftieth of it.
-std::vector<glm::dvec3> extreme_points(const std::vector<glm::dvec3>& points,
-                                       const OrientedExtents& extents) {
-    if (points.size() <= extreme_directions) return points;
-    std::vector<uint8_t> extreme(points.size(), 0);
-    for (size_t i = 0; i < extreme_directions; ++i) { // a spiral of equal areas
-        const double y = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(extreme_directions);
-        const double angle = golden_angle * static_cast<double>(i), around = std::sqrt(1.0 - y * y);
-        const glm::dvec3 spread =
-            glm::dvec3(around * std::cos(angle), y, around * std::sin(angle)) / extents.half;
-        const glm::dvec3 direction = extents.axes * spread;
-        size_t best = 0;
-        double farthest = -std::numeric_limits<double>::infinity();
-        for (size_t p = 0; p < points.size(); ++p) {
-            const double reach = glm::dot(points[p], direction);
-            if (reach > farthest) farthest = reach, best = p;
+// Unit directions, in the axes of the points: single precision and an array an axis, for loops over all of them at once.
+struct Directions {
+    static constexpr size_t count = 2 * even_directions;
+    std::array<float, count> x, y, z;
+};
+
+// Evenly over the sphere (a spiral of equal areas), and evenly once the piece is scaled to a cube: in a plate most of these
+// are near its normal, so that what tilts it is seen.
+Directions directions_for(const OrientedExtents& extents) {
+    static const std::array<glm::dvec3, even_directions> even = [] {
+        std::array<glm::dvec3, even_directions> sphere;
+        for (size_t i = 0; i < even_directions; ++i) {
+            const double y = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(even_directions);
+            const double angle = golden_angle * static_cast<double>(i), around = std::sqrt(1.0 - y * y);
+            sphere[i] = {around * std::cos(angle), y, around * std::sin(angle)};
         }
-        extreme[best] = 1;
+        return sphere;
+    }();
+    Directions directions;
+    for (size_t i = 0; i < Directions::count; ++i) {
+        const glm::dvec3& direction = even[i % even_directions];
+        const glm::vec3 unit(i < even_directions ? direction
+                                                 : glm::normalize(extents.axes * (direction / extents.half)));
+        directions.x[i] = unit.x;
+        directions.y[i] = unit.y;
+        directions.z[i] = unit.z;
     }
-    std::vector<glm::dvec3> kept;
-    for (size_t p = 0; p < points.size(); ++p)
-        if (extreme[p]) kept.push_back(points[p]);
-    return kept;
+    return directions;
+}
+
+// At most count of the points, whose hull comes close to that of all: always the one that sticks out farthest of the hull of
+// those before, in any of the directions. That is how deep it would be in a floor which that hull stands on.
+std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points, const Directions& directions, size_t count) {
+    if (points.size() <= count) return points;
+    std::array<float, Directions::count> all, chosen_reach;
+    std::array<uint32_t, Directions::count> farthest{};
+    all.fill(-std::numeric_limits<float>::infinity());
+    chosen_reach = all;
+    const auto reach_of = [&](const glm::vec3& p, size_t d) {
+        return directions.x[d] * p.x + directions.y[d] * p.y + directions.z[d] * p.z;
+    };
+    for (uint32_t i = 0; i < points.size(); ++i) {
+        const glm::vec3 p(points[i]);
+        for (size_t d = 0; d < Directions::count; ++d) {
+            const float reach = reach_of(p, d);
+            farthest[d] = reach > all[d] ? i : farthest[d];
+            all[d] = reach > all[d] ? reach : all[d];
+        }
+    }
+    std::vector<glm::dvec3> chosen;
+    while (chosen.size() < count) {
+        size_t worst = 0;
+        float most = 0.0f;
+        for (size_t d = 0; d < Directions::count; ++d)
+            if (all[d] - chosen_reach[d] > most) most = all[d] - chosen_reach[d], worst = d;
+        if (!(most > 0.0f)) break;
+        chosen.push_back(points[farthest[worst]]);
+        const glm::vec3 p(chosen.back());
+        for (size_t d = 0; d < Directions::count; ++d) {
+            const float reach = reach_of(p, d);
+            chosen_reach[d] = reach > chosen_reach[d] ? reach : chosen_reach[d];
+        }
+    }
+    return chosen;
 }
 
 // For flakes, needles and points: every thin axis gets a thickness, the others keep their outline. The margin
@@ -258,13 +297,11 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     const size_t max_vertices = std::max<size_t>(
         crumb ? std::min(settings.max_vertices, settings.crumb_vertices) : settings.max_vertices, 8);
     if (thinnest <= longest * flat_ratio) return flat_hull(local, extents, max_vertices);
-    std::optional<FullHull> full = full_hull(extreme_points(local, extents));
+    // Exact hulls are of few points: one of 700 costs two milliseconds, and so does moving its planes in.
+    const Directions directions = directions_for(extents);
+    const std::optional<FullHull> full = full_hull(supporting_subset(local, directions, max_vertices));
     if (!full || full->inner <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
 
-    // Moving planes in is exact arithmetic as well: of no more vertices than are left in the end.
-    if (full->vertices.size() > max_vertices)
-        if (std::optional<FullHull> fewer = full_hull(spread_subset(full->vertices, max_vertices)))
-            full = std::move(fewer);
     const double fraction = std::clamp<double>(settings.margin_fraction, least_fraction, greatest_fraction);
     const double margin = std::min(std::max<double>(settings.max_margin, 1e-6), 2.0 * fraction * full->inner);
     std::optional<InnerHull> inner = planes_moved_in(*full, margin);
@@ -272,7 +309,7 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
 
     CollisionHull hull;
     hull.margin = static_cast<float>(inner->margin);
-    for (const glm::dvec3& vertex : spread_subset(inner->vertices, max_vertices))
+    for (const glm::dvec3& vertex : supporting_subset(inner->vertices, directions, max_vertices))
         hull.points.push_back(glm::vec3(vertex));
     return hull;
 }

@@ -45,8 +45,9 @@ struct CollisionHull {
 };
 
 // The reduced and shrunk convex hull of points, relative to origin. Where a bounded vertex count forces a
-// choice, the vertices that bound the hull in evenly spread directions are kept, so the result is inside the
-// full hull.
+// choice, always the point is kept that sticks out farthest of those kept before, so the result is inside the
+// full hull and little of that outside of the result: of pieces of a Voronoi fracture and 32 vertices half a hundredth of
+// their length, 3 hundredths at worst, most of it corners that the margin rounds off.
 //
 // Degenerate input has a result too, as every piece needs a body: coplanar, collinear, coincident or no
 // points give the corners of a thin box around them; only there may hull + margin reach outside, by a

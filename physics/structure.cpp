@@ -25,6 +25,7 @@ constexpr int solver_sweeps = 10; // over contacts that are solved anew
 // A contact of a body that comes apart, taken back from both.
 struct TakenBack {
     Contact contact;
+    uint32_t index = 0; // in World::contacts()
     uint32_t piece_a = UINT32_MAX, piece_b = UINT32_MAX;
 };
 
@@ -293,8 +294,9 @@ void Structure::split(World& world) {
     if (breaks.empty()) return;
 
     std::vector<TakenBack> taken;
-    for (const Contact& contact : contacts_to_take_back(world, breaking)) {
-        taken.push_back({contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
+    for (const uint32_t index : contacts_to_take_back(world, breaking)) {
+        const Contact& contact = world.contacts()[index];
+        taken.push_back({contact, index, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
         const glm::vec3 impulse = contact.impulse * contact.normal + contact.friction;
         push(world, contact.a, -impulse, contact.point);
         push(world, contact.b, impulse, contact.point);
@@ -328,14 +330,19 @@ void Structure::split(World& world) {
             push(world, a, impulse, point);
             push(world, b, -impulse, point);
         }
+    for (size_t i = 0; i < taken.size(); ++i) {
+        const TakenBack& back = taken[i];
+        changes_.resolved.push_back({back.index, back.piece_a != none ? body_of(back.piece_a) : back.contact.a,
+                                     back.piece_b != none ? body_of(back.piece_b) : back.contact.b, given[i]});
+    }
 }
 
 // All contacts of the bodies that break under a blow, but only where nothing else presses on those nor on what they
 // touch: an impulse that is taken back while another one that answers it stays would throw a body into the air.
-std::vector<Contact> Structure::contacts_to_take_back(const World& world,
-                                                      const std::vector<uint8_t>& breaking) const {
-    std::vector<Contact> contacts;
-    if (!contacts_due_) return contacts;
+std::vector<uint32_t> Structure::contacts_to_take_back(const World& world,
+                                                       const std::vector<uint8_t>& breaking) const {
+    std::vector<uint32_t> taken;
+    if (!contacts_due_) return taken;
     const auto breaks = [&](BodyId id) {
         const uint32_t body = index_of(id);
         return body != none && breaking[body];
@@ -364,10 +371,12 @@ std::vector<Contact> Structure::contacts_to_take_back(const World& world,
                 again = true;
             }
     }
-    for (const Contact& contact : world.contacts())
+    for (uint32_t i = 0; i < world.contacts().size(); ++i) {
+        const Contact& contact = world.contacts()[i];
         if ((in(hit, contact.a) && !in(pressed, contact.a)) || (in(hit, contact.b) && !in(pressed, contact.b)))
-            contacts.push_back(contact);
-    return contacts;
+            taken.push_back(i);
+    }
+    return taken;
 }
 
 std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) {

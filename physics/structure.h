@@ -95,11 +95,19 @@ class Structure {
     // The world lets go of pieces.
     void release_anchors(std::span<const uint32_t> pieces);
 
+    // A contact of the last step that was taken back from both sides and solved anew, as the body that it was with broke.
+    struct Resolved {
+        uint32_t contact = 0;  // index into World::contacts()
+        BodyId a, b;           // whom it is between now; the default for the ground
+        float impulse = 0.0f;  // N s, not below 0: what a got along the contact's normal, and b against it
+    };
     struct Changes {
         std::vector<uint32_t> broken; // bonds
         std::vector<BodyId> removed;
         std::vector<BodyId> added;
         std::vector<Impact> impacts;
+        // All impulses of the update are these: what is free gets from what is fixed the new ones less the old.
+        std::vector<Resolved> resolved;
     };
     // To be called after each step of the world: takes up its contacts, wears bonds and splits what broke. The result
     // is valid until the next call.
@@ -163,8 +171,9 @@ class Structure {
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] std::vector<Impact> find_blows(const World& world) const;
     void wear_bonds(const World& world);
-    [[nodiscard]] std::vector<Contact> contacts_to_take_back(const World& world,
-                                                             const std::vector<uint8_t>& breaking) const;
+    // Indices into the world's contacts.
+    [[nodiscard]] std::vector<uint32_t> contacts_to_take_back(const World& world,
+                                                              const std::vector<uint8_t>& breaking) const;
     void split(World& world);
     template<class Damage> void damage_bodies(const World& world, const Damage& damage);
 

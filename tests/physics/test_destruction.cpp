@@ -544,6 +544,46 @@ TEST_CASE("runs are equal bit for bit, whatever the number of threads") {
     for (size_t i = 1; i < few.commits.size(); ++i) CHECK(few.commits[i].step > few.commits[i - 1].step);
 }
 
+// The main thread's share of breaking is one job at least a step, whatever the budget: what that is must be bounded.
+TEST_CASE("a step commits no more jobs than it may, a job brings no more bodies than its blow allows, and all are prepared") {
+    for (const bool by_clock : {false, true}) {
+        CAPTURE(by_clock);
+        World world(empty_space);
+        Destruction destruction(by_clock ? DestructionSettings{.timing = Timing::when_ready, .workers = 2}
+                                         : DestructionSettings{.latency = 1, .commits_a_step = 1, .workers = 2});
+        BreakableDesc desc = desc_of(0.05);
+        desc.most_pieces = 20;
+        const SolidPtr ball = *make_solid(fracture::icosphere(2, 0.5), desc.solid);
+        for (int k = 0; k < 10; ++k) {
+            desc.motion.placement.position = {3.0f * static_cast<float>(k), 0.0f, 0.0f};
+            REQUIRE(destruction.add(world, ball, desc));
+        }
+        (void)destruction.take_events();
+        for (const PieceId piece : destruction.pieces()) REQUIRE(strike_from_above(world, destruction, piece, 2e3));
+        size_t commits = 0;
+        for (int step = 0; destruction.jobs_in_flight() > 0; ++step) {
+            REQUIRE(step < 100'000);
+            if (by_clock) std::this_thread::sleep_for(std::chrono::milliseconds(1)); // so that jobs get somewhere
+            world.step();
+            const size_t bodies = world.body_count();
+            destruction.update(world, 0.0);
+            CHECK(destruction.commits().size() <= 1);
+            commits += destruction.commits().size();
+            // The damage's cells and what is left, in more than one part only where a cell falls apart: a ball's do not.
+            CHECK(world.body_count() <= bodies + destruction.commits().size() * desc.most_pieces);
+            size_t vertices = 0;
+            for (const PieceAdded& added : destruction.take_events().added) {
+                vertices += added.solid->positions.size();
+                CHECK_FALSE(added.solid->parts.empty()); // made by the job
+                CHECK(added.solid->body.mass > 0.0);
+            }
+            CHECK(vertices <= destruction.commits().size() * 4000); // of 162 and those of the cuts; 20 pieces have some 2,000
+        }
+        CHECK(commits == 10);
+        CHECK(destruction.pieces().size() > 50);
+    }
+}
+
 TEST_CASE("a run of its own timing is the same again by its log") {
     const Run live = fall({.timing = Timing::when_ready, .workers = 2}, 1);
     const Run again = fall({.timing = Timing::scripted, .workers = 1}, 2, live.steps, live.commits);

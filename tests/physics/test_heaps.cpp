@@ -68,7 +68,8 @@ void drop(const fracture::TriangleMesh& mesh, uint32_t sites, uint64_t seed) {
     CHECK(world.awake_count() == 0);
     CHECK(rise < 1e-4 * start);
     CHECK(hull > -2e-3f);
-    CHECK(vertex > -0.02f); // what hulls of 32 points leave out of pieces a fifth of a metre long
+    // What hulls of 32 points leave out of pieces a fifth of a metre long, and what their margins round off: 1 to 6 mm.
+    CHECK(vertex > -0.008f);
     CHECK(centre > -1e-3f);
 }
 

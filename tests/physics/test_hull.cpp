@@ -8,6 +8,9 @@
 #include <doctest/doctest.h>
 
 #include "convex_pieces.h"
+#include "fracture/fracture.h"
+#include "fracture/shapes.h"
+#include "fracture/sites.h"
 
 using namespace brittle;
 using physics::collision_hull;
@@ -67,6 +70,19 @@ void check_usable(const CollisionHull& hull, size_t max_vertices) {
                 volume = std::max(volume, std::abs(glm::dot(a, glm::cross(b, c))));
             }
     CHECK(volume > 0.0);
+}
+
+// How far the points stick out of hull and margin at most, in many directions.
+double deviation(const CollisionHull& hull, const std::vector<glm::dvec3>& points, const glm::dvec3& origin) {
+    const std::vector<glm::dvec3> own(hull.points.begin(), hull.points.end());
+    test::Random random(11);
+    double most = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+        const glm::dvec3 direction = random.direction();
+        most = std::max(most, support(points, direction) - glm::dot(origin, direction) - support(own, direction)
+                                  - static_cast<double>(hull.margin));
+    }
+    return most;
 }
 
 } // namespace
@@ -204,6 +220,34 @@ TEST_CASE("a sphere of two thousand points is reduced and loses little of its wi
         }
         CHECK(width > 0.85);
     }
+}
+
+TEST_CASE("no corner of a piece sticks out far of its hull: what is below a floor that the hull stands on") {
+    // Of a ball 32 points leave no place farther than 23 degrees at best, 8 hundredths of its radius; one by one, each where
+    // most is left out, they come to 30 degrees and 13 hundredths (seen, then the bound was set).
+    const std::vector<glm::dvec3> ball = sphere_points(2000, 0.5);
+    CHECK(deviation(collision_hull(ball, glm::dvec3(0.0)), ball, glm::dvec3(0.0)) < 0.16 * 0.5);
+    std::vector<double> shares;
+    for (const char* name : {"cube", "animal", "arch", "wall", "icosphere"})
+        for (const uint64_t seed : {1, 2}) {
+            const fracture::TriangleMesh mesh = *fracture::shape(name);
+            const auto fragments = fracture::fracture(mesh, fracture::uniform_sites(fracture::bounds(mesh), 100, seed));
+            REQUIRE(fragments);
+            for (const fracture::Piece& piece : fragments->pieces) {
+                const auto span = fragments->positions_of(piece);
+                const std::vector<glm::dvec3> points(span.begin(), span.end());
+                const glm::dvec3 size = fracture::bounds({points, {}}).size();
+                const CollisionHull hull = collision_hull(points, piece.mass.centre_of_mass);
+                shares.push_back(deviation(hull, points, piece.mass.centre_of_mass) / glm::length(size));
+            }
+        }
+    std::ranges::sort(shares);
+    MESSAGE(shares.size(), " pieces: half below ", shares[shares.size() / 2], " of their diagonal, all but a twentieth below ",
+            shares[shares.size() * 19 / 20], ", the worst ", shares.back());
+    // Set after seeing 0.006, 0.011 and 0.03; the points far from each other that were kept before gave 0.02, 0.04 and 0.07.
+    CHECK(shares[shares.size() / 2] < 0.01);
+    CHECK(shares[shares.size() * 19 / 20] < 0.02);
+    CHECK(shares.back() < 0.05);
 }
 
 TEST_CASE("hulls made side by side are those made one by one, with any number of threads") {
