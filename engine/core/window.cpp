@@ -49,14 +49,17 @@ Window::~Window() {
 // Before Dear ImGui's own, which call these on (see Renderer::attach).
 void Window::install_callbacks() {
     glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
+        window_of(w).collecting_.stirred = true;
         if (action != GLFW_PRESS) return;
         window_of(w).collecting_.keys.push_back(static_cast<Key>(key));
         window_of(w).collecting_.key_modifiers.push_back(modifiers_of(modifiers));
     });
     glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
+        window_of(w).collecting_.stirred = true;
         window_of(w).collecting_.dropped.assign(paths, paths + count);
     });
     glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
+        window_of(w).collecting_.stirred = true;
         window_of(w).collecting_.scroll += static_cast<float>(y);
     });
     // A press moves the cursor's last known place, so that a drag starts at zero even where no motion came
@@ -65,6 +68,7 @@ void Window::install_callbacks() {
         double x = 0.0, y = 0.0;
         glfwGetCursorPos(w, &x, &y);
         Input& input = window_of(w).collecting_;
+        input.stirred = true;
         input.cursor = {static_cast<float>(x), static_cast<float>(y)};
         if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
         input.buttons.push_back(
@@ -72,6 +76,7 @@ void Window::install_callbacks() {
     });
     glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
         Input& input = window_of(w).collecting_;
+        input.stirred = true;
         const glm::vec2 cursor(static_cast<float>(x), static_cast<float>(y));
         const glm::vec2 motion = cursor - input.cursor;
         input.cursor = cursor;
@@ -80,10 +85,16 @@ void Window::install_callbacks() {
         if (down(GLFW_MOUSE_BUTTON_MIDDLE)) input.drag_middle += motion;
         if (down(GLFW_MOUSE_BUTTON_RIGHT)) input.drag_right += motion;
     });
+    glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) { window_of(w).collecting_.stirred = true; });
+    glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int) { window_of(w).collecting_.stirred = true; });
+    glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int) { window_of(w).collecting_.stirred = true; });
+    glfwSetWindowIconifyCallback(window_, [](GLFWwindow* w, int) { window_of(w).collecting_.stirred = true; });
+    glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { window_of(w).collecting_.stirred = true; });
+    glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { window_of(w).collecting_.stirred = true; });
 }
 
-const Input& Window::poll() {
-    glfwPollEvents();
+const Input& Window::poll(double wait) {
+    wait > 0.0 ? glfwWaitEventsTimeout(wait) : glfwPollEvents();
     const auto either = [this](int left, int right) {
         return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
     };

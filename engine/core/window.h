@@ -79,6 +79,9 @@ struct Input {
     glm::vec2 drag_middle{0.0f};
     glm::vec2 drag_right{0.0f};
     float scroll = 0.0f; // notches; positive away from the user
+    // Something came that may change what the window should show: any of the above, a released or repeated key, text, focus,
+    // another size, or what lay before the window went away.
+    bool stirred = false;
 
     [[nodiscard]] bool pressed(Key key) const {
         return std::find(keys.begin(), keys.end(), key) != keys.end();
@@ -100,8 +103,9 @@ class Window {
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    // Handles pending events. The reference stays valid, and its content unchanged, until the next poll.
-    const Input& poll();
+    // Handles pending events; where there are none, waits so long for one, s. The reference stays valid, and its content
+    // unchanged, until the next poll.
+    const Input& poll(double wait = 0.0);
 
     [[nodiscard]] bool should_close() const;
     void close(); // should_close() is true from now on

@@ -155,7 +155,7 @@ void begin_rendering(VkCommandBuffer commands, const Rendering& rendering) {
         0.0f, 0.0f, static_cast<float>(area.extent.width), static_cast<float>(area.extent.height),
         0.0f, 1.0f};
     vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &area);
+    vkCmdSetScissor(commands, 0, 1, rendering.part ? &*rendering.part : &area);
 }
 
 } // namespace brittle::engine

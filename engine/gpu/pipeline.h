@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -59,8 +60,8 @@ class Pipeline {
     VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
-// Begins dynamic rendering over the whole extent, with viewport and scissor set to it. A null view is no
-// attachment. With a view to resolve to, the colour view is multisampled and its samples are not kept.
+// Begins dynamic rendering over the whole extent, with viewport and scissor set to it, or the scissor to a part. A null
+// view is no attachment. With a view to resolve to, the colour view is multisampled and its samples are not kept.
 struct Rendering {
     VkExtent2D extent{};
     VkImageView colour = VK_NULL_HANDLE;
@@ -69,6 +70,7 @@ struct Rendering {
     VkImageView depth = VK_NULL_HANDLE;
     VkAttachmentLoadOp depth_load = VK_ATTACHMENT_LOAD_OP_LOAD; // clears to 1, the far plane
     VkAttachmentStoreOp depth_store = VK_ATTACHMENT_STORE_OP_STORE;
+    std::optional<VkRect2D> part{}; // within the extent: nothing is drawn outside
 };
 void begin_rendering(VkCommandBuffer commands, const Rendering& rendering);
 

@@ -4,8 +4,20 @@ namespace brittle::engine {
 
 namespace {
 
-VkOffset3D far_corner(VkExtent2D extent) {
-    return {static_cast<int32_t>(extent.width), static_cast<int32_t>(extent.height), 1};
+struct Corners {
+    VkOffset3D low, high;
+};
+
+Corners corners_of(const VkRect2D& part, int32_t by) {
+    const VkOffset2D at = part.offset;
+    const auto width = static_cast<int32_t>(part.extent.width), height = static_cast<int32_t>(part.extent.height);
+    return {{by * at.x, by * at.y, 0}, {by * (at.x + width), by * (at.y + height), 1}};
+}
+
+// What the larger picture's sides are to the smaller one's; 0 where that is no whole number, or two.
+int32_t whole_ratio(VkExtent2D small, VkExtent2D large) {
+    const uint32_t ratio = large.width / small.width;
+    return ratio * small.width == large.width && ratio * small.height == large.height ? static_cast<int32_t>(ratio) : 0;
 }
 
 } // namespace
@@ -18,14 +30,23 @@ void declare_enlarge(Frame& frame) {
             pass.read(small, Access::transfer_read);
             frame.picture = pass.write(target, Access::transfer_write);
         },
-        [small, target](PassContext& context) {
+        [small, target, region = frame.scene.region](PassContext& context) {
             constexpr VkImageSubresourceLayers layers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-            const VkImageBlit region{.srcSubresource = layers,
-                                     .srcOffsets = {{0, 0, 0}, far_corner(context.extent(small))},
-                                     .dstSubresource = layers,
-                                     .dstOffsets = {{0, 0, 0}, far_corner(context.extent(target))}};
+            const VkExtent2D drawn = context.extent(small), wanted = context.extent(target);
+            Corners from = corners_of({{}, drawn}, 1), to = corners_of({{}, wanted}, 1);
+            // A part alone only where its corners are pixels of both, so that each pixel is made of the same four.
+            if (const int32_t ratio = whole_ratio(drawn, wanted)) {
+                const VkRect2D part = pixels_of(region, drawn, enlarge_rim - 1);
+                if (part.extent.width == 0 || part.extent.height == 0) return;
+                from = corners_of(part, 1);
+                to = corners_of(part, ratio);
+            }
+            const VkImageBlit region_of_both{.srcSubresource = layers,
+                                             .srcOffsets = {from.low, from.high},
+                                             .dstSubresource = layers,
+                                             .dstOffsets = {to.low, to.high}};
             vkCmdBlitImage(context.commands, context.image(small), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           context.image(target), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region,
+                           context.image(target), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region_of_both,
                            VK_FILTER_LINEAR);
         });
 }

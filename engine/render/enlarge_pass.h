@@ -7,7 +7,10 @@
 
 namespace brittle::engine {
 
-// frame.colour, which is finished, into the whole of frame.picture.
+// Pixels around a region that must be drawn, so that it can be enlarged: one that is read, and one to spare.
+inline constexpr int32_t enlarge_rim = 2;
+
+// frame.colour, which is finished, into frame.picture: at least the scene's region.
 void declare_enlarge(Frame& frame);
 
 } // namespace brittle::engine

@@ -1,9 +1,11 @@
 #include "engine/render/frame.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -191,6 +193,16 @@ ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
 
 } // namespace
 
+VkRect2D pixels_of(const Region& region, VkExtent2D size, int32_t rim) {
+    assert(std::isfinite(region.min.x + region.min.y + region.max.x + region.max.y));
+    const glm::vec2 pixels(size.width, size.height);
+    const auto within = [&](glm::vec2 p) { return glm::ivec2(glm::clamp(p, glm::vec2(0.0f), pixels)); };
+    const auto apart = static_cast<float>(rim);
+    const glm::ivec2 low = within(glm::floor(region.min * pixels) - apart);
+    const glm::ivec2 high = glm::max(within(glm::ceil(region.max * pixels) + apart), low);
+    return {{low.x, low.y}, {static_cast<uint32_t>(high.x - low.x), static_cast<uint32_t>(high.y - low.y)}};
+}
+
 shared::FrameData frame_data(const Scene& scene, const View& view) {
     const CameraMatrices camera = matrices(scene.camera, view.aspect, scene.bounds);
     const glm::vec3 eye(glm::inverse(camera.view)[3]);
@@ -253,7 +265,8 @@ Rendering Frame::colour_rendering(const PassContext& context, VkAttachmentLoadOp
             .colour = context.view(samples.valid() ? samples : colour),
             .colour_load = load,
             .resolve = samples.valid() && last ? context.view(colour) : VK_NULL_HANDLE,
-            .depth = context.view(depth)};
+            .depth = context.view(depth),
+            .part = part};
 }
 
 void Frame::bind_image(const PassContext& context, VkDescriptorSet to, Image image) const {

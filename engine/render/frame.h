@@ -66,6 +66,7 @@ struct Frame {
     VkDescriptorSet set;                      // set 0
     VkDescriptorSet depth_set, occlusion_set; // for set 1, unused so far
     FrameStats stats;
+    VkRect2D part{}; // of the pixels that are drawn: Scene::region, and a rim for what enlarges it
 
     // Imports. Those of the arena are valid only if it holds a draw.
     Buffer uniforms, poses, vertices, normals, indices, draw_data, commands;
@@ -106,6 +107,9 @@ struct View {
     float aspect;         // width / height of the picture that they make: the size may be rounded
     uint32_t shadow_size; // texels a side
 };
+// The pixels of a region in a picture of that size, with so many around them; those that it has.
+[[nodiscard]] VkRect2D pixels_of(const Region& region, VkExtent2D size, int32_t rim);
+
 [[nodiscard]] shared::FrameData frame_data(const Scene& scene, const View& view);
 
 // For the passes that draw pieces: their reads, and the multi-draws by the commands of one view, one with each pipeline

@@ -230,6 +230,7 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
                        .draws = pieces.draws(),
                        .triangles = pieces.triangles()};
     frame.stats.scale = target.scale;
+    frame.part = pixels_of(scene.region, drawn, target.scale < 1.0f ? enlarge_rim : 0);
     import_slot(frame, slot, device);
     return frame;
 }

@@ -80,8 +80,16 @@ struct Look {
     float exposure = 1.0f;                    // multiplies all light before the filmic curve
 };
 
+// A part of the picture, in shares of its width and height from the top left.
+struct Region {
+    glm::vec2 min{0.0f}, max{1.0f};
+};
+
 struct Scene {
     Camera camera{};
+    // What of the picture is drawn: the rest is covered by panels, and its pixels are not defined. Within the region they
+    // are those of the whole picture.
+    Region region{};
     // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
     // depth range; what sticks out is drawn, without a shadow.
     Bounds bounds{};

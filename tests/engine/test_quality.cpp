@@ -120,6 +120,41 @@ TEST_CASE("a scale while things move that is out of range is refused") {
     }
 }
 
+TEST_CASE("where panels cover a part, the rest has the pixels of the whole picture, at every quality and scale") {
+    Quality best = smooth_edges;
+    best.ambient_occlusion = true;
+    best.soft_shadows = true;
+    const std::vector<LineVertex> lines{{{-1.0f, 0.1f, 0.0f}, srgb8(255, 0, 0)}, {{1.0f, 0.9f, 0.3f}, srgb8(255, 0, 0)}};
+    for (const Quality& quality : {with_scale(1.0f), with_scale(0.5f), with_scale(0.7f), best}) {
+        const Fixture whole(quality), f(quality);
+        if (!f) return;
+        KnownScene known;
+        REQUIRE(whole.renderer->set_pieces(known.pieces()));
+        REQUIRE(f.renderer->set_pieces(known.pieces()));
+        known.scene.lines = lines;
+        for (const glm::uvec2 size : {glm::uvec2(1), small, glm::uvec2(95, 63)})
+            for (const bool moved : {true, false}) {
+                known.scene.moved = moved;
+                known.scene.region = {};
+                const Bitmap expected = presented(whole, known.scene, size);
+                for (const Region& region : {Region{{0.21f, 0.1f}, {0.8f, 0.93f}}, Region{{0.0f, 0.5f}, {0.5f, 1.0f}}, Region{{-1.0f, -1.0f}, {2.0f, 2.0f}},
+                                             Region{{0.5f, 0.5f}, {0.5f, 0.5f}}, Region{{0.9f, 0.9f}, {0.1f, 0.1f}}}) {
+                    known.scene.region = region;
+                    const Bitmap part = presented(f, known.scene, size);
+                    const glm::vec2 low = glm::max(glm::floor(region.min * glm::vec2(size)), 0.0f);
+                    const glm::vec2 high = glm::min(glm::ceil(region.max * glm::vec2(size)), glm::vec2(size));
+                    int differ = 0;
+                    for (auto y = static_cast<uint32_t>(low.y); static_cast<float>(y) < high.y; ++y)
+                        for (auto x = static_cast<uint32_t>(low.x); static_cast<float>(x) < high.x; ++x) {
+                            const size_t at = 4 * (size_t{y} * size.x + x);
+                            differ += !std::equal(&part.pixels[at], &part.pixels[at] + 4, &expected.pixels[at]);
+                        }
+                    CHECK(differ == 0);
+                }
+            }
+    }
+}
+
 TEST_CASE("a window shows in full what is still, whatever the size and whatever was drawn before") {
     for (const float scale : {0.25f, 0.5f, 0.7f, 1.0f}) {
         const Fixture full(with_scale(1.0f)), f(with_scale(scale));

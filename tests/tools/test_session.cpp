@@ -194,6 +194,39 @@ TEST_CASE("session: nothing moves while it is paused, a single step is one, slow
     CHECK(session.playback.paused);
 }
 
+TEST_CASE("session: quiet is when the next frame would be the same") {
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    REQUIRE(room.soon([&] { return session.quiet(); })); // whole
+    session.break_all();
+    CHECK_FALSE(session.quiet()); // work, then pieces that have come, then falling ones
+    int frames = 0;
+    while (!session.broken()) {
+        CHECK_FALSE(session.quiet());
+        session.update(frame);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        REQUIRE(++frames < 30000);
+    }
+    while (!session.quiet() && session.steps() < 3600) {
+        const auto before = session.stage().world().state_hash();
+        const bool moved = session.stage().world().awake_count() > 0;
+        session.update(frame);
+        if (moved) CHECK(session.stage().world().state_hash() != before);
+    }
+    CHECK(session.quiet());
+    CHECK(session.stage().world().awake_count() == 0);
+    const auto rest = session.stage().world().state_hash();
+    for (int k = 0; k < 60; ++k) session.update(frame);
+    CHECK(session.stage().world().state_hash() == rest);
+    session.reset();
+    session.picture().cells = true;
+    session.update(frame);
+    CHECK((!session.quiet() || session.preview_pieces() > 0)); // a preview is on its way
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+    CHECK(session.preview_pieces() > 0);
+}
+
 TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh after it as before") {
     Room room("shape:icosphere", 20);
     if (!room.device) return;

@@ -16,6 +16,7 @@
 #include "tools/brittle/failure.h"
 #include "tools/brittle/stage.h"
 #include "tools/brittle/studio/frame_times.h"
+#include "tools/brittle/studio/idleness.h"
 #include "tools/brittle/studio/keys.h"
 #include "tools/brittle/studio/navigation.h"
 #include "tools/brittle/studio/object.h"
@@ -249,6 +250,22 @@ TEST_CASE("studio: recent files are kept, newest first, without shapes and doubl
     RecentFiles nowhere{fs::path()};
     nowhere.add("/a.obj");
     CHECK(nowhere.files().size() == 1);
+}
+
+TEST_CASE("studio: what rests is not drawn, but for some frames after it was touched, and slowly where a cursor blinks") {
+    Idleness idleness;
+    int drawn = 0;
+    while (idleness.draws(false, false)) REQUIRE(++drawn < 100); // the start
+    CHECK(drawn > 2);
+    CHECK(idleness.wait() == Idleness::pause);
+    for (int k = 0; k < 10; ++k) CHECK_FALSE(idleness.draws(false, false));
+    CHECK(idleness.draws(false, true)); // one a pause
+    CHECK(idleness.wait() == Idleness::pause);
+    CHECK(idleness.draws(true, false)); // at once
+    CHECK(idleness.wait() == 0.0);
+    for (int k = 1; k < Idleness::settling; ++k) CHECK(idleness.draws(false, false));
+    CHECK_FALSE(idleness.draws(false, false));
+    for (int k = 0; k < 100; ++k) CHECK(idleness.draws(true, false));
 }
 
 TEST_CASE("studio: frame times are the newest ones, and marks move with them") {

@@ -32,6 +32,16 @@ std::shared_ptr<void> look_of(const physics::SolidPiece& solid) {
     return std::make_shared<engine::PieceBatch>(must(engine::PieceBatch::create({&mesh, 1})));
 }
 
+// Whether bonds that carry too much lose health, or may come to: stresses are not in balance yet.
+bool wears(const physics::Structure& structure) {
+    if (!structure.wear().solver().converged()) return true;
+    const auto bonds = structure.graph().bonds();
+    const auto ratios = structure.wear().ratios();
+    for (size_t k = 0; k < std::min(bonds.size(), ratios.size()); ++k)
+        if (bonds[k].live() && ratios[k] >= bonds[k].health) return true;
+    return false;
+}
+
 } // namespace
 
 Input placed_on_stage(Input input, const WorldOptions& world) {
@@ -94,6 +104,7 @@ void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& worl
     draw_anew(std::move(ahead.batch));
     radii_ = std::move(ahead.radii);
     untinted_ = starts_whole(world);
+    most_pieces_ = world.piece_limit;
     take_events();
 }
 
@@ -158,6 +169,14 @@ void Stage::advance(double seconds) {
     // What falls asleep reaches its last pose in the step after.
     if (world().awake_count() > 0) last_awake_ = simulation_.steps();
     if (simulation_.steps() <= last_awake_ + 2) moved_ = true;
+}
+
+bool Stage::still() const {
+    if (!broken()) return true;
+    const physics::Destruction* destruction = simulation_.destruction();
+    if (destruction && (destruction->jobs_in_flight() > 0 || destruction->pieces().size() > most_pieces_)) return false;
+    if (const physics::Structure* structure = simulation_.structure(); structure && wears(*structure)) return false;
+    return simulation_.steps() > last_awake_ + 2;
 }
 
 void Stage::show_sites(std::span<const glm::dvec3> sites) {

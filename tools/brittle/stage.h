@@ -75,6 +75,8 @@ class Stage {
     [[nodiscard]] const Simulation& simulation() const { return simulation_; }
     [[nodiscard]] const physics::World& world() const { return simulation_.world(); }
     [[nodiscard]] bool broken() const { return simulation_.running(); }
+    // Nothing has moved for some steps, nothing is being cut, no bond wears and no debris is in excess: time changes nothing.
+    [[nodiscard]] bool still() const;
 
   private:
     void draw_anew(engine::PieceBatch batch);
@@ -93,6 +95,7 @@ class Stage {
     };
     std::map<physics::PieceId, Drawn> drawn_; // of breakable things
     bool untinted_ = false;                   // they start whole, and so as the unbroken mesh is drawn
+    size_t most_pieces_ = 0;                  // beyond it debris goes
     uint64_t moment_ = 0;      // of the scene: steps, and what came before them
     uint64_t moment_before_ = 1; // that of the start
     uint64_t all_moved_ = 0;   // the last moment at which every pose changed

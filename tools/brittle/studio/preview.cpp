@@ -75,6 +75,12 @@ void Preview::request(PreviewRequest request) {
     });
 }
 
+bool Preview::busy() const {
+    if (worker_.busy()) return true; // asked first: what it made is there when it no longer is
+    const std::scoped_lock lock(mutex_);
+    return finished_ != nullptr;
+}
+
 std::shared_ptr<Cracked> Preview::take() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(finished_, nullptr);

@@ -55,7 +55,8 @@ class Preview {
     void request(PreviewRequest request);
     // What was finished since, once.
     [[nodiscard]] std::shared_ptr<Cracked> take();
-    [[nodiscard]] bool busy() const { return worker_.busy(); }
+    // Something is being made, or waits to be taken.
+    [[nodiscard]] bool busy() const;
 
   private:
     [[nodiscard]] std::shared_ptr<Cracked> make(const PreviewRequest& request, const Worker::Cancelled& cancelled);
@@ -64,7 +65,7 @@ class Preview {
 
     fracture::Workspace workspace_; // the worker's
     Foresight foresight_;           // likewise
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::shared_ptr<Cracked> finished_;
     Worker worker_; // last: its destructor waits
 };

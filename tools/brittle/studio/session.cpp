@@ -370,6 +370,12 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     return scene;
 }
 
+bool Session::quiet() const {
+    if (worker_.busy() || preview_.busy() || single_step_) return false;
+    const std::scoped_lock lock(mutex_);
+    return completions_.empty() && (playback.paused || stage_->still());
+}
+
 bool Session::take_fracture_mark() {
     return std::exchange(fractured_, false);
 }

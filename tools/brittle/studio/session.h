@@ -155,6 +155,8 @@ class Session {
     [[nodiscard]] uint64_t steps() const { return stage_->simulation().steps(); } // of physics since the break
     [[nodiscard]] const Cracked* preview() const { return shown_ ? shown_.get() : cracks_ahead_.get(); } // that is shown, or null
     [[nodiscard]] uint32_t preview_pieces() const { return preview() ? preview()->pieces : 0; }
+    // Nothing moves, nothing is worked on, nothing is waited for: the next frame would be the same.
+    [[nodiscard]] bool quiet() const;
     // True once after each fracture that was put on the stage: for the mark in the graph of frame times.
     [[nodiscard]] bool take_fracture_mark();
 

@@ -30,6 +30,7 @@ constexpr std::array<std::string_view, 4> video_endings{".mp4", ".mkv", ".webm",
 // For a picture without panels: the scene in its middle.
 engine::Scene unshifted(engine::Scene scene) {
     scene.camera.shift = glm::vec2(0.0f);
+    scene.region = {};
     return scene;
 }
 
@@ -73,7 +74,12 @@ void Studio::run() {
     Clock::time_point last = Clock::now();
     while (!window_.should_close()) {
         throw_if_interrupted();
-        const engine::Input& input = window_.poll();
+        const engine::Input& input = window_.poll(idleness_.wait());
+        const bool slow = ImGui::GetIO().WantTextInput || !session_.message().text.empty();
+        if (!idleness_.draws(input.stirred || is_lively(), slow)) {
+            last = Clock::now(); // the pause is nobody's frame
+            continue;
+        }
         const Clock::time_point now = Clock::now();
         const double seconds = std::chrono::duration<double>(now - last).count();
         last = now;
@@ -90,7 +96,8 @@ void Studio::run() {
             panels_.hint = false;
         }
         const Viewport view = viewport();
-        const engine::Scene scene = session_.scene(view.camera());
+        engine::Scene scene = session_.scene(view.camera());
+        scene.region = {view.free_min() / view.window(), view.free_max() / view.window()};
         if (std::exchange(screenshot_due_, false)) screenshot(scene);
         if (panels_.recording) record(scene);
         else video_.reset(); // cancelled
@@ -99,6 +106,10 @@ void Studio::run() {
         take_panels();
         show_title();
     }
+}
+
+bool Studio::is_lively() const {
+    return !session_.quiet() || panels_.recording || screenshot_due_ || tools_.holds() || seen_ != &session_.object();
 }
 
 void Studio::handle(const engine::Input& input, double seconds) {

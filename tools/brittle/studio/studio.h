@@ -11,6 +11,7 @@
 #include "engine/render/renderer.h"
 #include "tools/brittle/studio/file_dialog.h"
 #include "tools/brittle/studio/frame_times.h"
+#include "tools/brittle/studio/idleness.h"
 #include "tools/brittle/studio/navigation.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/recent.h"
@@ -31,6 +32,7 @@ class Studio {
   private:
     enum class Asked { open, recipe, pieces, replay, sequence };
 
+    [[nodiscard]] bool is_lively() const; // the next frame differs, whatever the user does
     void handle(const engine::Input& input, double seconds);
     void handle_keys(const engine::Input& input);
     void perform(Command action);
@@ -61,6 +63,7 @@ class Studio {
     Tools tools_;
     Panels panels_;
     FrameTimes times_;
+    Idleness idleness_;
     FileDialog dialog_;
     Asked asked_ = Asked::open;
     std::string recipe_file_; // where Ctrl+S saves; empty: asks

@@ -63,6 +63,7 @@ class Tools {
     void handle(const engine::Input& input, const Viewport& view, bool free, Session& session, Navigation& navigation);
     [[nodiscard]] Overlay overlay(const Viewport& view, const Session& session) const;
     [[nodiscard]] bool right_held() const { return right_; } // for flying
+    [[nodiscard]] bool holds() const { return left_ || right_ || middle_; } // some button that went down over the scene
 
     // Of the selected sites; nothing without a selection.
     void remove_selected(Session& session) const;
