@@ -10,6 +10,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/convert.h"
+#include "physics/bullet/hull_shape.h"
 
 namespace brittle::physics {
 
@@ -107,7 +108,7 @@ class HullOnPlane final : public btCollisionAlgorithm {
     // The hull is the body's own or, with a frame of its own, one of a compound's.
     void find_corners(const btCollisionObjectWrapper& hull, btScalar seconds) {
         corners_.clear();
-        const auto& shape = static_cast<const btConvexHullShape&>(*hull.getCollisionShape());
+        const auto& shape = static_cast<const HullShape&>(*hull.getCollisionShape());
         const btScalar height =
             static_cast<const btStaticPlaneShape&>(*plane_->getCollisionShape()).getPlaneConstant()
             + plane_->getWorldTransform().getOrigin().y();
@@ -116,6 +117,11 @@ class HullOnPlane final : public btCollisionAlgorithm {
         const btTransform& frame = hull.getWorldTransform();
         const btVector3 origin = frame.getOrigin() - body->getCenterOfMassPosition();
         const btScalar resting = resting_distance * shape.getAngularMotionDisc();
+        // Most bodies that are in the air are so high that none of their corners can come down in the step.
+        const btScalar lowest = frame.getOrigin().y() - shape.reach(-frame.getBasis()[1]) - shape.getMargin() - height;
+        const btScalar fastest =
+            std::abs(velocity.y()) + body->getAngularVelocity().length() * (origin.length() + shape.radius());
+        if (lowest > resting + turned_approach * fastest * seconds) return;
         for (int i = 0; i < shape.getNumPoints(); ++i) {
             const btVector3 arm =
                 frame.getBasis() * shape.getUnscaledPoints()[i] - btVector3(0, shape.getMargin(), 0);

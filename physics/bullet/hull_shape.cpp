@@ -1,6 +1,7 @@
 #include "physics/bullet/hull_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -37,16 +38,18 @@ void HullShape::finish() {
 
 void HullShape::getAabb(const btTransform& frame, btVector3& low, btVector3& high) const {
     const btVector3 swollen(getMargin(), getMargin(), getMargin());
-    for (int axis = 0; axis < 3; ++axis) {
-        const btVector3& row = frame.getBasis()[axis];
-        Float4 least_of = along(lanes_.data(), row), greatest_of = least_of;
-        for (size_t at = group_size; at < lanes_.size(); at += group_size) {
-            const Float4 there = along(lanes_.data() + at, row);
-            least_of = min(least_of, there);
-            greatest_of = max(greatest_of, there);
+    std::array<Float4, 3> least_of, greatest_of;
+    for (size_t axis = 0; axis < 3; ++axis)
+        least_of[axis] = greatest_of[axis] = along(lanes_.data(), frame.getBasis()[static_cast<int>(axis)]);
+    for (size_t at = group_size; at < lanes_.size(); at += group_size)
+        for (size_t axis = 0; axis < 3; ++axis) {
+            const Float4 there = along(lanes_.data() + at, frame.getBasis()[static_cast<int>(axis)]);
+            least_of[axis] = min(least_of[axis], there);
+            greatest_of[axis] = max(greatest_of[axis], there);
         }
-        low[axis] = least(least_of);
-        high[axis] = greatest(greatest_of);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        low[static_cast<int>(axis)] = least(least_of[axis]);
+        high[static_cast<int>(axis)] = greatest(greatest_of[axis]);
     }
     low += frame.getOrigin() - swollen;
     high += frame.getOrigin() + swollen;

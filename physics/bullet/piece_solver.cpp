@@ -15,6 +15,10 @@ btVector3 velocity_at(const btCollisionObject& object, const btVector3& point) {
     return rigid.getVelocityInLocalPoint(point - rigid.getCenterOfMassPosition());
 }
 
+bool rests(const btCollisionObject& object) {
+    return object.isStaticObject() || !object.isActive();
+}
+
 } // namespace
 
 btScalar PieceSolver::solveGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
@@ -52,17 +56,30 @@ btScalar PieceSolver::solveGroupCacheFriendlyIterations(btCollisionObject**, int
     return 0.0f;
 }
 
+// What presses among those that sleep stays as it is until one of them wakes, comes or goes.
 void PieceSolver::report_sleeping(btDispatcher& dispatcher) {
-    const auto rests = [](const btCollisionObject& object) {
-        return object.isStaticObject() || !object.isActive();
-    };
-    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-        const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-        if (!rests(*manifold.getBody0()) || !rests(*manifold.getBody1())) continue;
-        for (int p = 0; p < manifold.getNumContacts(); ++p)
-            if (manifold.getContactPoint(p).m_appliedImpulse > 0.0f)
-                contacts.push_back(contact_of(manifold, manifold.getContactPoint(p), 0.0f));
+    if (find_resting()) {
+        resting_contacts_.clear();
+        for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+            const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+            if (!rests(*manifold.getBody0()) || !rests(*manifold.getBody1())) continue;
+            for (int p = 0; p < manifold.getNumContacts(); ++p)
+                if (manifold.getContactPoint(p).m_appliedImpulse > 0.0f)
+                    resting_contacts_.push_back(contact_of(manifold, manifold.getContactPoint(p), 0.0f));
+        }
     }
+    contacts.insert(contacts.end(), resting_contacts_.begin(), resting_contacts_.end());
+}
+
+bool PieceSolver::find_resting() {
+    bool changed = resting_.size() != bodies_.size();
+    resting_.resize(bodies_.size());
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+        const Resting now{bodies_[i]->id, rests(*bodies_[i]->rigid)};
+        changed = changed || now != resting_[i];
+        resting_[i] = now;
+    }
+    return changed;
 }
 
 void PieceSolver::note_speeds() {

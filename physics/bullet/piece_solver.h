@@ -43,12 +43,21 @@ class PieceSolver final : public btSequentialImpulseConstraintSolver {
                                                const btContactSolverInfo& info, btIDebugDraw* drawer) override;
 
   private:
+    // Whether others rest than when it was last asked.
+    bool find_resting();
     void note_speeds();
     void report_contacts();
     [[nodiscard]] Contact contact_of(const btPersistentManifold& manifold, const btManifoldPoint& point,
                                      float speed) const;
 
+    struct Resting {
+        BodyId id;
+        bool is;
+        friend bool operator==(const Resting&, const Resting&) = default;
+    };
     RowSolver rows_;
+    std::vector<Resting> resting_; // in body order, when contacts of those that sleep were last told
+    std::vector<Contact> resting_contacts_;
     float separation_speed_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
     std::vector<btPersistentManifold*> ordered_; // scratch of one call

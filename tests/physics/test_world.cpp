@@ -403,6 +403,43 @@ TEST_CASE("a sleeping body wakes when pushed, when hit and when its support goes
     CHECK(world.pose(above).position.y == doctest::Approx(0.1).epsilon(0.02).scale(0.0));
 }
 
+TEST_CASE("what sleeps presses as before, while others wake, come and go") {
+    World world;
+    const auto stack_at = [&](float x) {
+        return std::pair(must_add(world, box({0.2f, 0.1f, 0.2f}, 8.0f, {x, 0.1f, 0.0f})),
+                         must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {x, 0.3f, 0.0f})));
+    };
+    const auto gone = stack_at(-2.0f), woken = stack_at(0.0f), left = stack_at(2.0f);
+    run(world, 3.0f);
+    REQUIRE(world.awake_count() == 0);
+    // What carries a body: weight times the time of a step, asleep or not.
+    const auto carried = [&](BodyId id) {
+        float sum = 0.0f;
+        for (const Contact& contact : world.contacts())
+            if (contact.normal.y > 0.5f) sum += contact.a == id ? contact.impulse : contact.b == id ? -contact.impulse : 0.0f;
+            else if (contact.normal.y < -0.5f) sum += contact.b == id ? contact.impulse : contact.a == id ? -contact.impulse : 0.0f;
+        return sum;
+    };
+    const float weight = 8.0f * 9.81f / 120.0f;
+    const auto check = [&](BodyId id) { CHECK(carried(id) == doctest::Approx(weight).epsilon(0.05)); };
+    for (const BodyId id : {gone.first, gone.second, woken.first, woken.second, left.first, left.second}) check(id);
+
+    CHECK(world.remove_body(gone.second));
+    CHECK(world.remove_body(gone.first));
+    world.step();
+    for (const Contact& contact : world.contacts())
+        for (const BodyId id : {contact.a, contact.b}) CHECK((id != gone.first && id != gone.second));
+    for (const BodyId id : {woken.first, woken.second, left.first, left.second}) check(id);
+
+    world.apply_impulse(woken.second, {0.0f, 20.0f, 0.0f}, world.pose(woken.second).position);
+    run(world, 0.2f);
+    CHECK(carried(woken.second) == 0.0f);
+    for (const BodyId id : {left.first, left.second}) check(id);
+    run(world, 4.0f);
+    REQUIRE(world.awake_count() == 0);
+    for (const BodyId id : {woken.first, left.first, left.second}) check(id);
+}
+
 TEST_CASE("a body that touches nothing never sleeps, however slow") {
     World world({.gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt});
     BodyDesc desc = box({0.1f, 0.1f, 0.1f}, 1.0f, {});
