@@ -227,6 +227,30 @@ TEST_CASE("session: quiet is when the next frame would be the same") {
     CHECK(session.preview_pieces() > 0);
 }
 
+TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and are those that change nothing") {
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    const fracture::Box box = fracture::bounds(session.object().file().model.mesh);
+    const glm::dvec3 middle = box.centre();
+    const double side = box.size().x;
+    // Inside, outside but nearest to a part of the surface, and far away: beyond the second one's cell.
+    const std::vector<glm::dvec3> sites{middle, middle + glm::dvec3(0.7 * side, 0.0, 0.0), middle + glm::dvec3(0.0, 9.0 * side, 0.0),
+                                        middle + glm::dvec3(-0.2 * side, 0.1 * side, 0.0)};
+    session.edit(SetSites{sites});
+    CHECK(session.idle_sites().empty()); // not known
+    session.preview_wanted = true;
+    REQUIRE(room.soon([&] { return session.preview_pieces() > 0; }));
+    CHECK(std::vector<uint32_t>(session.idle_sites().begin(), session.idle_sites().end()) == std::vector<uint32_t>{2});
+    const auto with = volumes_of(session.preview()->fragments);
+    CHECK(with.size() == 3);
+    const auto key = session.preview()->key;
+    session.edit(RemoveSites{{2}});
+    REQUIRE(room.soon([&] { return session.preview() && session.preview()->key != key; }));
+    CHECK(session.idle_sites().empty());
+    CHECK(volumes_of(session.preview()->fragments) == with);
+}
+
 TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh after it as before") {
     Room room("shape:icosphere", 20);
     if (!room.device) return;

@@ -81,6 +81,13 @@ void draw_overlay(const Overlay& overlay, float scale) {
         list.AddCircleFilled(at(spot.centre), spot.radius, colours.anchor);
         list.AddCircle(at(spot.centre), spot.radius, colours.anchor_rim, 0, 1.5f * scale);
     }
+    for (const glm::vec2& site : overlay.idle) { // a grey cross through the mark
+        const float arm = 5.0f * scale;
+        for (const float side : {-arm, arm}) {
+            list.AddLine({site.x - arm, site.y - side}, {site.x + arm, site.y + side}, colours.outline, 4.0f * scale);
+            list.AddLine({site.x - arm, site.y - side}, {site.x + arm, site.y + side}, colours.idle, 2.0f * scale);
+        }
+    }
     for (const Overlay::Circle& circle : overlay.circles) {
         list.AddCircle(at(circle.centre), circle.radius, colours.outline, 0, 4.0f * scale);
         list.AddCircle(at(circle.centre), circle.radius, circle.strong ? colours.accent : colours.accent_soft, 0, 2.0f * scale);

@@ -1,6 +1,7 @@
 // The panel of the tool in use: its settings, and what it has selected. As high for each tool, so that what is below
 // stays in its place.
 #include <algorithm>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <string>
@@ -31,19 +32,25 @@ void selected_piece(const Session& session) {
     }
     const double scale = session.object().scale(), volume = session.piece_volume(*session.piece);
     const double all = session.counts()->certificate.volume_sum;
-    value("Piece", "number %u of %u", *session.piece, session.counts()->pieces);
+    value("Piece", "number %u", *session.piece);
     value("Volume", "%.3g m\xc2\xb3", volume / (scale * scale * scale));
     value("Share", "%.2g %% of the whole", all > 0.0 ? 100.0 * volume / all : 0.0);
     value("Triangles", grouped(session.piece_triangles(*session.piece)).c_str());
 }
 
-void hammer_settings(Session& session) {
+// The number of pieces is the hammer's, or where things are breakable a limit of the world: the material says the rest.
+void hammer_settings(Session& session, const std::function<void(const WorldOptions&)>& set_world) {
     control("Radius", "Of what a blow breaks (Shift + wheel); the mesh is 2 m long on the stage");
     (void)slider("##radius", session.tools.hammer_radius, 0.05f, 1.5f, "%.2f m");
-    control("Pieces", "That a blow makes, about");
-    auto pieces = static_cast<int>(session.tools.hammer_pieces);
-    if (slider("##pieces", pieces, 2, 100, "%d")) session.tools.hammer_pieces = static_cast<uint32_t>(pieces);
-    explain("Orange: what a click breaks off.");
+    WorldOptions world = session.recipe().world;
+    control("Pieces", world.breakable ? "That a blow makes at most: how many depends on its energy and the material" : "That a blow makes, about");
+    auto pieces = static_cast<int>(world.breakable ? world.blow_pieces : session.tools.hammer_pieces);
+    if (slider("##pieces", pieces, 2, 100, world.breakable ? "at most %d" : "%d")) {
+        world.blow_pieces = static_cast<uint32_t>(pieces);
+        if (world.breakable) set_world(world);
+        else session.tools.hammer_pieces = world.blow_pieces;
+    }
+    explain(session.broken() && world.breakable ? "Lines: where a click cuts what lies still." : "Orange: what a click breaks off.");
 }
 
 void ball_settings(Session& session) {
@@ -79,7 +86,9 @@ void Panels::tool_panel(const PanelState& state) {
     switch (state.tools.tool()) {
     case Tool::inspect: selected_piece(state.session); break;
     case Tool::sites: site_tools(state); break;
-    case Tool::hammer: hammer_settings(state.session); break;
+    case Tool::hammer:
+        hammer_settings(state.session, [&](const WorldOptions& world) { edit(state.session, SetWorld{world}); });
+        break;
     case Tool::shoot: ball_settings(state.session); break;
     case Tool::grab: explain("Drag a piece: it hangs on a spring from the mouse, and pulls what is bonded to it."); break;
     case Tool::anchors: anchor_settings(state.session); break;
@@ -103,7 +112,9 @@ void Panels::site_tools(const PanelState& state) {
         if (axis < 2) ImGui::SameLine();
     }
     ImGui::EndDisabled();
-    explain("Ctrl + click selects more.");
+    const size_t idle = session.idle_sites().size();
+    const std::string count = std::to_string(idle) + (idle == 1 ? " crossed site is" : " crossed sites are");
+    explain(idle > 0 ? (count + " nearest to nothing of the mesh: no piece, no cut.").c_str() : "Ctrl + click selects more.");
 }
 
 } // namespace brittle::tools

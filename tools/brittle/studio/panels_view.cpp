@@ -116,6 +116,11 @@ void Panels::certificate(const PanelState& state) {
         return;
     }
     const fracture::Certificate& proof = counts->certificate;
+    if (const physics::Destruction* destruction = state.session.stage().simulation().destruction()) {
+        value("Pieces", "%u by %u cuts", counts->pieces, destruction->statistics().commits - destruction->statistics().withstood);
+        value("Awake", "%zu bodies", counts->awake);
+        return; // the certificate is of what was there before
+    }
     value("Pieces", "%u from %u cells", proof.pieces, proof.cells);
     value("Awake", "%zu bodies", counts->awake);
     ImGui::PushStyleColor(ImGuiCol_Text, proof.closed ? IM_COL32(140, 209, 115, 255) : IM_COL32(250, 133, 107, 255));

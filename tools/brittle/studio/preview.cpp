@@ -52,6 +52,15 @@ void mark_what_stays(Cracked& cracked) {
     if (largest != pieces.end()) cracked.stays[static_cast<size_t>(largest - pieces.begin())] = 1;
 }
 
+std::vector<uint32_t> without_piece(const fracture::Fragments& fragments, size_t sites) {
+    std::vector<uint8_t> owns(sites, 0);
+    for (const fracture::Piece& piece : fragments.pieces) owns[piece.site] = 1;
+    std::vector<uint32_t> idle;
+    for (uint32_t s = 0; s < sites; ++s)
+        if (!owns[s]) idle.push_back(s);
+    return idle;
+}
+
 engine::PieceBatch batch_of(const Cracked& cracked) {
     std::vector<engine::PieceMesh> meshes;
     for (size_t p = 0; p < cracked.fragments.pieces.size(); ++p) {
@@ -105,6 +114,8 @@ void Preview::fracture(const PreviewRequest& request, const Worker::Cancelled& c
         mark_what_stays(made);
         return;
     }
+    // Pieces that become one keep the site of one of them.
+    if (set.groups.empty() && !(recipe.min_volume > 0.0)) made.idle_sites = without_piece(made.fragments, set.sites.size());
     made.cells = cell_lines(mesh, set.sites, set.weights);
     made.sites = std::move(set.sites);
 }

@@ -38,6 +38,7 @@ struct Cracked {
     bool ghost = false;            // of a blow
     std::optional<uint32_t> piece; // that it is the ghost of; cracks are in its frame then, about its centre of mass
     std::vector<glm::dvec3> sites;
+    std::vector<uint32_t> idle_sites; // ascending: nothing of the mesh is nearest to them, so they change nothing
     std::vector<engine::LineVertex> cracks; // a little above the surface, two a line
     std::vector<engine::LineVertex> cells;  // edges of the Voronoi diagram around the mesh; none for strikes
     uint32_t pieces = 0;

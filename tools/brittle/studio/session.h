@@ -18,6 +18,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -154,6 +155,10 @@ class Session {
     [[nodiscard]] const Stage& stage() const { return *stage_; }
     [[nodiscard]] uint64_t steps() const { return stage_->simulation().steps(); } // of physics since the break
     [[nodiscard]] const Cracked* preview() const { return shown_ ? shown_.get() : cracks_ahead_.get(); } // that is shown, or null
+    // Sites that change nothing; none known while the preview does not show them.
+    [[nodiscard]] std::span<const uint32_t> idle_sites() const {
+        return shown_ && !broken() && shown_->sites.size() == sites_.size() ? std::span<const uint32_t>(shown_->idle_sites) : std::span<const uint32_t>();
+    }
     [[nodiscard]] uint32_t preview_pieces() const { return preview() ? preview()->pieces : 0; }
     // Nothing moves, nothing is worked on, nothing is waited for: the next frame would be the same.
     [[nodiscard]] bool quiet() const;

@@ -15,6 +15,7 @@ struct StudioColours {
     ImU32 anchor_rim = IM_COL32(120, 176, 250, 255);
     ImU32 bar = IM_COL32(112, 70, 40, 255); // of a slider, under its number
     ImU32 outline = IM_COL32(0, 0, 0, 120);
+    ImU32 idle = IM_COL32(208, 208, 212, 255); // what has no effect
 };
 inline constexpr float text_height = 14.0f; // pixels at scale 1
 

@@ -326,6 +326,8 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
         if (s >= session.sites().size()) return;
         if (const auto at = view.pixel(glm::vec3(session.sites()[s]))) overlay.circles.push_back({*at, 10.0f, strong});
     };
+    for (const uint32_t s : session.idle_sites())
+        if (const auto at = view.pixel(glm::vec3(session.sites()[s]))) overlay.idle.push_back(*at);
     for (const uint32_t s : session.selection) ring(s, true);
     if (hovered_) ring(*hovered_, false);
     const auto centre = gizmo_at(session);

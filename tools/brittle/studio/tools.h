@@ -48,6 +48,7 @@ struct Overlay {
     std::vector<Circle> circles;
     std::vector<Spot> spots;
     std::vector<Axis> axes; // of the move gizmo
+    std::vector<glm::vec2> idle; // sites that change nothing
     std::optional<std::array<glm::vec2, 2>> string; // from what is grabbed to the cursor
 };
 
