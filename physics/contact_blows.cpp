@@ -12,7 +12,7 @@ std::vector<BodyBlow> find_blows(std::span<const Contact> contacts, float speed,
     std::vector<BodyBlow> blows;
     std::vector<float> sums; // of impulses, whatever their directions
     for (const Contact& contact : contacts) {
-        if (!(contact.speed > speed)) continue;
+        if (!(contact.speed > speed && contact.impulse > 0.0f)) continue;
         for (const bool first : {true, false}) {
             const BodyId own = first ? contact.a : contact.b, other = first ? contact.b : contact.a;
             if (own == BodyId{} || !wanted(own)) continue;

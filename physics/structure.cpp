@@ -1,8 +1,11 @@
 #include "physics/structure.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -21,13 +24,8 @@ using fracture::Piece;
 using fracture::Status;
 
 constexpr int solver_sweeps = 10; // over contacts that are solved anew
-
-// A contact of a body that comes apart, taken back from both.
-struct TakenBack {
-    Contact contact;
-    uint32_t index = 0; // in World::contacts()
-    uint32_t piece_a = UINT32_MAX, piece_b = UINT32_MAX;
-};
+// That many contacts are solved anew at most: half a millisecond.
+constexpr size_t most_anew = 256;
 
 bool moves(const World& world, BodyId body) {
     return world.contains(body) && !world.fixed(body);
@@ -200,7 +198,7 @@ void Structure::release_anchors(std::span<const uint32_t> pieces) {
 std::vector<Impact> Structure::find_blows(const World& world) const {
     std::vector<Impact> blows;
     for (const Contact& contact : world.contacts()) {
-        if (!(contact.speed > desc_.impact_speed)) continue;
+        if (!(contact.speed > desc_.impact_speed && contact.blow > 0.0f)) continue;
         for (const bool first : {true, false}) {
             const uint32_t piece =
                 first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
@@ -209,11 +207,11 @@ std::vector<Impact> Structure::find_blows(const World& world) const {
             auto blow = std::ranges::find_if(
                 blows, [&](const Impact& known) { return known.piece == piece && known.other == other; });
             if (blow == blows.end()) blow = blows.insert(blows.end(), {.piece = piece, .other = other});
-            const float sum = blow->impulse + contact.impulse;
-            blow->point += (contact.point - blow->point) * (contact.impulse / sum);
-            if (contact.impulse > 0.5f * sum) blow->normal = first ? contact.normal : -contact.normal;
+            const float sum = blow->impulse + contact.blow;
+            blow->point += (contact.point - blow->point) * (contact.blow / sum);
+            if (contact.blow > 0.5f * sum) blow->normal = first ? contact.normal : -contact.normal;
             blow->impulse = sum;
-            blow->energy += 0.5f * contact.impulse * contact.speed;
+            blow->energy += 0.5f * contact.blow * contact.speed;
         }
     }
     for (Impact& blow : blows) { // mass = impulse / speed
@@ -294,13 +292,14 @@ void Structure::split(World& world) {
     if (breaks.empty()) return;
 
     std::vector<TakenBack> taken;
-    for (const uint32_t index : contacts_to_take_back(world, breaking)) {
+    std::map<BodyId, float> rewound; // s that each has yet to move on
+    for (const size_t index : contacts_to_take_back(world, breaking)) {
         const Contact& contact = world.contacts()[index];
-        taken.push_back({contact, index, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
-        const glm::vec3 impulse = contact.impulse * contact.normal + contact.friction;
-        push(world, contact.a, -impulse, contact.point);
-        push(world, contact.b, impulse, contact.point);
+        taken.push_back({index, contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
+        for (const BodyId body : {contact.a, contact.b})
+            if (world.contains(body)) rewound.emplace(body, 0.0f);
     }
+    for (auto& [body, seconds] : rewound) seconds = world.rewind(body);
     for (const auto& [index, islands] : breaks) {
         const Motion motion = motion_of(world, bodies_[index]);
         const BodyId old = bodies_[index].id;
@@ -312,71 +311,111 @@ void Structure::split(World& world) {
         for (const std::vector<uint32_t>& island : islands) {
             [[maybe_unused]] const Result<void> added = add_island(world, island, motion);
             assert(added && "parts of a body that the world took are bodies, too");
+            if (const auto parent = rewound.find(old); parent != rewound.end())
+                rewound.emplace(bodies_.back().id, parent->second);
         }
     }
-    // Between the islands they are dead blows without friction: what is left of a bounce went into the cracks.
-    std::vector<float> given(taken.size(), 0.0f);
+    solve_anew(world, taken);
+    for (const auto& [body, seconds] : rewound)
+        if (world.contains(body)) world.move_on(body, seconds);
+}
+
+// Between the islands contacts are dead blows without friction: what is left of a bounce went into the cracks. Each step
+// takes kinetic energy from where the bodies were before they touched, so none can come of it.
+void Structure::solve_anew(World& world, std::span<const TakenBack> taken) const {
+    // What our pieces bear of a blow was asked with what it pressed then: they give no more now. The rest comes as a blow of
+    // its own in the next step, which may break them, too.
+    const auto most = [&](const TakenBack& back) {
+        const auto yields = [&](uint32_t piece, BodyId body) { return piece != none || moves(world, body); };
+        return yields(back.piece_a, back.contact.a) && yields(back.piece_b, back.contact.b)
+                   ? back.contact.blow
+                   : std::numeric_limits<float>::infinity();
+    };
+    std::vector<float> given(taken.size(), 0.0f), responses;
+    std::vector<std::array<BodyId, 2>> sides; // a and b, as they are now
+    for (const TakenBack& back : taken) {
+        const glm::vec3 &point = back.contact.point, &normal = back.contact.normal;
+        const auto& [a, b] = sides.emplace_back(std::array{back.piece_a != none ? body_of(back.piece_a) : back.contact.a,
+                                                           back.piece_b != none ? body_of(back.piece_b) : back.contact.b});
+        responses.push_back(response_at(world, a, point, normal) + response_at(world, b, point, normal));
+    }
     for (int sweep = 0; sweep < solver_sweeps; ++sweep)
         for (size_t i = 0; i < taken.size(); ++i) {
+            if (!(responses[i] > 0.0f)) continue;
             const TakenBack& back = taken[i];
-            const BodyId a = back.piece_a != none ? body_of(back.piece_a) : back.contact.a;
-            const BodyId b = back.piece_b != none ? body_of(back.piece_b) : back.contact.b;
+            const auto& [a, b] = sides[i];
             const glm::vec3 &point = back.contact.point, &normal = back.contact.normal;
-            const float response = response_at(world, a, point, normal) + response_at(world, b, point, normal);
-            if (!(response > 0.0f)) continue;
-            const float approach = speed_at(world, b, point, normal) - speed_at(world, a, point, normal);
-            const float before = std::exchange(given[i], std::max(given[i] + approach / response, 0.0f));
+            const float closing = std::max(back.contact.gap, 0.0f) / world.settings().step; // up to the touch
+            const float approach = speed_at(world, b, point, normal) - speed_at(world, a, point, normal) - closing;
+            const float before =
+                std::exchange(given[i], std::clamp(given[i] + approach / responses[i], 0.0f, most(back)));
             const glm::vec3 impulse = (given[i] - before) * normal;
             push(world, a, impulse, point);
             push(world, b, -impulse, point);
         }
     for (size_t i = 0; i < taken.size(); ++i) {
-        const TakenBack& back = taken[i];
-        changes_.resolved.push_back({back.index, back.piece_a != none ? body_of(back.piece_a) : back.contact.a,
-                                     back.piece_b != none ? body_of(back.piece_b) : back.contact.b, given[i]});
+        Contact contact = taken[i].contact;
+        contact.impulse = given[i];
+        contact.friction = glm::vec3(0.0f);
+        name_part(taken[i].piece_a, contact.a, contact.part_a);
+        name_part(taken[i].piece_b, contact.b, contact.part_b);
+        world.amend_contact(taken[i].index, contact);
     }
 }
 
-// All contacts of the bodies that break under a blow, but only where nothing else presses on those nor on what they
-// touch: an impulse that is taken back while another one that answers it stays would throw a body into the air.
-std::vector<uint32_t> Structure::contacts_to_take_back(const World& world,
-                                                       const std::vector<uint8_t>& breaking) const {
-    std::vector<uint32_t> taken;
-    if (!contacts_due_) return taken;
+// Where a piece of ours is now.
+void Structure::name_part(uint32_t piece, BodyId& body, uint32_t& part) const {
+    if (piece == none) return;
+    const std::vector<uint32_t>& pieces = bodies_[pieces_[piece].body].pieces;
+    body = body_of(piece);
+    part = static_cast<uint32_t>(std::ranges::find(pieces, piece) - pieces.begin());
+}
+
+// All contacts of the bodies that break under a blow, of what they touch, of what that touches: an impulse that is taken
+// back while another one that answers it stays would throw a body into the air. What touches in so many points that solving
+// it anew would take long, or touches what is gone already, is left as it is.
+std::vector<size_t> Structure::contacts_to_take_back(const World& world,
+                                                     const std::vector<uint8_t>& breaking) const {
+    std::vector<size_t> contacts;
+    if (!contacts_due_) return contacts;
+    const std::span<const Contact> all = world.contacts();
     const auto breaks = [&](BodyId id) {
         const uint32_t body = index_of(id);
         return body != none && breaking[body];
     };
-    std::vector<BodyId> hit, pressed; // breaking bodies with a blow; moving bodies that must be left alone
-    for (const Contact& contact : world.contacts()) {
-        const bool blow = contact.speed > desc_.impact_speed;
-        for (const auto& [own, other] : {std::pair(contact.a, contact.b), std::pair(contact.b, contact.a)}) {
-            if (blow && breaks(own)) hit.push_back(own);
-            if (moves(world, own) && !breaks(own) && !breaks(other)) pressed.push_back(own);
+    const auto passes_on = [&](BodyId id) { return moves(world, id) || breaks(id); };
+    std::map<BodyId, BodyId> groups; // of who touches whom, each named by one of its bodies
+    const auto group_of = [&](BodyId id) {
+        BodyId root = id;
+        for (auto at = groups.find(root); at != groups.end() && at->second != root; at = groups.find(root))
+            root = at->second;
+        return groups[id] = root;
+    };
+    for (const Contact& contact : all)
+        if (passes_on(contact.a) && passes_on(contact.b)) groups[group_of(contact.a)] = group_of(contact.b);
+    struct Group {
+        bool hit = false, left = false;
+        size_t contacts = 0;
+    };
+    std::map<BodyId, Group> found;
+    const auto group_at = [&](const Contact& contact) -> Group& {
+        return found[group_of(passes_on(contact.a) ? contact.a : contact.b)];
+    };
+    for (const Contact& contact : all) {
+        if (!passes_on(contact.a) && !passes_on(contact.b)) continue;
+        Group& group = group_at(contact);
+        ++group.contacts;
+        for (const BodyId body : {contact.a, contact.b}) {
+            group.left = group.left || (body != BodyId{} && !world.contains(body));
+            group.hit = group.hit || (contact.speed > desc_.impact_speed && breaks(body));
         }
     }
-    const auto in = [](const std::vector<BodyId>& bodies, BodyId id) { return std::ranges::binary_search(bodies, id); };
-    std::ranges::sort(hit);
-    for (bool again = true; again;) {
-        again = false;
-        std::ranges::sort(pressed);
-        for (const Contact& contact : world.contacts())
-            for (const auto& [own, other] : {std::pair(contact.a, contact.b), std::pair(contact.b, contact.a)}) {
-                // A breaking body that is out, as it touches one that must be left alone or has no blow, takes along
-                // what it touches.
-                const bool out = in(pressed, own) || (breaks(own) && !in(hit, own));
-                if (!out || !moves(world, other) || in(pressed, other)) continue;
-                pressed.push_back(other);
-                std::ranges::sort(pressed);
-                again = true;
-            }
+    for (size_t i = 0; i < all.size(); ++i) {
+        if (!passes_on(all[i].a) && !passes_on(all[i].b)) continue;
+        const Group& group = group_at(all[i]);
+        if (group.hit && !group.left && group.contacts <= most_anew) contacts.push_back(i);
     }
-    for (uint32_t i = 0; i < world.contacts().size(); ++i) {
-        const Contact& contact = world.contacts()[i];
-        if ((in(hit, contact.a) && !in(pressed, contact.a)) || (in(hit, contact.b) && !in(pressed, contact.b)))
-            taken.push_back(i);
-    }
-    return taken;
+    return contacts;
 }
 
 std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) {

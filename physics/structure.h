@@ -15,10 +15,10 @@
 //   its angular velocity w: momentum and angular momentum are those of before.
 // - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Those of heavy
 //   bodies take longer and break less for their impulse (impact_seconds in material.h). Where a blow splits a body,
-//   its contacts are taken back and solved anew, as dead blows, for the islands: a ball goes through a pane that
-//   would have held it, and momentum is kept. Only where all that presses on the body and on what touches it can be
-//   solved anew with them; else the islands share what the body got. Where the bodies moved in the step is not taken
-//   back: energy may rise by what gravity does in a step and by a few hundredths of a hard blow's.
+//   the step is taken back for it and for all that touches it, directly or not: positions and velocities are those of
+//   before the contacts. These are solved anew, as dead blows, for the islands, and all move on by a step: a ball goes
+//   through a pane that would have held it, momentum is kept and no energy comes of it. World::contacts() then tells
+//   what became of them. Where more than some hundred contacts hang together, the islands share what the body got.
 // - Weight of what is anchored, and contacts slower than that, are loads: bonds that carry too much wear (wear.h).
 //
 // Bonded convex pieces, compounds and islands: Mueller, Chentanez and Kim, "Real Time Dynamic Fracture with Volumetric
@@ -95,19 +95,11 @@ class Structure {
     // The world lets go of pieces.
     void release_anchors(std::span<const uint32_t> pieces);
 
-    // A contact of the last step that was taken back from both sides and solved anew, as the body that it was with broke.
-    struct Resolved {
-        uint32_t contact = 0;  // index into World::contacts()
-        BodyId a, b;           // whom it is between now; the default for the ground
-        float impulse = 0.0f;  // N s, not below 0: what a got along the contact's normal, and b against it
-    };
     struct Changes {
         std::vector<uint32_t> broken; // bonds
         std::vector<BodyId> removed;
         std::vector<BodyId> added;
         std::vector<Impact> impacts;
-        // All impulses of the update are these: what is free gets from what is fixed the new ones less the old.
-        std::vector<Resolved> resolved;
     };
     // To be called after each step of the world: takes up its contacts, wears bonds and splits what broke. The result
     // is valid until the next call.
@@ -171,9 +163,16 @@ class Structure {
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] std::vector<Impact> find_blows(const World& world) const;
     void wear_bonds(const World& world);
-    // Indices into the world's contacts.
-    [[nodiscard]] std::vector<uint32_t> contacts_to_take_back(const World& world,
-                                                              const std::vector<uint8_t>& breaking) const;
+    // A contact of a body that comes apart, taken back from both.
+    struct TakenBack {
+        size_t index; // into World::contacts()
+        Contact contact;
+        uint32_t piece_a = none, piece_b = none;
+    };
+    [[nodiscard]] std::vector<size_t> contacts_to_take_back(const World& world,
+                                                            const std::vector<uint8_t>& breaking) const;
+    void solve_anew(World& world, std::span<const TakenBack> taken) const;
+    void name_part(uint32_t piece, BodyId& body, uint32_t& part) const;
     void split(World& world);
     template<class Damage> void damage_bodies(const World& world, const Damage& damage);
 

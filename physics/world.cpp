@@ -99,6 +99,8 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     body->rigid->setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
     body->rigid->setUserIndex(static_cast<int>(impl_->bodies.size()));
     if (!impl_->settings.sleeping) body->rigid->setActivationState(DISABLE_DEACTIVATION);
+    body->blow_frame = frame;
+    body->unhindered = body->solved = body->velocity();
     body->moved_step = impl_->steps;
     body->previous = body->pose();
     if (desc.previous) body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
@@ -157,15 +159,15 @@ uint64_t World::steps_taken() const {
 
 void World::step() {
     for (const auto& body : impl_->bodies) {
-        body->stepped_from = body->rigid->getWorldTransform();
         if (body->moved_step >= impl_->steps) body->previous = body->pose(); // else they are the same
+        body->start_step();
     }
     impl_->engine->solver.contacts.clear();
     impl_->engine->world->stepSimulation(impl_->settings.step, 0); // 0: one step of just that length
     impl_->engine->solver.report_sleeping(impl_->engine->dispatcher);
     ++impl_->steps;
     for (const auto& body : impl_->bodies)
-        if (!(body->rigid->getWorldTransform() == body->stepped_from)) body->moved_step = impl_->steps;
+        if (body->has_moved()) body->moved_step = impl_->steps;
 }
 
 float World::advance(double seconds, const std::function<void()>& after_step) {
@@ -246,6 +248,31 @@ void World::set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular) {
     impl_->wake(*body);
     body->rigid->setLinearVelocity(metres_to_bullet(linear));
     body->rigid->setAngularVelocity(to_bullet(angular));
+}
+
+// What else changed its velocity since the step stays.
+float World::rewind(BodyId id) {
+    BodyRecord* body = impl_->find(id);
+    assert(body && "no such body in this world");
+    if (body->fixed) return body->left_seconds;
+    impl_->wake(*body);
+    body->rigid->setCenterOfMassTransform(body->blow_frame);
+    body->rigid->setLinearVelocity(body->rigid->getLinearVelocity() + body->unhindered.linear - body->solved.linear);
+    body->rigid->setAngularVelocity(body->rigid->getAngularVelocity() + body->unhindered.angular - body->solved.angular);
+    body->unhindered = body->solved = body->velocity();
+    return body->left_seconds;
+}
+
+void World::move_on(BodyId id, float seconds) {
+    BodyRecord* body = impl_->find(id);
+    assert(body && "no such body in this world");
+    if (body->fixed) return;
+    impl_->engine->world->move_on(*body, seconds);
+    body->moved_step = impl_->steps;
+}
+
+void World::amend_contact(size_t index, const Contact& contact) {
+    impl_->engine->solver.contacts[index] = contact;
 }
 
 float World::response(BodyId id, glm::vec3 point, glm::vec3 direction) const {

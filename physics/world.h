@@ -125,8 +125,12 @@ struct Contact {
     uint32_t part_b = 0;
     glm::vec3 point{0.0f};  // world, m
     glm::vec3 normal{0.0f}; // unit, world, from b towards a
-    float impulse = 0.0f;   // N s, > 0: what a got along the normal, and b against it
+    float impulse = 0.0f;   // N s, never below 0: what a got along the normal, and b against it
     glm::vec3 friction{0.0f}; // N s, across the normal: what a got, and b against it
+    // N s along the normal for which a and b were asked before either broke: impulse, unless that was solved anew for their
+    // parts (Structure). It is what breaks them.
+    float blow = 0.0f;
+    float gap = 0.0f;       // m between a and b when the step began, which it may have closed; below 0: overlap
     float speed = 0.0f;     // m/s at which a and b approached there before the step, along the normal; below 0: parting
 };
 
@@ -206,6 +210,17 @@ class World {
     // Replaces both velocities (m/s of the centre of mass; rad/s, world axes) and wakes the body. Finite ones are
     // asserted; a fixed body keeps none.
     void set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular);
+    // For who replaces bodies that break in a step, after it: takes back what the step's contacts did to a body. It is then
+    // where the step began, with the velocity it had there and a step of gravity; returns how long, s, it has yet to move on,
+    // which must follow, when impulses have been given anew. All contacts of the body must be amended, and what they did to
+    // others taken back, too. Other changes of velocity since the step stay. A fixed body stays where it
+    // is; one that came after the step has nothing to move on.
+    float rewind(BodyId id);
+    // Moves a body at its velocity, as though it touched nothing, for what rewind() returned or the body it came of.
+    void move_on(BodyId id, float seconds);
+    // Replaces one of contacts() by what became of it.
+    void amend_contact(size_t index, const Contact& contact);
+
     // How fast a point (world coordinates) would move along a unit direction after an impulse of 1 N s there along it, in
     // m/s: one over the mass that is felt there. 0 for a fixed body.
     [[nodiscard]] float response(BodyId id, glm::vec3 point, glm::vec3 direction) const;

@@ -1,6 +1,7 @@
 #include "physics/bullet/body_record.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace brittle::physics {
 
@@ -27,6 +28,16 @@ void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& o
         body.shape->addPoint(metres_to_bullet(from_body * (point + offset)), false);
     body.shape->setMargin(hull.margin * bullet_units);
     body.shape->finish();
+}
+
+void BodyRecord::start_step() {
+    was_repaired = std::exchange(repaired, false) && awake();
+    if (was_repaired) {
+        const btTransform& frame = rigid->getWorldTransform();
+        rigid->setCenterOfMassTransform(
+            btTransform(repair.getRotation() * frame.getRotation(), frame.getOrigin() + repair.getOrigin()));
+    }
+    stepped_from = rigid->getWorldTransform();
 }
 
 float swept_radius(const btCollisionShape& shape) {

@@ -24,6 +24,11 @@ struct SharedShape {
     std::vector<HullEdge> edges; // for debug lines; filled when first asked for
 };
 
+// Bullet's units.
+struct Velocity {
+    btVector3 linear{0, 0, 0}, angular{0, 0, 0};
+};
+
 // One body. Bullet's frame has the same origin as ours and the principal axes as its own.
 struct BodyRecord {
     BodyId id;
@@ -33,8 +38,15 @@ struct BodyRecord {
     bool fixed = false;
     float swept_radius = 0.0f; // Bullet's units; 0: not continuous
     Pose previous;
-    btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame before the step
+    btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame as the step began, after the repair
+    bool was_repaired = false;                             // as the step began
     uint64_t moved_step = 0;                               // see World::last_moved_step()
+    btTransform repair = btTransform::getIdentity(); // of overlaps found in the last step, due at the next: turn, way
+    bool repaired = false;                           // whether there is any
+    // What World::rewind() goes back to. Bullet's frame, and the time that the body then moved on without touching anything.
+    btTransform blow_frame = btTransform::getIdentity();
+    float left_seconds = 0.0f;
+    Velocity unhindered, solved; // before contacts, with the step's gravity; and after them
     float still_seconds = 0.0f; // how long it has been slow while touching something
     float quiet_seconds = 0.0f; // how long nearly all of what it touches, directly or not, has been
     btTransform rest = btTransform::getIdentity(); // where it was when it last had moved away
@@ -52,6 +64,10 @@ struct BodyRecord {
         return compound ? static_cast<btCollisionShape*>(compound.get()) : shape.get();
     }
 
+    // Moves it out of overlaps, unless it sleeps, and notes where it is.
+    void start_step();
+    [[nodiscard]] bool has_moved() const { return was_repaired || !(rigid->getWorldTransform() == stepped_from); }
+    [[nodiscard]] Velocity velocity() const { return {rigid->getLinearVelocity(), rigid->getAngularVelocity()}; }
     [[nodiscard]] bool awake() const { return !fixed && rigid->isActive(); }
     [[nodiscard]] Pose pose() const {
         const btTransform& frame = rigid->getWorldTransform();

@@ -7,6 +7,11 @@ namespace brittle::physics {
 
 namespace {
 
+// Contacts that were closing faster than this, in m/s, are blows. The next step's solution starts from the impulses of the
+// last one's, and what stopped a blow is a hundred times what will be needed: what the sweeps do not get rid of
+// would be energy from nothing.
+constexpr float blow_speed = 0.2f;
+
 bool on_ground(const btPersistentManifold& manifold) {
     return manifold.getBody0()->getUserIndex() < 0 || manifold.getBody1()->getUserIndex() < 0;
 }
@@ -26,22 +31,15 @@ btScalar PieceSolver::solveGroup(btCollisionObject** bodies, int body_count, btP
                                  const btContactSolverInfo& info, btIDebugDraw* drawer,
                                  btDispatcher* dispatcher) {
     ordered_.assign(manifolds, manifolds + manifold_count);
-    const auto ground =
-        std::stable_partition(ordered_.begin(), ordered_.end(), [](const btPersistentManifold* manifold) {
-            return !manifold->getBody0()->isStaticObject() && !manifold->getBody1()->isStaticObject();
-        });
-    const btScalar deepest = -separation_speed_ * bullet_units * info.m_timeStep / info.m_erp2;
-    for (auto between = ordered_.begin(); between != ordered_.end(); ++between) {
-        if (between >= ground && on_ground(**between)) continue;
-        for (int i = 0; i < (*between)->getNumContacts(); ++i) {
-            btManifoldPoint& point = (*between)->getContactPoint(i);
-            point.m_distance1 = std::max(point.m_distance1, deepest);
-        }
-    }
+    std::stable_partition(ordered_.begin(), ordered_.end(), [](const btPersistentManifold* manifold) {
+        return !manifold->getBody0()->isStaticObject() && !manifold->getBody1()->isStaticObject();
+    });
     note_speeds();
+    prepare_contacts(separation_speed_ * bullet_units * info.m_timeStep / info.m_erp2);
     const btScalar result = btSequentialImpulseConstraintSolver::solveGroup(
         bodies, body_count, ordered_.data(), manifold_count, constraints, constraint_count, info, drawer,
         dispatcher);
+    put_off_repairs(bodies, body_count);
     report_contacts();
     return result;
 }
@@ -82,6 +80,35 @@ bool PieceSolver::find_resting() {
     return changed;
 }
 
+// Bullet pushes each body at its own side of a gap or an overlap, and friction then turns the two by more than it should:
+// what moves meets in one point.
+void PieceSolver::prepare_contacts(btScalar deepest) {
+    for (btPersistentManifold* manifold : ordered_) {
+        if (on_ground(*manifold)) continue;
+        const bool one = !manifold->getBody0()->isStaticObject() && !manifold->getBody1()->isStaticObject();
+        for (int i = 0; i < manifold->getNumContacts(); ++i) {
+            btManifoldPoint& point = manifold->getContactPoint(i);
+            point.m_distance1 = std::max(point.m_distance1, -deepest);
+            if (!one) continue;
+            point.m_positionWorldOnA = 0.5f * (point.m_positionWorldOnA + point.m_positionWorldOnB);
+            point.m_positionWorldOnB = point.m_positionWorldOnA;
+        }
+    }
+}
+
+void PieceSolver::put_off_repairs(btCollisionObject** bodies, int body_count) {
+    for (int i = 0; i < body_count; ++i) {
+        if (bodies[i]->isStaticObject()) continue;
+        BodyRecord& body = *bodies_[static_cast<size_t>(bodies[i]->getUserIndex())];
+        const btTransform& moved = body.rigid->getWorldTransform();
+        const btTransform& before = body.stepped_from;
+        body.repaired = !(moved == before);
+        if (!body.repaired) continue;
+        body.repair = btTransform(moved.getRotation() * before.getRotation().inverse(), moved.getOrigin() - before.getOrigin());
+        body.rigid->setWorldTransform(before);
+    }
+}
+
 void PieceSolver::note_speeds() {
     speeds_.clear();
     for (const btPersistentManifold* manifold : ordered_)
@@ -94,11 +121,15 @@ void PieceSolver::note_speeds() {
 }
 void PieceSolver::report_contacts() {
     size_t next = 0;
-    for (const btPersistentManifold* manifold : ordered_)
+    for (btPersistentManifold* manifold : ordered_)
         for (int i = 0; i < manifold->getNumContacts(); ++i) {
-            const btManifoldPoint& point = manifold->getContactPoint(i);
+            btManifoldPoint& point = manifold->getContactPoint(i);
             const float speed = speeds_[next++];
-            if (point.m_appliedImpulse > 0.0f) contacts.push_back(contact_of(*manifold, point, speed));
+            // Bullet leaves a point its friction when the last sweep takes the pressure from it.
+            if (point.m_appliedImpulse > 0.0f || point.m_appliedImpulseLateral1 != 0.0f)
+                contacts.push_back(contact_of(*manifold, point, speed));
+            if (speed > blow_speed)
+                point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0.0f;
         }
 }
 Contact PieceSolver::contact_of(const btPersistentManifold& manifold, const btManifoldPoint& point,
@@ -111,9 +142,13 @@ Contact PieceSolver::contact_of(const btPersistentManifold& manifold, const btMa
     if (second >= 0) contact.b = bodies_[static_cast<size_t>(second)]->id;
     contact.part_a = static_cast<uint32_t>(std::max(part_a, 0));
     contact.part_b = second >= 0 ? static_cast<uint32_t>(std::max(point.m_index1, 0)) : 0;
-    contact.point = metres_from_bullet(point.getPositionWorldOnB());
+    // Where it acts on what moves.
+    const bool b_moves = !manifold.getBody1()->isStaticObject();
+    contact.point = metres_from_bullet(b_moves ? point.getPositionWorldOnB() : point.getPositionWorldOnA());
     contact.normal = to_glm(point.m_normalWorldOnB);
     contact.impulse = point.m_appliedImpulse / bullet_units;
+    contact.blow = contact.impulse;
+    contact.gap = point.getDistance() / bullet_units;
     contact.friction = metres_from_bullet(point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1);
     contact.speed = speed;
     return contact;

@@ -19,7 +19,8 @@ namespace brittle::physics {
 // it there; what is left over now is overlap between the two, inside the pile.
 //
 // Overlap between bodies counts only as far as may be undone in one step: see
-// WorldSettings::separation_speed. The true distances are found anew before the next step.
+// WorldSettings::separation_speed. The true distances are found anew before the next step, at whose beginning bodies are
+// moved apart: with the velocities of before, so that in between, where things break, angular momentum is that of the impulses.
 class PieceSolver final : public btSequentialImpulseConstraintSolver {
   public:
     PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
@@ -46,6 +47,8 @@ class PieceSolver final : public btSequentialImpulseConstraintSolver {
     // Whether others rest than when it was last asked.
     bool find_resting();
     void note_speeds();
+    void prepare_contacts(btScalar deepest); // Bullet's units
+    void put_off_repairs(btCollisionObject** bodies, int body_count);
     void report_contacts();
     [[nodiscard]] Contact contact_of(const btPersistentManifold& manifold, const btManifoldPoint& point,
                                      float speed) const;

@@ -51,27 +51,39 @@ struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
 
 } // namespace
 
+void SteppedWorld::solveConstraints(btContactSolverInfo& info) {
+    for (const auto& body : bodies_) {
+        if (body->fixed) continue;
+        body->unhindered = body->velocity();
+        body->unhindered.linear += body->rigid->getTotalForce() * (body->rigid->getInvMass() * info.m_timeStep);
+    }
+    btDiscreteDynamicsWorld::solveConstraints(info);
+}
+
 void SteppedWorld::integrateTransforms(btScalar seconds) {
-    spins_.clear();
-    shortened_.clear();
     for (const auto& body : bodies_) {
-        if (!body->awake()) continue;
-        const btQuaternion q = body->rigid->getWorldTransform().getRotation();
-        spins_.push_back({glm::dquat(to_glm(q)), glm::dvec3(to_glm(body->rigid->getAngularVelocity()))});
-        if (body->swept_radius > 0.0f) stop_at_hit(*body->rigid, body->swept_radius, seconds);
+        body->blow_frame = body->rigid->getWorldTransform();
+        body->left_seconds = seconds;
+        if (body->awake())
+            move_on(*body, seconds);
+        else
+            body->unhindered = body->solved = body->velocity();
     }
-    btDiscreteDynamicsWorld::integrateTransforms(seconds);
-    for (const auto& [rigid, velocity] : shortened_) rigid->setLinearVelocity(velocity);
-    size_t next = 0;
-    for (const auto& body : bodies_) {
-        if (!body->awake()) continue;
-        const Spin spin = free_spin(spins_[next++], body->moments, seconds);
-        btTransform frame = body->rigid->getWorldTransform();
-        frame.setRotation(to_bullet(glm::quat(spin.orientation)));
-        body->rigid->setWorldTransform(frame);
-        body->rigid->updateInertiaTensor();
-        body->rigid->setAngularVelocity(to_bullet(glm::vec3(spin.velocity)));
-    }
+}
+
+void SteppedWorld::move_on(BodyRecord& body, btScalar seconds) {
+    btRigidBody& rigid = *body.rigid;
+    body.blow_frame = rigid.getWorldTransform();
+    body.left_seconds = seconds;
+    const btScalar part = body.swept_radius > 0.0f ? way_to_hit(rigid, body.swept_radius, seconds) : 1.0f;
+    const Spin spin = free_spin({glm::dquat(to_glm(body.blow_frame.getRotation())),
+                                 glm::dvec3(to_glm(rigid.getAngularVelocity()))},
+                                body.moments, seconds);
+    const btVector3 way = rigid.getLinearVelocity() * part * seconds;
+    rigid.setCenterOfMassTransform(
+        btTransform(to_bullet(glm::quat(spin.orientation)), body.blow_frame.getOrigin() + way));
+    rigid.setAngularVelocity(to_bullet(glm::vec3(spin.velocity)));
+    body.solved = body.velocity();
 }
 
 void SteppedWorld::updateActivationState(btScalar seconds) {
@@ -149,11 +161,10 @@ void SteppedWorld::find_quiet(btScalar seconds) {
     }
 }
 
-// Bullet's own sweep knows bodies of one hull only. The body's velocity is made such that the coming
-// integration ends at the first hit; shortened_ remembers the true one.
-void SteppedWorld::stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds) {
+// Bullet's own sweep knows bodies of one hull only.
+btScalar SteppedWorld::way_to_hit(btRigidBody& rigid, btScalar radius, btScalar seconds) {
     const btVector3 velocity = rigid.getLinearVelocity();
-    if (velocity.length() * seconds <= radius) return;
+    if (velocity.length() * seconds <= radius) return 1.0f;
     btTransform from = rigid.getWorldTransform(), to = from;
     to.setOrigin(from.getOrigin() + velocity * seconds);
     FirstHit hit(rigid, from.getOrigin(), to.getOrigin(), radius);
@@ -161,9 +172,7 @@ void SteppedWorld::stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar sec
     hit.m_collisionFilterMask = rigid.getBroadphaseProxy()->m_collisionFilterMask;
     btSphereShape ball(radius);
     convexSweepTest(&ball, from, to, hit, getDispatchInfo().m_allowedCcdPenetration);
-    if (!hit.hasHit()) return;
-    shortened_.emplace_back(&rigid, velocity);
-    rigid.setLinearVelocity(velocity * hit.m_closestHitFraction);
+    return hit.m_closestHitFraction;
 }
 
 void SteppedWorld::find_touching() {

@@ -22,7 +22,12 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), settings_(settings),
           bodies_(bodies) {}
 
+    // Moves one body by its velocity, as the end of a step does.
+    void move_on(BodyRecord& body, btScalar seconds);
+
   protected:
+    // Notes the velocities that bodies would have without contacts.
+    void solveConstraints(btContactSolverInfo& info) override;
     // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h.
     void integrateTransforms(btScalar seconds) override;
     // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
@@ -31,7 +36,8 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     void updateActivationState(btScalar seconds) override;
 
   private:
-    void stop_at_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
+    // The part of its way in a step that a swept body goes until it hits another one.
+    btScalar way_to_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
     void find_touching();
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
@@ -44,9 +50,6 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         bool fast = false;                   // one of it is on its way
     };
     std::vector<Island> islands_; // by island tag; scratch of one step
-    std::vector<Spin> spins_;     // scratch of one step
-    std::vector<std::pair<btRigidBody*, btVector3>>
-        shortened_; // likewise: velocities of bodies that stop at a hit
 };
 
 } // namespace brittle::physics

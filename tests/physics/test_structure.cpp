@@ -437,27 +437,38 @@ TEST_CASE("a load that is set down breaks a cantilever, and a lighter one does n
 }
 
 TEST_CASE("two cubes that break on each other and on the ground gain no energy from it, and come to rest") {
-    World world;
-    const fracture::Fragments fragments = broken_box(100, 3);
-    const auto at = [](float height) {
-        const glm::quat turned = glm::normalize(glm::quat(0.9f, 0.2f, 0.1f, 0.3f));
-        return PlacedMotion{.placement = {{0.1f * height, height, 0.0f}, turned}};
-    };
-    Structure below = must_create(world, fragments, {.motion = at(1.5f)});
-    Structure above = must_create(world, fragments, {.motion = at(4.0f)});
-    const double start = world.mechanics().kinetic + world.mechanics().potential;
-    double energy = start, rise = 0.0;
-    for (int step = 0; step < 600; ++step) {
-        world.step();
-        below.update(world), above.update(world);
-        const Mechanics now = world.mechanics();
-        rise = std::max(rise, now.kinetic + now.potential - energy);
-        energy = now.kinetic + now.potential;
+    for (uint64_t seed = 3; seed < 9; ++seed) {
+        World world;
+        const fracture::Fragments fragments = broken_box(100, seed);
+        const auto tilt = static_cast<float>(seed) * 0.4f;
+        const auto at = [&](float height) {
+            const glm::quat turned = glm::normalize(glm::quat(0.9f, 0.2f, 0.1f * tilt, 0.3f));
+            return PlacedMotion{.placement = {{0.1f * height, height, 0.0f}, turned}};
+        };
+        Structure below = must_create(world, fragments, {.motion = at(1.5f)});
+        Structure above = must_create(world, fragments, {.motion = at(4.0f)});
+        const auto energy_of = [&] {
+            const Mechanics now = world.mechanics();
+            return now.kinetic + now.potential;
+        };
+        const double start = energy_of();
+        double energy = start, rise = 0.0, rise_of_break = 0.0;
+        for (int step = 0; step < 600; ++step) {
+            world.step();
+            const double moved = energy_of();
+            below.update(world), above.update(world);
+            const double broken = energy_of();
+            rise_of_break = std::max(rise_of_break, broken - std::max(moved, energy));
+            rise = std::max(rise, broken - energy);
+            energy = broken;
+        }
+        CAPTURE(seed);
+        MESSAGE("steepest rise of energy ", rise / start, " of the start, where something breaks ", rise_of_break / start);
+        CHECK(rise_of_break < 1e-6 * start);
+        CHECK(rise < 1e-3 * start); // what the solver's sweeps leave over; set after seeing 8e-5, and 4e-4 in 32 others
+        CHECK(energy < 0.5 * start);
+        CHECK(world.body_count() > 4);
     }
-    MESSAGE("steepest rise of energy ", rise / start, " of the start");
-    CHECK(rise < 0.1 * start);
-    CHECK(energy < 0.5 * start);
-    CHECK(world.body_count() > 4);
 }
 
 TEST_CASE("a piece can be taken out, and what it is cut into goes on as it did") {
