@@ -197,11 +197,11 @@ void Destruction::knock(const World& world, PieceId id, const Hit& hit) {
     if (!piece.solid->blocks || piece.job != none || piece.unbreakable || piece.fading > 0) return;
     const Material& material = desc_of(piece).solid.material;
     if (!(hit.blow.energy > piece.solid->blocks->least_area * static_cast<double>(material.fracture_energy))) return;
-    // sharp = J / cube root of (J / v), energy = J v / 2
-    const double impulse = std::sqrt(hit.sharp * hit.sharp * hit.sharp / (2.0 * hit.blow.energy));
-    start_parting(world, id, [=, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
+    // sharp = J / cube root of (J / v) and energy = J v / 2, so sharp^3 = 2 J energy.
+    const double impulse = hit.sharp * hit.sharp * hit.sharp / (2.0 * hit.blow.energy);
+    start_parting(world, id, [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
                                  const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
-        return knocked_loose(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, blow);
+        return knocked_loose(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, blow, energy);
     });
 }
 

@@ -196,7 +196,7 @@ std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& mater
 }
 
 std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material, float strength_scale,
-                                    const glm::dvec3& gravity, const PointLoad& impulse) {
+                                    const glm::dvec3& gravity, const PointLoad& impulse, double energy) {
     const Material lasting = scaled(material, strength_scale);
     // Which section goes is a matter of where stresses are worst, not of how large they are.
     Parting under_blow(blocks, lasting);
@@ -209,8 +209,8 @@ std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& ma
         if ((islands[bond.a] == islands[hit]) != (islands[bond.b] == islands[hit])) area += bond.area;
     for (size_t i = 0; i < islands.size(); ++i)
         if (islands[i] == islands[hit]) mass += blocks.nodes[i].mass;
-    const double energy = 0.5 * glm::dot(impulse.force, impulse.force) / mass;
-    const bool breaks = !under_blow.is_held(hit) && energy > area * static_cast<double>(material.fracture_energy);
+    const double given = std::min(0.5 * glm::dot(impulse.force, impulse.force) / mass, energy);
+    const bool breaks = !under_blow.is_held(hit) && given > area * static_cast<double>(material.fracture_energy);
     std::vector<uint32_t> whole(islands.size(), 0);
     if (!breaks) return whole;
     // What the crack let go of, and what is then too much for the rest.

@@ -9,7 +9,7 @@
 //     std::vector<uint32_t> islands = overloaded(*blocks, material, gravity, {});   // all 0: it stands
 //
 // A blow that breaks nothing where it lands sets what it hits moving: J^2 / (2 m) of energy, where m is all that the
-// weakest section under it lets go of. That section breaks where this is more than the fracture energy of its area
+// weakest section under it lets go of; or the blow's own energy where that is less. That section breaks where this is more than the fracture energy of its area
 // (Griffith, as in impact_pattern.h): a tap leaves a statue on its ankles, a ram does not.
 //
 // Coordinates of the solid, SI units. Pure functions for worker threads; equal input gives equal results.
@@ -65,8 +65,10 @@ struct PointLoad {
 [[nodiscard]] std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& material, float strength_scale,
                                                const glm::dvec3& gravity, std::span<const PointLoad> pushes);
 
-// The same after a blow of an impulse, N s, at a point, and with the weight of what is left.
+// The same after a blow of an impulse, N s, at a point, and with the weight of what is left; energy, J, is the blow's own: what
+// is light gets no more.
 [[nodiscard]] std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material, float strength_scale,
-                                                  const glm::dvec3& gravity, const PointLoad& impulse);
+                                                  const glm::dvec3& gravity, const PointLoad& impulse,
+                                                  double energy);
 
 } // namespace brittle::physics

@@ -8,7 +8,7 @@
 
 #include "fracture/mesh.h"
 
-namespace brittle::physics::test {
+namespace brittle::test {
 
 // Closed, around Y; the profile is radius and height from below, radii above zero.
 inline fracture::TriangleMesh lathe(const std::vector<std::pair<double, double>>& profile, uint32_t sides) {
@@ -35,4 +35,4 @@ inline fracture::TriangleMesh lathe(const std::vector<std::pair<double, double>>
     return mesh;
 }
 
-} // namespace brittle::physics::test
+} // namespace brittle::test

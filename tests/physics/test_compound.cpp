@@ -8,41 +8,14 @@
 
 #include <doctest/doctest.h>
 
+#include "bodies.h"
 #include "convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
+using namespace brittle::physics::test_bodies;
 
 namespace {
-
-const WorldSettings empty_space{
-    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
-
-CollisionHull box_hull(const glm::vec3& half) {
-    std::vector<glm::dvec3> corners;
-    for (const double x : {-1.0, 1.0})
-        for (const double y : {-1.0, 1.0})
-            for (const double z : {-1.0, 1.0}) corners.push_back(glm::dvec3(half) * glm::dvec3(x, y, z));
-    return collision_hull(corners, glm::dvec3(0.0));
-}
-
-glm::mat3 box_inertia(const glm::vec3& half, float mass) {
-    const glm::vec3 square = half * half * (mass / 3.0f);
-    glm::mat3 inertia(0.0f);
-    inertia[0][0] = square.y + square.z;
-    inertia[1][1] = square.x + square.z;
-    inertia[2][2] = square.x + square.y;
-    return inertia;
-}
-
-BodyDesc box(const glm::vec3& half, float mass, const glm::vec3& position) {
-    BodyDesc desc;
-    desc.hull = box_hull(half);
-    desc.mass = mass;
-    desc.inertia = box_inertia(half, mass);
-    desc.pose.position = position;
-    return desc;
-}
 
 // The same box put together from count slabs along x.
 BodyDesc slabs(const glm::vec3& half, int count, float mass, const glm::vec3& position) {
@@ -53,16 +26,6 @@ BodyDesc slabs(const glm::vec3& half, int count, float mass, const glm::vec3& po
     for (int i = 0; i < count; ++i)
         desc.parts.push_back({hull, {-half.x + width * static_cast<float>(2 * i + 1), 0.0f, 0.0f}});
     return desc;
-}
-
-BodyId must_add(World& world, const BodyDesc& desc) {
-    const Result<BodyId> id = world.add_body(desc);
-    REQUIRE_MESSAGE(id.has_value(), (id ? std::string() : id.error().message));
-    return *id;
-}
-
-void run(World& world, float seconds) {
-    for (int i = 0; i < static_cast<int>(std::lround(seconds / world.settings().step)); ++i) world.step();
 }
 
 } // namespace

@@ -13,18 +13,17 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "bodies.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
 #include "lathe.h"
 
 using namespace brittle;
 using namespace brittle::physics;
+using namespace brittle::physics::test_bodies;
 using fracture::PatternKind;
 
 namespace {
-
-const WorldSettings empty_space{
-    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
 
 // Breaks of blows as a test has them: a tenth of concrete's strength.
 const Material weak{.tensile = 3e5f, .fracture_energy = 100.0f};
@@ -67,19 +66,7 @@ double volume_of(const Destruction& destruction) {
     return sum;
 }
 
-float greatest_speed(const World& world) {
-    float most = 0.0f;
-    for (const BodyId id : world.bodies()) most = std::max(most, glm::length(world.linear_velocity(id)));
-    return most;
-}
 
-bool all_finite(const World& world) {
-    return std::ranges::all_of(world.bodies(), [&](BodyId id) {
-        const Pose pose = world.pose(id);
-        const glm::vec3 v = world.linear_velocity(id);
-        return std::isfinite(glm::dot(pose.position, pose.position) + glm::dot(v, v) + pose.orientation.w);
-    });
-}
 
 // Of where bodies are and of what they are made of.
 uint64_t hash_of(const World& world, const Destruction& destruction) {
@@ -378,12 +365,14 @@ struct Mushroom {
     double volume = 0.0;
 
     // The share of the material's strengths that loads may use, none: loads are not looked at; and the stem's radius, m.
-    explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12) {
+    explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12,
+                      float fracture_energy = weak.fracture_energy) {
         const fracture::TriangleMesh mesh =
             test::lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
         desc.solid.anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.01, 1.0}}};
         desc.solid.blocks = {.enabled = strength_scale > 0.0f, .strength_scale = strength_scale};
         desc.solid.min_size = min_size;
+        desc.solid.material.fracture_energy = fracture_energy;
         desc.most_pieces = 12;
         must_add(destruction, world, mesh, desc);
         volume = volume_of(destruction);
@@ -456,19 +445,21 @@ TEST_CASE("what is laid on a held thing may be too much for its stem") {
 }
 
 TEST_CASE("a ram against the head breaks the stem though it leaves no mark where it hits, a tap does not") {
-    const auto shot = [](float mass, float speed) {
-        Mushroom mushroom(0.05f, 0.06);
-        shoot(mushroom.world, 0.3f, mass, {0.0f, 1.25f, 1.2f}, {0.0f, 0.0f, -speed});
-        run(mushroom.world, mushroom.destruction, 160);
+    // A crack through the stem of 0.0113 m^2 takes 0.011 J. The head, of a ton, has 0.018 J after the hardest of the steps in
+    // which 10 kg at 1.2 m/s push it (half of the momentum of a dead blow, seen), 2e-6 J after a
+    // tap; neither is as sharp as what the whole bears where it is hit.
+    const auto after = [](float mass, float speed) {
+        Mushroom mushroom(0.05f, 0.06, 0.12, 1.0f);
+        shoot(mushroom.world, 0.3f, mass, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -speed});
+        run(mushroom.world, mushroom.destruction, 14);
         mushroom.check();
-        return std::pair(mushroom.destruction.statistics().overloads, mushroom.highest());
+        CHECK(mushroom.destruction.statistics().blows == 0); // nothing was cut where it hit
+        return std::pair(mushroom.destruction.statistics().overloads, mushroom.destruction.pieces().size());
     };
-    const auto [taps, standing] = shot(1.0f, 2.0f);
-    CHECK(taps == 0);
-    CHECK(standing > 1.0f);
-    const auto [rams, fallen] = shot(100.0f, 2.0f);
-    CHECK(rams >= 1); // what falls may break the stump as well
-    CHECK(fallen < 1.0f);
+    CHECK(after(1.0f, 1.0f) == std::pair(0u, size_t{1}));
+    const auto [overloads, pieces] = after(10.0f, 1.2f);
+    CHECK(overloads == 1);
+    CHECK(pieces >= 2);
 }
 
 TEST_CASE("pieces break again down to the least size and not beyond, and volumes sum to the whole") {

@@ -73,15 +73,36 @@ void drop(const fracture::TriangleMesh& mesh, uint32_t sites, uint64_t seed) {
     CHECK(centre > -1e-3f);
 }
 
+// Sanitizers make a drop ten times as long, and look at the same code in each.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr uint64_t last_seed = 1;
+#else
+constexpr uint64_t last_seed = 3;
+#endif
+
+void drop_shape(const char* name) {
+    for (uint64_t seed = 1; seed <= last_seed; ++seed) {
+        CAPTURE(seed);
+        drop(lifted(*fracture::shape(name)), 300, seed);
+    }
+}
+
 } // namespace
 
-TEST_CASE("three hundred pieces fall asleep within ten seconds, none of them in the ground") {
-    for (const char* name : {"cube", "animal", "arch", "wall"})
-        for (const uint64_t seed : {1, 2, 3}) {
-            CAPTURE(name);
-            CAPTURE(seed);
-            drop(lifted(*fracture::shape(name)), 300, seed);
-        }
+TEST_CASE("three hundred pieces of a cube fall asleep within ten seconds, none of them in the ground") {
+    drop_shape("cube");
+}
+
+TEST_CASE("three hundred pieces of an animal fall asleep within ten seconds, none of them in the ground") {
+    drop_shape("animal");
+}
+
+TEST_CASE("three hundred pieces of an arch fall asleep within ten seconds, none of them in the ground") {
+    drop_shape("arch");
+}
+
+TEST_CASE("three hundred pieces of a wall fall asleep within ten seconds, none of them in the ground") {
+    drop_shape("wall");
 }
 
 TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, none of them in the ground") {
@@ -91,7 +112,7 @@ TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, non
     }
     const auto bunny = fracture::import_mesh(bunny_file);
     REQUIRE(bunny);
-    for (const uint64_t seed : {1, 2, 3}) {
+    for (uint64_t seed = 1; seed <= last_seed; ++seed) {
         CAPTURE(seed);
         drop(lifted(*bunny), 570, seed);
     }

@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "bodies.h"
 #include "convex_pieces.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
@@ -14,11 +15,9 @@
 
 using namespace brittle;
 using namespace brittle::physics;
+using namespace brittle::physics::test_bodies;
 
 namespace {
-
-const WorldSettings empty_space{
-    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
 
 std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments,
                              const Material& material = {}, const PlacedMotion& motion = {}) {
@@ -28,27 +27,8 @@ std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments,
     return *bodies;
 }
 
-float greatest_speed(const World& world) {
-    float most = 0.0f;
-    for (const BodyId id : world.bodies()) most = std::max(most, glm::length(world.linear_velocity(id)));
-    return most;
-}
 
-void run(World& world, float seconds) {
-    for (int i = 0; i < static_cast<int>(std::lround(seconds / world.settings().step)); ++i) world.step();
-}
 
-bool all_finite(const World& world) {
-    for (const BodyId id : world.bodies()) {
-        const Pose pose = world.pose(id);
-        const glm::vec3 v = world.linear_velocity(id), w = world.angular_velocity(id);
-        for (int axis = 0; axis < 3; ++axis)
-            if (!std::isfinite(pose.position[axis]) || !std::isfinite(v[axis]) || !std::isfinite(w[axis]))
-                return false;
-        if (!std::isfinite(pose.orientation.w + pose.orientation.x)) return false;
-    }
-    return true;
-}
 
 // The lowest vertex of any piece where its body stands now: the true shape, not the hull.
 float lowest_vertex(const World& world, const fracture::Fragments& fragments,
@@ -68,7 +48,7 @@ float lowest_vertex(const World& world, const fracture::Fragments& fragments,
 
 TEST_CASE("no pieces give no bodies") {
     World world;
-    CHECK(must_add(world, {}).empty());
+    CHECK(must_add(world, fracture::Fragments{}).empty());
 }
 
 TEST_CASE("broken fragments are refused with the piece named, and nothing is added") {

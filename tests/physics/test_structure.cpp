@@ -9,6 +9,7 @@
 
 #include <doctest/doctest.h>
 
+#include "bodies.h"
 #include "convex_pieces.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
@@ -17,11 +18,9 @@
 
 using namespace brittle;
 using namespace brittle::physics;
+using namespace brittle::physics::test_bodies;
 
 namespace {
-
-const WorldSettings empty_space{
-    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
 
 Structure must_create(World& world, const fracture::Fragments& fragments, const StructureDesc& desc = {}) {
     Result<Structure> structure = Structure::create(world, fragments, desc);

@@ -10,43 +10,16 @@
 
 #include <doctest/doctest.h>
 
+#include "bodies.h"
 #include "convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
+using namespace brittle::physics::test_bodies;
 
 namespace {
 
 constexpr float nan_value = std::numeric_limits<float>::quiet_NaN();
-const WorldSettings empty_space{
-    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
-
-BodyDesc box(const glm::vec3& half, float mass, const glm::vec3& position) {
-    BodyDesc desc;
-    std::vector<glm::dvec3> corners;
-    for (const double x : {-1.0, 1.0})
-        for (const double y : {-1.0, 1.0})
-            for (const double z : {-1.0, 1.0}) corners.push_back(glm::dvec3(half) * glm::dvec3(x, y, z));
-    desc.hull = collision_hull(corners, glm::dvec3(0.0));
-    desc.mass = mass;
-    const glm::vec3 square = half * half * (mass / 3.0f);
-    desc.inertia = glm::mat3(0.0f);
-    desc.inertia[0][0] = square.y + square.z;
-    desc.inertia[1][1] = square.x + square.z;
-    desc.inertia[2][2] = square.x + square.y;
-    desc.pose.position = position;
-    return desc;
-}
-
-BodyId must_add(World& world, const BodyDesc& desc) {
-    const Result<BodyId> id = world.add_body(desc);
-    REQUIRE_MESSAGE(id.has_value(), (id ? std::string() : id.error().message));
-    return *id;
-}
-
-void run(World& world, float seconds) {
-    for (int i = 0; i < static_cast<int>(std::lround(seconds / world.settings().step)); ++i) world.step();
-}
 
 // Random boxes thrown at each other from all sides.
 void add_swarm(World& world, int count) {

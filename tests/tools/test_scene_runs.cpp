@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
+#include <span>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -113,24 +113,22 @@ TEST_CASE("scene: a ball at 25 to 400 m/s breaks the pane, is slowed by it and d
         }
 }
 
-TEST_CASE("scene: the tower of a thousand pieces stands for ten seconds unhit, held by the ground or not") {
+TEST_CASE("scene: the tower of a thousand pieces stands for ten seconds unhit") {
     FractureOptions options = recipe_of("tower_collapses");
     options.world.shots.clear();
-    for (const bool anchored : {true, false}) {
-        CAPTURE(anchored);
-        options.world.anchored = anchored;
-        options.world.bonded = true;
-        options.world.height = 0.0;
-        const fracture::Fragments pieces = started(options);
-        REQUIRE(pieces.pieces.size() >= 1000);
-        Simulation simulation(options.material);
-        simulation.start(pieces, world_of(options));
-        const std::vector<physics::Pose> start = poses_of(simulation);
-        while (simulation.steps() < 1200) simulation.step();
-        CHECK(simulation.world().awake_count() == 0);
-        CHECK(simulation.world().body_count() == 1);
-        CHECK(std::ranges::max(moves(simulation, start)) < 0.01f);
-    }
+    const fracture::Fragments pieces = started(options);
+    REQUIRE(pieces.pieces.size() >= 1000);
+    Simulation simulation(options.material);
+    simulation.start(pieces, world_of(options));
+    const std::vector<physics::Pose> start = poses_of(simulation);
+    while (simulation.steps() < 1200) simulation.step();
+    CHECK(simulation.world().awake_count() == 0);
+    CHECK(simulation.world().body_count() == 1);
+    CHECK(std::ranges::max(moves(simulation, start)) < 0.01f);
+    const std::span<const double> loads = simulation.structure()->wear().ratios();
+    const double most = *std::ranges::max_element(loads);
+    CHECK(most > 0.0); // the stresses were looked at,
+    CHECK(most < 1.0); // and not one bond is overloaded
 }
 
 TEST_CASE("scene: the tower collapses when its foot is shot away") {

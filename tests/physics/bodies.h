@@ -1,0 +1,75 @@
+// Plain bodies for tests of the world: boxes, and how they are added and run.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "physics/hull.h"
+#include "physics/world.h"
+
+namespace brittle::physics::test_bodies {
+
+inline const WorldSettings empty_space{
+    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
+
+// By half its sides.
+inline CollisionHull box_hull(const glm::vec3& half) {
+    std::vector<glm::dvec3> corners;
+    for (const double x : {-1.0, 1.0})
+        for (const double y : {-1.0, 1.0})
+            for (const double z : {-1.0, 1.0}) corners.push_back(glm::dvec3(half) * glm::dvec3(x, y, z));
+    return collision_hull(corners, glm::dvec3(0.0));
+}
+
+inline glm::mat3 box_inertia(const glm::vec3& half, float mass) {
+    const glm::vec3 square = half * half * (mass / 3.0f);
+    glm::mat3 inertia(0.0f);
+    inertia[0][0] = square.y + square.z;
+    inertia[1][1] = square.x + square.z;
+    inertia[2][2] = square.x + square.y;
+    return inertia;
+}
+
+inline BodyDesc box(const glm::vec3& half, float mass, const glm::vec3& position) {
+    BodyDesc desc;
+    desc.hull = box_hull(half);
+    desc.mass = mass;
+    desc.inertia = box_inertia(half, mass);
+    desc.pose.position = position;
+    return desc;
+}
+
+inline BodyId must_add(World& world, const BodyDesc& desc) {
+    const Result<BodyId> id = world.add_body(desc);
+    REQUIRE_MESSAGE(id.has_value(), (id ? std::string() : id.error().message));
+    return *id;
+}
+
+inline void run(World& world, float seconds) {
+    for (int i = 0; i < static_cast<int>(std::lround(seconds / world.settings().step)); ++i) world.step();
+}
+
+inline float greatest_speed(const World& world) {
+    float most = 0.0f;
+    for (const BodyId id : world.bodies()) most = std::max(most, glm::length(world.linear_velocity(id)));
+    return most;
+}
+
+inline bool all_finite(const World& world) {
+    return std::ranges::all_of(world.bodies(), [&](BodyId id) {
+        const Pose pose = world.pose(id);
+        const glm::vec3 v = world.linear_velocity(id), w = world.angular_velocity(id);
+        return std::isfinite(glm::dot(pose.position, pose.position) + glm::dot(v, v) + glm::dot(w, w))
+               && std::isfinite(glm::dot(pose.orientation, pose.orientation));
+    });
+}
+
+} // namespace brittle::physics::test_bodies
