@@ -91,7 +91,6 @@ TEST_CASE("session: a dropped file takes the scene's place, a bad one leaves it 
         engine::Input input;
         input.dropped = {file};
         open_dropped(input, session);
-        CHECK(session.work());
         REQUIRE(room.soon([&] { return session.message().fault; }));
         CHECK(session.message().text.find(fs::path(file).stem().string()) != std::string::npos);
         CHECK(&session.object() == before);
