@@ -42,7 +42,7 @@ ObjectId must_add(Destruction& destruction, World& world, const fracture::Triang
 }
 
 BodyId shoot(World& world, float radius, float mass, const glm::vec3& position, const glm::vec3& velocity) {
-    const fracture::TriangleMesh mesh = fracture::icosphere(2, static_cast<double>(radius));
+    const fracture::TriangleMesh mesh = fracture::icosphere(1, static_cast<double>(radius)); // corners evenly around
     BodyDesc desc;
     desc.hull = collision_hull(mesh.positions, glm::dvec3(0.0), {.max_vertices = 42});
     desc.mass = mass;
@@ -409,7 +409,8 @@ TEST_CASE("a head on a thin stem stands by itself, and falls where the stem is t
 }
 
 TEST_CASE("a stem that a blow has thinned lets go of what it carried") {
-    const auto highest_after_blow = [](float strength_scale) {
+    // Whether the head is held; loose, it may stay on the stump for a second or two.
+    const auto head_is_held = [](float strength_scale) {
         Mushroom mushroom(strength_scale, 0.1, 0.04);
         run(mushroom.world, mushroom.destruction, 5);
         REQUIRE(mushroom.destruction.pieces().size() == 1);
@@ -417,10 +418,13 @@ TEST_CASE("a stem that a blow has thinned lets go of what it carried") {
         REQUIRE(mushroom.destruction.strike(mushroom.world, whole, {0.0f, 0.5f, 0.1f}, {0.0f, 0.0f, -1.0f}, 15.0));
         run(mushroom.world, mushroom.destruction, 60);
         mushroom.check();
-        return mushroom.highest();
+        const std::vector<PieceId> pieces = mushroom.destruction.pieces();
+        const PieceId head = *std::ranges::max_element(
+            pieces, {}, [&](PieceId piece) { return mushroom.destruction.solid(piece)->mass.volume; });
+        return mushroom.world.fixed(mushroom.destruction.body(head));
     };
-    CHECK(highest_after_blow(0.03f) < 1.0f);
-    CHECK(highest_after_blow(0.0f) > 1.0f); // where loads are not looked at, a thread holds a ton
+    CHECK_FALSE(head_is_held(0.03f));
+    CHECK(head_is_held(0.0f)); // where loads are not looked at, a thread holds a ton
 }
 
 TEST_CASE("what is laid on a held thing may be too much for its stem") {
@@ -458,7 +462,7 @@ TEST_CASE("a ram against the head breaks the stem though it leaves no mark where
     };
     CHECK(after(1.0f, 1.0f) == std::pair(0u, size_t{1}));
     const auto [overloads, pieces] = after(10.0f, 1.2f);
-    CHECK(overloads == 1);
+    CHECK(overloads >= 1); // the head may break the stump that it comes to rest on, too
     CHECK(pieces >= 2);
 }
 

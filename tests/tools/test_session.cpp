@@ -303,6 +303,9 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
     if (!room.device) return;
     Session& session = *room.session;
     session.edit(SetMaterial{"stone"});
+    fracture::Pattern pattern = session.recipe().pattern;
+    pattern.seed = 7; // which is also the blows'
+    session.edit(SetPattern{pattern});
     WorldOptions world;
     world.breakable = world.anchored = true;
     session.edit(SetWorld{world});

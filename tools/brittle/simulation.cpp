@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -274,8 +275,9 @@ bool Simulation::is_bonded(uint32_t piece) const {
 }
 
 void Simulation::act(const Shoot& shot) {
-    const fracture::TriangleMesh ball = fracture::icosphere(2, shot.radius);
-    const double mass = shot.density * fracture::signed_volume(ball.positions, ball.triangles);
+    // Few corners, but evenly around: with a choice of more it would be flatter here than there, and spin where it hits.
+    const fracture::TriangleMesh ball = fracture::icosphere(1, shot.radius);
+    const double mass = shot.density * 4.0 / 3.0 * std::numbers::pi * shot.radius * shot.radius * shot.radius;
     const auto inertia = static_cast<float>(0.4 * mass * shot.radius * shot.radius);
     balls_.push_back({must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0),
                                                                             {.max_vertices = 64}),
