@@ -205,7 +205,7 @@ class Destruction {
         double sharp = 0.0; // N s, as of a kilogram
         BodyId striker;
         glm::vec3 owed{0.0f}; // N s, world: what the piece got and the striker against it, to be solved anew
-        glm::dvec3 on_striker{0.0}; // the contact, from the striker's centre of mass in its axes
+        glm::vec3 arm{0.0f};  // m, world axes: from the striker's centre of mass to the contact, when it was
     };
     struct Object {
         std::shared_ptr<const BreakableDesc> desc;

@@ -160,7 +160,7 @@ void Destruction::exchange(World& world, const Live& piece, const Broken& broken
     const float along = glm::length(hit.owed);
     if (!(along > 0.0f)) return;
     const glm::vec3 normal = hit.owed / along;
-    const glm::vec3 point = moved(world.pose(hit.striker), hit.on_striker).position;
+    const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
     // s of it brings  linear s + quadratic s^2  of energy.
     const double linear = static_cast<double>(
         along * (speed_at(world, hit.striker, point, normal) - speed_at(world, own, point, normal)));
@@ -180,7 +180,7 @@ void Destruction::solve_anew(World& world, const Live& piece, const Hit& hit) {
     const float most = glm::length(hit.owed);
     if (!(most > 0.0f) || !world.contains(hit.striker)) return;
     const glm::vec3 normal = hit.owed / most;
-    const glm::vec3 point = moved(world.pose(piece.own), hit.blow.point - piece.solid->mass.centre_of_mass).position;
+    const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
     const float approach = speed_at(world, hit.striker, point, normal) - speed_at(world, piece.own, point, normal);
     const float response = response_at(world, piece.own, point, normal) + response_at(world, hit.striker, point, normal);
     if (!(response > 0.0f)) return;

@@ -264,16 +264,16 @@ void Destruction::start_parting(const World& world, PieceId id, const Parting& p
 // be seen, as would something that falls into it. What the contact stopped is owed to both.
 void Destruction::take_back_bounce(World& world, BodyId own, const BodyBlow& blow, Hit& hit) const {
     if (!world.contains(blow.other) || world.fixed(blow.other)) return;
-    const float apart = speed_at(world, own, blow.point, blow.normal) - speed_at(world, blow.other, blow.point, blow.normal);
-    const float response =
-        response_at(world, own, blow.point, blow.normal) + response_at(world, blow.other, blow.point, blow.normal);
+    // A fast one has gone far since the contact: it gets the impulse at the arm that it had, or would come to spin.
+    hit.arm = blow.point - world.previous_pose(blow.other).position;
+    const glm::vec3 point = world.pose(blow.other).position + hit.arm;
+    const float apart = speed_at(world, own, point, blow.normal) - speed_at(world, blow.other, point, blow.normal);
+    const float response = response_at(world, own, point, blow.normal) + response_at(world, blow.other, point, blow.normal);
     if (!(response > 0.0f)) return;
     const float bounce = std::clamp(apart / response, 0.0f, blow.impulse);
-    push(world, own, -bounce * blow.normal, blow.point);
-    push(world, blow.other, bounce * blow.normal, blow.point);
+    push(world, own, -bounce * blow.normal, point);
+    push(world, blow.other, bounce * blow.normal, point);
     hit.owed = (blow.impulse - bounce) * blow.normal;
-    const Pose other = world.pose(blow.other);
-    hit.on_striker = turned_back(other, blow.point - other.position);
 }
 
 } // namespace brittle::physics

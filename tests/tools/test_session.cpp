@@ -377,7 +377,7 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
     CHECK_FALSE(session.broken());
 }
 
-TEST_CASE("session: a ball cuts what is breakable where it hits; undo takes a change of it back, and it is whole") {
+TEST_CASE("session: a ball cuts what is breakable where it hits, undo takes a change of it back, and it is whole") {
     Room room("shape:pane");
     if (!room.device) return;
     Session& session = *room.session;
@@ -408,7 +408,7 @@ TEST_CASE("session: a ball cuts what is breakable where it hits; undo takes a ch
     CHECK(session.first_piece(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0}) == std::nullopt); // nothing but the mesh
 }
 
-TEST_CASE("session: exports what is on the stage, as its log repeats it; before the break the recipe's pieces") {
+TEST_CASE("session: exports what is on the stage, as its log repeats it, before the break the recipe's pieces") {
     const Folder folder;
     Room room("shape:animal", 20);
     if (!room.device) return;

@@ -171,7 +171,7 @@ TEST_CASE("state export: files of every format hold each piece as it lies, or as
     }
 }
 
-TEST_CASE("state export: interiors, looks and hulls; the hulls of what is not convex are several and keep to it") {
+TEST_CASE("state export: interiors, looks and hulls, the hulls of what is not convex are several and keep to it") {
     const test::Folder folder;
     FractureOptions options;
     options.mesh = std::string(BRITTLE_CORPUS) + "/meshes/crate.glb";
@@ -271,7 +271,7 @@ TEST_CASE("state export: before anything moved, pieces as they lie are pieces as
     }
 }
 
-TEST_CASE("state export: what fails or is cancelled leaves the file of before; a mesh that changed is refused") {
+TEST_CASE("state export: what fails or is cancelled leaves the file of before, a mesh that changed is refused") {
     const test::Folder folder;
     Run run(block());
     strike_twice(run);
