@@ -160,28 +160,29 @@ class HullPair final : public btCollisionAlgorithm {
     // The contact of a corner of the smaller hull with the other one; false if that is farther than near or overlaps.
     bool add_corner(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                     const btVector3& corner, btScalar near) {
-        btSphereShape tip(hull_of(first_moves_ ? first : second).getMargin());
+        HullShape tip;
+        tip.addPoint({0, 0, 0}, false);
+        tip.setMargin(hull_of(first_moves_ ? first : second).getMargin());
+        tip.finish();
         const btTransform at(btMatrix3x3::getIdentity(), corner);
-        btVoronoiSimplexSolver simplex;
-        btGjkPairDetector gjk(first_moves_ ? static_cast<const btConvexShape*>(&tip) : &hull_of(first),
-                              first_moves_ ? &hull_of(second) : static_cast<const btConvexShape*>(&tip), &simplex,
-                              nullptr);
-        btGjkPairDetector::ClosestPointInput input;
-        input.m_transformA = first_moves_ ? at : first.getWorldTransform();
-        input.m_transformB = first_moves_ ? second.getWorldTransform() : at;
-        input.m_maximumDistanceSquared = (margins_ + near) * (margins_ + near);
-        Found found;
-        gjk.getClosestPoints(input, found, nullptr);
-        if (!found.is || found.distance > near) return false;
+        const btTransform& a = first_moves_ ? at : first.getWorldTransform();
+        const btTransform& b = first_moves_ ? second.getWorldTransform() : at;
+        const HullShape& hull_b = first_moves_ ? hull_of(second) : tip;
+        NearCorners nowhere;
+        const HullDistance found = hull_distance(first_moves_ ? tip : hull_of(first), hull_b, a.inverseTimes(b),
+                                                 margins_ + near, nowhere);
+        const btScalar distance = found.distance - margins_;
+        if (found.distance <= 0.0f || distance > near) return false;
+        const btVector3 on_second = a * (found.point + found.normal * hull_b.getMargin());
         // Over the face of the known contact the normal is the face's: that of a search from a point so far off is rounded.
         const btManifoldPoint& known = manifold_->getContactPoint(0);
-        if (std::abs(found.distance - height_over(known, corner)) < near_) found.normal = known.m_normalWorldOnB;
-        const btVector3 on_first = found.point + found.normal * found.distance;
+        const bool over_face = std::abs(distance - height_over(known, corner)) < near_;
+        const btVector3 normal = over_face ? known.m_normalWorldOnB : a.getBasis() * found.normal;
+        const btVector3 on_first = on_second + normal * distance;
         btManifoldPoint point(first.getCollisionObject()->getWorldTransform().invXform(on_first),
-                              second.getCollisionObject()->getWorldTransform().invXform(found.point), found.normal,
-                              found.distance);
+                              second.getCollisionObject()->getWorldTransform().invXform(on_second), normal, distance);
         point.m_positionWorldOnA = on_first;
-        point.m_positionWorldOnB = found.point;
+        point.m_positionWorldOnB = on_second;
         point.m_combinedFriction =
             btManifoldResult::calculateCombinedFriction(first.getCollisionObject(), second.getCollisionObject());
         point.m_combinedRestitution =
