@@ -5,6 +5,21 @@
 
 namespace brittle::physics {
 
+namespace {
+
+// The ball that is swept for a continuous body, as a part of the largest around the centre that fits into its
+// box: small enough not to touch what the body slides along.
+constexpr float swept_part = 0.8f;
+
+// From the centre of mass to the nearest side of the shape's box, in Bullet's units.
+float least_extent(const btCollisionShape& shape) {
+    btVector3 low, high;
+    shape.getAabb(btTransform::getIdentity(), low, high);
+    return std::min({-low.x(), -low.y(), -low.z(), high.x(), high.y(), high.z()});
+}
+
+} // namespace
+
 // Bullet's frame has the principal axes, so the hull is turned into them.
 void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset) {
     body.shape = std::make_unique<HullShape>();
@@ -23,6 +38,10 @@ void BodyRecord::start_step() {
             btTransform(repair.getRotation() * frame.getRotation(), frame.getOrigin() + repair.getOrigin()));
     }
     stepped_from = rigid->getWorldTransform();
+}
+
+float swept_radius(const btCollisionShape& shape) {
+    return swept_part * least_extent(shape);
 }
 
 float longest_extent(const btCollisionShape& shape) {

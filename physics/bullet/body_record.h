@@ -36,16 +36,16 @@ struct BodyRecord {
     glm::dvec3 moments{1.0};                        // principal, kg m^2
     float mass = 0.0f;                              // kg, as given
     bool fixed = false;
+    float swept_radius = 0.0f; // Bullet's units; 0: not continuous
     Pose previous;
     btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame as the step began, after the repair
     bool was_repaired = false;                             // as the step began
     uint64_t moved_step = 0;                               // see World::last_moved_step()
     btTransform repair = btTransform::getIdentity(); // of overlaps found in the last step, due at the next: turn, way
     bool repaired = false;                           // whether there is any
-    // What World::rewind() goes back to. Bullet's frame, and the time that the body has to move on then.
+    // What World::rewind() goes back to. Bullet's frame, and the time that the body then moved on without touching anything.
     btTransform blow_frame = btTransform::getIdentity();
     float left_seconds = 0.0f;
-    float moving_seconds = 0.0f; // of the last step: less than all where it stopped at another body
     Velocity unhindered, solved; // before contacts, with the step's gravity; and after them
     float still_seconds = 0.0f; // how long it has been slow while touching something
     float quiet_seconds = 0.0f; // how long nearly all of what it touches, directly or not, has been
@@ -78,6 +78,9 @@ struct BodyRecord {
 
 // The shape of a body with one hull; to_principal must be known.
 void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset);
+
+// The radius of the ball that is swept for a continuous body, in Bullet's units.
+[[nodiscard]] float swept_radius(const btCollisionShape& shape);
 
 // The longest side of the shape's box in its own axes, in Bullet's units.
 [[nodiscard]] float longest_extent(const btCollisionShape& shape);

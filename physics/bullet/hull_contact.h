@@ -10,21 +10,13 @@
 //   a two-hundredth of the smaller one's radius.
 // The first is exact: a pair that touches is never passed over. Points, normals and the choice of four points
 // are Bullet's.
-//
-// Pairs that do not touch yet but may run deep into each other in the coming step are noted: see first_touch.h.
 #pragma once
 
 #include <memory>
-#include <vector>
-
-#include "physics/bullet/first_touch.h"
 
 class btCollisionDispatcher;
 
 namespace brittle::physics {
-
-// Hulls nearer than this have a contact.
-[[nodiscard]] btScalar contact_distance(const btConvexHullShape& first, const btConvexHullShape& second);
 
 class HullContacts {
   public:
@@ -32,9 +24,6 @@ class HullContacts {
     // dispatcher's pairs.
     explicit HullContacts(btCollisionDispatcher& dispatcher);
     ~HullContacts();
-
-    // Of bodies with one hull each, since it was cleared last, in the order in which pairs were looked at.
-    [[nodiscard]] std::vector<Meeting>& meetings();
 
     // Bytes that the dispatcher's pool must have for a pair.
     static int pair_size();

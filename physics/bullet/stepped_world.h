@@ -2,12 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/body_record.h"
-#include "physics/bullet/first_touch.h"
 #include "physics/rotation.h"
 #include "physics/world.h"
 
@@ -15,12 +15,12 @@ namespace brittle::physics {
 
 class SteppedWorld final : public btDiscreteDynamicsWorld {
   public:
-    // Settings, bodies and meetings are looked at in each step; the bodies' user indices point into them.
+    // Settings and bodies are looked at in each step; the bodies' user indices point into them.
     SteppedWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver,
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
-                 const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::vector<Meeting>& meetings)
+                 const std::vector<std::unique_ptr<BodyRecord>>& bodies)
         : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), settings_(settings),
-          bodies_(bodies), meetings_(meetings) {}
+          bodies_(bodies) {}
 
     // Moves one body by its velocity, as the end of a step does.
     void move_on(BodyRecord& body, btScalar seconds);
@@ -28,8 +28,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
   protected:
     // Notes the velocities that bodies would have without contacts.
     void solveConstraints(btContactSolverInfo& info) override;
-    // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h. Who would run into another
-    // body stops there; see first_touch.h.
+    // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h.
     void integrateTransforms(btScalar seconds) override;
     // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
     // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest. That
@@ -37,8 +36,8 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     void updateActivationState(btScalar seconds) override;
 
   private:
-    // A body that stops moves for less than the step.
-    static void lose_time(BodyRecord& body, btScalar seconds);
+    // The part of its way in a step that a swept body goes until it hits another one.
+    btScalar way_to_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
     void find_touching();
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
@@ -51,7 +50,6 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         bool fast = false;                   // one of it is on its way
     };
     std::vector<Island> islands_; // by island tag; scratch of one step
-    std::vector<Meeting>& meetings_; // of this step, from hull_contact.h; cleared when they have been looked at
 };
 
 } // namespace brittle::physics

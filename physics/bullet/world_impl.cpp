@@ -7,8 +7,7 @@ namespace brittle::physics {
 Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
     : solver(settings, bodies) {
     world =
-        std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies,
-                                       hull_contacts.meetings());
+        std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies);
     world->setGravity(metres_to_bullet(settings.gravity));
     world->setForceUpdateAllAabbs(false); // the boxes of sleeping bodies do not change
     btContactSolverInfo& info = world->getSolverInfo();

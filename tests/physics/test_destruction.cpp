@@ -49,6 +49,7 @@ BodyId shoot(World& world, float radius, float mass, const glm::vec3& position, 
     desc.inertia = glm::mat3(0.4f * mass * radius * radius);
     desc.pose.position = position;
     desc.linear_velocity = velocity;
+    desc.continuous = true;
     return *world.add_body(desc);
 }
 
