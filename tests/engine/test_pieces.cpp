@@ -47,6 +47,14 @@ IdImage ids_of(const Fixture& f, const Scene& scene) {
     return *std::move(image);
 }
 
+// What batches are compared with; nothing is there afterwards.
+Bitmap drawn_at_once(const Fixture& f, const KnownScene& known) {
+    REQUIRE(f.renderer->set_pieces(known.pieces()));
+    Bitmap picture = f.draw(known.scene);
+    REQUIRE(f.renderer->set_pieces({}));
+    return picture;
+}
+
 } // namespace
 
 TEST_CASE("no pieces are added and removed without a word, and unknown handles are refused") {
@@ -121,9 +129,7 @@ TEST_CASE("a batch made on another thread is drawn like the meshes it was made o
     const Fixture f;
     if (!f) return;
     const KnownScene known;
-    REQUIRE(f.renderer->set_pieces(known.pieces()));
-    const Bitmap expected = f.draw(known.scene);
-    REQUIRE(f.renderer->set_pieces({}));
+    const Bitmap expected = drawn_at_once(f, known);
     PieceBatch batch;
     std::thread([&] { batch = *PieceBatch::create(known.pieces()); }).join();
     CHECK(batch.pieces().size() == 4);
@@ -135,9 +141,7 @@ TEST_CASE("batches appended to each other are drawn like the meshes they were ma
     const Fixture f;
     if (!f) return;
     const KnownScene known;
-    REQUIRE(f.renderer->set_pieces(known.pieces()));
-    const Bitmap expected = f.draw(known.scene);
-    REQUIRE(f.renderer->set_pieces({}));
+    const Bitmap expected = drawn_at_once(f, known);
     PieceBatch batch;
     batch.append({}, 7, glm::vec3(0.5f)); // nothing
     for (const PieceMesh& piece : known.pieces()) {

@@ -15,6 +15,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/tools/support.h"
+#include "tests/tools/wall.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/input.h"
 #include "tools/brittle/recipe.h"
@@ -35,16 +36,6 @@ namespace {
 std::string content(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-FractureOptions wall_options() {
-    FractureOptions options;
-    options.mesh = "shape:wall";
-    use_material("concrete", options);
-    options.pattern.kind = fracture::PatternKind::bricks;
-    options.pattern.count = 30;
-    options.world.anchored = true;
-    return options;
 }
 
 fracture::Fragments broken(const FractureOptions& options) {
@@ -166,7 +157,7 @@ TEST_CASE("simulation: a breakable thing stays whole, is cut where it is hit, an
 }
 
 TEST_CASE("simulation: poses since a step are those that changed") {
-    FractureOptions options = wall_options();
+    FractureOptions options = test::wall_options();
     for (const bool breakable : {false, true}) {
         for (const bool bonded : {false, true}) {
             CAPTURE(breakable);
@@ -225,7 +216,7 @@ TEST_CASE("simulation: what is scheduled takes effect at its step, in the order 
     } diary;
     Simulation simulation;
     simulation.observe(&diary);
-    simulation.start(broken(wall_options()), {.bonded = true, .shots = {{.time = 2.0 / 120.0}}});
+    simulation.start(broken(test::wall_options()), {.bonded = true, .shots = {{.time = 2.0 / 120.0}}});
     simulation.schedule(3, Drag{});
     simulation.schedule(1, LetGo{});
     simulation.schedule(3, LetGo{});
@@ -264,7 +255,7 @@ TEST_CASE("simulation: what is grabbed comes to the hand, stays there, and falls
 
 TEST_CASE("replay: what is recorded is read again to the last bit, with every kind of action") {
     const Folder folder;
-    const FractureOptions options = wall_options();
+    const FractureOptions options = test::wall_options();
     const auto actions = various_actions();
     const ReplayLog log = recorded(options, broken(options), 80, actions, folder.path / "run.log");
     CHECK(log.end == "finished");
@@ -306,7 +297,7 @@ TEST_CASE("replay: mesh and sites in files are found from where the log lies") {
 
 TEST_CASE("replay: at other frame rates and with other threads the states are equal") {
     const Folder folder;
-    const FractureOptions options = wall_options();
+    const FractureOptions options = test::wall_options();
     const ReplayLog log = recorded(options, broken(options), 120, various_actions(), folder.path / "run.log");
     CHECK(log.states.front().hash != log.states.back().hash);
     for (const uint32_t threads : {1u, 2u, 4u}) {
@@ -332,7 +323,7 @@ namespace {
 
 // A ball that stands, whole, and is shot at and struck; or a bonded wall.
 FractureOptions breakable_options(bool bonded) {
-    FractureOptions options = wall_options();
+    FractureOptions options = test::wall_options();
     options.world.breakable = true;
     options.world.bonded = bonded;
     options.world.min_size = 0.04;
@@ -461,7 +452,7 @@ TEST_CASE("replay: damaged lines of cuts are refused") {
 
 TEST_CASE("replay: actions between frames at any time are recorded at their step") {
     const Folder folder;
-    const FractureOptions options = wall_options();
+    const FractureOptions options = test::wall_options();
     const fracture::Fragments fragments = broken(options);
     Simulation simulation(options.material);
     Recorder recorder(folder.path / "run.log", options);
@@ -483,7 +474,7 @@ TEST_CASE("replay: actions between frames at any time are recorded at their step
 
 TEST_CASE("replay: what differs is found at its step, with the body") {
     const Folder folder;
-    FractureOptions options = wall_options();
+    FractureOptions options = test::wall_options();
     options.world = {.height = 0.2}; // loose pieces: a body each
     const fracture::Fragments fragments = broken(options);
     // Out of the wall first, so that the second push is felt by this piece alone.
@@ -541,7 +532,7 @@ TEST_CASE("replay: what differs is found at its step, with the body") {
 
 TEST_CASE("replay: a log of what was interrupted tells the run so far, a new start begins a new one") {
     const Folder folder;
-    const FractureOptions options = wall_options();
+    const FractureOptions options = test::wall_options();
     const fracture::Fragments fragments = broken(options);
     {
         Simulation simulation(options.material);
@@ -562,7 +553,7 @@ TEST_CASE("replay: a log of what was interrupted tells the run so far, a new sta
 
 TEST_CASE("replay: nothing started, nothing written, a folder that is not there is an output error") {
     const Folder folder;
-    const FractureOptions options = wall_options();
+    const FractureOptions options = test::wall_options();
     Recorder(folder.path / "run.log", options).finish();
     CHECK(!fs::exists(folder.path / "run.log"));
     Simulation simulation;
@@ -581,7 +572,7 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
     const Folder folder;
     CHECK(message_of(folder.path / "none.log").find("cannot be read") != std::string::npos);
     CHECK(message_of(folder.write("run.log", "")).find("empty") != std::string::npos);
-    const FractureOptions options = wall_options();
+    const FractureOptions options = test::wall_options();
     recorded(options, broken(options), 2, {{1, Shoot{}}}, folder.path / "good.log");
     std::vector<std::string> lines; // header, state 0, state 1, action, state 2, end
     std::ifstream stream(folder.path / "good.log");
@@ -642,7 +633,7 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
 
 TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused") {
     const Folder folder;
-    const FractureOptions options = wall_options();
+    const FractureOptions options = test::wall_options();
     recorded(options, broken(options), 4, {{1, Shoot{}}, {2, Release{{1, 2}}}, {2, Grab{4, {0, 1, 0}}}},
              folder.path / "good.log");
     const std::string good = content(folder.path / "good.log");

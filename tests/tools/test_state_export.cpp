@@ -14,6 +14,7 @@
 #include "fracture/mass_properties.h"
 #include "fracture/topology.h"
 #include "support.h"
+#include "tests/tools/wall.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/stage.h"
 #include "tools/brittle/state_export.h"
@@ -66,16 +67,6 @@ void strike_twice(Run& run) {
         if (run.simulation.body_of(piece) != physics::BodyId{})
             run.simulation.apply(Hammer{piece, {-0.5, 0.6, -0.3}, {0.0, 0.0, 3000.0}});
     run.steps(40);
-}
-
-FractureOptions wall() {
-    FractureOptions options;
-    options.mesh = "shape:wall";
-    use_material("concrete", options);
-    options.pattern.kind = fracture::PatternKind::bricks;
-    options.pattern.count = 30;
-    options.world.anchored = true;
-    return options;
 }
 
 json document_of(const fs::path& glb) {
@@ -212,7 +203,7 @@ TEST_CASE("state export: bonds are those that hold, and bonded pieces lie where 
     const test::Folder folder;
     for (const bool breakable : {false, true}) {
         CAPTURE(breakable);
-        FractureOptions options = wall();
+        FractureOptions options = test::wall_options();
         options.world.bonded = true;
         options.world.breakable = breakable;
         Run run(options);

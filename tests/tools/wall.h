@@ -1,0 +1,18 @@
+// A wall of 30 bricks of concrete that stands on the ground: bonded pieces for the tests of the program.
+#pragma once
+
+#include "tools/brittle/input.h"
+
+namespace brittle::tools::test {
+
+inline FractureOptions wall_options() {
+    FractureOptions options;
+    options.mesh = "shape:wall";
+    use_material("concrete", options);
+    options.pattern.kind = fracture::PatternKind::bricks;
+    options.pattern.count = 30;
+    options.world.anchored = true;
+    return options;
+}
+
+} // namespace brittle::tools::test
