@@ -14,59 +14,17 @@
 #include <glm/geometric.hpp>
 
 #include "bodies.h"
+#include "destruction_fixture.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
-#include "lathe.h"
 
 using namespace brittle;
 using namespace brittle::physics;
 using namespace brittle::physics::test_bodies;
+using namespace brittle::physics::test_destruction;
 using fracture::PatternKind;
 
 namespace {
-
-// Breaks of blows as a test has them: a tenth of concrete's strength.
-const Material weak{.tensile = 3e5f, .fracture_energy = 100.0f};
-
-BreakableDesc desc_of(double min_size, const Material& material = weak) {
-    BreakableDesc desc;
-    desc.solid.material = material;
-    desc.solid.min_size = min_size;
-    return desc;
-}
-
-ObjectId must_add(Destruction& destruction, World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc) {
-    const Result<ObjectId> object = destruction.add(world, mesh, desc);
-    REQUIRE_MESSAGE(object.has_value(), (object ? std::string() : object.error().message));
-    return *object;
-}
-
-BodyId shoot(World& world, float radius, float mass, const glm::vec3& position, const glm::vec3& velocity) {
-    const fracture::TriangleMesh mesh = fracture::icosphere(1, static_cast<double>(radius)); // corners evenly around
-    BodyDesc desc;
-    desc.hull = collision_hull(mesh.positions, glm::dvec3(0.0), {.max_vertices = 42});
-    desc.mass = mass;
-    desc.inertia = glm::mat3(0.4f * mass * radius * radius);
-    desc.pose.position = position;
-    desc.linear_velocity = velocity;
-    desc.continuous = true;
-    return *world.add_body(desc);
-}
-
-void run(World& world, Destruction& destruction, int steps) {
-    for (int i = 0; i < steps; ++i) {
-        world.step();
-        destruction.update(world);
-    }
-}
-
-double volume_of(const Destruction& destruction) {
-    double sum = 0.0;
-    for (const PieceId piece : destruction.pieces()) sum += destruction.solid(piece)->mass.volume;
-    return sum;
-}
-
-
 
 // Of where bodies are and of what they are made of.
 uint64_t hash_of(const World& world, const Destruction& destruction) {
@@ -82,14 +40,6 @@ uint64_t hash_of(const World& world, const Destruction& destruction) {
         for (const fracture::Triangle& t : solid.mesh.triangles) add(t.x), add(t.y), add(t.z);
     }
     return hash;
-}
-
-PieceId largest(const Destruction& destruction) {
-    PieceId best;
-    double most = 0.0;
-    for (const PieceId piece : destruction.pieces())
-        if (const double volume = destruction.solid(piece)->mass.volume; volume > most) most = volume, best = piece;
-    return best;
 }
 
 // From above, onto the middle of the piece.
@@ -318,152 +268,6 @@ TEST_CASE("soft touches break nothing, hard ones do") {
     CHECK(pieces_after(0.6f) == 1);
     CHECK(pieces_after(15.0f) == 1);
     CHECK(pieces_after(60.0f) > 1);
-}
-
-TEST_CASE("a pane that is held at its rim gets a hole where a ball flies through, and the rest stands") {
-    World world;
-    Destruction destruction;
-    const fracture::TriangleMesh pane = fracture::cuboid({2.0, 1.4, 0.02});
-    BreakableDesc desc = desc_of(0.01, {.density = 2500.0f, .tensile = 4e6f, .fracture_energy = 2e3f});
-    desc.pattern.kind = PatternKind::radial;
-    desc.motion.placement.position = {0.0f, 0.7f, 0.0f};
-    desc.solid.anchors = {fracture::Box{{-1.1, -0.75, -0.1}, {1.1, -0.69, 0.1}}};
-    must_add(destruction, world, pane, desc);
-    const BodyId ball = shoot(world, 0.06f, 1.0f, {0.1f, 0.8f, 1.0f}, {0.0f, 0.0f, -40.0f});
-    const double volume = volume_of(destruction);
-    run(world, destruction, 40);
-    CHECK(world.pose(ball).position.z < -0.5f); // through
-    CHECK(destruction.pieces().size() > 5);
-    CHECK(volume_of(destruction) == doctest::Approx(volume).epsilon(1e-9));
-    run(world, destruction, 200);
-    double standing = 0.0;
-    for (const PieceId piece : destruction.pieces()) {
-        const BodyId body = destruction.body(piece);
-        CHECK(world.fixed(body) == destruction.solid(piece)->anchored);
-        if (!world.fixed(body)) continue;
-        const SolidPiece& solid = *destruction.solid(piece);
-        standing += solid.mass.volume;
-        // It is where it was: its centre of mass in the pane, moved up by the placement.
-        CHECK(glm::distance(world.pose(body).position, glm::vec3(solid.mass.centre_of_mass) + glm::vec3(0.0f, 0.7f, 0.0f)) < 1e-5f);
-        for (const glm::vec3& p : solid.positions) {
-            const glm::dvec3 at = glm::dvec3(p) + solid.mass.centre_of_mass;
-            CHECK(glm::length(glm::dvec2(at.x - 0.1, at.y - 0.1)) > 0.02); // the hole
-        }
-    }
-    MESSAGE("of the pane ", standing / volume, " stands");
-    CHECK(standing > 0.6 * volume);
-    CHECK(standing < 0.99 * volume);
-}
-
-// A head on a stem on a foot that the ground holds.
-namespace {
-
-struct Mushroom {
-    World world;
-    Destruction destruction;
-    BreakableDesc desc = desc_of(0.12);
-    double volume = 0.0;
-
-    // The share of the material's strengths that loads may use, none: loads are not looked at; and the stem's radius, m.
-    explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12,
-                      float fracture_energy = weak.fracture_energy) {
-        const fracture::TriangleMesh mesh =
-            test::lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
-        desc.solid.anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.01, 1.0}}};
-        desc.solid.blocks = {.enabled = strength_scale > 0.0f, .strength_scale = strength_scale};
-        desc.solid.min_size = min_size;
-        desc.solid.material.fracture_energy = fracture_energy;
-        desc.most_pieces = 12;
-        must_add(destruction, world, mesh, desc);
-        volume = volume_of(destruction);
-    }
-    [[nodiscard]] float highest() const {
-        float most = -1.0f;
-        for (const PieceId piece : destruction.pieces()) most = std::max(most, world.pose(destruction.body(piece)).position.y);
-        return most;
-    }
-    // That fixed bodies are what is held, and nothing was lost.
-    void check() const {
-        for (const PieceId piece : destruction.pieces())
-            CHECK(world.fixed(destruction.body(piece)) == destruction.solid(piece)->anchored);
-        CHECK(volume_of(destruction) == doctest::Approx(volume).epsilon(1e-9));
-        CHECK(all_finite(world));
-    }
-};
-
-} // namespace
-
-TEST_CASE("a head on a thin stem stands by itself, and falls where the stem is too thin for it") {
-    // 24 kPa a metre of height; the head's 0.5 m over 25 times the stem's area are 0.3 MPa, a hundredth of 30 MPa.
-    Mushroom strong(0.05f), weak(0.004f);
-    for (Mushroom* one : {&strong, &weak}) {
-        run(one->world, one->destruction, 120);
-        one->check();
-    }
-    CHECK(strong.destruction.pieces().size() == 1);
-    CHECK(strong.destruction.statistics().overloads == 0);
-    CHECK(weak.destruction.pieces().size() > 1);
-    CHECK(weak.destruction.statistics().overloads >= 1);
-    CHECK(weak.destruction.statistics().failed == 0);
-    CHECK(weak.highest() < 1.0f); // the head's middle stood at 1.25
-}
-
-TEST_CASE("a stem that a blow has thinned lets go of what it carried") {
-    // Whether the head is held; loose, it may stay on the stump for a second or two.
-    const auto head_is_held = [](float strength_scale) {
-        Mushroom mushroom(strength_scale, 0.1, 0.04);
-        run(mushroom.world, mushroom.destruction, 5);
-        REQUIRE(mushroom.destruction.pieces().size() == 1);
-        const PieceId whole = mushroom.destruction.pieces()[0];
-        REQUIRE(mushroom.destruction.strike(mushroom.world, whole, {0.0f, 0.5f, 0.1f}, {0.0f, 0.0f, -1.0f}, 15.0));
-        run(mushroom.world, mushroom.destruction, 60);
-        mushroom.check();
-        const std::vector<PieceId> pieces = mushroom.destruction.pieces();
-        const PieceId head = *std::ranges::max_element(
-            pieces, {}, [&](PieceId piece) { return mushroom.destruction.solid(piece)->mass.volume; });
-        return mushroom.world.fixed(mushroom.destruction.body(head));
-    };
-    CHECK_FALSE(head_is_held(0.03f));
-    CHECK(head_is_held(0.0f)); // where loads are not looked at, a thread holds a ton
-}
-
-TEST_CASE("what is laid on a held thing may be too much for its stem") {
-    const auto pieces_after = [](float mass) {
-        Mushroom mushroom(0.05f);
-        run(mushroom.world, mushroom.destruction, 2);
-        REQUIRE(mushroom.destruction.pieces().size() == 1);
-        // Laid down, not dropped.
-        const fracture::TriangleMesh mesh = fracture::cuboid({0.6, 0.2, 0.6});
-        BodyDesc block;
-        block.hull = collision_hull(mesh.positions, glm::dvec3(0.0));
-        block.mass = mass;
-        block.inertia = glm::mat3(mass * 0.03f);
-        block.pose.position = {0.0f, 1.6005f, 0.0f};
-        REQUIRE(mushroom.world.add_body(block));
-        run(mushroom.world, mushroom.destruction, 100);
-        mushroom.check();
-        return mushroom.destruction.pieces().size();
-    };
-    CHECK(pieces_after(20.0f) == 1);
-    CHECK(pieces_after(8000.0f) > 1); // eight times the head
-}
-
-TEST_CASE("a ram against the head breaks the stem though it leaves no mark where it hits, a tap does not") {
-    // A crack through the stem of 0.0113 m^2 takes 0.011 J. The head, of a ton, has 0.018 J after the hardest of the steps in
-    // which 10 kg at 1.2 m/s push it (half of the momentum of a dead blow, seen), 2e-6 J after a
-    // tap; neither is as sharp as what the whole bears where it is hit.
-    const auto after = [](float mass, float speed) {
-        Mushroom mushroom(0.05f, 0.06, 0.12, 1.0f);
-        shoot(mushroom.world, 0.3f, mass, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -speed});
-        run(mushroom.world, mushroom.destruction, 14);
-        mushroom.check();
-        CHECK(mushroom.destruction.statistics().blows == 0); // nothing was cut where it hit
-        return std::pair(mushroom.destruction.statistics().overloads, mushroom.destruction.pieces().size());
-    };
-    CHECK(after(1.0f, 1.0f) == std::pair(0u, size_t{1}));
-    const auto [overloads, pieces] = after(10.0f, 1.2f);
-    CHECK(overloads >= 1); // the head may break the stump that it comes to rest on, too
-    CHECK(pieces >= 2);
 }
 
 TEST_CASE("pieces break again down to the least size and not beyond, and volumes sum to the whole") {
