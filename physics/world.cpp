@@ -101,7 +101,6 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     if (!impl_->settings.sleeping) body->rigid->setActivationState(DISABLE_DEACTIVATION);
     body->blow_frame = frame;
     body->unhindered = body->solved = body->velocity();
-    body->moved_step = impl_->steps;
     body->previous = body->pose();
     if (desc.previous) body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
 
@@ -112,6 +111,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     ++impl_->next_id;
     impl_->ids.push_back(body->id);
     impl_->bodies.push_back(std::move(body));
+    impl_->moved_steps.push_back(impl_->steps);
     return impl_->ids.back();
 }
 
@@ -132,6 +132,7 @@ bool World::remove_body(BodyId id) {
     const auto order = static_cast<size_t>(body->rigid->getUserIndex());
     impl_->bodies.erase(impl_->bodies.begin() + static_cast<std::ptrdiff_t>(order));
     impl_->ids.erase(impl_->ids.begin() + static_cast<std::ptrdiff_t>(order));
+    impl_->moved_steps.erase(impl_->moved_steps.begin() + static_cast<std::ptrdiff_t>(order));
     for (size_t i = order; i < impl_->bodies.size(); ++i) impl_->bodies[i]->rigid->setUserIndex(static_cast<int>(i));
     return true;
 }
@@ -158,16 +159,14 @@ uint64_t World::steps_taken() const {
 }
 
 void World::step() {
-    for (const auto& body : impl_->bodies) {
-        if (body->moved_step >= impl_->steps) body->previous = body->pose(); // else they are the same
-        body->start_step();
-    }
+    for (size_t i = 0; i < impl_->bodies.size(); ++i)
+        if (impl_->moved_steps[i] >= impl_->steps) impl_->bodies[i]->previous = impl_->bodies[i]->pose(); // else they are the same
     impl_->engine->solver.contacts.clear();
-    impl_->engine->world->stepSimulation(impl_->settings.step, 0); // 0: one step of just that length
+    impl_->engine->world->step(impl_->settings.step);
     impl_->engine->solver.report_sleeping(impl_->engine->dispatcher);
     ++impl_->steps;
-    for (const auto& body : impl_->bodies)
-        if (body->has_moved()) body->moved_step = impl_->steps;
+    for (const BodyRecord* body : impl_->engine->world->stepped())
+        if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
 }
 
 float World::advance(double seconds, const std::function<void()>& after_step) {
@@ -189,11 +188,11 @@ float World::advance(double seconds, const std::function<void()>& after_step) {
 size_t World::write_transforms(std::span<Pose> out, float alpha, uint64_t since) const {
     const size_t count = std::min(out.size(), impl_->bodies.size());
     for (size_t i = 0; i < count; ++i) {
-        if (impl_->bodies[i]->moved_step < since) continue;
+        if (impl_->moved_steps[i] < since) continue;
         const Pose now = impl_->bodies[i]->pose();
         const Pose& before = impl_->bodies[i]->previous;
         // Who stands still has no rounding of an interpolation, whatever alpha is.
-        const bool still = impl_->bodies[i]->moved_step < impl_->steps;
+        const bool still = impl_->moved_steps[i] < impl_->steps;
         out[i] = alpha >= 1.0f || still ? now
                                         : Pose{glm::mix(before.position, now.position, alpha),
                                                glm::slerp(before.orientation, now.orientation, alpha)};
@@ -202,7 +201,7 @@ size_t World::write_transforms(std::span<Pose> out, float alpha, uint64_t since)
 }
 
 uint64_t World::last_moved_step(BodyId id) const {
-    return impl_->get(id).moved_step;
+    return impl_->moved_step(impl_->get(id));
 }
 
 Pose World::pose(BodyId id) const {
@@ -254,7 +253,7 @@ void World::set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular) {
 float World::rewind(BodyId id) {
     BodyRecord* body = impl_->find(id);
     assert(body && "no such body in this world");
-    if (body->fixed) return body->left_seconds;
+    if (body->fixed) return impl_->moved_step(*body) < impl_->steps ? impl_->settings.step : 0.0f; // it may just have come
     impl_->wake(*body);
     body->rigid->setCenterOfMassTransform(body->blow_frame);
     body->rigid->setLinearVelocity(body->rigid->getLinearVelocity() + body->unhindered.linear - body->solved.linear);
@@ -268,7 +267,7 @@ void World::move_on(BodyId id, float seconds) {
     assert(body && "no such body in this world");
     if (body->fixed) return;
     impl_->engine->world->move_on(*body, seconds);
-    body->moved_step = impl_->steps;
+    impl_->moved_step(*body) = impl_->steps;
 }
 
 void World::amend_contact(size_t index, const Contact& contact) {

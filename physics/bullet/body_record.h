@@ -40,7 +40,6 @@ struct BodyRecord {
     Pose previous;
     btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame as the step began, after the repair
     bool was_repaired = false;                             // as the step began
-    uint64_t moved_step = 0;                               // see World::last_moved_step()
     btTransform repair = btTransform::getIdentity(); // of overlaps found in the last step, due at the next: turn, way
     bool repaired = false;                           // whether there is any
     // What World::rewind() goes back to. Bullet's frame, and the time that the body then moved on without touching anything.

@@ -51,24 +51,65 @@ struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
 
 } // namespace
 
-void SteppedWorld::solveConstraints(btContactSolverInfo& info) {
-    for (const auto& body : bodies_) {
-        if (body->fixed) continue;
-        body->unhindered = body->velocity();
-        body->unhindered.linear += body->rigid->getTotalForce() * (body->rigid->getInvMass() * info.m_timeStep);
-    }
-    btDiscreteDynamicsWorld::solveConstraints(info);
+void SteppedWorld::step(btScalar seconds) {
+    stepped_.clear();
+    for (const auto& body : bodies_)
+        if (body->awake()) stepped_.push_back(body.get());
+    for (BodyRecord* body : stepped_) body->start_step();
+    find_pairs(seconds);
+    find_islands();
+    solve(seconds);
+    for (BodyRecord* body : islands_.awake()) move_on(*body, seconds);
+    if (settings_.sleeping) find_who_settles(seconds);
 }
 
-void SteppedWorld::integrateTransforms(btScalar seconds) {
-    for (const auto& body : bodies_) {
-        body->blow_frame = body->rigid->getWorldTransform();
-        body->left_seconds = seconds;
-        if (body->awake())
-            move_on(*body, seconds);
-        else
-            body->unhindered = body->solved = body->velocity();
+void SteppedWorld::find_pairs(btScalar seconds) {
+    const btScalar linear_kept = std::pow(1.0f - settings_.linear_damping, seconds);
+    const btScalar angular_kept = std::pow(1.0f - settings_.angular_damping, seconds);
+    for (BodyRecord* body : stepped_) {
+        body->rigid->setLinearVelocity(body->rigid->getLinearVelocity() * linear_kept);
+        body->rigid->setAngularVelocity(body->rigid->getAngularVelocity() * angular_kept);
+        set_box(*body, seconds);
     }
+    btDispatcherInfo& info = getDispatchInfo();
+    info.m_timeStep = seconds;
+    broadphase_.calculateOverlappingPairs(getDispatcher());
+    getDispatcher()->dispatchAllCollisionPairs(broadphase_.getOverlappingPairCache(), info, getDispatcher());
+}
+
+void SteppedWorld::set_box(BodyRecord& body, btScalar seconds) {
+    body.rigid->applyGravity();
+    body.rigid->predictIntegratedTransform(seconds, body.rigid->getInterpolationWorldTransform());
+    updateSingleAabb(body.rigid.get());
+}
+
+void SteppedWorld::find_islands() {
+    islands_.find(bodies_, broadphase_.pairs());
+    for (BodyRecord* body : islands_.woken()) {
+        body->start_step();
+        stepped_.push_back(body);
+    }
+    for (BodyRecord* body : islands_.fallen_asleep()) {
+        body->rigid->setLinearVelocity({0, 0, 0});
+        body->rigid->setAngularVelocity({0, 0, 0});
+        body->blow_frame = body->rigid->getWorldTransform();
+        body->unhindered = body->solved = {};
+    }
+}
+
+// Notes the velocities that bodies would have without contacts.
+void SteppedWorld::solve(btScalar seconds) {
+    solved_.clear();
+    for (BodyRecord* body : islands_.awake()) {
+        body->unhindered = body->velocity();
+        body->unhindered.linear += body->rigid->getTotalForce() * (body->rigid->getInvMass() * seconds);
+        solved_.push_back(body->rigid.get());
+    }
+    manifolds_ = islands_.manifolds();
+    getSolverInfo().m_timeStep = seconds;
+    solver_.solveGroup(solved_.data(), static_cast<int>(solved_.size()), manifolds_.data(), static_cast<int>(manifolds_.size()),
+                       nullptr, 0, getSolverInfo(), nullptr, getDispatcher());
+    for (BodyRecord* body : stepped_) body->rigid->clearForces();
 }
 
 void SteppedWorld::move_on(BodyRecord& body, btScalar seconds) {
@@ -86,17 +127,10 @@ void SteppedWorld::move_on(BodyRecord& body, btScalar seconds) {
     body.solved = body.velocity();
 }
 
-void SteppedWorld::updateActivationState(btScalar seconds) {
-    if (!settings_.sleeping) return;
+void SteppedWorld::find_who_settles(btScalar seconds) {
     find_touching();
-    for (const auto& body : bodies_) {
-        btRigidBody& rigid = *body->rigid;
-        if (body->fixed) continue;
-        if (rigid.getActivationState() == ISLAND_SLEEPING) {
-            rigid.setLinearVelocity({0, 0, 0});
-            rigid.setAngularVelocity({0, 0, 0});
-            continue;
-        }
+    for (BodyRecord* body : islands_.awake()) {
+        const btRigidBody& rigid = *body->rigid;
         const float speed =
             std::max(rigid.getLinearVelocity().length() / (settings_.sleep_linear_speed * bullet_units),
                      rigid.getAngularVelocity().length() / settings_.sleep_angular_speed);
@@ -111,8 +145,7 @@ void SteppedWorld::updateActivationState(btScalar seconds) {
     }
     find_quiet(seconds);
     const float kept = std::pow(settling_kept_per_second, seconds);
-    for (const auto& body : bodies_) {
-        if (!body->awake()) continue;
+    for (BodyRecord* body : islands_.awake()) {
         btRigidBody& rigid = *body->rigid;
         const float waited = std::max(body->still_seconds, body->quiet_seconds / quiet_factor);
         if (waited > 0.5f * settings_.sleep_seconds) {
@@ -139,21 +172,16 @@ bool SteppedWorld::rocks_in_place(BodyRecord& body, btScalar seconds) {
 
 // Counts how long the islands have been quiet, in their bodies, as islands come and go.
 void SteppedWorld::find_quiet(btScalar seconds) {
-    islands_.assign(static_cast<size_t>(getNumCollisionObjects()), {});
-    const auto island_of = [this](const BodyRecord& body) -> Island& {
-        return islands_[static_cast<size_t>(body.rigid->getIslandTag())];
-    };
-    for (const auto& body : bodies_) {
-        if (!body->awake()) continue;
-        Island& island = island_of(*body);
+    calm_.assign(bodies_.size(), {});
+    for (const BodyRecord* body : islands_.awake()) {
+        Calm& island = calm_[islands_.of(*body)];
         island.mass += body->mass;
         if (body->still_seconds >= 0.5f * settings_.sleep_seconds) island.calm_mass += body->mass;
         const float speed = body->rigid->getLinearVelocity().length() / bullet_units;
         island.fast = island.fast || !body->touching || speed > tremble_factor * settings_.sleep_linear_speed;
     }
-    for (const auto& body : bodies_) {
-        if (!body->awake()) continue;
-        const Island& island = island_of(*body);
+    for (BodyRecord* body : islands_.awake()) {
+        const Calm& island = calm_[islands_.of(*body)];
         const bool quiet = !island.fast && island.calm_mass >= calm_part * island.mass;
         body->quiet_seconds =
             quiet ? std::min(body->quiet_seconds + seconds, patience * quiet_factor * settings_.sleep_seconds)
@@ -176,9 +204,8 @@ btScalar SteppedWorld::way_to_hit(btRigidBody& rigid, btScalar radius, btScalar 
 }
 
 void SteppedWorld::find_touching() {
-    for (const auto& body : bodies_) body->touching = body->sunk = false;
-    for (int i = 0; i < getDispatcher()->getNumManifolds(); ++i) {
-        const btPersistentManifold* manifold = getDispatcher()->getManifoldByIndexInternal(i);
+    for (BodyRecord* body : islands_.awake()) body->touching = body->sunk = false;
+    for (const btPersistentManifold* manifold : islands_.manifolds()) {
         if (manifold->getNumContacts() == 0) continue;
         for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
             if (object->getUserIndex() >= 0)

@@ -1,4 +1,5 @@
-// Bullet's world with two of its parts replaced: the rotation of free bodies and the rule for falling asleep.
+// Bullet's world with a step of its own: who is awake, how free bodies turn (rotation.h), islands, and when they fall asleep.
+// Bodies that sleep are not looked at but for one flag each.
 #pragma once
 
 #include <memory>
@@ -8,6 +9,9 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/body_record.h"
+#include "physics/bullet/islands.h"
+#include "physics/bullet/piece_solver.h"
+#include "physics/bullet/sweep_broadphase.h"
 #include "physics/rotation.h"
 #include "physics/world.h"
 
@@ -16,26 +20,29 @@ namespace brittle::physics {
 class SteppedWorld final : public btDiscreteDynamicsWorld {
   public:
     // Settings and bodies are looked at in each step; the bodies' user indices point into them.
-    SteppedWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver,
+    SteppedWorld(btDispatcher* dispatcher, SweepBroadphase* broadphase, PieceSolver* solver,
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
                  const std::vector<std::unique_ptr<BodyRecord>>& bodies)
-        : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), settings_(settings),
-          bodies_(bodies) {}
+        : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), broadphase_(*broadphase),
+          solver_(*solver), settings_(settings), bodies_(bodies) {}
+
+    // In place of stepSimulation(). The solver then has the contacts of the step.
+    void step(btScalar seconds);
+    // Who was awake at any time of the last step, in no order; nobody else has moved.
+    [[nodiscard]] const std::vector<BodyRecord*>& stepped() const { return stepped_; }
 
     // Moves one body by its velocity, as the end of a step does.
     void move_on(BodyRecord& body, btScalar seconds);
 
-  protected:
-    // Notes the velocities that bodies would have without contacts.
-    void solveConstraints(btContactSolverInfo& info) override;
-    // Orientation and angular velocity of Bullet's own integration are replaced; see rotation.h.
-    void integrateTransforms(btScalar seconds) override;
-    // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
-    // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest. That
-    // islands sleep and wake as a whole remains Bullet's.
-    void updateActivationState(btScalar seconds) override;
-
   private:
+    void find_pairs(btScalar seconds);
+    // Around the body for all of the step.
+    void set_box(BodyRecord& body, btScalar seconds);
+    void find_islands();
+    void solve(btScalar seconds);
+    // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
+    // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest.
+    void find_who_settles(btScalar seconds);
     // The part of its way in a step that a swept body goes until it hits another one.
     btScalar way_to_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
     void find_touching();
@@ -43,13 +50,19 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
     void find_quiet(btScalar seconds);
 
+    SweepBroadphase& broadphase_;
+    PieceSolver& solver_;
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
-    struct Island {
+    Islands islands_;
+    std::vector<BodyRecord*> stepped_;
+    std::vector<btCollisionObject*> solved_;         // scratch of one step
+    std::vector<btPersistentManifold*> manifolds_; // likewise
+    struct Calm {
         float mass = 0.0f, calm_mass = 0.0f; // kg
         bool fast = false;                   // one of it is on its way
     };
-    std::vector<Island> islands_; // by island tag; scratch of one step
+    std::vector<Calm> calm_; // by island; scratch of one step
 };
 
 } // namespace brittle::physics

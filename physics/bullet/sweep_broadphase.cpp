@@ -34,7 +34,7 @@ bool meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
 void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
                         btDispatcher* dispatcher) {
     next_.resizeNoInitialize(0);
-    awake_.clear();
+    set_.clear();
     int old = 0;
     // Pairs before a key: those of two boxes that were not set stay.
     const auto pass = [&](Key until) {
@@ -53,7 +53,7 @@ void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::un
     };
     for (const Key key : found) {
         pass(key);
-        awake_.push_back(next_.size());
+        set_.push_back(next_.size());
         const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
         if (old < pairs_.size() && key_of(swept(pairs_[old].m_pProxy0).rank, swept(pairs_[old].m_pProxy1).rank) == key)
             next_.push_back(pairs_[old++]);
@@ -81,7 +81,7 @@ void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispa
 }
 
 void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher*, const btDispatcherInfo&) {
-    for (const int index : awake_) callback->processOverlap(pairs_[index]);
+    for (const int index : set_) callback->processOverlap(pairs_[index]);
 }
 
 bool SweptPairs::needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const {

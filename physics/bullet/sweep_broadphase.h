@@ -55,6 +55,9 @@ class SweptPairs final : public btOverlappingPairCache {
     bool needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const override;
     btBroadphasePair* findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) override;
 
+    // Indices of the pairs of which a box was set when pairs were last found, in their order.
+    [[nodiscard]] const std::vector<int>& set() const { return set_; }
+
     btBroadphasePair* getOverlappingPairArrayPtr() override { return pairs_.size() > 0 ? &pairs_[0] : nullptr; }
     const btBroadphasePair* getOverlappingPairArrayPtr() const override {
         return pairs_.size() > 0 ? &pairs_[0] : nullptr;
@@ -74,7 +77,7 @@ class SweptPairs final : public btOverlappingPairCache {
 
   private:
     btBroadphasePairArray pairs_, next_;
-    std::vector<int> awake_; // indices of those with a box that was set
+    std::vector<int> set_;
 };
 
 class SweepBroadphase final : public btBroadphaseInterface {
@@ -92,6 +95,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     void calculateOverlappingPairs(btDispatcher* dispatcher) override;
     btOverlappingPairCache* getOverlappingPairCache() override { return &pairs_; }
     const btOverlappingPairCache* getOverlappingPairCache() const override { return &pairs_; }
+    [[nodiscard]] const SweptPairs& pairs() const { return pairs_; }
     void getBroadphaseAabb(btVector3& low, btVector3& high) const override;
     void printStats() override {}
 

@@ -9,7 +9,6 @@ Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<
     world =
         std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies);
     world->setGravity(metres_to_bullet(settings.gravity));
-    world->setForceUpdateAllAabbs(false); // the boxes of sleeping bodies do not change
     btContactSolverInfo& info = world->getSolverInfo();
     info.m_numIterations = static_cast<int>(settings.solver_iterations);
     // Overlap is resolved by moving bodies, never by accelerating them, however shallow: otherwise the

@@ -51,6 +51,8 @@ struct World::Impl {
     std::vector<std::unique_ptr<BodyRecord>>
         bodies;                        // in body order; the rigid bodies' user index points here
     std::vector<BodyId> ids;           // in body order, and so ascending: they are given in that order
+    // By body: see World::last_moved_step(). Apart from the rest of a body, as each step asks for all of them.
+    std::vector<uint64_t> moved_steps;
     uint32_t next_id = 0;              // never goes back
     std::unique_ptr<Engine> engine;
     // Hulls that bodies share, by address: an entry holds its hull, so an address in here names one hull.
@@ -70,6 +72,7 @@ struct World::Impl {
         for (size_t i = bodies.size(); i-- > 0;) engine->world->removeRigidBody(bodies[i]->rigid.get());
         bodies.clear();
         ids.clear();
+        moved_steps.clear();
     }
     std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
     void make_compound(BodyRecord& body, std::span<const BodyPart> parts);
@@ -85,6 +88,9 @@ struct World::Impl {
         const BodyRecord* body = find(id);
         assert(body && "no such body in this world");
         return *body;
+    }
+    [[nodiscard]] uint64_t& moved_step(const BodyRecord& body) {
+        return moved_steps[static_cast<size_t>(body.rigid->getUserIndex())];
     }
     void wake(BodyRecord& body) {
         body.still_seconds = body.quiet_seconds = body.rest_seconds = 0.0f;

@@ -1,0 +1,97 @@
+#include "physics/bullet/islands.h"
+
+#include <utility>
+
+namespace brittle::physics {
+
+namespace {
+
+const btCollisionObject& object_of(const btBroadphaseProxy* proxy) {
+    return *static_cast<const btCollisionObject*>(proxy->m_clientObject);
+}
+bool moves(const btCollisionObject& object) {
+    return !object.isStaticOrKinematicObject();
+}
+bool sleeps(const btCollisionObject& object) {
+    return object.getActivationState() == ISLAND_SLEEPING;
+}
+bool wants_to_be_awake(const btCollisionObject& object) {
+    return object.getActivationState() == ACTIVE_TAG || object.getActivationState() == DISABLE_DEACTIVATION;
+}
+
+// One that is awake has come to one that sleeps.
+bool wakes(const btBroadphasePair& pair) {
+    const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
+    return moves(first) && moves(second) && sleeps(first) != sleeps(second);
+}
+
+void for_each(const SweptPairs& pairs, bool all, const auto& visit) {
+    const btBroadphasePair* const array = pairs.getOverlappingPairArrayPtr();
+    if (all)
+        for (int i = 0; i < pairs.getNumOverlappingPairs(); ++i) visit(array[i]);
+    else
+        for (const int index : pairs.set()) visit(array[index]);
+}
+
+} // namespace
+
+void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const SweptPairs& pairs) {
+    // Who belongs to whom among those that sleep is not kept: it is found again when one of them wakes.
+    bool all = false;
+    for_each(pairs, false, [&](const btBroadphasePair& pair) { all = all || wakes(pair); });
+    members_.clear();
+    parents_.resize(bodies.size());
+    lively_.assign(bodies.size(), 0);
+    for (uint32_t i = 0; i < bodies.size(); ++i)
+        if (!bodies[i]->fixed && (all || !sleeps(*bodies[i]->rigid))) {
+            members_.push_back(i);
+            parents_[i] = i;
+        }
+    for_each(pairs, all, [this](const btBroadphasePair& pair) { unite(pair); });
+    settle(bodies);
+    manifolds_.clear();
+    for_each(pairs, all, [this](const btBroadphasePair& pair) { collect(pair); });
+}
+
+void Islands::settle(const std::vector<std::unique_ptr<BodyRecord>>& bodies) {
+    for (const uint32_t member : members_) {
+        parents_[member] = root(member);
+        if (wants_to_be_awake(*bodies[member]->rigid)) lively_[parents_[member]] = 1;
+    }
+    awake_.clear();
+    woken_.clear();
+    asleep_.clear();
+    for (const uint32_t member : members_) {
+        BodyRecord& body = *bodies[member];
+        const bool slept = sleeps(*body.rigid), lively = lively_[parents_[member]] != 0;
+        if (lively) awake_.push_back(&body);
+        if (lively == !slept) continue;
+        body.rigid->setActivationState(lively ? WANTS_DEACTIVATION : ISLAND_SLEEPING);
+        (lively ? woken_ : asleep_).push_back(&body);
+    }
+}
+
+uint32_t Islands::root(uint32_t body) {
+    while (parents_[body] != body) body = parents_[body] = parents_[parents_[body]];
+    return body;
+}
+
+// The lowest index becomes the root.
+void Islands::unite(const btBroadphasePair& pair) {
+    const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
+    if (!moves(first) || !moves(second)) return;
+    uint32_t a = root(static_cast<uint32_t>(first.getUserIndex())), b = root(static_cast<uint32_t>(second.getUserIndex()));
+    if (a > b) std::swap(a, b);
+    parents_[b] = a;
+}
+
+void Islands::collect(const btBroadphasePair& pair) {
+    const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
+    const bool rest = (!moves(first) || sleeps(first)) && (!moves(second) || sleeps(second));
+    if (rest || !pair.m_algorithm) return;
+    of_pair_.resizeNoInitialize(0);
+    pair.m_algorithm->getAllContactManifolds(of_pair_);
+    for (int i = 0; i < of_pair_.size(); ++i) manifolds_.push_back(of_pair_[i]);
+}
+
+} // namespace brittle::physics

@@ -1,0 +1,53 @@
+// Which bodies can push each other, directly or through others; they sleep and wake together.
+//
+// Bodies whose boxes overlap are in one island; what never moves joins nobody. An island of which no body wants to be awake
+// falls asleep as a whole, and wakes as a whole when a body that is awake comes to it. In steps in which nobody wakes, those
+// that sleep cost nothing: only pairs with a body that is awake are looked at.
+//
+// - Contacts come in the order of their pairs, which is that of the bodies: nothing depends on addresses or on what happened
+//   before.
+// - Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/body_record.h"
+#include "physics/bullet/sweep_broadphase.h"
+
+namespace brittle::physics {
+
+class Islands {
+  public:
+    // Bodies are in the order of their user indices. Lets islands fall asleep and wakes them.
+    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const SweptPairs& pairs);
+
+    // In body order.
+    [[nodiscard]] const std::vector<BodyRecord*>& awake() const { return awake_; }
+    [[nodiscard]] const std::vector<BodyRecord*>& woken() const { return woken_; }           // slept until now
+    [[nodiscard]] const std::vector<BodyRecord*>& fallen_asleep() const { return asleep_; } // were awake until now
+    // With at least one body that is awake.
+    [[nodiscard]] const std::vector<btPersistentManifold*>& manifolds() const { return manifolds_; }
+    // The user index of one of the bodies of the island, the same for all of them. Of bodies that are awake.
+    [[nodiscard]] uint32_t of(const BodyRecord& body) const {
+        return parents_[static_cast<size_t>(body.rigid->getUserIndex())];
+    }
+
+  private:
+    uint32_t root(uint32_t body);
+    void unite(const btBroadphasePair& pair);
+    void settle(const std::vector<std::unique_ptr<BodyRecord>>& bodies);
+    void collect(const btBroadphasePair& pair);
+
+    std::vector<uint32_t> parents_; // by body; after find() the root itself
+    std::vector<uint8_t> lively_;   // by root: whether one of the island wants to be awake
+    std::vector<uint32_t> members_; // bodies that are looked at
+    std::vector<BodyRecord*> awake_, woken_, asleep_;
+    std::vector<btPersistentManifold*> manifolds_;
+    btManifoldArray of_pair_; // scratch
+};
+
+} // namespace brittle::physics
