@@ -108,6 +108,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
         !desc.fixed && longest_extent(*body->collision_shape()) < impl_->settings.debris_size * bullet_units;
     impl_->engine->world->addRigidBody(body->rigid.get(), group_of(desc.fixed, debris),
                                        partners_of(desc.fixed, debris));
+    impl_->engine->solver.forget_sleeping();
     ++impl_->next_id;
     impl_->ids.push_back(body->id);
     impl_->bodies.push_back(std::move(body));
@@ -129,6 +130,7 @@ bool World::remove_body(BodyId id) {
             impl_->wake(*impl_->bodies[static_cast<size_t>(other->getUserIndex())]);
     }
     impl_->engine->world->removeRigidBody(body->rigid.get());
+    impl_->engine->solver.forget_sleeping();
     const auto order = static_cast<size_t>(body->rigid->getUserIndex());
     impl_->bodies.erase(impl_->bodies.begin() + static_cast<std::ptrdiff_t>(order));
     impl_->ids.erase(impl_->ids.begin() + static_cast<std::ptrdiff_t>(order));
@@ -161,9 +163,7 @@ uint64_t World::steps_taken() const {
 void World::step() {
     for (size_t i = 0; i < impl_->bodies.size(); ++i)
         if (impl_->moved_steps[i] >= impl_->steps) impl_->bodies[i]->previous = impl_->bodies[i]->pose(); // else they are the same
-    impl_->engine->solver.contacts.clear();
     impl_->engine->world->step(impl_->settings.step);
-    impl_->engine->solver.report_sleeping(impl_->engine->dispatcher);
     ++impl_->steps;
     for (const BodyRecord* body : impl_->engine->world->stepped())
         if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
@@ -12,59 +13,35 @@
 
 namespace brittle::physics {
 
-// Bullet's solver with sweeps of our own, two changes to what it is given, and a report of what it did.
-//
-// Contacts with the ground and with fixed bodies come last, so that each sweep ends with nothing going into
-// the ground. In Bullet's own order, a heavy piece presses a light one beneath it millimetres deep and holds
-// it there; what is left over now is overlap between the two, inside the pile.
+// Solves the contacts of a step (row_solver.h) and reports them.
 //
 // Overlap between bodies counts only as far as may be undone in one step: see
 // WorldSettings::separation_speed. The true distances are found anew before the next step, at whose beginning bodies are
 // moved apart: with the velocities of before, so that in between, where things break, angular momentum is that of the impulses.
-class PieceSolver final : public btSequentialImpulseConstraintSolver {
+class PieceSolver {
   public:
     PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
-        : separation_speed_(settings.separation_speed), bodies_(bodies) {}
+        : settings_(settings), bodies_(bodies) {}
 
-    std::vector<Contact> contacts; // of this step, appended by each call
+    std::vector<Contact> contacts; // of this step
 
-    btScalar solveGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
-                        int manifold_count, btTypedConstraint** constraints, int constraint_count,
-                        const btContactSolverInfo& info, btIDebugDraw* drawer,
-                        btDispatcher* dispatcher) override;
-
+    // Those of bodies that are awake, in the order of manifolds, in place of what contacts holds.
+    void solve(std::span<BodyRecord* const> awake, std::span<btPersistentManifold* const> manifolds);
     // Of bodies that sleep, which nobody solves: what they pressed when they last were awake.
-    void report_sleeping(btDispatcher& dispatcher);
-
-  protected:
-    // The sweeps are ours: row_solver.h.
-    btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int body_count,
-                                               btPersistentManifold** manifolds, int manifold_count,
-                                               btTypedConstraint** constraints, int constraint_count,
-                                               const btContactSolverInfo& info, btIDebugDraw* drawer) override;
+    void report_sleeping(btDispatcher& dispatcher, std::span<BodyRecord* const> awake);
+    // A body came or went.
+    void forget_sleeping() { resting_known_ = false; }
 
   private:
-    // Whether others rest than when it was last asked.
-    bool find_resting();
-    void note_speeds();
-    void prepare_contacts(btScalar deepest); // Bullet's units
-    void put_off_repairs(btCollisionObject** bodies, int body_count);
-    void report_contacts();
-    [[nodiscard]] Contact contact_of(const btPersistentManifold& manifold, const btManifoldPoint& point,
-                                     float speed) const;
+    [[nodiscard]] Contact contact_between(const btPersistentManifold& manifold, const btManifoldPoint& point) const;
 
-    struct Resting {
-        BodyId id;
-        bool is;
-        friend bool operator==(const Resting&, const Resting&) = default;
-    };
     RowSolver rows_;
-    std::vector<Resting> resting_; // in body order, when contacts of those that sleep were last told
-    std::vector<Contact> resting_contacts_;
-    float separation_speed_;
+    const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
-    std::vector<btPersistentManifold*> ordered_; // scratch of one call
-    std::vector<float> speeds_;                  // likewise: m/s, of all points of ordered_
+    // What presses among those that sleep, and who did not sleep then.
+    bool resting_known_ = false;
+    std::vector<Contact> resting_contacts_;
+    std::vector<BodyRecord*> not_resting_;
 };
 
 } // namespace brittle::physics

@@ -1,31 +1,64 @@
-// The sweeps of the solver: projected Gauss-Seidel over contacts and friction, as Bullet's own, on rows of half the size.
+// The solver of a step: projected Gauss-Seidel over contacts and friction, as Bullet's own, on rows made for it.
 //
-// Bullet's package is built without SIMD, and solves the points of one contact after the other: each row waits for the one
+// Bullet's makes rows of twice the size and solves the points of one contact after the other: each row waits for the one
 // before, as both change the same two bodies. Here the first points of all pairs come first, then all second ones, so that
 // rows beside each other have nothing to do with each other, and the processor works on several at a time. What has a body
-// that never moves still comes behind all others (piece_solver.h says why). A sweep over contacts is followed by one over
+// that never moves comes behind all others, so that each sweep ends with nothing going into the ground: otherwise a heavy
+// piece presses a light one beneath it millimetres deep and holds it there. A sweep over contacts is followed by one over
 // their friction, and before all of them overlap is undone by moving (split impulses).
 //
-// Bullet makes the rows and takes the results; this is between. One friction direction a contact; no joints, no rolling
-// friction.
+// - One friction direction a contact: that in which it slides, or any where it does not. No joints, no rolling friction.
+// - Where both bodies move they meet in one point, midway across a gap or an overlap. Bullet pushes each at its own side, and
+//   friction then turns the two by more than it should.
+// - The solution starts from 0.85 of the impulses that the points have from the last one.
+// - Bullet's units throughout.
 //
 // E. Catto, "Iterative Dynamics with Temporal Coherence", 2005.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/body_record.h"
 
 namespace brittle::physics {
 
 class RowSolver {
   public:
-    // Sweeps over all rows so many times, and leaves impulses in the rows and changes of velocity in the bodies.
-    void solve(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& contacts, btConstraintArray& frictions,
-               int sweeps);
+    struct Step {
+        float seconds = 0.0f;
+        int sweeps = 0;
+        btVector3 gravity{0, 0, 0};
+        float separation_speed = 0.0f;  // at which overlap of bodies that both move is undone, at most
+        float least_bounce_speed = 0.0f; // slower blows do not bounce
+    };
+    // What became of one point of a contact.
+    struct Solved {
+        const btPersistentManifold* manifold;
+        btManifoldPoint* point;
+        btVector3 position; // where it acts on what moves
+        float distance;     // overlap as far as it counts
+        float speed;        // at which the bodies approached along the normal
+        float impulse;      // on the first body, along the normal
+        btVector3 friction; // likewise, across it
+    };
+
+    // Of bodies that are awake, and all contacts that any of them has. Changes their velocities by gravity and contacts, leaves
+    // impulses in the points of the manifolds, and in the bodies the repair of overlap.
+    void solve(std::span<BodyRecord* const> bodies, std::span<btPersistentManifold* const> manifolds, const Step& step);
+    // In the order of manifolds and their points.
+    [[nodiscard]] std::span<const Solved> solved() const { return solved_; }
 
   private:
+    // What rows are made of: a body as it enters the solution.
+    struct Mover {
+        btVector3 turning[3]; // rows of the inverse inertia, in the world's axes
+        btVector3 centre, linear, angular; // gravity is in
+        float light; // inverse mass
+    };
     // Of a contact or of its friction. Vectors lie without gaps; four floats can be read at each.
     struct Row {
         float normal[3];            // from b to a
@@ -33,32 +66,47 @@ class RowSolver {
         float turn_a[3], turn_b[3]; // what a unit of impulse does to the angular velocity
         float wanted;               // impulse that brings the velocity that is wanted, from that before the sweeps
         float gain;                 // impulse a unit of velocity
-        float softness;
         float impulse;
-        float friction;         // coefficient
         float light_a, light_b; // inverse masses
-        uint32_t a, b;          // bodies; if one never moves it is b
+        uint32_t a, b;          // movers; where one body never moves it is b, and not to be looked at
     };
     struct Motion {
         float linear[4], angular[4]; // changes so far; the last of four is 0
     };
+    // One side of a contact: a mover, or nothing where it never moves.
+    struct Side {
+        const Mover* mover;
+        uint32_t index;
+        btVector3 arm;
+    };
 
-    void order(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& contacts);
-    static Row row_of(const btSolverConstraint& from, const btAlignedObjectArray<btSolverBody>& bodies);
-    static size_t first_held(const std::vector<Row>& rows);
+    void take_bodies(std::span<BodyRecord* const> bodies, const Step& step);
+    void take_points(std::span<btPersistentManifold* const> manifolds, const Step& step);
+    // Where each point is solved: first points of pairs first, contacts with what never moves last.
+    void order();
+    void make_rows(const Step& step);
+    void make_rows(Solved& contact, size_t place, const Step& step);
+    static Row row_along(const btVector3& normal, const Side& a, const Side& b);
+    [[nodiscard]] Side side_of(const btCollisionObject* object, const btVector3& position) const;
+
+    // Lets an impulse act along a row.
+    static void give(const Row& row, float impulse, bool held, Motion* motions);
     static void resolve(Row& row, Motion* motions, float low, float high);
     static void resolve_held(Row& row, Motion* motions, float low, float high);
-    void press(); // one sweep over contacts_
-    void rub();   // and one over frictions_
-    void move_apart(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& contacts, int sweeps);
+    static void press(std::vector<Row>& rows, size_t held, Motion* motions); // one sweep over contacts
+    void rub();                                                             // and one over their friction
+    void move_apart(std::span<BodyRecord* const> bodies, const Step& step);
+    void hand_back(std::span<BodyRecord* const> bodies);
 
-    std::vector<uint32_t> order_;    // indices of contacts in the order in which they are solved
-    std::vector<uint32_t> keys_, starts_; // scratch of order()
-    std::vector<uint32_t> place_;    // of a contact in order_
-    std::vector<Row> contacts_, frictions_;
-    size_t held_ = 0; // from here on contacts_ are with what never moves
-    std::vector<uint32_t> of_friction_; // place of the contact it belongs to
-    std::vector<uint32_t> deep_;        // contacts whose overlap is undone
+    std::vector<Mover> movers_;
+    std::vector<uint32_t> indices_; // of movers, by the user index of their bodies
+    std::vector<Solved> solved_;
+    std::vector<uint32_t> keys_, starts_, places_; // of order()
+    std::vector<Row> contacts_, frictions_;        // side by side
+    std::vector<float> coefficients_;              // of friction, beside them
+    std::vector<float> depths_;                    // wanted where overlap is undone, beside them; 0: there is none
+    std::vector<Row> deep_;
+    size_t held_ = 0; // from here on contacts are with what never moves
     std::vector<Motion> motions_;
 };
 

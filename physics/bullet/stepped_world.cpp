@@ -61,6 +61,7 @@ void SteppedWorld::step(btScalar seconds) {
     solve(seconds);
     for (BodyRecord* body : islands_.awake()) move_on(*body, seconds);
     if (settings_.sleeping) find_who_settles(seconds);
+    solver_.report_sleeping(*getDispatcher(), islands_.awake());
 }
 
 void SteppedWorld::find_pairs(btScalar seconds) {
@@ -78,7 +79,6 @@ void SteppedWorld::find_pairs(btScalar seconds) {
 }
 
 void SteppedWorld::set_box(BodyRecord& body, btScalar seconds) {
-    body.rigid->applyGravity();
     body.rigid->predictIntegratedTransform(seconds, body.rigid->getInterpolationWorldTransform());
     updateSingleAabb(body.rigid.get());
 }
@@ -99,17 +99,12 @@ void SteppedWorld::find_islands() {
 
 // Notes the velocities that bodies would have without contacts.
 void SteppedWorld::solve(btScalar seconds) {
-    solved_.clear();
+    const btVector3 fall = getGravity() * seconds;
     for (BodyRecord* body : islands_.awake()) {
         body->unhindered = body->velocity();
-        body->unhindered.linear += body->rigid->getTotalForce() * (body->rigid->getInvMass() * seconds);
-        solved_.push_back(body->rigid.get());
+        body->unhindered.linear += fall;
     }
-    manifolds_ = islands_.manifolds();
-    getSolverInfo().m_timeStep = seconds;
-    solver_.solveGroup(solved_.data(), static_cast<int>(solved_.size()), manifolds_.data(), static_cast<int>(manifolds_.size()),
-                       nullptr, 0, getSolverInfo(), nullptr, getDispatcher());
-    for (BodyRecord* body : stepped_) body->rigid->clearForces();
+    solver_.solve(islands_.awake(), islands_.manifolds());
 }
 
 void SteppedWorld::move_on(BodyRecord& body, btScalar seconds) {

@@ -23,7 +23,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     SteppedWorld(btDispatcher* dispatcher, SweepBroadphase* broadphase, PieceSolver* solver,
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
                  const std::vector<std::unique_ptr<BodyRecord>>& bodies)
-        : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), broadphase_(*broadphase),
+        : btDiscreteDynamicsWorld(dispatcher, broadphase, nullptr, configuration), broadphase_(*broadphase),
           solver_(*solver), settings_(settings), bodies_(bodies) {}
 
     // In place of stepSimulation(). The solver then has the contacts of the step.
@@ -56,8 +56,6 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
     Islands islands_;
     std::vector<BodyRecord*> stepped_;
-    std::vector<btCollisionObject*> solved_;         // scratch of one step
-    std::vector<btPersistentManifold*> manifolds_; // likewise
     struct Calm {
         float mass = 0.0f, calm_mass = 0.0f; // kg
         bool fast = false;                   // one of it is on its way

@@ -9,13 +9,6 @@ Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<
     world =
         std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies);
     world->setGravity(metres_to_bullet(settings.gravity));
-    btContactSolverInfo& info = world->getSolverInfo();
-    info.m_numIterations = static_cast<int>(settings.solver_iterations);
-    // Overlap is resolved by moving bodies, never by accelerating them, however shallow: otherwise the
-    // repair of an overlap turns into kinetic energy.
-    info.m_splitImpulse = 1;
-    info.m_splitImpulsePenetrationThreshold = 0.0f;
-    info.m_restitutionVelocityThreshold *= bullet_units;
     if (!settings.ground_height) return;
     ground_shape =
         std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * bullet_units);
