@@ -119,6 +119,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
 bool World::remove_body(BodyId id) {
     BodyRecord* body = impl_->find(id);
     if (!body) return false;
+    (void)impl_->contacts(); // they still name it
     for (int i = 0; i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);
         const btCollisionObject* first = manifold->getBody0();
@@ -271,7 +272,7 @@ void World::move_on(BodyId id, float seconds) {
 }
 
 void World::amend_contact(size_t index, const Contact& contact) {
-    impl_->engine->solver.contacts[index] = contact;
+    impl_->contacts()[index] = contact;
 }
 
 float World::response(BodyId id, glm::vec3 point, glm::vec3 direction) const {
@@ -281,7 +282,7 @@ float World::response(BodyId id, glm::vec3 point, glm::vec3 direction) const {
 }
 
 std::span<const Contact> World::contacts() const {
-    return impl_->engine->solver.contacts;
+    return impl_->contacts();
 }
 
 void World::wake_all() {

@@ -25,7 +25,21 @@ void PieceSolver::solve(std::span<BodyRecord* const> awake, std::span<btPersiste
                  .gravity = metres_to_bullet(settings_.gravity),
                  .separation_speed = settings_.separation_speed * bullet_units,
                  .least_bounce_speed = least_bounce_speed * bullet_units});
-    contacts.clear();
+    awake_.assign(awake.begin(), awake.end());
+    contacts_.clear();
+    told_ = false;
+}
+
+std::vector<Contact>& PieceSolver::contacts(btDispatcher& dispatcher) {
+    if (!told_) {
+        report_solved();
+        report_sleeping(dispatcher);
+        told_ = true;
+    }
+    return contacts_;
+}
+
+void PieceSolver::report_solved() {
     for (const RowSolver::Solved& solved : rows_.solved()) {
         if (solved.impulse <= 0.0f) continue;
         Contact contact = contact_between(*solved.manifold, *solved.point);
@@ -34,15 +48,15 @@ void PieceSolver::solve(std::span<BodyRecord* const> awake, std::span<btPersiste
         contact.friction = metres_from_bullet(solved.friction);
         contact.gap = solved.distance / bullet_units;
         contact.speed = solved.speed / bullet_units;
-        contacts.push_back(contact);
+        contacts_.push_back(contact);
     }
 }
 
 // That stays as it is until one of them wakes, comes or goes.
-void PieceSolver::report_sleeping(btDispatcher& dispatcher, std::span<BodyRecord* const> awake) {
-    if (!resting_known_ || !std::ranges::equal(not_resting_, awake)) {
+void PieceSolver::report_sleeping(btDispatcher& dispatcher) {
+    if (!resting_known_ || not_resting_ != awake_) {
         resting_known_ = true;
-        not_resting_.assign(awake.begin(), awake.end());
+        not_resting_ = awake_;
         resting_contacts_.clear();
         for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
             const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
@@ -57,7 +71,7 @@ void PieceSolver::report_sleeping(btDispatcher& dispatcher, std::span<BodyRecord
             }
         }
     }
-    contacts.insert(contacts.end(), resting_contacts_.begin(), resting_contacts_.end());
+    contacts_.insert(contacts_.end(), resting_contacts_.begin(), resting_contacts_.end());
 }
 
 Contact PieceSolver::contact_between(const btPersistentManifold& manifold, const btManifoldPoint& point) const {

@@ -23,21 +23,26 @@ class PieceSolver {
     PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
         : settings_(settings), bodies_(bodies) {}
 
-    std::vector<Contact> contacts; // of this step
-
-    // Those of bodies that are awake, in the order of manifolds, in place of what contacts holds.
+    // Of bodies that are awake, and all contacts that any of them has.
     void solve(std::span<BodyRecord* const> awake, std::span<btPersistentManifold* const> manifolds);
-    // Of bodies that sleep, which nobody solves: what they pressed when they last were awake.
-    void report_sleeping(btDispatcher& dispatcher, std::span<BodyRecord* const> awake);
-    // A body came or went.
+    // Of the last step: first those that were solved, in the order of manifolds, then those of bodies that sleep, as they
+    // pressed when they last were awake. They are told when they are first asked for, as not everybody wants them: that must
+    // be before a body goes.
+    [[nodiscard]] std::vector<Contact>& contacts(btDispatcher& dispatcher);
+    // A body came or goes.
     void forget_sleeping() { resting_known_ = false; }
 
   private:
+    void report_solved();
+    void report_sleeping(btDispatcher& dispatcher);
     [[nodiscard]] Contact contact_between(const btPersistentManifold& manifold, const btManifoldPoint& point) const;
 
     RowSolver rows_;
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    std::vector<Contact> contacts_;
+    bool told_ = true; // contacts_ are of the last step
+    std::vector<BodyRecord*> awake_;
     // What presses among those that sleep, and who did not sleep then.
     bool resting_known_ = false;
     std::vector<Contact> resting_contacts_;

@@ -40,9 +40,8 @@ bool never_moves(const btCollisionObject* object) {
 void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<btPersistentManifold* const> manifolds,
                       const Step& step) {
     take_bodies(bodies, step);
-    take_points(manifolds, step);
-    order();
-    make_rows(step);
+    order(manifolds);
+    make_rows(manifolds, step);
     move_apart(bodies, step);
 
     motions_.assign(movers_.size(), {});
@@ -70,19 +69,40 @@ void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& ste
     }
 }
 
-void RowSolver::take_points(std::span<btPersistentManifold* const> manifolds, const Step& step) {
-    // What is deeper than a step may undo counts as that deep.
-    const float deepest = step.separation_speed * step.seconds / undone_part;
-    solved_.clear();
+// A sort by counting.
+void RowSolver::order(std::span<btPersistentManifold* const> manifolds) {
     keys_.clear();
+    starts_.assign(2 * most_points + 1, 0);
     const btPersistentManifold* before = nullptr;
     uint32_t place = 0; // among the points of the same two bodies
-    for (btPersistentManifold* manifold : manifolds) {
+    for (const btPersistentManifold* manifold : manifolds) {
         const btCollisionObject *a = manifold->getBody0(), *b = manifold->getBody1();
         if (!before || before->getBody0() != a || before->getBody1() != b) place = 0;
         before = manifold;
-        const bool held = never_moves(a) || never_moves(b), ground = a->getUserIndex() < 0 || b->getUserIndex() < 0;
+        const uint32_t first_key = never_moves(a) || never_moves(b) ? most_points : 0;
         for (int i = 0; i < manifold->getNumContacts(); ++i, ++place) {
+            keys_.push_back(first_key + std::min(place, most_points - 1));
+            ++starts_[keys_.back() + 1];
+        }
+    }
+    for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
+    held_ = starts_[most_points];
+    places_.resize(keys_.size());
+    for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
+}
+
+void RowSolver::make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step) {
+    contacts_.resize(places_.size());
+    frictions_.resize(places_.size());
+    coefficients_.resize(places_.size());
+    depths_.resize(places_.size());
+    solved_.clear();
+    // What is deeper than a step may undo counts as that deep.
+    const float deepest = step.separation_speed * step.seconds / undone_part;
+    for (btPersistentManifold* manifold : manifolds) {
+        const btCollisionObject *a = manifold->getBody0(), *b = manifold->getBody1();
+        const bool held = never_moves(a) || never_moves(b), ground = a->getUserIndex() < 0 || b->getUserIndex() < 0;
+        for (int i = 0; i < manifold->getNumContacts(); ++i) {
             btManifoldPoint& point = manifold->getContactPoint(i);
             const btVector3 &on_a = point.getPositionWorldOnA(), &on_b = point.getPositionWorldOnB();
             solved_.push_back({.manifold = manifold,
@@ -92,27 +112,9 @@ void RowSolver::take_points(std::span<btPersistentManifold* const> manifolds, co
                                .speed = 0.0f,
                                .impulse = 0.0f,
                                .friction = {0, 0, 0}});
-            keys_.push_back((held ? most_points : 0) + std::min(place, most_points - 1));
+            make_rows(solved_.back(), places_[solved_.size() - 1], step);
         }
     }
-}
-
-// A sort by counting.
-void RowSolver::order() {
-    starts_.assign(2 * most_points + 1, 0);
-    for (const uint32_t key : keys_) ++starts_[key + 1];
-    for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
-    held_ = starts_[most_points];
-    places_.resize(keys_.size());
-    for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
-}
-
-void RowSolver::make_rows(const Step& step) {
-    contacts_.resize(solved_.size());
-    frictions_.resize(solved_.size());
-    coefficients_.resize(solved_.size());
-    depths_.resize(solved_.size());
-    for (size_t i = 0; i < solved_.size(); ++i) make_rows(solved_[i], places_[i], step);
 }
 
 RowSolver::Side RowSolver::side_of(const btCollisionObject* object, const btVector3& position) const {

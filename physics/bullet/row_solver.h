@@ -81,10 +81,9 @@ class RowSolver {
     };
 
     void take_bodies(std::span<BodyRecord* const> bodies, const Step& step);
-    void take_points(std::span<btPersistentManifold* const> manifolds, const Step& step);
     // Where each point is solved: first points of pairs first, contacts with what never moves last.
-    void order();
-    void make_rows(const Step& step);
+    void order(std::span<btPersistentManifold* const> manifolds);
+    void make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step);
     void make_rows(Solved& contact, size_t place, const Step& step);
     static Row row_along(const btVector3& normal, const Side& a, const Side& b);
     [[nodiscard]] Side side_of(const btCollisionObject* object, const btVector3& position) const;

@@ -26,6 +26,9 @@ constexpr float place_part = 1.0f;
 // that waits for its neighbours.
 constexpr float patience = 1.5f;
 
+// Boxes reach so far around what they hold, in metres: contacts begin before bodies touch.
+constexpr float box_slack = 2e-3f;
+
 // What is deeper than this in the ground, in metres, does not fall asleep before it has come up.
 constexpr float sunk_depth = 1e-3f;
 
@@ -61,7 +64,6 @@ void SteppedWorld::step(btScalar seconds) {
     solve(seconds);
     for (BodyRecord* body : islands_.awake()) move_on(*body, seconds);
     if (settings_.sleeping) find_who_settles(seconds);
-    solver_.report_sleeping(*getDispatcher(), islands_.awake());
 }
 
 void SteppedWorld::find_pairs(btScalar seconds) {
@@ -78,9 +80,29 @@ void SteppedWorld::find_pairs(btScalar seconds) {
     getDispatcher()->dispatchAllCollisionPairs(broadphase_.getOverlappingPairCache(), info, getDispatcher());
 }
 
+// A body that hardly turns has its box looked for once.
 void SteppedWorld::set_box(BodyRecord& body, btScalar seconds) {
-    body.rigid->predictIntegratedTransform(seconds, body.rigid->getInterpolationWorldTransform());
-    updateSingleAabb(body.rigid.get());
+    btRigidBody& rigid = *body.rigid;
+    const btCollisionShape& shape = *rigid.getCollisionShape();
+    btVector3 low, high;
+    shape.getAabb(rigid.getWorldTransform(), low, high);
+    btScalar around = box_slack * bullet_units;
+    const btScalar turning = rigid.getAngularVelocity().length() * seconds;
+    if (body.shape && turning * body.shape->radius() < around) {
+        const btVector3 way = rigid.getLinearVelocity() * seconds;
+        around += turning * body.shape->radius();
+        low.setMin(low + way);
+        high.setMax(high + way);
+    } else {
+        btTransform ahead;
+        rigid.predictIntegratedTransform(seconds, ahead);
+        btVector3 low_ahead, high_ahead;
+        shape.getAabb(ahead, low_ahead, high_ahead);
+        low.setMin(low_ahead);
+        high.setMax(high_ahead);
+    }
+    const btVector3 slack(around, around, around);
+    broadphase_.setAabb(body.rigid->getBroadphaseHandle(), low - slack, high + slack, getDispatcher());
 }
 
 void SteppedWorld::find_islands() {

@@ -81,7 +81,15 @@ void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispa
 }
 
 void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher*, const btDispatcherInfo&) {
-    for (const int index : set_) callback->processOverlap(pairs_[index]);
+    const auto fetch = [this](size_t place) {
+        const btBroadphasePair& pair = pairs_[set_[place]];
+        for (const void* const at : {static_cast<const void*>(pair.m_algorithm), static_cast<const void*>(pair.m_pProxy1->m_clientObject)})
+            for (size_t line = 0; at && line < 5; ++line) __builtin_prefetch(static_cast<const char*>(at) + 64 * line);
+    };
+    for (size_t i = 0; i < set_.size(); ++i) {
+        if (i + 4 < set_.size()) fetch(i + 4);
+        callback->processOverlap(pairs_[set_[i]]);
+    }
 }
 
 bool SweptPairs::needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const {

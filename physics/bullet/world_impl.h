@@ -89,6 +89,7 @@ struct World::Impl {
         assert(body && "no such body in this world");
         return *body;
     }
+    [[nodiscard]] std::vector<Contact>& contacts() { return engine->solver.contacts(engine->dispatcher); }
     [[nodiscard]] uint64_t& moved_step(const BodyRecord& body) {
         return moved_steps[static_cast<size_t>(body.rigid->getUserIndex())];
     }
