@@ -18,13 +18,14 @@ using fracture::Status;
 
 Result<BodyId> add_piece(World& world, const Fragments& fragments, const Piece& piece,
                          const Material& material, const PlacedMotion& motion,
-                         const std::shared_ptr<const CollisionHull>& hull) {
+                         const std::shared_ptr<const CollisionHull>& hull, uint32_t siblings) {
     const glm::dvec3 arm = glm::dquat(motion.placement.orientation) * piece.mass.centre_of_mass;
     BodyDesc desc;
     desc.parts = {{hull, glm::vec3(0.0f)}};
     desc.pose = {glm::vec3(glm::dvec3(motion.placement.position) + arm), motion.placement.orientation};
     desc.linear_velocity = motion.linear_velocity + glm::cross(motion.angular_velocity, glm::vec3(arm));
     desc.angular_velocity = motion.angular_velocity;
+    desc.siblings = siblings;
     desc.friction = material.friction;
     desc.restitution = material.restitution;
     // A sliver's integrals can round to a volume or a tensor that no body has; the world is the judge of
@@ -55,9 +56,10 @@ Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments,
                                                   + std::to_string(fragments.pieces.size()) + " pieces"};
     std::vector<BodyId> bodies;
     bodies.reserve(fragments.pieces.size());
+    const uint32_t siblings = world.new_siblings();
     for (size_t i = 0; i < fragments.pieces.size(); ++i) {
         const Result<BodyId> body =
-            add_piece(world, fragments, fragments.pieces[i], material, motion, hulls[i]);
+            add_piece(world, fragments, fragments.pieces[i], material, motion, hulls[i], siblings);
         if (!body) {
             for (const BodyId added : bodies) world.remove_body(added);
             return Error{body.error().status, "piece " + std::to_string(i) + ": " + body.error().message};

@@ -98,6 +98,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     }
     body->rigid->setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
     body->rigid->setUserIndex(static_cast<int>(impl_->bodies.size()));
+    if (desc.siblings != 0) impl_->engine->world->siblings().add(*body->rigid, desc.siblings);
     if (!impl_->settings.sleeping) body->rigid->setActivationState(DISABLE_DEACTIVATION);
     body->blow_frame = frame;
     body->unhindered = body->solved = body->velocity();
@@ -116,10 +117,15 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     return impl_->ids.back();
 }
 
+uint32_t World::new_siblings() {
+    return ++impl_->last_siblings;
+}
+
 bool World::remove_body(BodyId id) {
     BodyRecord* body = impl_->find(id);
     if (!body) return false;
     (void)impl_->contacts(); // they still name it
+    impl_->engine->world->siblings().remove(*body->rigid);
     for (int i = 0; i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);
         const btCollisionObject* first = manifold->getBody0();

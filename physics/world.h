@@ -107,6 +107,9 @@ struct BodyDesc {
     // the body is swept along its path, and the step ends where that ball first touches another body. Costs a query
     // in such steps only. The other's own motion is not looked at; the ground needs none of this.
     bool continuous = false;
+    // Bodies that come between the same two steps with the same number, if it is one of World::new_siblings(), do not overlap:
+    // pieces of one cut. While they fly as one, nobody looks for contacts between them.
+    uint32_t siblings = 0;
     float mass = 1.0f;       // kg, > 0
     glm::mat3 inertia{1.0f}; // kg m^2 about the centre of mass in body axes; symmetric
     Pose pose{};
@@ -168,6 +171,8 @@ class World {
     // then unchanged. Eigenvalues of the inertia below a ten-thousandth of the largest (needles, flakes) are
     // raised to it, for the solver's sake.
     Result<BodyId> add_body(const BodyDesc& desc);
+    // A number for BodyDesc::siblings that was not given before.
+    uint32_t new_siblings();
     // Removes a body and wakes what it touched; later bodies move up by one in body order. False if there is
     // none.
     bool remove_body(BodyId id);

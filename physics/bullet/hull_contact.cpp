@@ -9,6 +9,7 @@
 
 #include "physics/bullet/hull_distance.h"
 #include "physics/bullet/hull_shape.h"
+#include "physics/bullet/siblings.h"
 
 namespace brittle::physics {
 
@@ -18,6 +19,9 @@ namespace {
 // at which contacts begin: a two-hundredth of the smaller one's radius. More saves time while a heap settles;
 // much more and contacts lag behind corners that tilt.
 constexpr btScalar still_part = 0.25f;
+// Pieces of one cut that fly as one are looked at when they have moved against each other by this part of the smaller one's
+// radius: more than rounding moves them.
+constexpr btScalar together_part = 1e-4f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
 constexpr btScalar near_part = 0.02f;
 
@@ -53,14 +57,15 @@ class HullPair final : public btCollisionAlgorithm {
                 * first->getWorldTransform().getBasis();
         if (axis_.fuzzyZero()) axis_ = {0, 1, 0};
         axis_.normalize();
+        if (!Siblings::fly_as_one(*first->getCollisionObject(), *second->getCollisionObject())) return;
+        seen_ = relative_of(*first, *second);
+        free_ = together_part * radius_;
     }
     ~HullPair() override { release(); }
 
     void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                           const btDispatcherInfo& info, btManifoldResult* result) override {
-        const btTransform& a = first->getWorldTransform();
-        const btTransform& b = second->getWorldTransform();
-        const btTransform relative = first_moves_ ? b.inverseTimes(a) : a.inverseTimes(b);
+        const btTransform relative = relative_of(*first, *second);
         const btScalar ahead = looks_ahead_ ? approach(*first, *second) * info.m_timeStep : 0.0f;
         if (!(moved_since(relative) + ahead < free_)) {
             seen_ = relative;
@@ -82,6 +87,12 @@ class HullPair final : public btCollisionAlgorithm {
     }
 
   private:
+    // The frame of the smaller hull in that of the other one.
+    [[nodiscard]] btTransform relative_of(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) const {
+        const btTransform &a = first.getWorldTransform(), &b = second.getWorldTransform();
+        return first_moves_ ? b.inverseTimes(a) : a.inverseTimes(b);
+    }
+
     // How far any point of the smaller hull can have moved in the frame of the other one.
     [[nodiscard]] btScalar moved_since(const btTransform& relative) const {
         btScalar turned =

@@ -60,6 +60,7 @@ void SteppedWorld::step(btScalar seconds) {
         if (body->awake()) stepped_.push_back(body.get());
     for (BodyRecord* body : stepped_) body->start_step();
     find_pairs(seconds);
+    siblings_.forget();
     find_islands();
     solve(seconds);
     for (BodyRecord* body : islands_.awake()) move_on(*body, seconds);
@@ -77,6 +78,8 @@ void SteppedWorld::find_pairs(btScalar seconds) {
     btDispatcherInfo& info = getDispatchInfo();
     info.m_timeStep = seconds;
     broadphase_.calculateOverlappingPairs(getDispatcher());
+    const std::optional<float>& ground = settings_.ground_height;
+    siblings_.check(broadphase_.pairs(), ground ? std::optional(*ground * bullet_units) : std::nullopt);
     getDispatcher()->dispatchAllCollisionPairs(broadphase_.getOverlappingPairCache(), info, getDispatcher());
 }
 

@@ -11,6 +11,7 @@
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/islands.h"
 #include "physics/bullet/piece_solver.h"
+#include "physics/bullet/siblings.h"
 #include "physics/bullet/sweep_broadphase.h"
 #include "physics/rotation.h"
 #include "physics/world.h"
@@ -30,6 +31,9 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     void step(btScalar seconds);
     // Who was awake at any time of the last step, in no order; nobody else has moved.
     [[nodiscard]] const std::vector<BodyRecord*>& stepped() const { return stepped_; }
+
+    // Those that have come since the last step.
+    [[nodiscard]] Siblings& siblings() { return siblings_; }
 
     // Moves one body by its velocity, as the end of a step does.
     void move_on(BodyRecord& body, btScalar seconds);
@@ -54,6 +58,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     PieceSolver& solver_;
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    Siblings siblings_;
     Islands islands_;
     std::vector<BodyRecord*> stepped_;
     struct Calm {

@@ -53,6 +53,7 @@ struct World::Impl {
     std::vector<BodyId> ids;           // in body order, and so ascending: they are given in that order
     // By body: see World::last_moved_step(). Apart from the rest of a body, as each step asks for all of them.
     std::vector<uint64_t> moved_steps;
+    uint32_t last_siblings = 0;        // the last number given
     uint32_t next_id = 0;              // never goes back
     std::unique_ptr<Engine> engine;
     // Hulls that bodies share, by address: an entry holds its hull, so an address in here names one hull.
