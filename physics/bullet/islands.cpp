@@ -13,7 +13,7 @@ bool moves(const btCollisionObject& object) {
     return !object.isStaticOrKinematicObject();
 }
 bool sleeps(const btCollisionObject& object) {
-    return object.getActivationState() == ISLAND_SLEEPING;
+    return !object.isActive();
 }
 bool wants_to_be_awake(const btCollisionObject& object) {
     return object.getActivationState() == ACTIVE_TAG || object.getActivationState() == DISABLE_DEACTIVATION;

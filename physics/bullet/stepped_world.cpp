@@ -29,6 +29,9 @@ constexpr float patience = 1.5f;
 // Boxes reach so far around what they hold, in metres: contacts begin before bodies touch.
 constexpr float box_slack = 2e-3f;
 
+// What sweeps over more than this in a step, in metres, is out of all bounds.
+constexpr float longest_way = 1e5f;
+
 // What is deeper than this in the ground, in metres, does not fall asleep before it has come up.
 constexpr float sunk_depth = 1e-3f;
 
@@ -105,7 +108,11 @@ void SteppedWorld::set_box(BodyRecord& body, btScalar seconds) {
         high.setMax(high_ahead);
     }
     const btVector3 slack(around, around, around);
-    broadphase_.setAabb(body.rigid->getBroadphaseHandle(), low - slack, high + slack, getDispatcher());
+    // A body that went astray, or is nowhere, stays where it last was.
+    if ((high - low).length() < longest_way * bullet_units)
+        broadphase_.setAabb(rigid.getBroadphaseHandle(), low - slack, high + slack, getDispatcher());
+    else
+        rigid.setActivationState(DISABLE_SIMULATION);
 }
 
 void SteppedWorld::find_islands() {

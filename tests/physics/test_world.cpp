@@ -497,3 +497,18 @@ TEST_CASE("two worlds with their own settings and a moved one do not disturb eac
     for (int step = 0; step < 60; ++step) moved.step(), second.step();
     CHECK(moved.state_hash() == alone.state_hash());
 }
+
+TEST_CASE("a body that goes astray stops where it is and disturbs nobody") {
+    const auto ends = [](bool astray) {
+        World world;
+        const BodyId stays = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {0.0f, 0.5f, 0.0f}));
+        BodyDesc far = box({0.1f, 0.1f, 0.1f}, 1.0f, {5.0f, 5.0f, 0.0f});
+        far.linear_velocity = {1e9f, 0.0f, 0.0f};
+        BodyId gone;
+        if (astray) gone = must_add(world, far);
+        run(world, 1.0f);
+        if (astray) CHECK(std::isfinite(world.pose(gone).position.x));
+        return world.pose(stays).position;
+    };
+    CHECK(ends(true) == ends(false));
+}
