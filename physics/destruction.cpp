@@ -104,7 +104,7 @@ void Destruction::part_if_overloaded(const World& world, PieceId id) {
     std::vector<uint32_t> islands = overloaded(*piece.solid->blocks, settings.material, settings.blocks.strength_scale,
                                                gravity_of(world, piece), {});
     if (std::ranges::any_of(islands, [](uint32_t island) { return island != 0; }))
-        start_parting(world, id, [found = std::move(islands)](const auto&...) { return found; });
+        start_parting(world, id, {}, [found = std::move(islands)](const auto&...) { return found; });
 }
 
 BodyId Destruction::body_of(const Live& piece) const {

@@ -6,16 +6,18 @@
 //     each frame: for (what is in destruction.take_events()) add it to the renderer or take it out;
 //                 destruction.write_poses(world, poses, alpha);
 //
-// - An object starts whole, as one body and one closed mesh, or as a Structure of bonded pieces. A contact of the last step
-//   that came in faster than impact_speed is a blow; one that is harder than the piece bears (bearable_impulse() in
-//   solid_piece.h, compared as for a blow of a kilogram, impact_seconds in material.h) breaks it: sites are laid around the
-//   contact (impact_pattern.h), and what comes of it can break again, down to min_size.
+// - An object starts whole, as one body and one closed mesh, or as a Structure of bonded pieces. Contacts that came in faster
+//   than impact_speed are a blow, one for as many steps as it takes (contact_blows.h); one that is harder than the piece bears
+//   (bearable_impulse() in solid_piece.h, compared as for a blow of a kilogram, impact_seconds in material.h) breaks it: sites are
+//   laid around the contact (impact_pattern.h), and what comes of it can break again, down to min_size.
 // - Cutting, masses, hulls and what a renderer draws are made by a job on another thread. Until it is committed the piece
 //   moves on whole, with what hit it resting at it: a bounce off what is about to give way is taken back. Pieces then start
 //   with the motion of that moment, v + w x r. The impulse that the contact had is given back to both sides, less what the
 //   cracks took of the energy, and solved anew against the piece that was hit alone. Momentum and angular momentum are kept. (Of bonded pieces the
-//   contact stays as Structure leaves it.)
-// - One job a piece at a time. Later blows to it are summed up, and what comes out nearest to the hardest takes them.
+//   contact stays as Structure leaves it.) Where a piece is held, the world is the other side: it gives back what the contact
+//   gave it, so what comes loose takes the blow as a free body would; of friction, and of what the cracks took, it keeps all.
+// - One job a piece at a time. Later blows to it are summed up, and what comes out nearest to the hardest takes them; the
+//   contact of the hardest is solved anew likewise.
 // - A piece that reaches into an anchor is fixed; what no longer does, falls. What is held and too thin for its weight, for
 //   what rests on it or for a blow to another place of it parts there (held_blocks.h): when it is added, after a cut in the
 //   same job, and in a job of its own when more comes to rest on it or a blow breaks nothing where it lands.
@@ -201,9 +203,9 @@ class Destruction {
     static constexpr uint32_t none = UINT32_MAX;
 
     struct Hit {            // a blow in the coordinates of the object
-        Blow blow;
+        Blow blow{};
         double sharp = 0.0; // N s, as of a kilogram
-        BodyId striker;
+        BodyId striker{};
         glm::vec3 owed{0.0f}; // N s, world: what the piece got and the striker against it, to be solved anew
         glm::vec3 arm{0.0f};  // m, world axes: from the striker's centre of mass to the contact, when it was
     };
@@ -236,7 +238,7 @@ class Destruction {
         PieceId piece;
         uint64_t due = 0; // steps
         Hit hit{};
-        bool parts = false; // along its blocks, of a load or a blow elsewhere; hit is none
+        bool parts = false; // along its blocks, of a load, where hit is none, or of a blow elsewhere
     };
     struct Broken {
         std::vector<SolidPtr> pieces;
@@ -257,6 +259,7 @@ class Destruction {
     void remove_lost(const World& world);
     void take_up_blows(World& world);
     void update_structures(World& world);
+    [[nodiscard]] bool cuts(const World& world, const Live& piece, const Hit& hit) const;
     void hit_piece(const World& world, PieceId id, const Hit& hit);
     [[nodiscard]] std::optional<Blow> blow_at(const World& world, const Live& piece, const glm::vec3& point,
                                               const glm::vec3& normal, double energy) const;
@@ -267,15 +270,16 @@ class Destruction {
     void knock(const World& world, PieceId id, const Hit& hit);
     void update_loads(const World& world);
     void part_if_overloaded(const World& world, PieceId id);
-    void start_parting(const World& world, PieceId id, const Parting& parts);
-    void take_back_bounce(World& world, BodyId own, const BodyBlow& blow, Hit& hit) const;
+    void start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts);
+    static void take_back_bounce(World& world, BodyId own, Hit& hit);
     void commit_due(World& world, double budget);
     bool commit(World& world, uint32_t job);
     [[nodiscard]] bool is_held(const Live& piece) const;
     std::vector<PieceId> replace(World& world, PieceId old, const Broken& broken);
     [[nodiscard]] PieceId nearest_of(std::span<const PieceId> made, const glm::dvec3& point) const;
-    void exchange(World& world, const Live& piece, const Broken& broken, Hit& hit) const;
-    static void solve_anew(World& world, const Live& piece, const Hit& hit);
+    [[nodiscard]] double crack_energy(const Live& piece, const Broken& broken) const;
+    void exchange(World& world, const Live& piece, double cracks, Hit& hit) const;
+    PieceId solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const;
     void update_debris(World& world);
 
     DestructionSettings settings_;
@@ -286,6 +290,7 @@ class Destruction {
     std::set<uint32_t> free_slots_;
     uint32_t slot_count_ = 0, next_object_ = 0, next_piece_ = 0, next_job_ = 0;
     uint64_t steps_seen_ = 0;
+    BlowBook blows_;
     std::vector<Commit> commits_, script_;
     size_t script_at_ = 0;
     std::map<PieceId, PieceAdded> added_;

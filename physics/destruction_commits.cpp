@@ -11,21 +11,19 @@
 
 #include "physics/body_motion.h"
 #include "physics/destruction_seeds.h"
+#include "physics/nearest.h"
 
 namespace brittle::physics {
 
 namespace {
 
-// From a point in the coordinates of the object to the nearest corner of the solid's hulls, squared: near enough to tell
-// which of the pieces around a contact was hit.
+// From a point in the coordinates of the object to the nearest of the solid's hulls, m; inside of one, 0 or less.
 double distance_to(const SolidPiece& solid, const glm::dvec3& point) {
-    const glm::vec3 local(point - solid.mass.centre_of_mass);
-    float nearest = std::numeric_limits<float>::infinity();
-    for (const BodyPart& part : solid.parts)
-        for (const glm::vec3& corner : part.hull->points) {
-            const glm::vec3 apart = corner + part.offset - local;
-            nearest = std::min(nearest, glm::dot(apart, apart));
-        }
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const BodyPart& part : solid.parts) {
+        const glm::dvec3 local = point - solid.mass.centre_of_mass - glm::dvec3(part.offset);
+        nearest = std::min(nearest, distance_to_hull(part.hull->points, local) - static_cast<double>(part.hull->margin));
+    }
     return nearest;
 }
 
@@ -86,7 +84,7 @@ bool Destruction::commit(World& world, uint32_t number) {
     const Broken broken = background_.take(number);
     jobs_.erase(number);
     piece.job = none;
-    const std::optional<Hit> waiting = std::exchange(piece.waiting, std::nullopt);
+    std::optional<Hit> waiting = std::exchange(piece.waiting, std::nullopt);
     ++statistics_.commits;
     if (job.parts && broken.pieces.size() > 1) ++statistics_.overloads;
     if (!broken.failure.empty()) {
@@ -97,12 +95,12 @@ bool Destruction::commit(World& world, uint32_t number) {
         if (!job.parts) ++statistics_.withstood;
         if (waiting) start_job(world, job.piece, *waiting);
     } else {
-        if (!job.parts) exchange(world, piece, broken, job.hit);
+        exchange(world, piece, crack_energy(piece, broken), job.hit);
+        if (waiting) exchange(world, piece, 0.0, *waiting);
         const std::vector<PieceId> made = replace(world, job.piece, broken);
-        if (const PieceId hit = nearest_of(made, job.hit.blow.point); !job.parts && hit != PieceId{})
-            solve_anew(world, pieces_.at(hit), job.hit);
+        solve_anew(world, made, job.hit);
         if (!waiting) return true;
-        const PieceId next = nearest_of(made, waiting->blow.point);
+        const PieceId next = solve_anew(world, made, *waiting);
         if (next != PieceId{} && waiting->sharp > pieces_.at(next).solid->bearable) start_job(world, next, *waiting);
     }
     return true;
@@ -147,15 +145,21 @@ PieceId Destruction::nearest_of(std::span<const PieceId> made, const glm::dvec3&
     return nearest;
 }
 
-// Gives back what is owed, less what the cracks took: f of an impulse brings back f^2 of the energy. It goes through the
-// point of what hit, which may have slid since: a ball off whose middle it went would be left spinning. Where the two have
-// gone other ways and it would bring more energy than was lost, so much less of it.
-void Destruction::exchange(World& world, const Live& piece, const Broken& broken, Hit& hit) const {
-    const BodyId own = body_of(piece);
-    if (!world.contains(hit.striker) || !world.contains(own)) hit.owed = glm::vec3(0.0f);
+// J, of both sides of the cracks half each.
+double Destruction::crack_energy(const Live& piece, const Broken& broken) const {
     double surface = -piece.solid->mass.area;
     for (const SolidPtr& made : broken.pieces) surface += made->mass.area;
-    const double cracks = 0.5 * std::max(surface, 0.0) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
+    return 0.5 * std::max(surface, 0.0) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
+}
+
+// Gives back what is owed, less what the cracks took: f of an impulse brings back f^2 of the energy. It goes through the
+// point of what hit, which may have slid since: a ball off whose middle it went would be left spinning. Where the two have
+// gone other ways and it would bring more energy than was lost, so much less of it. Of a held piece, what the world had
+// got comes back.
+void Destruction::exchange(World& world, const Live& piece, double cracks, Hit& hit) const {
+    const BodyId own = body_of(piece);
+    if (!world.contains(hit.striker) || !world.contains(own)) hit.owed = glm::vec3(0.0f);
+    if (!(glm::length(hit.owed) > 0.0f)) return;
     hit.owed *= static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cracks / hit.blow.energy)));
     const float along = glm::length(hit.owed);
     if (!(along > 0.0f)) return;
@@ -175,18 +179,21 @@ void Destruction::exchange(World& world, const Live& piece, const Broken& broken
     push(world, hit.striker, hit.owed, point);
 }
 
-// A dead blow between what hit and the piece that is there now.
-void Destruction::solve_anew(World& world, const Live& piece, const Hit& hit) {
+// A dead blow between what hit and the piece that is there now, which is returned; what is owed is then what that got.
+PieceId Destruction::solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const {
+    const PieceId id = nearest_of(made, hit.blow.point);
     const float most = glm::length(hit.owed);
-    if (!(most > 0.0f) || !world.contains(hit.striker)) return;
+    if (id == PieceId{} || !(most > 0.0f)) return id;
     const glm::vec3 normal = hit.owed / most;
     const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
-    const float approach = speed_at(world, hit.striker, point, normal) - speed_at(world, piece.own, point, normal);
-    const float response = response_at(world, piece.own, point, normal) + response_at(world, hit.striker, point, normal);
-    if (!(response > 0.0f)) return;
-    const float impulse = std::clamp(approach / response, 0.0f, most);
-    push(world, piece.own, impulse * normal, point);
+    const BodyId own = pieces_.at(id).own;
+    const float approach = speed_at(world, hit.striker, point, normal) - speed_at(world, own, point, normal);
+    const float response = response_at(world, own, point, normal) + response_at(world, hit.striker, point, normal);
+    const float impulse = response > 0.0f ? std::clamp(approach / response, 0.0f, most) : 0.0f;
+    push(world, own, impulse * normal, point);
     push(world, hit.striker, -impulse * normal, point);
+    hit.owed = impulse * normal;
+    return id;
 }
 
 } // namespace brittle::physics

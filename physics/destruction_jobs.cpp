@@ -58,20 +58,19 @@ void Destruction::take_up_blows(World& world) {
     float least = std::numeric_limits<float>::infinity();
     for (const auto& [id, object] : objects_) least = std::min(least, object.desc->impact_speed);
     const auto ours = [&](BodyId body) { return piece_of_body_.contains(body.value); };
-    for (const BodyBlow& blow : find_blows(world.contacts(), least, ours)) {
+    for (const BodyBlow& blow : blows_.take_up(world, least, ours)) {
         const auto at = piece_of_body_.find(blow.body.value);
-        if (at == piece_of_body_.end() || !world.contains(blow.body)) continue;
         const PieceId id = at->second;
         const Live& piece = pieces_.at(id);
         if (2.0f * blow.energy <= desc_of(piece).impact_speed * blow.impulse) continue;
-        const Pose pose = world.pose(blow.body);
-        Hit hit{{turned_back(pose, blow.point - pose.position) + piece.solid->mass.centre_of_mass,
-                 turned_back(pose, blow.normal), blow.energy},
-                blow.sharp,
-                blow.other,
-                {}};
-        const bool breaks = hit.sharp > piece.solid->bearable && piece.solid->breakable && piece.job == none;
-        if (breaks) take_back_bounce(world, blow.body, blow, hit);
+        Hit hit{.blow = {glm::dvec3(blow.point) + piece.solid->mass.centre_of_mass,
+                         turned_back(world.pose(blow.body), blow.normal), blow.energy},
+                .sharp = blow.sharp,
+                .striker = blow.other,
+                .arm = blow.arm};
+        // What the ground or a fixed body gave is not solved anew.
+        if (world.contains(blow.other) && !world.fixed(blow.other)) hit.owed = blow.impulse * blow.normal;
+        if (cuts(world, piece, hit)) take_back_bounce(world, blow.body, hit);
         hit_piece(world, id, hit);
     }
 }
@@ -84,11 +83,11 @@ void Destruction::update_structures(World& world) {
             const auto at = pieces_.find(piece);
             if (at == pieces_.end() || !world.contains(body_of(at->second))) continue;
             const Pose pose = *pose_of(world, at->second, 1.0f);
-            const Hit hit{{turned_back(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
-                           turned_back(pose, impact.normal), impact.energy},
-                          static_cast<double>(impact.impulse * impact.sharpness),
-                          impact.other,
-                          {}};
+            const Hit hit{
+                .blow = {turned_back(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
+                         turned_back(pose, impact.normal), impact.energy},
+                .sharp = static_cast<double>(impact.impulse * impact.sharpness),
+                .striker = impact.other};
             hit_piece(world, piece, hit);
             if (pieces_.at(piece).job != none) object.structure->isolate(impact.piece);
         }
@@ -126,10 +125,15 @@ std::optional<Blow> Destruction::blow_at(const World& world, const Live& piece, 
                 turned_back(*pose, glm::normalize(normal)), energy};
 }
 
+// Whether a blow cuts a piece, or may cut what comes of the job that runs.
+bool Destruction::cuts(const World& world, const Live& piece, const Hit& hit) const {
+    return hit.sharp > piece.solid->bearable && (piece.job != none || plan(world, piece, hit.blow));
+}
+
 // Begins a job, or lays the blow by for when the one that runs is done.
 void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
-    if (!(hit.sharp > piece.solid->bearable)) return knock(world, id, hit);
+    if (!cuts(world, piece, hit)) return knock(world, id, hit);
     if (piece.job == none) {
         start_job(world, id, hit);
         return;
@@ -139,9 +143,8 @@ void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
         return;
     }
     const double energy = piece.waiting->blow.energy + hit.blow.energy;
-    if (hit.blow.energy > piece.waiting->blow.energy) piece.waiting = hit;
+    if (hit.blow.energy > piece.waiting->blow.energy) piece.waiting = hit; // what the other gave stays with the whole
     piece.waiting->blow.energy = energy;
-    piece.waiting->owed = glm::vec3(0.0f);
 }
 
 std::optional<PlannedCut> Destruction::plan(const World& world, const Live& piece, const Blow& blow) const {
@@ -193,13 +196,13 @@ glm::dvec3 Destruction::gravity_of(const World& world, const Live& piece) const 
 
 // A blow that breaks nothing where it lands may break what is held elsewhere. While a job runs, such blows are let pass.
 void Destruction::knock(const World& world, PieceId id, const Hit& hit) {
-    const Live& piece = pieces_.at(id);
+    Live& piece = pieces_.at(id);
     if (!piece.solid->blocks || piece.job != none || piece.unbreakable || piece.fading > 0) return;
+    const double impulse = static_cast<double>(glm::length(hit.owed));
+    if (!(impulse > 0.0)) return;
     const Material& material = desc_of(piece).solid.material;
     if (!(hit.blow.energy > piece.solid->blocks->least_area * static_cast<double>(material.fracture_energy))) return;
-    // sharp = J / cube root of (J / v) and energy = J v / 2, so sharp^3 = 2 J energy.
-    const double impulse = hit.sharp * hit.sharp * hit.sharp / (2.0 * hit.blow.energy);
-    start_parting(world, id, [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
+    start_parting(world, id, hit, [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
                                  const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
         return knocked_loose(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, blow, energy);
     });
@@ -234,18 +237,18 @@ void Destruction::update_loads(const World& world) {
         if (!more || found == loads.end() || piece.job != none || piece.unbreakable || piece.fading > 0) continue;
         piece.looked_at = piece.load;
         for (PointLoad& load : found->second) load.force *= piece.load / sum; // their mean, as they lie now
-        start_parting(world, id, [=, pushes = std::move(found->second)](
+        start_parting(world, id, {}, [=, pushes = std::move(found->second)](
                                      const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
             return overloaded(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, pushes);
         });
     }
 }
 
-// A job that cuts a held piece along its blocks, where they part.
-void Destruction::start_parting(const World& world, PieceId id, const Parting& parts) {
+// A job that cuts a held piece along its blocks, where they part: of a blow elsewhere, or of a load and no hit.
+void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts) {
     Live& piece = pieces_.at(id);
     piece.job = next_job_++;
-    jobs_[piece.job] = {.piece = id, .due = world.steps_taken() + std::max(settings_.latency, 1u), .parts = true};
+    jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit, true};
     background_.start(piece.job, [=, solid = piece.solid, gravity = gravity_of(world, piece),
                                   desc = objects_.at(piece.object).desc](const std::atomic<bool>& cancelled) {
         Broken broken;
@@ -262,18 +265,19 @@ void Destruction::start_parting(const World& world, PieceId id, const Parting& p
 
 // What hit the piece comes to rest at it until the pieces are there: half a bounce off a pane that then has a hole would
 // be seen, as would something that falls into it. What the contact stopped is owed to both.
-void Destruction::take_back_bounce(World& world, BodyId own, const BodyBlow& blow, Hit& hit) const {
-    if (!world.contains(blow.other) || world.fixed(blow.other)) return;
+void Destruction::take_back_bounce(World& world, BodyId own, Hit& hit) {
+    const float most = glm::length(hit.owed);
+    if (!(most > 0.0f)) return;
+    const glm::vec3 normal = hit.owed / most;
     // A fast one has gone far since the contact: it gets the impulse at the arm that it had, or would come to spin.
-    hit.arm = blow.point - world.previous_pose(blow.other).position;
-    const glm::vec3 point = world.pose(blow.other).position + hit.arm;
-    const float apart = speed_at(world, own, point, blow.normal) - speed_at(world, blow.other, point, blow.normal);
-    const float response = response_at(world, own, point, blow.normal) + response_at(world, blow.other, point, blow.normal);
+    const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
+    const float apart = speed_at(world, own, point, normal) - speed_at(world, hit.striker, point, normal);
+    const float response = response_at(world, own, point, normal) + response_at(world, hit.striker, point, normal);
     if (!(response > 0.0f)) return;
-    const float bounce = std::clamp(apart / response, 0.0f, blow.impulse);
-    push(world, own, -bounce * blow.normal, point);
-    push(world, blow.other, bounce * blow.normal, point);
-    hit.owed = (blow.impulse - bounce) * blow.normal;
+    const float bounce = std::clamp(apart / response, 0.0f, most);
+    push(world, own, -bounce * normal, point);
+    push(world, hit.striker, bounce * normal, point);
+    hit.owed = (most - bounce) * normal;
 }
 
 } // namespace brittle::physics

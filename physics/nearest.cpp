@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -60,6 +61,34 @@ glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& poin
         }
     }
     return nearest;
+}
+
+double distance_to_hull(std::span<const glm::vec3> points, const glm::dvec3& point) {
+    constexpr int most_steps = 200;    // a few dozen do
+    constexpr double precision = 1e-3; // of the distance, or of the reach where that is less than a thousandth of it
+    double reach = 0.0;
+    for (const glm::vec3& corner : points) reach = std::max(reach, glm::distance(glm::dvec3(corner), point));
+    const double near = precision * precision * reach * reach;
+    std::vector<double> weights(points.size(), 0.0);
+    weights[0] = 1.0;
+    glm::dvec3 apart = glm::dvec3(points[0]) - point;
+    for (int step = 0; step < most_steps; ++step) {
+        const auto ahead = [&](size_t i) { return glm::dot(apart, glm::dvec3(points[i]) - point); };
+        size_t nearest = 0, farthest = points.size(); // along the way to the point; the farthest of those that carry weight
+        for (size_t i = 0; i < points.size(); ++i) {
+            if (ahead(i) < ahead(nearest)) nearest = i;
+            if (weights[i] > 0.0 && (farthest == points.size() || ahead(i) > ahead(farthest))) farthest = i;
+        }
+        // No point of the hull is nearer than ahead(nearest) / |apart|.
+        const double square = glm::dot(apart, apart);
+        if (square <= near || square - ahead(nearest) <= precision * square) break;
+        const glm::dvec3 way = glm::dvec3(points[nearest]) - glm::dvec3(points[farthest]);
+        const double moved = std::clamp(-glm::dot(apart, way) / glm::dot(way, way), 0.0, weights[farthest]);
+        weights[nearest] += moved;
+        weights[farthest] = moved < weights[farthest] ? weights[farthest] - moved : 0.0;
+        apart += moved * way;
+    }
+    return glm::length(apart);
 }
 
 } // namespace brittle::physics

@@ -1,8 +1,8 @@
 // --record, `brittle replay` and --video as their users meet them. Runs the real binary.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
