@@ -52,5 +52,6 @@ int main(int argc, char** argv) {
             if (answers(event, window, number)) break;
         }
     }
+    XCloseDisplay(display);
     return 0;
 }
