@@ -13,6 +13,7 @@
 #endif
 
 #include "engine/gpu/check.h"
+#include "engine/gpu/listed.h"
 
 namespace brittle::engine {
 
@@ -47,50 +48,17 @@ bool lists(const std::vector<VkExtensionProperties>& extensions, const char* nam
                        [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-std::vector<VkExtensionProperties> instance_extensions(const char* layer) {
-    uint32_t count = 0;
-    vkEnumerateInstanceExtensionProperties(layer, &count, nullptr);
-    std::vector<VkExtensionProperties> extensions(count);
-    vkEnumerateInstanceExtensionProperties(layer, &count, extensions.data());
-    extensions.resize(count);
-    return extensions;
-}
-
-std::vector<VkExtensionProperties> device_extensions(VkPhysicalDevice device) {
-    uint32_t count = 0;
-    vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
-    std::vector<VkExtensionProperties> extensions(count);
-    vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
-    extensions.resize(count);
-    return extensions;
-}
-
 bool validation_available(const FaultInjector* faults) {
     if (hides(faults, validation_layer)) return false;
-    uint32_t count = 0;
-    vkEnumerateInstanceLayerProperties(&count, nullptr);
-    std::vector<VkLayerProperties> layers(count);
-    vkEnumerateInstanceLayerProperties(&count, layers.data());
+    const auto layers = listed<VkLayerProperties>(vkEnumerateInstanceLayerProperties);
     return std::any_of(layers.begin(), layers.end(),
                        [](const auto& l) { return std::strcmp(l.layerName, validation_layer) == 0; });
 }
 
-std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
-    uint32_t count = 0;
-    vkEnumeratePhysicalDevices(instance, &count, nullptr);
-    std::vector<VkPhysicalDevice> devices(count);
-    vkEnumeratePhysicalDevices(instance, &count, devices.data());
-    devices.resize(count);
-    return devices;
-}
-
 // The first family that does graphics and compute; in practice every device has one.
 std::optional<uint32_t> find_queue_family(VkPhysicalDevice device) {
-    uint32_t count = 0;
-    vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
-    std::vector<VkQueueFamilyProperties> families(count);
-    vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-    for (uint32_t i = 0; i < count; ++i) {
+    const auto families = listed<VkQueueFamilyProperties>(vkGetPhysicalDeviceQueueFamilyProperties, device);
+    for (uint32_t i = 0; i < families.size(); ++i) {
         constexpr VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
         if ((families[i].queueFlags & wanted) == wanted) return i;
     }
@@ -295,7 +263,7 @@ Result<std::vector<DeviceInfo>> list_devices() {
     VkInstance instance = VK_NULL_HANDLE;
     const VkResult result = vkCreateInstance(&info, nullptr, &instance);
     if (result != VK_SUCCESS) return no_driver(result);
-    std::vector<DeviceInfo> infos = describe_all(physical_devices(instance), nullptr);
+    std::vector<DeviceInfo> infos = describe_all(listed<VkPhysicalDevice>(vkEnumeratePhysicalDevices, instance), nullptr);
     vkDestroyInstance(instance, nullptr);
     return infos;
 }
@@ -307,7 +275,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
         device->faults_ = options.faults;
         if (Result<void> made = device->create_instance(options.validation); !made) return made.error();
 
-        const std::vector<VkPhysicalDevice> devices = physical_devices(device->instance_);
+        const auto devices = listed<VkPhysicalDevice>(vkEnumeratePhysicalDevices, device->instance_);
         const std::vector<DeviceInfo> infos = describe_all(devices, options.faults);
         Result<uint32_t> index = choose(infos, options.select);
         if (!index) return index.error();
@@ -326,7 +294,7 @@ Result<void> Device::create_instance(bool validation) {
 
     // Surfaces of every window system that the loader offers: which of them a window will want is not known
     // here.
-    const std::vector<VkExtensionProperties> offered = instance_extensions(nullptr);
+    const auto offered = listed<VkExtensionProperties>(vkEnumerateInstanceExtensionProperties, nullptr);
     std::vector<const char*> extensions;
     if (lists(offered, "VK_KHR_surface", faults_))
         for (const char* name :
@@ -392,7 +360,7 @@ void Device::create_device() {
     features.all.features.multiDrawIndirect = multi_draw_;
 
     std::vector<const char*> extensions;
-    const std::vector<VkExtensionProperties> offered = device_extensions(physical_);
+    const auto offered = listed<VkExtensionProperties>(vkEnumerateDeviceExtensionProperties, physical_, nullptr);
     can_present_ = can_present_ && lists(offered, VK_KHR_SWAPCHAIN_EXTENSION_NAME, faults_);
     if (can_present_) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     const char* const clock_extension = find_clock_extension(offered);
@@ -440,10 +408,7 @@ const char* Device::find_clock_extension(const std::vector<VkExtensionProperties
         instance_, is_ext ? "vkGetPhysicalDeviceCalibrateableTimeDomainsEXT"
                           : "vkGetPhysicalDeviceCalibrateableTimeDomainsKHR");
     if (!list) return nullptr;
-    uint32_t count = 0;
-    list(physical_, &count, nullptr);
-    std::vector<VkTimeDomainEXT> domains(count);
-    list(physical_, &count, domains.data());
+    const auto domains = listed<VkTimeDomainEXT>(list, physical_);
     for (const VkTimeDomainEXT needed : {VK_TIME_DOMAIN_DEVICE_EXT, VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT})
         if (std::find(domains.begin(), domains.end(), needed) == domains.end()) return nullptr;
     return is_ext ? VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME : khr_calibrated_timestamps;

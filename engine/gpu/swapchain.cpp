@@ -8,6 +8,7 @@
 #include "engine/core/window.h"
 #include "engine/gpu/check.h"
 #include "engine/gpu/device.h"
+#include "engine/gpu/listed.h"
 #include "engine/gpu/memory.h"
 
 namespace brittle::engine {
@@ -84,12 +85,10 @@ void Swapchain::destroy_surface() {
 }
 
 void Swapchain::choose_format() {
-    uint32_t count = 0;
-    check(vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical(), surface_, &count, nullptr),
-          "list the window's formats");
-    std::vector<VkSurfaceFormatKHR> formats(count);
-    check(vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical(), surface_, &count, formats.data()),
-          "list the window's formats");
+    const auto formats = listed<VkSurfaceFormatKHR>([&](uint32_t* count, VkSurfaceFormatKHR* elements) {
+        check(vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical(), surface_, count, elements),
+              "list the window's formats");
+    });
     for (const VkSurfaceFormatKHR& offered : formats) {
         if (offered.colorSpace != VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) continue;
         if (offered.format != VK_FORMAT_B8G8R8A8_UNORM && offered.format != VK_FORMAT_R8G8B8A8_UNORM)
@@ -126,12 +125,10 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
     stale_ = true; // until all is made; a window can also shrink to nothing between the two questions
     if (extent_.width == 0 || extent_.height == 0) return;
 
-    uint32_t count = 0;
-    check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, &count, nullptr),
-          "list the window's present modes");
-    std::vector<VkPresentModeKHR> modes(count);
-    check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, &count, modes.data()),
-          "list the window's present modes");
+    const auto modes = listed<VkPresentModeKHR>([&](uint32_t* count, VkPresentModeKHR* elements) {
+        check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, count, elements),
+              "list the window's present modes");
+    });
     const VkCompositeAlphaFlagBitsKHR alpha = can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                                                   ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                                                   : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
@@ -163,11 +160,9 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
     if (mends(result)) return;
     check(result, "create a swapchain");
 
-    check(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, nullptr),
-          "list the swapchain's images");
-    images_.resize(count);
-    check(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, images_.data()),
-          "list the swapchain's images");
+    images_ = listed<VkImage>([&](uint32_t* count, VkImage* elements) {
+        check(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, count, elements), "list the swapchain's images");
+    });
     for (VkImage image : images_) {
         views_.push_back(create_view(device_.handle(), image, surface_format_.format));
         finished_.push_back(create_semaphore(device_.handle()));

@@ -8,19 +8,12 @@
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
+#include "lattice.h"
 
 using namespace brittle::fracture;
+using namespace brittle::fracture::test;
 
 namespace {
-
-using Sites = std::vector<glm::dvec3>;
-
-Sites lattice(int n) {
-    Sites sites;
-    for (int k = 0; k < n * n * n; ++k)
-        sites.push_back((glm::dvec3(k % n, k / n % n, k / n / n) + 0.5) * (2.0 / n) - 1.0);
-    return sites;
-}
 
 bool print(const char* name, const TriangleMesh& mesh, const Sites& sites, Settings settings = {}) {
     uint64_t first = 0;

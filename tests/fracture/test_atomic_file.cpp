@@ -1,8 +1,6 @@
 #include "fracture/io/atomic_file.h"
 
 #include <csignal>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -21,11 +19,6 @@ Result<void> write_text(const fs::path& file, const std::string& text) {
     return write_file_atomically(file, std::as_bytes(std::span(text)));
 }
 
-std::string content_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 bool contains(const Error& error, const std::string& text) {
     return error.message.find(text) != std::string::npos;
 }
@@ -33,36 +26,36 @@ bool contains(const Error& error, const std::string& text) {
 } // namespace
 
 TEST_CASE("writing to a missing folder fails, names it and makes nothing") {
-    const test::TemporaryFolder folder;
-    const Result<void> result = write_text(folder.path() / "missing" / "a.glb", "x");
+    const test::Folder folder;
+    const Result<void> result = write_text(folder.path / "missing" / "a.glb", "x");
     REQUIRE(!result);
     CHECK(result.error().status == Status::write_failed);
     CHECK(contains(result.error(), "missing/a.glb"));
     CHECK(contains(result.error(), "No such file or directory"));
-    CHECK(folder.size() == 0);
+    CHECK(folder.files() == 0);
 }
 
 TEST_CASE("a folder and an empty name are no targets") {
-    const test::TemporaryFolder folder;
-    const Result<void> result = write_text(folder.path(), "x");
+    const test::Folder folder;
+    const Result<void> result = write_text(folder.path, "x");
     REQUIRE(!result);
     CHECK(contains(result.error(), "Is a directory"));
-    CHECK(folder.size() == 0);
+    CHECK(folder.files() == 0);
     CHECK(!write_text("", "x"));
 }
 
 TEST_CASE("a folder without write permission is an error") {
-    const test::TemporaryFolder folder;
-    REQUIRE(::chmod(folder.path().c_str(), 0555) == 0);
+    const test::Folder folder;
+    REQUIRE(::chmod(folder.path.c_str(), 0555) == 0);
     // Permissions do not bind root, so it becomes no one for a moment.
     const bool root = ::geteuid() == 0;
     if (root) REQUIRE(::seteuid(65534) == 0);
-    const Result<void> result = write_text(folder.path() / "a.glb", "x");
+    const Result<void> result = write_text(folder.path / "a.glb", "x");
     if (root) REQUIRE(::seteuid(0) == 0);
     REQUIRE(!result);
     CHECK(contains(result.error(), "Permission denied"));
-    CHECK(::chmod(folder.path().c_str(), 0755) == 0);
-    CHECK(folder.size() == 0);
+    CHECK(::chmod(folder.path.c_str(), 0755) == 0);
+    CHECK(folder.files() == 0);
 }
 
 TEST_CASE("a full device is an error and stays a device") {
@@ -73,8 +66,8 @@ TEST_CASE("a full device is an error and stays a device") {
 }
 
 TEST_CASE("where writing fails midway the old file stays and no temporary one is left") {
-    const test::TemporaryFolder folder;
-    const fs::path file = folder.path() / "pieces.glb";
+    const test::Folder folder;
+    const fs::path file = folder.path / "pieces.glb";
     REQUIRE(write_text(file, "old"));
 
     // A limit on file sizes fails like a full disk: after some bytes.
@@ -90,43 +83,43 @@ TEST_CASE("where writing fails midway the old file stays and no temporary one is
     REQUIRE(!result);
     CHECK(contains(result.error(), "File too large"));
     CHECK(contains(result.error(), "old file is unchanged"));
-    CHECK(content_of(file) == "old");
-    CHECK(folder.size() == 1);
+    CHECK(test::read_text(file) == "old");
+    CHECK(folder.files() == 1);
 }
 
 TEST_CASE("writing makes a file, replaces it, and leaves nothing else") {
-    const test::TemporaryFolder folder;
-    const fs::path file = folder.path() / (std::string(250, 'n') + ".glb"); // as long as names can be
+    const test::Folder folder;
+    const fs::path file = folder.path / (std::string(250, 'n') + ".glb"); // as long as names can be
     REQUIRE(write_text(file, std::string(100000, 'a')));
-    CHECK(content_of(file) == std::string(100000, 'a'));
+    CHECK(test::read_text(file) == std::string(100000, 'a'));
     REQUIRE(write_text(file, ""));
-    CHECK(content_of(file).empty());
-    CHECK(folder.size() == 1);
+    CHECK(test::read_text(file).empty());
+    CHECK(folder.files() == 1);
 }
 
 TEST_CASE("relative paths are relative to the working folder") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const fs::path before = fs::current_path();
-    fs::current_path(folder.path());
+    fs::current_path(folder.path);
     const bool plain = write_text("plain.glb", "1").has_value();
     fs::create_directory("sub");
     const bool below = write_text("sub/../sub/below.glb", "2").has_value();
     fs::current_path(before);
     CHECK(plain);
     CHECK(below);
-    CHECK(content_of(folder.path() / "plain.glb") == "1");
-    CHECK(content_of(folder.path() / "sub" / "below.glb") == "2");
+    CHECK(test::read_text(folder.path / "plain.glb") == "1");
+    CHECK(test::read_text(folder.path / "sub" / "below.glb") == "2");
 }
 
 TEST_CASE("permissions survive, and a symbolic link stays one") {
-    const test::TemporaryFolder folder;
-    const fs::path file = folder.path() / "real.glb";
-    const fs::path link = folder.path() / "link.glb";
+    const test::Folder folder;
+    const fs::path file = folder.path / "real.glb";
+    const fs::path link = folder.path / "link.glb";
     REQUIRE(write_text(file, "old"));
     REQUIRE(::chmod(file.c_str(), 0640) == 0);
     fs::create_symlink("real.glb", link);
     REQUIRE(write_text(link, "new"));
     CHECK(fs::is_symlink(link));
-    CHECK(content_of(file) == "new");
+    CHECK(test::read_text(file) == "new");
     CHECK(fs::status(file).permissions() == static_cast<fs::perms>(0640));
 }

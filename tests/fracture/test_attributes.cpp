@@ -12,19 +12,12 @@
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
+#include "lattice.h"
 
 using namespace brittle::fracture;
+using namespace brittle::fracture::test;
 
 namespace {
-
-using Sites = std::vector<glm::dvec3>;
-
-Sites lattice(int n) {
-    Sites sites;
-    for (int k = 0; k < n * n * n; ++k)
-        sites.push_back((glm::dvec3(k % n, k / n % n, k / n / n) + 0.5) * (2.0 / n) - 1.0);
-    return sites;
-}
 
 // A function that is linear in position is what weighting its values at the corners gives.
 void check_barycentrics(const TriangleMesh& mesh, const Fragments& f) {

@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <set>
 
@@ -76,11 +74,6 @@ struct Glb {
     std::string binary;
 };
 
-std::string content_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 uint32_t word(const std::string& bytes, size_t at) {
     uint32_t value = 0;
     REQUIRE(at + 4 <= bytes.size());
@@ -90,7 +83,7 @@ uint32_t word(const std::string& bytes, size_t at) {
 
 // Takes the container apart and checks it on the way.
 Glb read_glb(const fs::path& file) {
-    const std::string bytes = content_of(file);
+    const std::string bytes = test::read_text(file);
     REQUIRE(bytes.substr(0, 4) == "glTF");
     CHECK(word(bytes, 4) == 2);
     CHECK(word(bytes, 8) == bytes.size());
@@ -120,9 +113,9 @@ std::vector<glm::vec3> vectors(const Glb& glb, size_t accessor) {
     return result;
 }
 
-fs::path exported(const test::TemporaryFolder& folder, const Fragments& fragments,
+fs::path exported(const test::Folder& folder, const Fragments& fragments,
                   const ExportOptions& options = {}) {
-    const fs::path file = folder.path() / "pieces.glb";
+    const fs::path file = folder.path / "pieces.glb";
     const auto result = export_pieces(file, fragments, certificate(), options);
     if (!result) FAIL(result.error().message);
     return file;
@@ -131,7 +124,7 @@ fs::path exported(const test::TemporaryFolder& folder, const Fragments& fragment
 } // namespace
 
 TEST_CASE("export: no pieces give a file with only the root") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Glb glb = read_glb(exported(folder, {}));
     CHECK(glb.binary.empty());
     CHECK(glb.document["nodes"].size() == 1);
@@ -140,28 +133,28 @@ TEST_CASE("export: no pieces give a file with only the root") {
 }
 
 TEST_CASE("export: a recipe that is no JSON object is refused, and the old file stays") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const fs::path file = exported(folder, two_halves());
-    const std::string before = content_of(file);
+    const std::string before = test::read_text(file);
     for (const std::string& recipe :
          {std::string("{"), std::string("[1]"), std::string(), "{\"a\":" + std::string(100000, '[')}) {
         const auto result = export_pieces(file, {}, {}, {.recipe = recipe});
         REQUIRE(!result);
         CHECK(result.error().status == Status::invalid_setting);
     }
-    CHECK(content_of(file) == before);
-    CHECK(folder.size() == 1);
+    CHECK(test::read_text(file) == before);
+    CHECK(folder.files() == 1);
 }
 
 TEST_CASE("export: coordinates that floats cannot hold are refused") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     Fragments fragments;
     add_box(fragments, glm::dvec3(-1e300), glm::dvec3(1.0), 1.0);
-    const auto result = export_pieces(folder.path() / "big.glb", fragments, {});
+    const auto result = export_pieces(folder.path / "big.glb", fragments, {});
     REQUIRE(!result);
     CHECK(result.error().status == Status::write_failed);
     CHECK(result.error().message.find("mesh_000") != std::string::npos);
-    CHECK(folder.size() == 0);
+    CHECK(folder.files() == 0);
 }
 
 TEST_CASE("export: a folder that does not exist is an error with its name") {
@@ -172,7 +165,7 @@ TEST_CASE("export: a folder that does not exist is an error with its name") {
 }
 
 TEST_CASE("export: one root, a child a piece, and everything about it in the extras") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Glb glb = read_glb(exported(folder, two_halves(), {"vase", R"({"pattern": {"seed": 7}})"}));
     const json& nodes = glb.document["nodes"];
     REQUIRE(nodes.size() == 3);
@@ -197,7 +190,7 @@ TEST_CASE("export: one root, a child a piece, and everything about it in the ext
 }
 
 TEST_CASE("export: exterior and interior are primitives 0 and 1 with different materials") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Glb glb = read_glb(exported(folder, two_halves()));
     for (const json& mesh : glb.document["meshes"]) {
         REQUIRE(mesh["primitives"].size() == 2);
@@ -211,7 +204,7 @@ TEST_CASE("export: exterior and interior are primitives 0 and 1 with different m
 }
 
 TEST_CASE("export: an empty primitive is left out") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     Fragments whole;
     add_box(whole, glm::dvec3(-1.0), glm::dvec3(1.0), 5.0);
     const Glb glb = read_glb(exported(folder, whole));
@@ -220,7 +213,7 @@ TEST_CASE("export: an empty primitive is left out") {
 }
 
 TEST_CASE("export: normals are those of the faces, coplanar triangles share vertices, bounds are exact") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Glb glb = read_glb(exported(folder, two_halves()));
     for (const json& mesh : glb.document["meshes"]) {
         for (const json& primitive : mesh["primitives"]) {
@@ -251,7 +244,7 @@ TEST_CASE("export: normals are those of the faces, coplanar triangles share vert
 
 TEST_CASE("export: within a piece equal positions are equal bit for bit, and true to the original within "
           "rounding") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Fragments fragments = two_halves();
     const Glb glb = read_glb(exported(folder, fragments));
     for (size_t p = 0; p < 2; ++p) {
@@ -280,7 +273,7 @@ TEST_CASE("export: within a piece equal positions are equal bit for bit, and tru
 }
 
 TEST_CASE("export: each piece comes back closed with its volume, all pieces with their triangles") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Fragments both = two_halves();
     const Result<TriangleMesh> all = import_mesh(exported(folder, both));
     REQUIRE(all);
@@ -318,7 +311,7 @@ TEST_CASE("export: a piece of over 65,535 vertices has 32-bit indices and comes 
     piece.triangles = {0, 2 * n};
     piece.exterior_triangles = 2 * n;
     fragments.pieces = {piece};
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const fs::path file = exported(folder, fragments);
     CHECK(read_glb(file).document["accessors"][2]["componentType"] == 5125);
     const Result<TriangleMesh> mesh = import_mesh(file);
@@ -328,7 +321,7 @@ TEST_CASE("export: a piece of over 65,535 vertices has 32-bit indices and comes 
 }
 
 TEST_CASE("export: pieces without area, odd names and unknown bytes still give a readable file") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     Fragments flat;
     add_box(flat, {0, 0, 0}, {0, 0, 0}, 5.0);
     const Glb glb = read_glb(exported(folder, flat, {"na\xffme \"quoted\"", "{}"}));
@@ -337,7 +330,7 @@ TEST_CASE("export: pieces without area, odd names and unknown bytes still give a
 }
 
 TEST_CASE("export: cuts have texture coordinates in metres where the sites are given") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const std::vector<glm::dvec3> sites = {{0.0, 0.0, 0.0}, {0.2, 0.0, 0.0}};
     const Glb plain = read_glb(exported(folder, two_halves()));
     for (const json& mesh : plain.document["meshes"])
@@ -370,7 +363,7 @@ TEST_CASE("export: pieces that have become one keep the normals of all their cut
     for (uint32_t k = 0; k < sites.size(); ++k) settings.groups.push_back(k % 2);
     const auto fragments = fracture(ball, sites, settings);
     REQUIRE(fragments);
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Glb glb = read_glb(exported(folder, *fragments, {.sites = sites}));
     size_t triangles = 0;
     for (const json& mesh : glb.document["meshes"]) {
@@ -397,7 +390,7 @@ TEST_CASE("export: pieces that have become one keep the normals of all their cut
 }
 
 TEST_CASE("export: equal input gives equal bytes") {
-    const test::TemporaryFolder folder;
-    const std::string first = content_of(exported(folder, two_halves()));
-    CHECK(content_of(exported(folder, two_halves())) == first);
+    const test::Folder folder;
+    const std::string first = test::read_text(exported(folder, two_halves()));
+    CHECK(test::read_text(exported(folder, two_halves())) == first);
 }

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
-#include <iterator>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -30,11 +29,6 @@ const fs::path glmark2 = "/usr/share/glmark2/models";
 
 void write(const fs::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
-}
-
-std::string content_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 // Imports a file that must fail, checks the kind and that the message names the file and says the words.
@@ -82,16 +76,16 @@ constexpr double longest_reading = 2.0; // seconds of processor time, as other t
 } // namespace
 
 TEST_CASE("import: missing files, folders, pipes and unreadable files are refused with the reason") {
-    const test::TemporaryFolder folder;
-    check_refused(folder.path() / "none.obj", Status::file_not_found, "No such file or directory");
-    fs::create_directory(folder.path() / "folder.obj");
-    check_refused(folder.path() / "folder.obj", Status::file_not_found, "is a folder");
-    REQUIRE(::mkfifo((folder.path() / "pipe.stl").c_str(), 0600) == 0);
-    check_refused(folder.path() / "pipe.stl", Status::file_not_found, "no regular file");
+    const test::Folder folder;
+    check_refused(folder.path / "none.obj", Status::file_not_found, "No such file or directory");
+    fs::create_directory(folder.path / "folder.obj");
+    check_refused(folder.path / "folder.obj", Status::file_not_found, "is a folder");
+    REQUIRE(::mkfifo((folder.path / "pipe.stl").c_str(), 0600) == 0);
+    check_refused(folder.path / "pipe.stl", Status::file_not_found, "no regular file");
 
-    const fs::path secret = folder.path() / "secret.obj";
+    const fs::path secret = folder.path / "secret.obj";
     write(secret, "v 0 0 0\n");
-    REQUIRE(::chmod(folder.path().c_str(), 0755) == 0);
+    REQUIRE(::chmod(folder.path.c_str(), 0755) == 0);
     REQUIRE(::chmod(secret.c_str(), 0) == 0);
     const bool root = ::geteuid() == 0; // permissions do not bind root
     if (root) REQUIRE(::seteuid(65534) == 0);
@@ -103,8 +97,8 @@ TEST_CASE("import: missing files, folders, pipes and unreadable files are refuse
 
 TEST_CASE("import: empty and oversized files are refused without reading them") {
     check_malformed("empty.obj", "empty (0 bytes)");
-    const test::TemporaryFolder folder;
-    const fs::path huge = folder.path() / "huge.stl";
+    const test::Folder folder;
+    const fs::path huge = folder.path / "huge.stl";
     write(huge, "x");
     std::error_code no_sparse_files;
     fs::resize_file(huge, uint64_t{5} << 30, no_sparse_files);
@@ -116,9 +110,9 @@ TEST_CASE("import: unknown endings are refused with the readable ones, in any ca
                   ".fbx files are not read; convert the mesh to one of .obj, .stl");
     check_refused("mesh.x3d", Status::unsupported_format, ".glb");
     check_refused("mesh", Status::unsupported_format, "no ending");
-    const test::TemporaryFolder folder;
-    fs::copy_file(meshes / "cube.obj", folder.path() / "CUBE.OBJ");
-    CHECK(import_valid(folder.path() / "CUBE.OBJ").triangles.size() == 12);
+    const test::Folder folder;
+    fs::copy_file(meshes / "cube.obj", folder.path / "CUBE.OBJ");
+    CHECK(import_valid(folder.path / "CUBE.OBJ").triangles.size() == 12);
 }
 
 TEST_CASE("import: files without usable triangles are named as such") {
@@ -135,13 +129,13 @@ TEST_CASE("import: damaged OBJ files are refused with line and value") {
     check_malformed("zero_index.obj", "line 15: a face names vertex '0'");
     check_malformed("too_negative.obj", "line 4: a face names vertex '-4'");
     check_malformed("two_corners.obj", "line 15: a face has 2 corners");
-    const test::TemporaryFolder folder;
-    fs::copy_file(meshes / "cube_binary.stl", folder.path() / "renamed.obj");
-    check_refused(folder.path() / "renamed.obj", Status::malformed_file, "not OBJ text");
+    const test::Folder folder;
+    fs::copy_file(meshes / "cube_binary.stl", folder.path / "renamed.obj");
+    check_refused(folder.path / "renamed.obj", Status::malformed_file, "not OBJ text");
     std::string wide = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
     for (int k = 0; k < 5000; ++k) (wide += ' ') += std::to_string(k % 3 + 1);
-    write(folder.path() / "wide.obj", wide);
-    check_refused(folder.path() / "wide.obj", Status::malformed_file, "line 4: a face has 5000 corners");
+    write(folder.path / "wide.obj", wide);
+    check_refused(folder.path / "wide.obj", Status::malformed_file, "line 4: a face has 5000 corners");
 }
 
 TEST_CASE("import: damaged STL files are refused with what was promised and what is there") {
@@ -172,13 +166,13 @@ TEST_CASE("import: damaged glTF files are refused with the element") {
 }
 
 TEST_CASE("import: JSON of a million brackets and a chain of 100,000 nodes do not overflow the stack") {
-    const test::TemporaryFolder folder;
-    write(folder.path() / "brackets.gltf", std::string(1'000'000, '['));
-    check_refused(folder.path() / "brackets.gltf", Status::malformed_file, "nested over 64 levels");
+    const test::Folder folder;
+    write(folder.path / "brackets.gltf", std::string(1'000'000, '['));
+    check_refused(folder.path / "brackets.gltf", Status::malformed_file, "nested over 64 levels");
     std::string chain = R"({"asset":{"version":"2.0"},"nodes":[)";
     for (int k = 1; k < 100'000; ++k) chain += R"({"children":[)" + std::to_string(k) + "]},";
-    write(folder.path() / "chain.gltf", chain + "{}]}");
-    check_refused(folder.path() / "chain.gltf", Status::empty_mesh, "no triangles");
+    write(folder.path / "chain.gltf", chain + "{}]}");
+    check_refused(folder.path / "chain.gltf", Status::empty_mesh, "no triangles");
 }
 
 TEST_CASE("import: glTF accessors without data, which stand for zeros, are refused before they fill the memory") {
@@ -195,9 +189,9 @@ TEST_CASE("import: one small mesh shown by very many nodes is refused before it 
                      {"bufferView":0,"componentType":5125,"count":3,"type":"SCALAR"}],
         "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"nodes":[{"mesh":0})";
     for (int k = 0; k < 1000; ++k) bomb += R"(,{"mesh":0})";
-    const test::TemporaryFolder folder;
-    write(folder.path() / "bomb.gltf", bomb + "]}");
-    check_refused(folder.path() / "bomb.gltf", Status::malformed_file, "meshes[0].primitives[0]: with it the file's nodes");
+    const test::Folder folder;
+    write(folder.path / "bomb.gltf", bomb + "]}");
+    check_refused(folder.path / "bomb.gltf", Status::malformed_file, "meshes[0].primitives[0]: with it the file's nodes");
 }
 
 TEST_CASE("import: glTF indices are unsigned integers") {
@@ -205,7 +199,7 @@ TEST_CASE("import: glTF indices are unsigned integers") {
 }
 
 TEST_CASE("import: a PLY face of many lists has no more corners than any other") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     std::string lists = "ply\nformat ascii 1.0\nelement vertex 3\nproperty int x\nproperty int y\nproperty int z\n"
                         "element face 1\n";
     for (int k = 0; k < 2; ++k) lists += "property list int int vertex_indices\n";
@@ -215,8 +209,8 @@ TEST_CASE("import: a PLY face of many lists has no more corners than any other")
         for (int corner = 0; corner < 4000; ++corner) (lists += ' ') += std::to_string(corner % 3);
         lists += '\n';
     }
-    write(folder.path() / "lists.ply", lists);
-    check_refused(folder.path() / "lists.ply", Status::malformed_file, "face 0: a list of 4000");
+    write(folder.path / "lists.ply", lists);
+    check_refused(folder.path / "lists.ply", Status::malformed_file, "face 0: a list of 4000");
 }
 
 TEST_CASE("import: what a terminal would obey does not get into messages") {
@@ -236,21 +230,21 @@ TEST_CASE("import: damaged PLY files are refused with line or byte, and element"
     check_malformed("bad_type.ply", "line 4: an unknown type in 'property quad x'");
     check_malformed("not_a_number.ply", "line 11, vertex 1: a number is expected, but found 'x'");
     check_malformed("out_of_range.ply", "face 0: it names vertex 7");
-    const test::TemporaryFolder folder;
-    fs::copy_file(meshes / "cube.obj", folder.path() / "renamed.ply");
-    check_refused(folder.path() / "renamed.ply", Status::malformed_file, "begins with a line 'ply'");
+    const test::Folder folder;
+    fs::copy_file(meshes / "cube.obj", folder.path / "renamed.ply");
+    check_refused(folder.path / "renamed.ply", Status::malformed_file, "begins with a line 'ply'");
 }
 
 TEST_CASE("import: damaged OFF files are refused with line and index") {
     check_malformed("out_of_range.off", "line 6: face 0 names vertex '3'; there are 3, counted from 0");
     check_malformed("huge_count.off", "line 2: three counts are expected");
-    const test::TemporaryFolder folder;
-    fs::copy_file(meshes / "cube_binary.stl", folder.path() / "renamed.off");
-    check_refused(folder.path() / "renamed.off", Status::malformed_file, "binary OFF is not read");
-    write(folder.path() / "other.off", "4OFF\n0 0 0\n");
-    check_refused(folder.path() / "other.off", Status::malformed_file, "begins with '4OFF'");
-    write(folder.path() / "ends.off", "OFF 3 1 0\n0 0 0\n1 0 0\n");
-    check_refused(folder.path() / "ends.off", Status::malformed_file, "vertex 2 needs three finite coordinates");
+    const test::Folder folder;
+    fs::copy_file(meshes / "cube_binary.stl", folder.path / "renamed.off");
+    check_refused(folder.path / "renamed.off", Status::malformed_file, "binary OFF is not read");
+    write(folder.path / "other.off", "4OFF\n0 0 0\n");
+    check_refused(folder.path / "other.off", Status::malformed_file, "begins with '4OFF'");
+    write(folder.path / "ends.off", "OFF 3 1 0\n0 0 0\n1 0 0\n");
+    check_refused(folder.path / "ends.off", Status::malformed_file, "vertex 2 needs three finite coordinates");
 }
 
 TEST_CASE("import: damaged 3DS files are refused with chunk and byte") {
@@ -293,9 +287,9 @@ TEST_CASE("import: concave polygons are split inside themselves") {
 }
 
 TEST_CASE("import: OBJ coordinates keep double precision") {
-    const test::TemporaryFolder folder;
-    write(folder.path() / "fine.obj", "v 0.1 0 0\nv 1 0.123456789012345678 0\nv 0 1e-300 1\nf 1 2 3\n");
-    const TriangleMesh mesh = import_valid(folder.path() / "fine.obj");
+    const test::Folder folder;
+    write(folder.path / "fine.obj", "v 0.1 0 0\nv 1 0.123456789012345678 0\nv 0 1e-300 1\nf 1 2 3\n");
+    const TriangleMesh mesh = import_valid(folder.path / "fine.obj");
     CHECK(mesh.positions
           == std::vector<glm::dvec3>{{0.1, 0, 0}, {1, 0.123456789012345678, 0}, {0, 1e-300, 1}});
 }
@@ -362,7 +356,7 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
          {"spelled_oddly.obj", "cube_binary.stl", "cube_text.stl", "cube.glb", "mirrored.gltf", "cube.3ds",
           "cube_text.ply", "cube_little.ply", "cube_big.ply", "cube.off", "crate.glb", "crate.obj", "crate.mtl"}) {
         CAPTURE(name);
-        const std::string original = content_of(meshes / name);
+        const std::string original = test::read_text(meshes / name);
         REQUIRE(!original.empty());
         uint32_t read_well = 0;
         double slowest = 0.0; // seconds

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <doctest/doctest.h>
 #include <glm/common.hpp>
@@ -58,13 +57,8 @@ fs::path written(const fs::path& file, const Cut& cut, ExportOptions options) {
     return files->front();
 }
 
-std::string content_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 json document_of(const fs::path& glb) {
-    const std::string bytes = content_of(glb);
+    const std::string bytes = test::read_text(glb);
     uint32_t size = 0;
     std::memcpy(&size, bytes.data() + 12, 4);
     return json::parse(bytes.substr(20, size));
@@ -147,10 +141,10 @@ TEST_CASE("model: a glTF file's materials, textures, images, coordinates, colour
 }
 
 TEST_CASE("model: pieces in a GLB file keep what the source looks like") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Model crate = imported(meshes / "crate.glb");
     const Cut pieces = cut(crate, 25);
-    const fs::path file = written(folder.path() / "crate.glb", pieces, {.source = &crate});
+    const fs::path file = written(folder.path / "crate.glb", pieces, {.source = &crate});
     const Model back = imported(file);
     CHECK(back.notes.empty());
     REQUIRE(back.materials.size() == 5); // and the knob's, which has none, and the cuts'
@@ -186,7 +180,7 @@ TEST_CASE("model: pieces in a GLB file keep what the source looks like") {
 }
 
 TEST_CASE("model: OBJ files with their materials, from import to export and back") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Model crate = imported(meshes / "crate.obj");
     CHECK(crate.notes.empty());
     REQUIRE(crate.materials.size() == 3);
@@ -197,9 +191,9 @@ TEST_CASE("model: OBJ files with their materials, from import to export and back
     CHECK(check_paint(crate, material_named(crate, "planks"), planks) == 24);
 
     const Cut pieces = cut(crate, 20);
-    const Model back = imported(written(folder.path() / "pieces.obj", pieces, {.source = &crate}));
+    const Model back = imported(written(folder.path / "pieces.obj", pieces, {.source = &crate}));
     CHECK(back.notes.empty());
-    CHECK(content_of(folder.path() / "pieces_image0.png") == content_of(meshes / "crate planks.png"));
+    CHECK(test::read_text(folder.path / "pieces_image0.png") == test::read_text(meshes / "crate planks.png"));
     CHECK(check_paint(back, material_named(back, "planks"), planks) > 60);
     const Material& painted = back.materials[material_named(back, "painted_lid")];
     CHECK(painted.base_colour == glm::dvec4(1.0, 0.9, 0.8, 0.5));
@@ -210,10 +204,10 @@ TEST_CASE("model: OBJ files with their materials, from import to export and back
 }
 
 TEST_CASE("model: what a material library lacks or asks for is a note, and no file outside the folder is read") {
-    const test::TemporaryFolder folder;
-    const fs::path inner = folder.path() / "inner";
+    const test::Folder folder;
+    const fs::path inner = folder.path / "inner";
     fs::create_directory(inner);
-    std::ofstream(folder.path() / "secret.png") << "\x89PNG\r\n\x1a\n";
+    std::ofstream(folder.path / "secret.png") << "\x89PNG\r\n\x1a\n";
     std::ofstream(inner / "t.mtl") << "newmtl a\nmap_Kd ../secret.png\nKd 2 nan x\nnewmtl b\nmap_Kd missing.png\nPr\n";
     std::ofstream(inner / "t.obj") << "mtllib t.mtl\nmtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\n"
                                       "f 1 3 2\nf 1 2 4\nusemtl c\nf 1 4 3\nf 2//7 3/9 4\n";
@@ -226,12 +220,12 @@ TEST_CASE("model: what a material library lacks or asks for is a note, and no fi
 }
 
 TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have the volume") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Model crate = imported(meshes / "crate.glb");
     const Cut pieces = cut(crate, 15);
     for (const char* name : {"crate.ply", "crate.stl"}) {
         CAPTURE(name);
-        const Model back = imported(written(folder.path() / name, pieces, {.source = &crate, .per_piece = true}));
+        const Model back = imported(written(folder.path / name, pieces, {.source = &crate, .per_piece = true}));
         const Piece& first = pieces.fragments.pieces[0];
         CHECK(back.mesh.triangles.size() == first.triangles.size());
         CHECK(check_topology(back.mesh.positions.size(), back.mesh.triangles).closed());
@@ -244,9 +238,9 @@ TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have
             const glm::dvec3 p = plain.mesh.positions[t[k]] * 0.5 + 0.5;
             plain.colours.emplace_back(p, 0.5);
         }
-    const auto files = export_model(folder.path() / "ball.ply", plain);
+    const auto files = export_model(folder.path / "ball.ply", plain);
     REQUIRE(files);
-    const Model back = imported(folder.path() / "ball.ply");
+    const Model back = imported(folder.path / "ball.ply");
     REQUIRE(back.colours.size() == plain.colours.size());
     for (size_t t = 0; t < back.mesh.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) // doubles, bit by bit
@@ -259,11 +253,11 @@ TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have
 }
 
 TEST_CASE("model: a file for each piece") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Model crate = imported(meshes / "crate.obj");
     const Cut pieces = cut(crate, 7);
     for (const std::string ending : {".glb", ".obj", ".ply", ".stl"}) {
-        const auto files = export_pieces(folder.path() / ("c" + ending), pieces.fragments, pieces.certificate,
+        const auto files = export_pieces(folder.path / ("c" + ending), pieces.fragments, pieces.certificate,
                                          {.source = &crate, .per_piece = true});
         REQUIRE(files);
         REQUIRE(files->size() == pieces.fragments.pieces.size());
@@ -279,7 +273,7 @@ TEST_CASE("model: a file for each piece") {
 }
 
 TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Model crate = imported(meshes / "crate.obj");
     const Cut pieces = cut(crate, 9);
     // Any closed mesh will do for a hull here.
@@ -292,7 +286,7 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     options.hulls = hulls;
     options.rigid_bodies = true;
     options.density = 500.0;
-    const json document = document_of(written(folder.path() / "a.glb", pieces, options));
+    const json document = document_of(written(folder.path / "a.glb", pieces, options));
     size_t bonds = 0, hull_nodes = 0;
     for (const json& node : document["nodes"]) {
         if (node["name"].get<std::string>().ends_with("-convcolonly")) {
@@ -322,11 +316,11 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     CHECK(hull_nodes == pieces.fragments.pieces.size());
     CHECK(bonds == pieces.fragments.bonds.size());
     options.hull_names = HullNames::unreal;
-    const json unreal = document_of(written(folder.path() / "b.glb", pieces, options));
+    const json unreal = document_of(written(folder.path / "b.glb", pieces, options));
     CHECK(unreal["nodes"][2]["name"] == "UCX_crate_000_00");
     hulls[0].push_back(hulls[0][0]);
     options.hulls = hulls;
-    const json several = document_of(written(folder.path() / "d.glb", pieces, options));
+    const json several = document_of(written(folder.path / "d.glb", pieces, options));
     const json &first = several["nodes"][1], &second_hull = several["nodes"][3];
     CHECK(first["children"] == json{2, 3});
     CHECK_FALSE(first["extensions"]["KHR_physics_rigid_bodies"].contains("collider")); // its hulls are colliders
@@ -334,13 +328,13 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     CHECK(second_hull["extensions"]["KHR_physics_rigid_bodies"]["collider"]["geometry"]["node"] == 3);
     hulls.pop_back();
     options.hulls = hulls;
-    const auto refused = export_pieces(folder.path() / "c.glb", pieces.fragments, pieces.certificate, options);
+    const auto refused = export_pieces(folder.path / "c.glb", pieces.fragments, pieces.certificate, options);
     REQUIRE(!refused);
     CHECK(refused.error().status == Status::invalid_setting);
 }
 
 TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates and normals are turned elsewhere") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const Model crate = imported(meshes / "crate.obj");
     const Cut pieces = cut(crate, 9);
     std::vector<PiecePose> poses;
@@ -355,7 +349,7 @@ TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates
     ExportOptions options{.source = &crate, .uv_by_plane = true, .poses = poses, .per_piece = true};
     for (const std::string ending : {".glb", ".obj", ".ply", ".stl"}) {
         CAPTURE(ending);
-        const auto files = export_pieces(folder.path() / ("c" + ending), pieces.fragments, pieces.certificate, options);
+        const auto files = export_pieces(folder.path / ("c" + ending), pieces.fragments, pieces.certificate, options);
         REQUIRE(files);
         for (size_t p = 0; p < poses.size(); ++p) {
             const Piece& piece = pieces.fragments.pieces[p];
@@ -381,19 +375,19 @@ TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates
         }
     }
     poses[2].orientation *= 1.1;
-    CHECK(export_pieces(folder.path() / "d.glb", pieces.fragments, pieces.certificate, options).error().status == Status::invalid_setting);
+    CHECK(export_pieces(folder.path / "d.glb", pieces.fragments, pieces.certificate, options).error().status == Status::invalid_setting);
     options.poses = std::span(poses).first(2);
-    CHECK(export_pieces(folder.path() / "d.glb", pieces.fragments, pieces.certificate, options).error().status == Status::invalid_setting);
-    CHECK_FALSE(fs::exists(folder.path() / "d_000.glb"));
+    CHECK(export_pieces(folder.path / "d.glb", pieces.fragments, pieces.certificate, options).error().status == Status::invalid_setting);
+    CHECK_FALSE(fs::exists(folder.path / "d_000.glb"));
 }
 
 TEST_CASE("model: cuts have texture coordinates by their planes where sites are not known") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     Model plain;
     plain.mesh = cube(1.0);
     const Cut pieces = cut(plain, 9);
-    REQUIRE(export_pieces(folder.path() / "a.glb", pieces.fragments, pieces.certificate, {.uv_by_plane = true}));
-    const Model back = imported(folder.path() / "a.glb");
+    REQUIRE(export_pieces(folder.path / "a.glb", pieces.fragments, pieces.certificate, {.uv_by_plane = true}));
+    const Model back = imported(folder.path / "a.glb");
     REQUIRE(!back.uv[0].empty());
     size_t cuts = 0;
     for (size_t t = 0; t < back.mesh.triangles.size(); ++t) {
@@ -410,14 +404,14 @@ TEST_CASE("model: cuts have texture coordinates by their planes where sites are 
 }
 
 TEST_CASE("model: an image for the cuts, and one that could not be read") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     Model crate = imported(meshes / "crate.glb");
     crate.images[1].mime_type.clear();
     crate.images[1].bytes.clear();
     const Cut pieces = cut(crate, 5);
     const Result<Image> stone = read_image(meshes / "crate planks.png");
     REQUIRE(stone);
-    const Model back = imported(written(folder.path() / "a.glb", pieces, {.source = &crate, .interior_image = *stone}));
+    const Model back = imported(written(folder.path / "a.glb", pieces, {.source = &crate, .interior_image = *stone}));
     CHECK(back.notes.empty());
     REQUIRE(back.images.size() == 3);
     CHECK(back.images[1].mime_type == "image/png"); // one white pixel
@@ -440,7 +434,7 @@ TEST_CASE("model: unknown endings are refused with those that can be written") {
 
 TEST_CASE("model: a sparse accessor moves the vertices that it names") {
     // A tetrahedron of zeros but for three sparse corners.
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const std::string text = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
 "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
 "accessors":[{"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":3,"indices":{"bufferView":0,"componentType":5121},
@@ -451,26 +445,23 @@ TEST_CASE("model: a sparse accessor moves the vertices that it names") {
     const float corners[] = {2, 0, 0, 0, 3, 0, 0, 0, 4};
     data.append(reinterpret_cast<const char*>(corners), sizeof corners);
     data += std::string("\0\2\1\0\1\3\0\3\2\1\2\3", 12);
-    std::ofstream(folder.path() / "b.bin", std::ios::binary) << data;
-    std::ofstream(folder.path() / "a.gltf") << text;
-    const Model model = imported(folder.path() / "a.gltf");
+    std::ofstream(folder.path / "b.bin", std::ios::binary) << data;
+    std::ofstream(folder.path / "a.gltf") << text;
+    const Model model = imported(folder.path / "a.gltf");
     CHECK(signed_volume(model.mesh.positions, model.mesh.triangles) == doctest::Approx(4.0));
     std::string beyond = text;
     data[2] = 4;
-    std::ofstream(folder.path() / "b.bin", std::ios::binary) << data;
-    const auto refused = import_model(folder.path() / "a.gltf");
+    std::ofstream(folder.path / "b.bin", std::ios::binary) << data;
+    const auto refused = import_model(folder.path / "a.gltf");
     REQUIRE(!refused);
     CHECK(refused.error().message.find("sparse index") != std::string::npos);
 }
 
 TEST_CASE("model: an image that a file names often is not copied each time") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     const std::string png = "\x89PNG\r\n\x1a\n" + std::string(100'000, '.');
-    std::ofstream(folder.path() / "a.png", std::ios::binary) << png;
-    const auto content = [](const char* name) {
-        std::ifstream stream(meshes / name, std::ios::binary);
-        return std::string(std::istreambuf_iterator<char>(stream), {});
-    };
+    std::ofstream(folder.path / "a.png", std::ios::binary) << png;
+    const auto content = [](const char* name) { return test::read_text(meshes / name); };
     std::string materials, comments, images, path;
     for (int k = 0; k < 50; ++k) {
         materials += "newmtl m" + std::to_string(k) + "\nmap_Kd " + path + "a.png\n";
@@ -481,13 +472,13 @@ TEST_CASE("model: an image that a file names often is not copied each time") {
     std::string ply = content("cube_text.ply"), gltf = content("cube_bytes.gltf");
     ply.insert(ply.find("element vertex"), comments);
     gltf.insert(1, R"("images":[)" + images + "],");
-    std::ofstream(folder.path() / "m.mtl") << materials;
-    std::ofstream(folder.path() / "a.obj") << "mtllib m.mtl\nmtllib ./m.mtl\n" << content("cube.obj");
-    std::ofstream(folder.path() / "a.ply") << ply;
-    std::ofstream(folder.path() / "a.gltf") << gltf;
+    std::ofstream(folder.path / "m.mtl") << materials;
+    std::ofstream(folder.path / "a.obj") << "mtllib m.mtl\nmtllib ./m.mtl\n" << content("cube.obj");
+    std::ofstream(folder.path / "a.ply") << ply;
+    std::ofstream(folder.path / "a.gltf") << gltf;
     for (const char* name : {"a.obj", "a.ply", "a.gltf"}) {
         CAPTURE(std::string(name));
-        const Model model = imported(folder.path() / name);
+        const Model model = imported(folder.path / name);
         size_t sum = 0;
         for (const Image& image : model.images) sum += image.bytes.size();
         CHECK(sum >= png.size());

@@ -40,6 +40,24 @@ double area_of(const std::vector<glm::dvec2>& polygon) {
     return twice / 2.0;
 }
 
+// A strip along a trefoil knot, closed to a band: both rims are knots of n edges, and any view of a knot crosses itself.
+TriangleMesh knotted_band(uint32_t n) {
+    TriangleMesh band;
+    for (uint32_t k = 0; k < n; ++k) {
+        const double a = 2.0 * std::numbers::pi * k / n;
+        const glm::dvec3 p(std::sin(a) + 2.0 * std::sin(2.0 * a), std::cos(a) - 2.0 * std::cos(2.0 * a),
+                           -std::sin(3.0 * a));
+        band.positions.push_back(p);
+        band.positions.push_back(p * 1.1);
+    }
+    for (uint32_t k = 0; k < n; ++k) {
+        const uint32_t a = 2 * k, b = 2 * ((k + 1) % n);
+        band.triangles.emplace_back(a, b, b + 1);
+        band.triangles.emplace_back(a, b + 1, a + 1);
+    }
+    return band;
+}
+
 } // namespace
 
 TEST_CASE("a cube with faces missing is whole again") {
@@ -178,23 +196,9 @@ TEST_CASE("only rims up to the given length are closed") {
 }
 
 TEST_CASE("a rim that is not simple from any side") {
-    // A strip along a trefoil knot, closed to a band: both rims are knots, and any view of a knot crosses
-    // itself.
     for (const uint32_t n : {60u, 120u, 300u, 1000u}) {
         CAPTURE(n);
-        TriangleMesh band;
-        for (uint32_t k = 0; k < n; ++k) {
-            const double a = 2.0 * std::numbers::pi * k / n;
-            const glm::dvec3 p(std::sin(a) + 2.0 * std::sin(2.0 * a), std::cos(a) - 2.0 * std::cos(2.0 * a),
-                               -std::sin(3.0 * a));
-            band.positions.push_back(p);
-            band.positions.push_back(p * 1.1);
-        }
-        for (uint32_t k = 0; k < n; ++k) {
-            const uint32_t a = 2 * k, b = 2 * ((k + 1) % n);
-            band.triangles.emplace_back(a, b, b + 1);
-            band.triangles.emplace_back(a, b + 1, a + 1);
-        }
+        const TriangleMesh band = knotted_band(n);
         const Repaired repaired = repair(band);
         check_promises(band, repaired);
         CHECK(is_manifold(repaired.mesh));
@@ -203,20 +207,7 @@ TEST_CASE("a rim that is not simple from any side") {
 }
 
 TEST_CASE("a long rim stays open where it is not simple, and is closed where it is") {
-    TriangleMesh band;
-    const uint32_t n = 5000;
-    for (uint32_t k = 0; k < n; ++k) {
-        const double a = 2.0 * std::numbers::pi * k / n;
-        const glm::dvec3 p(std::sin(a) + 2.0 * std::sin(2.0 * a), std::cos(a) - 2.0 * std::cos(2.0 * a),
-                           -std::sin(3.0 * a));
-        band.positions.push_back(p);
-        band.positions.push_back(p * 1.1);
-    }
-    for (uint32_t k = 0; k < n; ++k) {
-        const uint32_t a = 2 * k, b = 2 * ((k + 1) % n);
-        band.triangles.emplace_back(a, b, b + 1);
-        band.triangles.emplace_back(a, b + 1, a + 1);
-    }
+    const TriangleMesh band = knotted_band(5000);
     const Repaired repaired = repair(band);
     CHECK(same(repaired.mesh, band));
     CHECK(repaired.report.long_rims.count == 2);

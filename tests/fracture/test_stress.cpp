@@ -56,10 +56,10 @@ TEST_CASE("the checks of the stress driver see what is wrong") {
 }
 
 TEST_CASE("a case survives being written and read, to the bit") {
-    const test::TemporaryFolder folder;
+    const test::Folder folder;
     for (uint64_t seed = 1; seed <= 30; ++seed) {
         const stress::Case c = stress::random_case(seed);
-        const auto file = folder.path() / "case.txt";
+        const auto file = folder.path / "case.txt";
         const std::string text = stress::to_text(c);
         REQUIRE(write_file_atomically(file, std::as_bytes(std::span(text))));
         const auto again = stress::read_case(file);

@@ -1,51 +1,19 @@
-// What the tests of the program share: a folder of their own, and the program run as people run it.
+// What the tests of the program share: the program run as people run it.
 #pragma once
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
-#include <doctest/doctest.h>
 #include <sys/wait.h>
-#include <unistd.h>
+
+#include "tests/folder.h"
 
 namespace brittle::tools::test {
 
-inline std::string read_text(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-inline void write_text(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream(file, std::ios::binary) << text;
-}
-
-// Of one test case, removed at the end.
-class Folder {
-  public:
-    Folder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "brittle-test-XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ~Folder() { std::filesystem::remove_all(path); }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    [[nodiscard]] std::string operator/(const std::string& name) const { return (path / name).string(); }
-    [[nodiscard]] std::filesystem::path write(const std::string& name, const std::string& text) const {
-        write_text(path / name, text);
-        return path / name;
-    }
-    [[nodiscard]] size_t files() const {
-        return static_cast<size_t>(
-            std::distance(std::filesystem::directory_iterator(path), std::filesystem::directory_iterator()));
-    }
-
-    std::filesystem::path path;
-};
+using brittle::test_files::Folder;
+using brittle::test_files::read_text;
+using brittle::test_files::write_text;
 
 struct Outcome {
     int exit_code = -1;

@@ -7,21 +7,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "tools/brittle/input.h"
-#include "tools/brittle/recipe.h"
+#include "tests/tools/scenes.h"
 #include "tools/brittle/simulation.h"
-#include "tools/brittle/stage.h"
 
 using namespace brittle;
 using namespace brittle::tools;
-namespace fs = std::filesystem;
+using namespace brittle::tools::test;
 
 namespace {
 
@@ -73,15 +69,9 @@ struct Books : SimulationObserver {
             outside = outside || now != got[i];
             for (size_t k = 0; k < change.size(); ++k) change[k] -= now[k] - got[i][k];
         }
-        // Relative to all that moves, body by body: sums may cancel.
-        double momentum = 1e-3, turn = 1e-3;
-        for (const physics::BodyId body : world.bodies()) {
-            const physics::Mechanics own = world.mechanics(body);
-            momentum += glm::length(own.momentum);
-            turn += glm::length(own.angular_momentum);
-        }
-        const double error = std::max(glm::length(glm::dvec3(change[0], change[1], change[2])) / momentum,
-                                      glm::length(glm::dvec3(change[3], change[4], change[5])) / turn);
+        const Motion all = motion_of(world);
+        const double error = std::max(glm::length(glm::dvec3(change[0], change[1], change[2])) / all.momentum,
+                                      glm::length(glm::dvec3(change[3], change[4], change[5])) / all.angular);
         ++(outside ? answered : kept);
         if (error > worst) worst_step = simulation.steps();
         worst = std::max(worst, error);
@@ -90,29 +80,28 @@ struct Books : SimulationObserver {
 
 } // namespace
 
-TEST_CASE("scenes: momentum and angular momentum are kept across every break, to 1e-4") {
-    std::vector<fs::path> scenes;
-    for (const auto& entry : fs::directory_iterator(BRITTLE_ASSETS "/scenes")) scenes.push_back(entry.path());
-    std::sort(scenes.begin(), scenes.end());
-    int tested = 0, answered = 0;
-    for (const fs::path& scene : scenes) {
-        FractureOptions options;
-        read_recipe(scene, options);
-        if (options.world.breakable || !holds_together(options.world)) continue; // test_breakable.cpp
-        CAPTURE(scene.string());
-        const Input input = placed_on_stage(load_input(options), options.world);
-        Simulation simulation(options.material);
-        Books books;
-        simulation.observe(&books);
-        simulation.start(break_input(input, options).fragments, options.world);
-        while (simulation.steps() < 2 * options.picture.frames) simulation.step();
-        MESSAGE(scene.stem().string(), ": ", books.kept, " breaks that changed nothing, ", books.answered,
-                " with answers of what is fixed; worst ", books.worst, " at step ", books.worst_step);
-        CHECK(books.worst < 1e-4);
-        CHECK(books.kept + books.answered > 0);
-        answered += books.answered;
-        ++tested;
-    }
-    CHECK(tested >= 4);
-    CHECK(answered > 0); // else nothing of the accounts was tried
+namespace {
+
+using BondsBreak = std::tuple<scene::arch_loses_a_column, scene::brick_wall_rammed, scene::bunny_dropped, scene::tower_collapses>;
+
+} // namespace
+
+TEST_CASE_TEMPLATE_DEFINE("scenes: momentum and angular momentum are kept across every break, to 1e-4", Scene, momentum) {
+    const FractureOptions options = recipe_of<Scene>();
+    Simulation simulation(options.material);
+    Books books;
+    simulation.observe(&books);
+    simulation.start(started(options), options.world);
+    while (simulation.steps() < 2 * options.picture.frames) simulation.step();
+    MESSAGE(books.kept, " breaks that changed nothing, ", books.answered, " with answers of what is fixed; worst ",
+            books.worst, " at step ", books.worst_step);
+    CHECK(books.worst < 1e-4);
+    CHECK(books.answered > 0); // else nothing of the accounts was tried
+}
+TEST_CASE_TEMPLATE_APPLY(momentum, BondsBreak);
+
+TEST_CASE("scenes: momentum is looked at wherever bonds break") {
+    CHECK(names_of<BondsBreak>() == scenes_where([](const FractureOptions& options) {
+              return !options.world.breakable && holds_together(options.world); // the others: test_breakable.cpp
+          }));
 }

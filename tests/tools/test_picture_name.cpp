@@ -1,9 +1,6 @@
-#include <filesystem>
-#include <fstream>
-
 #include <doctest/doctest.h>
-#include <unistd.h>
 
+#include "tests/tools/support.h"
 #include "tools/brittle/picture_name.h"
 
 using namespace brittle::tools;
@@ -39,11 +36,9 @@ TEST_CASE("frame numbers are padded as printf pads them") {
 }
 
 TEST_CASE("an unused name is the first that no file has") {
-    std::string folder = (std::filesystem::temp_directory_path() / "brittle-names-XXXXXX").string();
-    REQUIRE(mkdtemp(folder.data()) != nullptr);
-    const std::string pattern = folder + "/a_%03d.png";
-    CHECK(unused_name(pattern) == folder + "/a_000.png");
-    for (const char* name : {"/a_000.png", "/a_002.png"}) std::ofstream(folder + name) << "x";
-    CHECK(unused_name(pattern) == folder + "/a_001.png");
-    std::filesystem::remove_all(folder);
+    const test::Folder folder;
+    const std::string pattern = folder / "a_%03d.png";
+    CHECK(unused_name(pattern) == folder / "a_000.png");
+    for (const char* name : {"a_000.png", "a_002.png"}) folder.write(name, "x");
+    CHECK(unused_name(pattern) == folder / "a_001.png");
 }

@@ -2,37 +2,27 @@
 // (tests/images/scenes), and which piece each pixel shows before anything has moved (NAME.ids.png beside it), which is
 // exact. tools/update-goldens rewrites them; look at them then. Of a scene that fails and moves, the replay log is left
 // beside the pictures.
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include <doctest/doctest.h>
 
 #include "engine/core/bitmap.h"
 #include "tests/engine/support.h"
+#include "tests/tools/scenes.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/recipe.h"
 
 namespace fs = std::filesystem;
 using namespace brittle::engine;
 using namespace brittle::engine::test;
-using brittle::tools::test::Folder;
+using namespace brittle::tools;
+using namespace brittle::tools::test;
 
 namespace {
 
-std::vector<fs::path> scenes() {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(BRITTLE_ASSETS "/scenes"))
-        if (entry.path().extension() == ".json") files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    REQUIRE(files.size() >= 9);
-    return files;
-}
-
-void render(const fs::path& scene, const std::string& options, const Folder& folder) {
-    const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene.string()
+void render(const std::string& scene, const std::string& options, const Folder& folder) {
+    const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene_file(scene).string()
                                 + " --size 480x300 --device cpu --validation " + options + " > " + folder / "log" + " 2>&1";
     REQUIRE(std::system(command.c_str()) == 0);
 }
@@ -41,45 +31,44 @@ constexpr BitmapTolerance exact{.ignore = 0, .channel = 0, .fraction = 0.0};
 
 } // namespace
 
-TEST_CASE("every scene looks as it did") {
-    const Folder folder;
-    for (const fs::path& scene : scenes()) {
-        const std::string name = scene.stem().string();
-        CAPTURE(name);
-        const std::string file = folder / (name + ".png");
-        const std::string log = folder / (name + ".log");
-        brittle::tools::FractureOptions options;
-        brittle::tools::read_recipe(scene, options);
-        const bool whole = options.picture.whole || options.picture.planes > 0; // nothing moves
-        render(scene, "-o " + file + (whole ? "" : " --record " + log), folder);
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-        continue; // other code, other roundings: what falls lies elsewhere
-#endif
-        const auto image = read_png(file);
-        REQUIRE(image);
-        const GoldenCheck check = check_golden(*image, name, {}, golden_folder() + "/scenes");
-        CHECK_MESSAGE(check.passed, check.message);
-        if (check.passed || whole) continue;
-        const std::string kept = BRITTLE_FAILURE_FOLDER "/" + name + ".log";
-        fs::create_directories(BRITTLE_FAILURE_FOLDER);
-        fs::copy_file(log, kept, fs::copy_options::overwrite_existing);
-        FAIL_CHECK("brittle replay ", kept, " --render repeats it");
-    }
+TEST_CASE("scenes: every file is a test here") {
+    CHECK(names_of<scene::All>() == scenes_where([](const FractureOptions&) { return true; }));
 }
 
-TEST_CASE("every pixel of every scene shows the piece that it did, until something moves") {
+TEST_CASE_TEMPLATE_DEFINE("every scene looks as it did", Scene, looks) {
     const Folder folder;
-    for (const fs::path& scene : scenes()) {
-        const std::string name = scene.stem().string();
-        CAPTURE(name);
-        const std::string file = folder / (name + "_ids.png");
-        render(scene, "--frames 0 -o " + folder / "picture.png" + " --ids " + file, folder);
-        const auto ids = read_png(file);
-        REQUIRE(ids);
-        const GoldenCheck check = check_golden(*ids, name + ".ids", exact, golden_folder() + "/scenes");
-        CHECK_MESSAGE(check.passed, check.message);
-    }
+    const std::string name = name_of<Scene>();
+    const std::string file = folder / (name + ".png");
+    const std::string log = folder / (name + ".log");
+    const FractureOptions options = recipe_of(name);
+    const bool whole = options.picture.whole || options.picture.planes > 0; // nothing moves
+    render(name, "-o " + file + (whole ? "" : " --record " + log), folder);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    return; // other code, other roundings: what falls lies elsewhere
+#endif
+    const auto image = read_png(file);
+    REQUIRE(image);
+    const GoldenCheck check = check_golden(*image, name, {}, golden_folder() + "/scenes");
+    CHECK_MESSAGE(check.passed, check.message);
+    if (check.passed || whole) return;
+    const std::string kept = BRITTLE_FAILURE_FOLDER "/" + name + ".log";
+    fs::create_directories(BRITTLE_FAILURE_FOLDER);
+    fs::copy_file(log, kept, fs::copy_options::overwrite_existing);
+    FAIL_CHECK("brittle replay ", kept, " --render repeats it");
 }
+TEST_CASE_TEMPLATE_APPLY(looks, scene::All);
+
+TEST_CASE_TEMPLATE_DEFINE("every pixel of every scene shows the piece that it did, until something moves", Scene, ids) {
+    const Folder folder;
+    const std::string name = name_of<Scene>();
+    const std::string file = folder / (name + "_ids.png");
+    render(name, "--frames 0 -o " + folder / "picture.png" + " --ids " + file, folder);
+    const auto ids = read_png(file);
+    REQUIRE(ids);
+    const GoldenCheck check = check_golden(*ids, name + ".ids", exact, golden_folder() + "/scenes");
+    CHECK_MESSAGE(check.passed, check.message);
+}
+TEST_CASE_TEMPLATE_APPLY(ids, scene::All);
 
 TEST_CASE("one pixel with another piece is found") {
     if (is_updating_goldens()) return;

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <set>
 #include <string>
@@ -12,16 +11,17 @@
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
-#include <unistd.h>
 
 #include "fracture/mass_properties.h"
 #include "tests/engine/support.h"
+#include "tests/tools/support.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/replay/player.h"
 #include "tools/brittle/studio/tools.h"
 
 using namespace brittle;
 using namespace brittle::tools;
+using test::Folder, test::read_text;
 namespace fs = std::filesystem;
 
 namespace {
@@ -61,22 +61,6 @@ class Room {
     std::unique_ptr<engine::Renderer> renderer;
     std::unique_ptr<Session> session;
 };
-
-class Folder {
-  public:
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "brittle-session-XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ~Folder() { fs::remove_all(path); }
-    fs::path path;
-};
-
-std::string content(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::multiset<double> volumes_of(const fracture::Fragments& fragments) {
     std::multiset<double> volumes;
@@ -418,13 +402,13 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
         session.export_pieces(folder.path / name, as);
         REQUIRE(room.soon([&] { return !session.work() && !session.message().text.empty(); }));
         CHECK_MESSAGE(!session.message().fault, session.message().text);
-        return content(folder.path / name);
+        return read_text(folder.path / name);
     };
     const auto recipe_pieces = [&] {
         const FractureOptions options = session.recipe();
         const Input input = load_input(options, true);
         (void)write_pieces({.output = (folder.path / "line.glb").string()}, options, input, break_input(input, options));
-        return content(folder.path / "line.glb");
+        return read_text(folder.path / "line.glb");
     };
     // What the log of this moment gives without a window.
     const auto replayed = [&](PiecesAs as, const std::string& ending) {
@@ -443,7 +427,7 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
         CHECK_MESSAGE(!player.difference(), (player.difference() ? player.difference()->what : ""));
         const std::string file = (folder.path / ("line" + ending)).string();
         (void)write_state({.output = file}, as, log.recipe, source, snapshot(simulation, fragments));
-        return content(file);
+        return read_text(file);
     };
     CHECK(exported("whole.glb", PiecesAs::made) == recipe_pieces());
     room.break_it();
@@ -477,7 +461,7 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     cut.world.breakable = false;
     const Input input = load_input(cut, true);
     (void)write_pieces({.output = (folder.path / "line.ply").string()}, cut, input, break_input(input, cut));
-    CHECK(exported("fallen_made.ply", PiecesAs::made) == content(folder.path / "line.ply"));
+    CHECK(exported("fallen_made.ply", PiecesAs::made) == read_text(folder.path / "line.ply"));
 
     // Called off, or where nothing can be written: no file, and it says so.
     session.say({});

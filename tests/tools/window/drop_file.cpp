@@ -84,5 +84,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     alarm(patience);
-    return Source(display, std::strtoul(argv[1], nullptr, 10), argv[2]).drop() ? 0 : 1;
+    const bool taken = Source(display, std::strtoul(argv[1], nullptr, 10), argv[2]).drop();
+    XCloseDisplay(display);
+    return taken ? 0 : 1;
 }

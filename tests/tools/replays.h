@@ -1,0 +1,57 @@
+// Runs that are recorded and repeated, for tests of replay logs.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tools/brittle/failure.h"
+#include "tools/brittle/replay/log.h"
+#include "tools/brittle/replay/player.h"
+#include "tools/brittle/replay/recorder.h"
+#include "tools/brittle/simulation.h"
+#include "tools/brittle/stage.h"
+
+namespace brittle::tools::test {
+
+// The log of so many steps, driven by whole steps.
+inline ReplayLog recorded(const FractureOptions& options, const fracture::Fragments& fragments, uint64_t steps,
+                          const std::vector<std::pair<uint64_t, Action>>& actions, const std::filesystem::path& file) {
+    Simulation simulation(options.material);
+    Recorder recorder(file, options);
+    simulation.observe(&recorder);
+    simulation.start(fragments, world_of(options));
+    for (const auto& [step, action] : actions) simulation.schedule(step, action);
+    while (simulation.steps() < steps) simulation.step();
+    recorder.finish();
+    return read_replay_log(file);
+}
+
+// By its actions and the steps of its cuts; where it first differs.
+inline std::optional<Difference> replayed(const ReplayLog& log, const fracture::Fragments& fragments) {
+    Simulation simulation(log.recipe.material);
+    Player player(log);
+    simulation.observe(&player);
+    follow(log, simulation);
+    simulation.start(fragments, world_of(log.recipe));
+    if (!player.difference()) schedule(log, simulation);
+    while (!player.done() && !player.difference()) simulation.step();
+    return player.difference();
+}
+
+// What reading the file says, "" if it is read.
+inline std::string message_of(const std::filesystem::path& file) {
+    try {
+        (void)read_replay_log(file);
+    } catch (const Failure& failure) {
+        CHECK(failure.code() == exit_input);
+        return failure.what();
+    }
+    return "";
+}
+
+} // namespace brittle::tools::test

@@ -1,0 +1,114 @@
+// The scenes of assets/scenes, for tests that look at each, and what their tests share. A scene is a type here, so that each is a test case of its own:
+// they run beside each other, end in ctest's time under sanitizers too, and say which scene it was.
+//
+//     using Shot = std::tuple<scene::brick_wall_rammed, scene::tower_collapses>;
+//     TEST_CASE_TEMPLATE_DEFINE("what it must do", Scene, id) { const FractureOptions options = recipe_of<Scene>(); ... }
+//     TEST_CASE_TEMPLATE_APPLY(id, Shot);
+//     TEST_CASE("no scene is left out") { CHECK(names_of<Shot>() == scenes_where([](const FractureOptions& options) {...})); }
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/mass_properties.h"
+#include "fracture/topology.h"
+#include "physics/destruction.h"
+#include "tools/brittle/input.h"
+#include "tools/brittle/recipe.h"
+#include "tools/brittle/stage.h"
+
+namespace scene {
+
+// By the names of their files, sorted. test_scenes.cpp tells what is missing.
+using All = std::tuple<struct arch_loses_a_column, struct brick_wall_rammed, struct bunny_dropped,
+                       struct figure_03_voronoi_diagram, struct figure_04_bunny_with_three_sites,
+                       struct figure_09_clip_step_0, struct figure_09_clip_step_1, struct figure_09_clip_step_2,
+                       struct figure_09_clip_step_3, struct figure_10_hulls, struct figure_11_icosphere_falls_apart,
+                       struct figure_12_legs_below_the_knees, struct glass_pane_shot_by_a_ball,
+                       struct pane_hangs_by_its_corners, struct statue_broken_three_levels_deep, struct tower_collapses>;
+
+} // namespace scene
+
+namespace brittle::tools::test {
+
+// The name that the test case has, without the namespace.
+template<typename Scene>
+[[nodiscard]] std::string name_of() {
+    const std::string name = doctest::toString<Scene>().c_str();
+    return name.substr(name.rfind(':') + 1);
+}
+
+template<typename Scenes>
+[[nodiscard]] std::vector<std::string> names_of() {
+    return []<typename... Scene>(std::tuple<Scene...>*) {
+        return std::vector<std::string>{name_of<Scene>()...};
+    }(static_cast<Scenes*>(nullptr));
+}
+
+[[nodiscard]] inline std::filesystem::path scene_file(const std::string& name) {
+    return std::filesystem::path(BRITTLE_ASSETS "/scenes") / (name + ".json");
+}
+
+[[nodiscard]] inline FractureOptions recipe_of(const std::string& name) {
+    FractureOptions options;
+    read_recipe(scene_file(name), options);
+    return options;
+}
+
+template<typename Scene>
+[[nodiscard]] FractureOptions recipe_of() {
+    return recipe_of(name_of<Scene>());
+}
+
+// The files that there are, of which `wanted` holds; sorted.
+template<typename Predicate>
+[[nodiscard]] std::vector<std::string> scenes_where(Predicate wanted) {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(BRITTLE_ASSETS "/scenes"))
+        if (wanted(recipe_of(entry.path().stem().string()))) names.push_back(entry.path().stem().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+// What the physics begins with: on the stage, broken as the recipe says.
+[[nodiscard]] inline fracture::Fragments started(const FractureOptions& options) {
+    return break_input(placed_on_stage(load_input(options), options.world), options).fragments;
+}
+
+// Closed, of positive volume, and together the whole.
+inline void check_pieces(const physics::Destruction& destruction, double whole) {
+    double sum = 0.0;
+    for (const physics::PieceId id : destruction.pieces()) {
+        const physics::SolidPiece& piece = *destruction.solid(id);
+        CHECK(fracture::check_topology(piece.positions.size(), piece.mesh.triangles).closed());
+        const std::vector<glm::dvec3> positions(piece.positions.begin(), piece.positions.end());
+        const double volume = fracture::signed_volume(positions, piece.mesh.triangles);
+        CHECK(volume > 0.0);
+        sum += volume;
+    }
+    CHECK(destruction.statistics().failed == 0);
+    CHECK(sum == doctest::Approx(whole).epsilon(1e-6)); // positions for drawing are single precision
+}
+
+// Of all bodies, one by one, since sums may cancel: what errors of momentum are compared with. Never 0.
+struct Motion {
+    double momentum = 1e-3; // kg m/s
+    double angular = 1e-3;  // kg m^2/s
+};
+[[nodiscard]] inline Motion motion_of(const physics::World& world) {
+    Motion all;
+    for (const physics::BodyId body : world.bodies()) {
+        const physics::Mechanics own = world.mechanics(body);
+        all.momentum += glm::length(own.momentum);
+        all.angular += glm::length(own.angular_momentum);
+    }
+    return all;
+}
+
+} // namespace brittle::tools::test

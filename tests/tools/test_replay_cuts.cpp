@@ -1,0 +1,176 @@
+// Replay logs of what is cut anew where it is hit: by its own latency, by the log, and when a worker was ready.
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/log_text.h"
+#include "tests/tools/replays.h"
+#include "tests/tools/scenes.h"
+#include "tests/tools/support.h"
+#include "tests/tools/wall.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using namespace brittle::tools::test;
+
+namespace {
+
+// A ball that stands, whole, and is shot at and struck; or a bonded wall.
+FractureOptions breakable_options(bool bonded) {
+    FractureOptions options = wall_options();
+    options.world.breakable = true;
+    options.world.bonded = bonded;
+    options.world.min_size = 0.04;
+    if (!bonded) options.mesh = "shape:icosphere:2";
+    return options;
+}
+
+// Piece 3 is not there before the first blow's cut.
+std::vector<std::pair<uint64_t, Action>> blows() {
+    return {{0, Shoot{{0.3, 0.8, 3.0}, {0.0, 0.0, -25.0}, 0.15, 7800.0}},
+            {20, Hammer{0, {-0.6, 0.9, 0.3}, {20.0, -40.0, 0.0}}},
+            {25, Hammer{3, {0.0, 0.5, 0.0}, {0.0, -60.0, 0.0}}},
+            {30, Shoot{{0.0, 0.9, 3.0}, {0.0, 0.0, -25.0}, 0.1, 7800.0}},
+            {60, Push{5, {0.0, 0.5, 0.0}, {1.0, 20.0, 3.0}}}};
+}
+
+// 120 steps with blows, of what is whole at first or of a bonded wall.
+struct Bonded {
+    static constexpr bool value = true;
+};
+struct Whole {
+    static constexpr bool value = false;
+};
+template<typename Start>
+ReplayLog recorded_cuts() {
+    const Folder folder;
+    const FractureOptions options = breakable_options(Start::value);
+    return recorded(options, started(options), 120, blows(), folder.path / "run.log");
+}
+
+FractureOptions with_threads(FractureOptions options, uint32_t threads) {
+    options.threads = threads;
+    return options;
+}
+
+} // namespace
+
+TYPE_TO_STRING(Bonded);
+TYPE_TO_STRING(Whole);
+
+TEST_CASE_TEMPLATE("replay: what is cut anew repeats by the log, with any threads", Start, Whole, Bonded) {
+    const ReplayLog log = recorded_cuts<Start>();
+    CHECK(log.commits.size() >= 2);
+    CHECK(log.pieces == (Start::value ? started(log.recipe).pieces.size() : 1));
+    for (const uint32_t threads : {1u, 2u, 4u}) {
+        CAPTURE(threads);
+        CHECK_FALSE(replayed(log, started(with_threads(log.recipe, threads))));
+    }
+}
+
+TEST_CASE_TEMPLATE("replay: what is cut anew repeats by its own latency, with any threads", Start, Whole, Bonded) {
+    const ReplayLog log = recorded_cuts<Start>();
+    for (const uint32_t threads : {1u, 2u, 4u}) {
+        CAPTURE(threads);
+        const fracture::Fragments fragments = started(with_threads(log.recipe, threads));
+        Simulation simulation(log.recipe.material); // with the latency that it was recorded with
+        Player player(log);
+        simulation.observe(&player);
+        simulation.start(fragments, world_of(log.recipe),
+                         prepare_bodies(fragments, world_of(log.recipe), log.recipe.material, {}, threads));
+        schedule(log, simulation);
+        while (!player.done() && !player.difference()) simulation.advance(0.017);
+        CHECK_FALSE(player.difference());
+    }
+}
+
+TEST_CASE_TEMPLATE("replay: a cut that is left out is missed in the step that it was part of", Start, Whole, Bonded) {
+    const ReplayLog log = recorded_cuts<Start>();
+    REQUIRE(log.commits.size() >= 2);
+    ReplayLog damaged = log;
+    damaged.commits.erase(damaged.commits.begin());
+    const std::optional<Difference> difference = replayed(damaged, started(log.recipe));
+    REQUIRE(difference);
+    CHECK(difference->step == log.commits.front().step);
+    // So is one too early; jobs that there never are, are nothing.
+    damaged = log;
+    damaged.commits.insert(damaged.commits.begin(), {1, 7'000'000});
+    CHECK_FALSE(replayed(damaged, started(log.recipe)));
+}
+
+TEST_CASE("replay: the recipe's seed says where blows cut, and is in the log") {
+    const Folder folder;
+    FractureOptions options = breakable_options(false);
+    const fracture::Fragments whole = started(options); // what starts whole has no sites that a seed could move
+    const auto states_of = [&](uint64_t seed) {
+        options.pattern.seed = seed;
+        const ReplayLog log = recorded(options, whole, 60, blows(), folder.path / "run.log");
+        CHECK(log.commits.size() >= 1);
+        CHECK_FALSE(replayed(log, started(log.recipe)));
+        return log.states.back().hash;
+    };
+    const uint64_t first = states_of(11);
+    CHECK(states_of(12) != first);
+    CHECK(states_of(11) == first);
+    // Also where sites are points, which have no seed of their own.
+    options.points = {{0.0, 0.0, 0.0}};
+    CHECK(states_of(11) == first);
+}
+
+TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log") {
+    const Folder folder;
+    for (const bool bonded : {false, true}) {
+        CAPTURE(bonded);
+        const FractureOptions options = breakable_options(bonded);
+        Simulation simulation(options.material);
+        Recorder recorder(folder.path / "run.log", options);
+        simulation.observe(&recorder);
+        simulation.commit_as(physics::Timing::when_ready);
+        simulation.start(started(options), world_of(options));
+        for (const auto& [step, action] : blows()) simulation.schedule(step, action);
+        // Until all is cut, however long the worker takes: nothing here depends on a clock but the steps of the cuts.
+        while (simulation.steps() < 100 || (simulation.destruction()->jobs_in_flight() > 0 && simulation.steps() < 20'000)) {
+            simulation.step();
+            // Steps of a world at rest take no time: twenty thousand are over before a busy machine's worker has begun.
+            if (simulation.steps() > 100) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        recorder.finish();
+        const ReplayLog log = read_replay_log(folder.path / "run.log");
+        CHECK(log.commits.size() >= 2);
+        CHECK_FALSE(replayed(log, started(log.recipe)));
+    }
+}
+
+TEST_CASE("replay: damaged lines of cuts are refused") {
+    const Folder folder;
+    FractureOptions options = breakable_options(false);
+    recorded(options, started(options), 40, blows(), folder.path / "good.log");
+    const std::string good = read_text(folder.path / "good.log");
+    CHECK(log_text(read_replay_log(folder.path / "good.log"), folder.path) == good);
+    const size_t at = good.rfind('\n', good.find(R"("commit":{)")) + 1; // the header names the build's commit
+    const std::string line = good.substr(at, good.find('\n', at) - at);
+    REQUIRE(line.find("commit") != std::string::npos);
+    const auto with = [&](const std::string& other) {
+        std::string text = good;
+        text.replace(at, line.size(), other);
+        return message_of(folder.write("run.log", text));
+    };
+    CHECK(with(line).empty());
+    CHECK(with(R"({"after":1,"commit":{"job":0}})").find("/after: 1 is not the step") != std::string::npos);
+    CHECK(with(R"({"commit":{"job":0}})").find("/after: is missing") != std::string::npos);
+    const std::string after = line.substr(0, line.find(",\"commit"));
+    CHECK(with(after + R"(,"commit":{}})").find("/commit/job: is missing") != std::string::npos);
+    CHECK(with(after + R"(,"commit":{"job":-1}})").find("/commit/job") != std::string::npos);
+    CHECK(with(after + R"(,"commit":{"job":1,"by":2}})").find("/commit/by: unknown key") != std::string::npos);
+    CHECK(with(after + R"(,"commit":{"job":1},"let_go":{}})").find("/let_go: unknown key") != std::string::npos);
+    CHECK(with(after + R"(,"commit":[]})").find("/commit") != std::string::npos);
+    // Where nothing is breakable there are none.
+    std::string text = good;
+    const std::string flag = R"("breakable":true)";
+    text.replace(text.find(flag), flag.size(), R"("breakable":false)");
+    CHECK(message_of(folder.write("run.log", text)).find("nothing is breakable") != std::string::npos);
+}

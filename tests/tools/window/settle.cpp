@@ -1,0 +1,57 @@
+// Waits until a window has read all that was sent to it and drawn it, for tests under Xvfb: the window is asked for a sign
+// of life (_NET_WM_PING), which GLFW answers where it reads events, once a frame. The first answer says that what came
+// before was read; each further one that a frame has passed since. A fixed pause would be too long on a quick machine
+// and too short on a busy one. What other threads work on is not waited for.
+//   settle WINDOW [FRAMES]     so many frames after it was read, default 2; exit 1 where the window is gone
+#include <cstdio>
+#include <cstdlib>
+
+#include <X11/Xlib.h>
+#include <unistd.h>
+
+namespace {
+
+constexpr unsigned patience = 60; // s for each answer: frames are slow under sanitizers; then the alarm ends the program
+
+void ping(Display* display, Window window, long number) {
+    XEvent event{};
+    event.xclient.type = ClientMessage;
+    event.xclient.window = window;
+    event.xclient.message_type = XInternAtom(display, "WM_PROTOCOLS", False);
+    event.xclient.format = 32;
+    event.xclient.data.l[0] = static_cast<long>(XInternAtom(display, "_NET_WM_PING", False));
+    event.xclient.data.l[1] = number;
+    event.xclient.data.l[2] = static_cast<long>(window);
+    XSendEvent(display, window, False, NoEventMask, &event);
+    XFlush(display);
+}
+
+// The answer goes to the root window; others may ask at the same time.
+bool answers(const XEvent& event, Window window, long number) {
+    return event.type == ClientMessage && event.xclient.data.l[1] == number
+           && static_cast<Window>(event.xclient.data.l[2]) == window;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    Display* display = XOpenDisplay(nullptr);
+    if (argc < 2 || argc > 3 || !display) {
+        std::fputs("settle: needs a display and a window's number\n", stderr);
+        return 2;
+    }
+    const Window window = std::strtoul(argv[1], nullptr, 10);
+    const long frames = argc > 2 ? std::strtol(argv[2], nullptr, 10) : 2;
+    XSelectInput(display, DefaultRootWindow(display), SubstructureNotifyMask);
+    for (long k = 0; k <= frames; ++k) {
+        alarm(patience);
+        const long number = static_cast<long>(getpid()) * 256 + k; // a time, in real life; whatever it is comes back
+        ping(display, window, number);
+        for (XEvent event;;) {
+            XNextEvent(display, &event);
+            if (answers(event, window, number)) break;
+        }
+    }
+    XCloseDisplay(display);
+    return 0;
+}
