@@ -46,7 +46,7 @@ int run_render(const RenderCommand& command) {
     const bool exports = !command.pieces.files.output.empty();
     const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
-    const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
+    const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);
     std::optional<Recorder> recorder;
     if (!command.record.empty()) {
