@@ -381,6 +381,7 @@ TEST_CASE("replay: what is cut anew repeats, by its own latency and by the log, 
 TEST_CASE("replay: the recipe's seed says where blows cut, and is in the log") {
     const Folder folder;
     FractureOptions options = breakable_options(false);
+    use_material(options.material, options); // its own way to break, which is also that of sites by themselves
     const fracture::Fragments whole = broken(options); // what starts whole has no sites that a seed could move
     const auto states_of = [&](uint64_t seed) {
         options.pattern.seed = seed;

@@ -217,7 +217,8 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
         ->check(CLI::Range(1e-6, 1e6))
         ->capture_default_str();
     command.add_flag("--breakable", world.breakable,
-                     "Cut anew where it is hit, again and again; without --bonded it starts whole, and --anchored holds its foot");
+                     "Cut anew where it is hit, again and again. Without --bonded it starts whole: blows cut in the manner of --pattern, or "
+                     "along the diagram of --sites, fitted to what is hit; --anchored holds its foot");
     command.add_option("--min-size", world.min_size, "Metres, cube root of volume; breakable things give no smaller pieces")
         ->check(CLI::Range(1e-4, 10.0))
         ->capture_default_str();
