@@ -1,5 +1,4 @@
-// Scenes of what is cut anew where it is hit: the statue that breaks again and again, and that no cut brings
-// momentum.
+// What is cut anew where it is hit: the statue that breaks again and again, along what blows cut, and that no cut brings momentum.
 #include <algorithm>
 #include <filesystem>
 #include <vector>
@@ -152,6 +151,30 @@ TEST_CASE("breakable: blows cut along a diagram from a file, fitted to what they
             }
         }
         CHECK(cuts > 0);
+    }
+}
+
+TEST_CASE("breakable: the command line shoots as a recipe does, and says what is wrong with a shot") {
+    const test::Folder folder;
+    const std::string start = "render shape:pane --breakable --frames 0 --size 64x48 -o " + (folder / "a.png");
+    // The recipe is written before a device is looked for.
+    (void)test::run_brittle(folder, start + " --shot -1,0.5,4,0,1.5,-20,0.25 --shot 0,1,2,3,4,5,0.1,0.75 --save-recipe "
+                                        + (folder / "r.json"));
+    const FractureOptions options = recipe_of(folder / "r.json");
+    REQUIRE(options.world.shots.size() == 2);
+    const Shot &one = options.world.shots[0], &two = options.world.shots[1];
+    CHECK(one.from == glm::dvec3(-1.0, 0.5, 4.0));
+    CHECK(one.velocity == glm::dvec3(0.0, 1.5, -20.0));
+    CHECK(one.radius == 0.25);
+    CHECK(one.time == 0.0);
+    CHECK(two.velocity == glm::dvec3(3.0, 4.0, 5.0));
+    CHECK(two.time == 0.75);
+    for (const char* bad : {"1,2,3,4,5,6", "1,2,3,4,5,6,x", "1,2,3,4,5,6,0.1,", "nan,0,0,1,1,1,1", "0,0,0,0,0,0,0",
+                            "0,0,0,0,0,0,11", "0,0,0,0,0,0,1,-1", "0,0,0,0,0,0,1,1,1"}) {
+        CAPTURE(bad);
+        const test::Outcome outcome = test::run_brittle(folder, start + " --shot " + bad);
+        CHECK(outcome.exit_code == 2);
+        CHECK(outcome.has("--shot"));
     }
 }
 
