@@ -50,10 +50,9 @@ SphereMesh::SphereMesh(const Device& device) {
 }
 
 Buffer SphereMesh::import(Frame& frame) const {
-    return frame.graph.import_buffer("sphere", {vertices_.size()},
-                                     {.initial = Access::vertex_read,
-                                      .final = {},
-                                      .external = frame.external.add(vertices_.handle())});
+    return frame.graph.import_buffer(
+        "sphere", {vertices_.size()},
+        {.initial = Access::vertex_read, .final = {}, .external = frame.external.add(vertices_.handle())});
 }
 
 void SphereMesh::draw(PassContext& context, const Pipeline& pipeline, Buffer mesh, const Frame& frame) const {

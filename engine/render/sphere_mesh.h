@@ -1,4 +1,5 @@
-// The ball of which Scene::spheres are copies, as marks and in the shadow map: 128 triangles on the unit sphere.
+// The ball of which Scene::spheres are copies, as marks and in the shadow map: 128 triangles on the unit
+// sphere.
 //
 //     const Buffer mesh = sphere.import(frame);                      // in a pass's declaration
 //     pass.read(mesh, Access::vertex_read); pass.read(frame.spheres, Access::vertex_read);
@@ -19,7 +20,8 @@ namespace brittle::engine {
 class SphereMesh {
   public:
     static constexpr std::array<VkVertexInputBindingDescription, 2> bindings{
-        {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(Sphere), VK_VERTEX_INPUT_RATE_INSTANCE}}};
+        {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
+         {1, sizeof(Sphere), VK_VERTEX_INPUT_RATE_INSTANCE}}};
     static constexpr std::array<VkVertexInputAttributeDescription, 2> attributes{
         {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0}, {1, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 0}}};
 

@@ -162,7 +162,9 @@ TEST_CASE("a pose moves, turns, scales and hides its body, and only its own") {
     REQUIRE(f.renderer->set_pieces(pieces));
     std::vector<BodyPose> poses(2);
     Scene scene = empty_stage();
-    scene.write_poses = [&](std::span<BodyPose> out, uint64_t) { std::copy(poses.begin(), poses.end(), out.begin()); };
+    scene.write_poses = [&](std::span<BodyPose> out, uint64_t) {
+        std::copy(poses.begin(), poses.end(), out.begin());
+    };
     const glm::uvec2 size{128, 64};
     poses[0].position.x = -1.0f;
     poses[1].position.x = 1.0f;
