@@ -27,6 +27,7 @@ const double surface_per_radius = 3.0 * std::pow(half_ball, 2.0 / 3.0);
 // Sites of the shell around the damage, and of the rest beyond: so that the rest's cells, which are its collision hulls, are
 // not larger than the solid's own features.
 constexpr uint32_t shell_sites = 16, outer_sites = 12;
+constexpr uint32_t shell_around = 5; // of a layer of splinters
 // Radius of the shell by that of the damage: bisectors between the outermost pieces and the shell are near the damage's rim.
 constexpr double shell_ratio = 1.35;
 constexpr double inner_ratio = 0.75; // the pieces' sites keep so far within the damage
@@ -80,7 +81,6 @@ class Maker {
     }
 
     ImpactSites run(const fracture::MassProperties& mass) {
-        const glm::dvec3 ones(1.0);
         switch (pattern_.kind) {
         case PatternKind::radial: radial(); break;
         case PatternKind::splinters: splinters(longest_axis(mass)); break;
@@ -90,7 +90,7 @@ class Maker {
             crowd(damage_.pieces / 2, 1.0);
             crowd(damage_.pieces - damage_.pieces / 2, 1.0 / 3.0);
         }
-        if (pattern_.kind != PatternKind::splinters) shell(glm::dmat3(1.0), ones);
+        if (pattern_.kind != PatternKind::splinters) shell();
         rest();
         return std::move(result_);
     }
@@ -140,30 +140,43 @@ class Maker {
         }
     }
 
-    // Layers across the grain, in each a crowd of sites nearly level with each other: their bisectors run along the grain.
+    // Layers across the grain, in each a crowd of sites nearly level with each other: their bisectors run along the grain. An
+    // odd number, so that one is at the contact. The shell has sites around each layer, level with it: elsewhere they would be
+    // nearer to what is between two layers than those are, and the rest would keep it, the contact above all.
     void splinters(const glm::dvec3& grain) {
         const Frame frame = frame_along(grain);
         const double stretch = std::cbrt(pattern_.slenderness); // the damage keeps its volume
         const double length = reach_ * stretch * stretch, width = reach_ / stretch;
-        const auto layers = std::clamp(static_cast<uint32_t>(std::lround(std::cbrt(damage_.pieces / 4.0))), 1u, 4u);
+        // Pieces of n / k in each of k layers are 0.9 sqrt(n) / k^1.5 times as slender as was asked for: k = (0.81 n)^(1/3).
+        const uint32_t layers = 2 * (static_cast<uint32_t>(std::cbrt(0.81 * damage_.pieces)) / 2) + 1;
+        const double apart = 1.6 * length / layers;
+        const auto at = [&](double along, double r, double angle) {
+            return blow_.point + along * frame.along + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v);
+        };
+        const auto middle = [&](uint32_t layer) { return (layer - 0.5 * (layers - 1.0)) * apart; };
         for (uint32_t i = 0; i < damage_.pieces; ++i) {
-            const double layer = (i % layers + 0.5) / layers * 2.0 - 1.0;
-            const double tilt = 0.1 * (random_.uniform() - 0.5) / layers;
-            const double angle = 2.0 * pi * random_.uniform(), r = width * std::sqrt(random_.uniform());
-            add(blow_.point + (0.8 * layer + tilt) * length * frame.along
-                + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
+            const double tilt = 0.1 * (random_.uniform() - 0.5) * length / layers;
+            const double angle = 2.0 * pi * random_.uniform();
+            add(at(middle(i % layers) + tilt, width * std::sqrt(random_.uniform()), angle));
         }
-        shell(glm::dmat3(frame.along, frame.u, frame.v), {stretch * stretch, 1.0 / stretch, 1.0 / stretch});
+        inner_ = static_cast<uint32_t>(result_.sites.size());
+        const double beside = shell_ratio * damage_.radius / stretch;
+        for (uint32_t layer = 0; layer < layers; ++layer) {
+            const double turn = random_.uniform();
+            for (uint32_t k = 0; k < shell_around; ++k)
+                add(at(middle(layer), beside, 2.0 * pi * (k + turn) / shell_around));
+        }
+        for (const double end : {-0.5 * (layers + 1.0), 0.5 * (layers + 1.0)}) add(at(end * apart, 0.0, 0.0));
     }
 
-    // Evenly on an ellipsoid around the contact (a spiral), in the rest's group.
-    void shell(const glm::dmat3& axes, const glm::dvec3& scale) {
+    // Evenly on a ball around the contact (a spiral), in the rest's group.
+    void shell() {
         inner_ = static_cast<uint32_t>(result_.sites.size());
         const double golden = pi * (3.0 - std::sqrt(5.0)), turn = 2.0 * pi * random_.uniform();
         for (uint32_t i = 0; i < shell_sites; ++i) {
             const double z = 1.0 - (2.0 * i + 1.0) / shell_sites, r = std::sqrt(1.0 - z * z);
             const glm::dvec3 on(r * std::cos(golden * i + turn), r * std::sin(golden * i + turn), z);
-            add(blow_.point + shell_ratio * damage_.radius * (axes * (scale * on)));
+            add(blow_.point + shell_ratio * damage_.radius * on);
         }
     }
 

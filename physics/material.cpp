@@ -35,7 +35,7 @@ std::span<const MaterialPreset> material_presets() {
                        {2600.0f, 0.8f, 0.2f, 8e6f, 150e6f, 15e6f, 5e3f},
                        {.kind = PatternKind::uniform},
                        {0.62f, 0.60f, 0.56f},
-                       {0.36f, 0.20f, 0.13f}},
+                       {0.45f, 0.32f, 0.23f}},
         // Crumbles where it is hit, large lumps elsewhere.
         MaterialPreset{"concrete",
                        {2400.0f, 0.8f, 0.15f, 3e6f, 30e6f, 5e6f, 5e3f},

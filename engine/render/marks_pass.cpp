@@ -1,59 +1,21 @@
 #include "engine/render/marks_pass.h"
 
-#include <array>
-#include <vector>
-
-#include <glm/geometric.hpp>
-
 #include "compiled/line_frag.h"
 #include "compiled/line_vert.h"
 #include "compiled/sphere_frag.h"
 #include "compiled/sphere_vert.h"
-#include "engine/graph/upload.h"
 
 namespace brittle::engine {
 
-namespace {
-
-using Corners = std::array<glm::vec3, 3>;
-
-// An octahedron whose faces are split in four, twice: 128 triangles, round enough for a mark of a few pixels.
-std::vector<glm::vec3> unit_sphere() {
-    std::vector<Corners> faces;
-    for (int octant = 0; octant < 8; ++octant) {
-        const glm::vec3 x(octant & 1 ? -1.0f : 1.0f, 0.0f, 0.0f), y(0.0f, octant & 2 ? -1.0f : 1.0f, 0.0f),
-            z(0.0f, 0.0f, octant & 4 ? -1.0f : 1.0f);
-        const bool mirrored = ((octant & 1) + (octant >> 1 & 1) + (octant >> 2)) % 2 != 0;
-        faces.push_back(mirrored ? Corners{x, z, y} : Corners{x, y, z});
-    }
-    for (int level = 0; level < 2; ++level) {
-        std::vector<Corners> finer;
-        for (const auto& [a, b, c] : faces) {
-            const glm::vec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c),
-                            ca = glm::normalize(c + a);
-            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-        }
-        faces = std::move(finer);
-    }
-    std::vector<glm::vec3> vertices;
-    for (const Corners& face : faces) vertices.insert(vertices.end(), face.begin(), face.end());
-    return vertices;
-}
-
-} // namespace
-
-MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target) {
-    const VkVertexInputBindingDescription sphere_bindings[] = {
-        {0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
-        {1, sizeof(Sphere), VK_VERTEX_INPUT_RATE_INSTANCE}};
-    const VkVertexInputAttributeDescription sphere_attributes[] = {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0},
-                                                                   {1, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 0}};
+MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
+                     const SphereMesh& sphere)
+    : sphere_(sphere) {
     spheres_ = Pipeline(device, {.name = "spheres",
                                  .layout = layout,
                                  .vertex = sphere_vert,
                                  .fragment = sphere_frag,
-                                 .bindings = sphere_bindings,
-                                 .attributes = sphere_attributes,
+                                 .bindings = SphereMesh::bindings,
+                                 .attributes = SphereMesh::attributes,
                                  .colour = target.colour,
                                  .samples = target.samples});
 
@@ -71,15 +33,6 @@ MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, const Target
                                .cull = VK_CULL_MODE_NONE,
                                .colour = target.colour,
                                .samples = target.samples});
-
-    const std::vector<glm::vec3> vertices = unit_sphere();
-    sphere_vertex_count_ = static_cast<uint32_t>(vertices.size());
-    const auto bytes = std::as_bytes(std::span(vertices));
-    sphere_vertices_ = DeviceBuffer(device, "sphere", bytes.size(),
-                                    VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                                    MemoryKind::device);
-    const Upload uploads[] = {{&sphere_vertices_, bytes, Access::vertex_read}};
-    upload(device, uploads);
 }
 
 void MarksPass::declare(Frame& frame) const {
@@ -96,11 +49,7 @@ void MarksPass::declare(Frame& frame) const {
 
 void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load,
                         bool last) const {
-    const Buffer sphere =
-        frame.graph.import_buffer("sphere", {sphere_vertices_.size()},
-                                  {.initial = Access::vertex_read,
-                                   .final = {},
-                                   .external = frame.external.add(sphere_vertices_.handle())});
+    const Buffer sphere = sphere_.import(frame);
     const bool clears = depth_load == VK_ATTACHMENT_LOAD_OP_CLEAR;
     frame.graph.add_pass(
         name, PassKind::graphics,
@@ -120,14 +69,7 @@ void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmen
             Rendering rendering = frame.colour_rendering(context, VK_ATTACHMENT_LOAD_OP_LOAD, last);
             rendering.depth_load = depth_load;
             begin_rendering(commands, rendering);
-            if (marks.spheres) {
-                const VkBuffer buffers[] = {context.buffer(sphere), context.buffer(frame.spheres)};
-                const VkDeviceSize starts[] = {0, 0};
-                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, spheres_.handle());
-                vkCmdBindVertexBuffers(commands, 0, 2, buffers, starts);
-                vkCmdDraw(commands, sphere_vertex_count_, static_cast<uint32_t>(frame.scene.spheres.size()),
-                          0, 0);
-            }
+            if (marks.spheres) sphere_.draw(context, spheres_, sphere, frame);
             if (marks.lines) {
                 const VkBuffer buffer = context.buffer(frame.lines);
                 const VkDeviceSize start = 0;

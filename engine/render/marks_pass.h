@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "engine/gpu/memory.h"
 #include "engine/gpu/pipeline.h"
 #include "engine/render/frame.h"
+#include "engine/render/sphere_mesh.h"
 
 namespace brittle::engine {
 
@@ -16,7 +16,9 @@ class MarksPass {
     // are read once a vertex, and would report what a pass before wrote behind a smaller buffer.
     static constexpr uint64_t least_spheres_size = 8 * 16 * 3 * sizeof(Sphere);
 
-    MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target);
+    // `sphere` outlives it.
+    MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
+              const SphereMesh& sphere);
 
     // Up to two passes: what the pieces hide, then what is on top of them. Adds to frame.colour.
     void declare(Frame& frame) const;
@@ -30,8 +32,7 @@ class MarksPass {
 
     Pipeline spheres_;
     Pipeline lines_;
-    DeviceBuffer sphere_vertices_; // a unit icosphere, as a triangle list
-    uint32_t sphere_vertex_count_ = 0;
+    const SphereMesh& sphere_;
 };
 
 } // namespace brittle::engine

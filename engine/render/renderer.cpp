@@ -20,6 +20,7 @@
 #include "engine/render/occlusion_pass.h"
 #include "engine/render/shade_pass.h"
 #include "engine/render/shadow_pass.h"
+#include "engine/render/sphere_mesh.h"
 #include "engine/render/ui_pass.h"
 #include "engine/render/upload_pass.h"
 
@@ -112,7 +113,7 @@ struct Target {
 struct Renderer::State {
     State(Device& device_, const RendererSettings& settings_)
         : device(device_), settings(settings_), layout(device_, frames_in_flight, 2 * frames_in_flight),
-          shadow_map(device_, *quality().shadow_size), pieces(device_) {
+          sphere(device_), shadow_map(device_, *quality().shadow_size), pieces(device_) {
         if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
     }
@@ -151,6 +152,7 @@ struct Renderer::State {
     FrameLayout layout;
     std::optional<CullPass> cull; // if the quality has it
     std::optional<IdPass> ids;    // once it was asked for
+    SphereMesh sphere;
     ShadowMap shadow_map;
     std::optional<ShadowMap> small_shadow_map; // once a frame wants it; never kept
     PieceArena pieces;
@@ -176,9 +178,9 @@ Passes& Renderer::State::passes_for(Format format) {
     std::optional<OcclusionPass> occlusion;
     if (*quality().ambient_occlusion) occlusion.emplace(device, pipeline_layout);
     return passes
-        .emplace(format, Passes{ShadowPass(device, pipeline_layout), std::move(occlusion),
+        .emplace(format, Passes{ShadowPass(device, pipeline_layout, sphere), std::move(occlusion),
                                 ShadePass(device, pipeline_layout, target, quality()),
-                                MarksPass(device, pipeline_layout, target)})
+                                MarksPass(device, pipeline_layout, target, sphere)})
         .first->second;
 }
 
@@ -534,7 +536,7 @@ Result<void> Renderer::warm_up() {
 
         const LineVertex line[] = {{{0.0f, 0.0f, 0.0f}}, {{1.0f, 0.0f, 0.0f}}};
         const Sphere sphere{};
-        const Scene scene{.lines = line, .spheres = {&sphere, 1}};
+        const Scene scene{.lines = line, .spheres = {&sphere, 1}, .spheres_cast_shadows = true};
         const Format format = state_->swapchain ? state_->swapchain->format() : Format::rgba8_unorm;
         const Result<void> drawn = guarded([&]() -> Result<void> {
             if (Result<void> faded = state_->pieces.fade({&stand_ins->back(), 1}, 0.5f); !faded) return faded;

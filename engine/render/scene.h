@@ -91,7 +91,7 @@ struct Scene {
     // are those of the whole picture.
     Region region{};
     // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
-    // depth range; what sticks out is drawn, without a shadow.
+    // depth range; what sticks out is drawn, without a shadow. Large bounds make coarse shadows.
     Bounds bounds{};
     // Called once in each draw, with one pose a body (Renderer::body_count()): the memory of the frame in flight,
     // which holds what was written into it at the moment `since`. A body whose pose has not changed after that
@@ -106,8 +106,9 @@ struct Scene {
 
     std::span<const LineVertex> lines{}; // two a line; the physics debug drawer, cell edges
     bool lines_on_top = false;         // true shows lines through the pieces; false hides what is behind them
-    std::span<const Sphere> spheres{}; // the Voronoi sites
+    std::span<const Sphere> spheres{}; // Voronoi sites, or balls
     bool spheres_on_top = false;
+    bool spheres_cast_shadows = false; // as balls do and marks do not; within the bounds
     bool pieces_visible = true; // false leaves lines and spheres alone on the ground
     bool smooth = false;        // round exteriors: normals are interpolated but for creases. False: facets
     bool wireframe = false;     // edges of triangles over the pieces; needs Device::has_line_mode()

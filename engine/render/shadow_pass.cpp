@@ -2,11 +2,13 @@
 
 #include "compiled/fade_frag.h"
 #include "compiled/shadow_fading_vert.h"
+#include "compiled/shadow_sphere_vert.h"
 #include "compiled/shadow_vert.h"
 
 namespace brittle::engine {
 
-ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout) {
+ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout, const SphereMesh& sphere)
+    : sphere_(sphere) {
     const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
     // Front faces, although back faces would need no bias: where a piece stands on the ground, its back face
@@ -25,24 +27,35 @@ ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout) {
                                 .bindings = {&binding, 1},
                                 .attributes = {&attribute, 1},
                                 .constants = &fading.info});
+    spheres_ = Pipeline(device, {.name = "shadow of spheres",
+                                 .layout = layout,
+                                 .vertex = shadow_sphere_vert,
+                                 .bindings = SphereMesh::bindings,
+                                 .attributes = SphereMesh::attributes});
 }
 
 void ShadowPass::declare(Frame& frame) const {
     frame.stats.shadow_drawn = true;
+    const bool spheres = frame.scene.spheres_cast_shadows && frame.spheres.valid();
+    const Buffer sphere = spheres ? sphere_.import(frame) : Buffer{};
     frame.graph.add_pass(
         "shadow", PassKind::graphics,
         [&](PassBuilder& pass) {
-            if (frame.draws_pieces()) {
-                read_pieces(frame, pass, frame.light_commands);
-                pass.read(frame.uniforms, Access::uniform_read);
+            if (frame.draws_pieces()) read_pieces(frame, pass, frame.light_commands);
+            if (spheres) {
+                pass.read(sphere, Access::vertex_read);
+                pass.read(frame.spheres, Access::vertex_read);
             }
+            if (frame.draws_pieces() || spheres) pass.read(frame.uniforms, Access::uniform_read);
             frame.shadow = pass.write(frame.shadow, Access::depth_attachment);
         },
-        [this, &frame](PassContext& context) {
+        [this, &frame, spheres, sphere](PassContext& context) {
             begin_rendering(context.commands, {.extent = context.extent(frame.shadow),
                                                .depth = context.view(frame.shadow),
                                                .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
-            if (frame.draws_pieces()) draw_pieces(frame, context, frame.light_commands, {pipeline_, &fading_});
+            if (frame.draws_pieces())
+                draw_pieces(frame, context, frame.light_commands, {pipeline_, &fading_});
+            if (spheres) sphere_.draw(context, spheres_, sphere, frame);
             vkCmdEndRendering(context.commands);
         });
 }

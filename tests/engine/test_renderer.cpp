@@ -2,7 +2,9 @@
 #include <limits>
 
 #include <doctest/doctest.h>
+#include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
 
 #include "renderer_fixture.h"
 
@@ -160,7 +162,9 @@ TEST_CASE("a pose moves, turns, scales and hides its body, and only its own") {
     REQUIRE(f.renderer->set_pieces(pieces));
     std::vector<BodyPose> poses(2);
     Scene scene = empty_stage();
-    scene.write_poses = [&](std::span<BodyPose> out, uint64_t) { std::copy(poses.begin(), poses.end(), out.begin()); };
+    scene.write_poses = [&](std::span<BodyPose> out, uint64_t) {
+        std::copy(poses.begin(), poses.end(), out.begin());
+    };
     const glm::uvec2 size{128, 64};
     poses[0].position.x = -1.0f;
     poses[1].position.x = 1.0f;
@@ -313,6 +317,48 @@ TEST_CASE("spheres mark their places, hidden or on top") {
     scene.spheres_on_top = false;
     scene.pieces_visible = false;
     CHECK(reddish(pixel(f.draw(scene), small.x / 2, small.y / 2)));
+}
+
+TEST_CASE("the shadow of a ball lies where light rays meet it, and marks have none") {
+    const Fixture f;
+    if (!f) return;
+    const Sphere ball{{0.1f, 1.0f, -0.1f}, 0.3f};
+    Scene scene = empty_stage();
+    scene.ground = true;
+    scene.bounds = {ball.centre - ball.radius, ball.centre + ball.radius};
+    scene.camera = {.eye = {0.3f, 5.0f, 1.5f}, .target = {0.3f, 0.0f, -0.3f}};
+    const Bitmap bare = f.draw(scene);
+    scene.spheres = {&ball, 1};
+    const Bitmap mark = f.draw(scene);
+    scene.spheres_cast_shadows = true;
+    const Bitmap image = f.draw(scene);
+
+    const CameraMatrices camera =
+        matrices(scene.camera, static_cast<float>(small.x) / static_cast<float>(small.y), scene.bounds);
+    const glm::mat4 world_from_clip = glm::inverse(camera.projection * camera.view);
+    const auto green = [](uint32_t rgb) { return rgb >> 8 & 0xff; };
+    // Of a line through a point to the ball's middle.
+    const auto distance = [&](glm::vec3 from, glm::vec3 along) {
+        return glm::length(glm::cross(ball.centre - from, glm::normalize(along)));
+    };
+    int shaded = 0;
+    for (uint32_t y = 0; y < small.y; ++y) {
+        for (uint32_t x = 0; x < small.x; ++x) {
+            const glm::vec2 at = (glm::vec2(x, y) + 0.5f) / glm::vec2(small) * 2.0f - 1.0f;
+            const glm::vec4 far = world_from_clip * glm::vec4(at, 1.0f, 1.0f);
+            const glm::vec3 ray = glm::vec3(far) / far.w - scene.camera.eye;
+            if (distance(scene.camera.eye, ray) < 1.15f * ball.radius) continue; // the ball itself
+            const glm::vec3 ground = scene.camera.eye - ray * (scene.camera.eye.y / ray.y);
+            const float off = distance(ground, scene.look.to_light) / ball.radius;
+            CHECK(pixel(mark, x, y) == pixel(bare, x, y));
+            if (off < 0.85f) { // the mesh is inscribed
+                CHECK(green(pixel(image, x, y)) + 15 < green(pixel(bare, x, y)));
+                ++shaded;
+            }
+            if (off > 1.15f) CHECK(pixel(image, x, y) == pixel(bare, x, y));
+        }
+    }
+    CHECK(shaded > 20);
 }
 
 TEST_CASE("marks may grow, shrink and vanish from frame to frame") {

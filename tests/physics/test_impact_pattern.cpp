@@ -114,6 +114,34 @@ TEST_CASE("pieces lie around the contact and in the solid's half, the rest beyon
     }
 }
 
+// The nearest site says whose cell a place is in.
+TEST_CASE("what was hit comes off, whatever the pattern and the number of pieces") {
+    const fracture::TriangleMesh wall = fracture::cuboid({2.0, 1.2, 0.2}), ball = fracture::icosphere(4);
+    const Blow front{.point = {0.0, 0.2, 0.1}, .normal = {0.0, 0.0, -1.0}, .energy = 1.0};
+    const auto comes_off = [](const ImpactSites& cut, const glm::dvec3& place) {
+        size_t nearest = 0;
+        for (size_t k = 1; k < cut.sites.size(); ++k)
+            if (glm::distance(cut.sites[k], place) < glm::distance(cut.sites[nearest], place)) nearest = k;
+        return cut.groups[nearest] != cut.rest;
+    };
+    for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::radial,
+                                   PatternKind::splinters, PatternKind::thickness})
+        for (const uint32_t pieces : {4u, 6u, 8u, 12u, 16u, 24u, 32u, 48u, 100u})
+            for (uint64_t seed = 1; seed <= 5; ++seed) {
+                CAPTURE(static_cast<int>(kind));
+                CAPTURE(pieces);
+                CAPTURE(seed);
+                const Damage damage{.radius = 0.25, .pieces = pieces};
+                CHECK(comes_off(sites_of(wall, front, damage, {.kind = kind, .seed = seed}), front.point));
+                CHECK(comes_off(sites_of(ball, top, damage, {.kind = kind, .seed = seed}), top.point));
+                if (kind != PatternKind::splinters) continue;
+                // All along the grain, X, over half of the damage's length: r * 8^(2/3) to both sides.
+                const ImpactSites cut = sites_of(wall, front, damage, {.kind = kind, .seed = seed});
+                for (double along = -0.5; along <= 0.5; along += 0.02)
+                    CHECK(comes_off(cut, front.point + glm::dvec3(along, 0.0, 0.0)));
+            }
+}
+
 TEST_CASE("shards lie in the plane across the blow, splinters along the grain, in a thin pane sites stay inside") {
     const fracture::TriangleMesh pane = fracture::cuboid({2.0, 1.4, 0.03});
     const Blow front{.point = {0.1, 0.2, 0.015}, .normal = {0.0, 0.0, -1.0}, .energy = 1.0};

@@ -248,6 +248,15 @@ TEST_CASE("what a device fails at is said, with an exit code, and leaves no half
         CHECK(read_text(folder / ("f_0" + std::to_string(i) + ".png")).ends_with("IEND\xae\x42\x60\x82"));
 }
 
+TEST_CASE("render names the anchor that reaches nothing, and none that holds") {
+    const Folder folder;
+    const std::string render = "render shape:pane --material glass --frames 0 --size 64x48 -o " + (folder / "a.png");
+    const Outcome one = run_brittle(folder, render + " --anchor 0,0,0,0.2 --anchor 7,0,0,0.2");
+    INFO(one.output);
+    CHECK(one.has("anchor at (7, 0, 0), radius 0.2, reaches nothing"));
+    CHECK_FALSE(one.has("anchor at (0"));
+}
+
 TEST_CASE("render writes a picture for every so many-th frame") {
     const Folder folder;
     const Outcome outcome = run_brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 --validation -o "

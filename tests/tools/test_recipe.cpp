@@ -189,7 +189,7 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"mesh": "shape:cube"})", "/brittle: expected the recipe's version");
     says(R"({"brittle": 2})", "which is 1");
     says("[1]", "expected an object");
-    says("{", "the JSON cannot be read");
+    says("{", "the JSON cannot be read: parse error at line 1");
     says(std::string(100'000, '['), "nested too deeply");
     // Brackets in text do not count.
     const std::string deep = R"(, "repair": )" + std::string(100'000, '[') + std::string(100'000, ']') + "}";

@@ -90,7 +90,7 @@ void draw(const InspectCommand& command, Input input, const std::vector<Marks>& 
                 lines.push_back({glm::vec3((end - before.min) * scale + after.min),
                                  engine::srgb8(one.colour.x, one.colour.y, one.colour.z)});
     const auto device = open_device(command.view);
-    const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
+    const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, input.model.mesh);
     stage.show_lines(std::move(lines));
     engine::Scene scene = stage.scene();

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fracture/io/atomic_file.h"
+#include "physics/anchor.h"
 #include "tools/brittle/classify_choice.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
@@ -33,6 +34,18 @@ void check_run(const RenderCommand& command) {
     }
 }
 
+// Says on standard error which anchors hold nothing: who gives one in the mesh's own coordinates wonders why it falls.
+void name_idle_anchors(const fracture::TriangleMesh& on_stage, const WorldOptions& world) {
+    for (const Anchor& anchor : world.anchors) {
+        const physics::AnchorRegion ball = physics::Ball{anchor.at + glm::dvec3(0.0, foot_height(world), 0.0), anchor.radius};
+        if (physics::reaches({&ball, 1}, on_stage.positions, on_stage.triangles)) continue;
+        std::fprintf(stderr,
+                     "brittle: the anchor at (%g, %g, %g), radius %g, reaches nothing of the mesh and holds nothing; it counts in "
+                     "metres from the middle of the mesh's foot, with the mesh 2 m long\n",
+                     anchor.at.x, anchor.at.y, anchor.at.z, anchor.radius);
+    }
+}
+
 } // namespace
 
 int run_render(const RenderCommand& command) {
@@ -45,8 +58,9 @@ int run_render(const RenderCommand& command) {
     catch_interrupts();
     const bool exports = !command.pieces.files.output.empty();
     const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, world);
+    name_idle_anchors(input.model.mesh, world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
-    const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
+    const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);
     std::optional<Recorder> recorder;
     if (!command.record.empty()) {

@@ -59,7 +59,7 @@ void draw(const Run& run, Player& player, const Input& input) {
     const ReplayCommand& command = run.command;
     const ReplayLog& log = run.log;
     const std::unique_ptr<engine::Device> device = open_device(command.view);
-    const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
+    const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, log.recipe.material);
     stage.simulation().observe(&player);
     follow(log, stage.simulation());

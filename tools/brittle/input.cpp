@@ -105,6 +105,14 @@ SiteSet sites_of_file(const FractureOptions& options, const fracture::TriangleMe
 WorldOptions world_of(const FractureOptions& options) {
     WorldOptions world = options.world;
     world.seed = options.pattern.seed;
+    // Where the pattern has cut it already, or sites stand in the recipe, it breaks as its material does. Strikes outdo sites.
+    const bool given = options.strikes.empty();
+    if (!starts_whole(world) || (given && !options.points.empty())) return world;
+    world.blows = {.kind = options.pattern.kind, .slenderness = options.pattern.slenderness};
+    if (given && !options.sites_file.empty()) {
+        world.blows->diagram = must(fracture::read_sites(options.sites_file)).sites;
+        world.blows->placement = options.sites_placement;
+    }
     return world;
 }
 

@@ -30,10 +30,12 @@ struct FractureOptions {
     double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
     uint32_t threads = 0;    // 0: one a core
     PictureOptions picture;  // what `brittle render` shows
-    WorldOptions world;     // its seed is not looked at: world_of()
+    WorldOptions world;     // its seed and blows are not looked at: world_of()
 };
 
-// The world, in which blows cut by the pattern's seed: equal seeds, equal cuts.
+// The world, in which blows cut by the pattern's seed: equal seeds, equal cuts. What starts whole is cut in the manner of the
+// pattern (of bricks, slices and the like as by uniform), or along the diagram of sites_file, which is read here. Throws a
+// Failure where it cannot be.
 [[nodiscard]] WorldOptions world_of(const FractureOptions& options);
 
 // A mesh and the sites to break it by.

@@ -26,8 +26,10 @@ Json parse_json(const std::filesystem::path& where, const std::string& text, con
     try {
         json = Json::parse(text, keep);
     } catch (const nlohmann::json::exception& e) {
-        // It quotes the last token, which may be the whole file.
-        const std::string why = std::string(e.what()).substr(0, 300);
+        // "[name of the exception] what is wrong"; it quotes the last token, which may be the whole file.
+        std::string why = e.what();
+        if (const size_t name = why.find("] "); name != std::string::npos) why.erase(0, name + 2);
+        why.resize(std::min<size_t>(why.size(), 300));
         if (!too_deep) throw Failure(exit_input, where.string() + ": the JSON cannot be read: " + why);
     }
     if (too_deep) throw Failure(exit_input, where.string() + ": nested too deeply for a " + what);

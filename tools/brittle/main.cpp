@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,30 @@ Ball ball_of(const std::string& option, const std::string& text) {
     if (!read || !std::isfinite(ball.centre.x + ball.centre.y + ball.centre.z + ball.radius))
         throw CLI::ValidationError(option, "'" + text + "' is not X,Y,Z,RADIUS");
     return ball;
+}
+
+Shot shot_of(const std::string& text) {
+    std::vector<double> numbers;
+    std::istringstream stream(text);
+    double number = 0.0;
+    char comma = ',';
+    while (comma == ',' && stream >> number) {
+        numbers.push_back(number);
+        comma = '\0';
+        stream >> comma;
+    }
+    const bool read = comma == '\0' && (numbers.size() == 7 || numbers.size() == 8);
+    if (!read || !std::ranges::all_of(numbers, [](double value) { return std::isfinite(value); }))
+        throw CLI::ValidationError("--shot", "'" + text + "' is not X,Y,Z,VX,VY,VZ,RADIUS or that and ,SECONDS");
+    const Shot shot{.time = numbers.size() == 8 ? numbers[7] : 0.0,
+                    .from = {numbers[0], numbers[1], numbers[2]},
+                    .velocity = {numbers[3], numbers[4], numbers[5]},
+                    .radius = numbers[6]};
+    if (shot.radius < 0.001 || shot.radius > 10.0)
+        throw CLI::ValidationError("--shot", "'" + text + "' has a radius that is not in [0.001, 10]");
+    if (shot.time < 0.0 || shot.time > 1e4)
+        throw CLI::ValidationError("--shot", "'" + text + "' has a time that is not in [0, 10000]");
+    return shot;
 }
 
 void add_fracture_options(CLI::App& command, FractureOptions& options) {
@@ -212,12 +237,23 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
             "Bonded, or breakable, and held where it is within RADIUS of a point: metres from the middle of its foot, with "
             "the mesh 2 m long. May be given again")
         ->type_name("X,Y,Z,RADIUS");
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--shot",
+            [&world](const std::vector<std::string>& shots) {
+                world.shots.clear();
+                for (const std::string& text : shots) world.shots.push_back(shot_of(text));
+            },
+            "A ball of steel is shot from a point, at a velocity in m/s, after SECONDS (0): metres, the mesh 2 m long over the "
+            "origin of the ground. May be given again")
+        ->type_name("X,Y,Z,VX,VY,VZ,RADIUS[,SECONDS]");
     command.add_option("--strength", world.strength,
                        "Of bonds and breakable pieces, in the material's own; 0.05 is masonry laid in weak mortar")
         ->check(CLI::Range(1e-6, 1e6))
         ->capture_default_str();
     command.add_flag("--breakable", world.breakable,
-                     "Cut anew where it is hit, again and again; without --bonded it starts whole, and --anchored holds its foot");
+                     "Cut anew where it is hit, again and again. Without --bonded it starts whole: blows cut in the manner of --pattern, or "
+                     "along the diagram of --sites, fitted to what is hit; --anchored holds its foot");
     command.add_option("--min-size", world.min_size, "Metres, cube root of volume; breakable things give no smaller pieces")
         ->check(CLI::Range(1e-4, 10.0))
         ->capture_default_str();

@@ -80,8 +80,15 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
     desc.solid.min_size = options.min_size;
     desc.solid.look = look;
     desc.pattern.seed = options.seed;
-    if (preset) desc.pattern.kind = preset->pattern.kind;
-    if (preset) desc.pattern.slenderness = preset->pattern.slenderness;
+    if (options.blows) {
+        desc.pattern.kind = options.blows->kind;
+        desc.pattern.slenderness = options.blows->slenderness;
+        desc.pattern.diagram = options.blows->diagram;
+        desc.pattern.placement = options.blows->placement;
+    } else if (preset) {
+        desc.pattern.kind = preset->pattern.kind;
+        desc.pattern.slenderness = preset->pattern.slenderness;
+    }
     desc.most_pieces = options.blow_pieces;
     desc.solid.anchors = anchor_regions(fragments, options);
     return desc;

@@ -17,7 +17,9 @@ namespace {
 constexpr float piece_tint_strength = 0.9f;
 constexpr float material_tint_strength = 0.15f; // a material shows its own colour
 constexpr float site_radius = 0.02f;   // m
-constexpr float bounds_limit = 12.0f;  // m, debris that rolls further away casts no shadow and moves no camera
+// m, around the unbroken mesh: what goes further casts no shadow. Wider, the texels of its map would be so coarse that
+// shadows near the mesh had teeth, and those of small pieces were lost.
+constexpr float shadow_room = 4.0f;
 
 uint32_t packed(const glm::vec3& linear) {
     const glm::uvec3 c(glm::convertLinearToSRGB(glm::clamp(linear, 0.0f, 1.0f)) * 255.0f + 0.5f);
@@ -197,14 +199,19 @@ void Stage::place(engine::Scene& scene) {
     const auto apart = [this](const glm::vec3& position) {
         return position + explode_ * (position - home_.centre());
     };
-    const glm::vec3 limit(bounds_limit);
-    scene.bounds = {limit, -limit};
+    engine::Bounds room{home_.min - shadow_room, home_.max + shadow_room};
+    room.min.y = std::min(room.min.y, 0.0f); // the ground, onto which it all falls
+    scene.bounds = {room.max, room.min};
+    const auto include = [&](const glm::vec3& centre, float radius) {
+        if (glm::clamp(centre, room.min, room.max) == centre)
+            scene.bounds = engine::join(scene.bounds, {centre - radius, centre + radius});
+    };
     simulation_.visit_poses(alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) {
-        const glm::vec3 centre = glm::clamp(apart(pose.position), -limit, limit);
-        scene.bounds.min = glm::min(scene.bounds.min, centre - radii_[slot]);
-        scene.bounds.max = glm::max(scene.bounds.max, centre + radii_[slot]);
+        include(apart(pose.position), radii_[slot]);
     });
-    if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // no piece is left
+    if (!simulation_.balls().empty())
+        for (const engine::Sphere& sphere : shown_spheres_) include(sphere.centre, sphere.radius);
+    if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // nothing is left there
     moment_ = moment_before_ + simulation_.steps();
     scene.moment = moment_;
     scene.write_poses = [this, apart](std::span<engine::BodyPose> out, uint64_t since) {
@@ -224,7 +231,6 @@ engine::Scene Stage::scene() {
         scene.look.interior = material->interior;
         scene.look.tint = material_tint_strength;
     }
-    if (broken()) place(scene);
     shown_spheres_ = spheres_;
     for (const Simulation::Ball& ball : simulation_.balls()) {
         const glm::vec3 before = world().previous_pose(ball.body).position, now = world().pose(ball.body).position;
@@ -232,6 +238,8 @@ engine::Scene Stage::scene() {
     }
     scene.spheres = shown_spheres_;
     scene.spheres_on_top = simulation_.balls().empty();
+    scene.spheres_cast_shadows = !scene.spheres_on_top;
+    if (broken()) place(scene);
     lines_ = own_lines_;
     if (hulls_) {
         debug_lines_.clear();

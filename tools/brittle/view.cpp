@@ -28,6 +28,12 @@ engine::RendererSettings renderer_settings(const ViewOptions& view) {
     return {};
 }
 
+engine::RendererSettings film_settings(const ViewOptions& view) {
+    engine::RendererSettings settings = renderer_settings(view);
+    if (view.quality == "auto") settings.quality.shadow_size = 4096;
+    return settings;
+}
+
 engine::Bounds stage_view(const engine::Bounds& mesh) {
     const glm::vec3 spread = 0.15f * mesh.size() * glm::vec3(1.0f, 0.0f, 1.0f);
     engine::Bounds view{mesh.min - spread, mesh.max + spread};

@@ -16,6 +16,9 @@ namespace brittle::tools {
 // By ViewOptions::quality: what the device is good for, or the least, or the most whatever it costs.
 [[nodiscard]] engine::RendererSettings renderer_settings(const ViewOptions& view);
 
+// Of pictures that go to files: the same with a finer shadow map, as a file takes longer to write than that to draw.
+[[nodiscard]] engine::RendererSettings film_settings(const ViewOptions& view);
+
 // Around the unbroken mesh, the ground below it and some room for pieces to spread: what the camera looks at.
 [[nodiscard]] engine::Bounds stage_view(const engine::Bounds& mesh);
 

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <glm/vec3.hpp>
+
+#include "fracture/pattern.h"
 
 namespace brittle::tools {
 
@@ -26,19 +29,29 @@ struct Anchor {
     friend bool operator==(const Anchor&, const Anchor&) = default;
 };
 
+// How blows cut what starts whole: in the manner of a pattern, or along a diagram made beforehand. That is fitted to the box
+// of each piece that is hit, turned about Y by the blow's seed, and then placed (physics::ImpactPattern).
+struct BlowPattern {
+    fracture::PatternKind kind = fracture::PatternKind::uniform;
+    double slenderness = 8.0; // of splinters
+    std::vector<glm::dvec3> diagram{}; // sites, in coordinates of any kind; or none
+    fracture::Placement placement{};   // of the diagram
+};
+
 struct WorldOptions {
     bool bonded = false;   // pieces hold together until blows, loads or wear break their bonds
     bool anchored = false; // bonded unless it is breakable, and what stands on the ground is held by it
     double height = 0.5;   // m, of the mesh above the ground at first; 0 where it is anchored
     double strength = 1.0; // of bonds and pieces, in the material's; 0.05 is masonry laid in weak mortar
-    // Cut anew where it is hit, again and again. Where it is not bonded as well, it starts whole: the sites are not looked
-    // at, and anchored means that what of it comes near the ground is held.
+    // Cut anew where it is hit, again and again. Where it is not bonded as well, it starts whole: the pattern says how blows
+    // cut, and anchored means that what of it comes near the ground is held.
     bool breakable = false;
     double min_size = 0.05;        // m, cube root of volume; no smaller piece is made
     uint32_t blow_pieces = 48;     // at most, of one blow
     uint32_t piece_limit = 2000;   // in the world; beyond it debris fades, what is small and old first
     std::vector<Anchor> anchors{}; // bonded unless it is breakable, and held there
     uint64_t seed = 1;             // of where blows cut: see world_of()
+    std::optional<BlowPattern> blows{}; // see world_of(); unset: as the material breaks
     std::vector<Shot> shots{};
 };
 

@@ -227,14 +227,14 @@ void Session::reset() {
 void Session::start_breaking(const WorldOptions& world) {
     FractureOptions options = recipe();
     options.world = world;
-    options.world = world_of(options);
     start("breaking " + object_->name(), [this, object = object_, options, stage = stages_](const Worker::Cancelled& cancelled) {
+        const WorldOptions stands = world_of(options);
         const Input input = object->with_sites(options);
         auto made = std::make_shared<Broken>(
             break_input(input, options, [this](double share) { work_share_ = share; }, classifier_, cancelled));
-        auto ahead = std::make_shared<PreparedPieces>(prepare_pieces(made->fragments, options.world, options.material));
-        post([this, made, ahead, world = options.world, stage] {
-            if (stages_ == stage) take_pieces(std::move(*made), std::move(*ahead), world);
+        auto ahead = std::make_shared<PreparedPieces>(prepare_pieces(made->fragments, stands, options.material));
+        post([this, made, ahead, stands, stage] {
+            if (stages_ == stage) take_pieces(std::move(*made), std::move(*ahead), stands);
         });
     });
 }
