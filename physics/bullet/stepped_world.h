@@ -12,6 +12,7 @@
 #include "physics/bullet/islands.h"
 #include "physics/bullet/piece_solver.h"
 #include "physics/bullet/siblings.h"
+#include "physics/bullet/step_stops.h"
 #include "physics/bullet/sweep_broadphase.h"
 #include "physics/rotation.h"
 #include "physics/world.h"
@@ -25,7 +26,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
                  const std::vector<std::unique_ptr<BodyRecord>>& bodies)
         : btDiscreteDynamicsWorld(dispatcher, broadphase, nullptr, configuration), broadphase_(*broadphase),
-          solver_(*solver), settings_(settings), bodies_(bodies) {}
+          solver_(*solver), settings_(settings), bodies_(bodies), stops_(bodies, *broadphase) {}
 
     // In place of stepSimulation(). The solver then has the contacts of the step.
     void step(btScalar seconds);
@@ -47,8 +48,8 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
     // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest.
     void find_who_settles(btScalar seconds);
-    // The part of its way in a step that a swept body goes until it hits another one.
-    btScalar way_to_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
+    void move_all(btScalar seconds);
+    void lose_fall(btRigidBody& rigid, btScalar seconds);
     void find_touching();
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
@@ -60,6 +61,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
     Siblings siblings_;
     Islands islands_;
+    StepStops stops_;
     std::vector<BodyRecord*> stepped_;
     struct Calm {
         float mass = 0.0f, calm_mass = 0.0f; // kg
