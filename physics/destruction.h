@@ -207,6 +207,7 @@ class Destruction {
         BodyId striker{};
         glm::vec3 owed{0.0f}; // N s, world: what the piece got and the striker against it, to be solved anew
         glm::vec3 arm{0.0f};  // m, world axes: from the striker's centre of mass to the contact, when it was
+        double lost = 0.0;    // J, by that contact: no more comes back; the blow's energy may be that of several
     };
     struct Object {
         std::shared_ptr<const BreakableDesc> desc;

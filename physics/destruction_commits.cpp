@@ -171,15 +171,15 @@ void Destruction::exchange(World& world, const Live& piece, double cracks, Hit& 
     const double response = static_cast<double>(response_at(world, hit.striker, point, normal)
                                                 + response_at(world, own, point, normal));
     const double quadratic = 0.5 * response * static_cast<double>(along) * static_cast<double>(along);
-    if (linear + quadratic > hit.blow.energy && quadratic > 0.0) {
-        const double root = std::sqrt(linear * linear + 4.0 * quadratic * hit.blow.energy);
+    if (linear + quadratic > hit.lost && quadratic > 0.0) {
+        const double root = std::sqrt(linear * linear + 4.0 * quadratic * hit.lost);
         hit.owed *= static_cast<float>(std::clamp((root - linear) / (2.0 * quadratic), 0.0, 1.0));
     }
     push(world, own, -hit.owed, point);
     push(world, hit.striker, hit.owed, point);
 }
 
-// A dead blow between what hit and the piece that is there now, which is returned; what is owed is then what that got.
+// A dead blow between what hit and the piece that is there now, which is returned; what is owed, and was lost, is then of that.
 PieceId Destruction::solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const {
     const PieceId id = nearest_of(made, hit.blow.point);
     const float most = glm::length(hit.owed);
@@ -193,6 +193,7 @@ PieceId Destruction::solve_anew(World& world, std::span<const PieceId> made, Hit
     push(world, own, impulse * normal, point);
     push(world, hit.striker, -impulse * normal, point);
     hit.owed = impulse * normal;
+    hit.lost = std::min(hit.lost, static_cast<double>(impulse * (approach - 0.5f * response * impulse)));
     return id;
 }
 

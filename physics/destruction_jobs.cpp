@@ -67,7 +67,8 @@ void Destruction::take_up_blows(World& world) {
                          turned_back(world.pose(blow.body), blow.normal), blow.energy},
                 .sharp = blow.sharp,
                 .striker = blow.other,
-                .arm = blow.arm};
+                .arm = blow.arm,
+                .lost = blow.energy};
         // What the ground or a fixed body gave is not solved anew.
         if (world.contains(blow.other) && !world.fixed(blow.other)) hit.owed = blow.impulse * blow.normal;
         if (cuts(world, piece, hit)) take_back_bounce(world, blow.body, hit);
