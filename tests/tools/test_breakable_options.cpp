@@ -22,9 +22,9 @@ TEST_CASE("breakable: a diagram from a file that is not there, or is none, is re
     options.sites_file = folder / "none.txt";
     CHECK(!world_of(options).blows); // nothing is breakable, and the file is not asked for
     options.world.breakable = true;
-    CHECK_THROWS_WITH_AS((void)world_of(options), docContains("none.txt"), Failure);
+    CHECK_THROWS_WITH_AS((void)world_of(options), doctest::Contains("none.txt"), Failure);
     write_text(options.sites_file, "0 0 zero\n");
-    CHECK_THROWS_WITH_AS((void)world_of(options), docContains("none.txt"), Failure);
+    CHECK_THROWS_WITH_AS((void)world_of(options), doctest::Contains("none.txt"), Failure);
 }
 
 TEST_CASE(
@@ -79,7 +79,7 @@ TEST_CASE("breakable: blows cut along a diagram from a file, fitted to what they
                 const glm::dvec3 across = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
                 if (glm::length(across) < 1e-5) continue; // m^2; positions for drawing are single precision
                 CHECK(std::abs(across.y / glm::length(across))
-                      == docApprox(laid_down ? 0.0 : 1.0).epsilon(1e-3));
+                      == doctest::Approx(laid_down ? 0.0 : 1.0).epsilon(1e-3));
                 ++cuts;
             }
         }
