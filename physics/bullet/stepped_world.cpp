@@ -123,19 +123,18 @@ void SteppedWorld::move_all(btScalar seconds) {
     for (BodyRecord* body : islands_.awake()) body->moving_seconds = seconds;
     for (const StepStops::Stop& stop : stops_.find(islands_.awake(), seconds, *getDispatcher())) {
         stop.body->moving_seconds = stop.seconds;
-        lose_fall(*stop.body->rigid, seconds - stop.seconds);
+        lose_fall(*stop.body, seconds - stop.seconds);
     }
-    for (BodyRecord* body : islands_.awake()) {
-        move_on(*body, body->moving_seconds);
-        body->left_seconds = seconds; // what takes the step back goes all its way anew
-    }
+    for (BodyRecord* body : islands_.awake()) move_on(*body, body->moving_seconds);
 }
 
 // Who stops for the rest of a step does not fall in it either: else it would get the speed without the way. What rests on
 // something has not fallen.
-void SteppedWorld::lose_fall(btRigidBody& rigid, btScalar seconds) {
-    const btVector3 before = rigid.getLinearVelocity() - getGravity() * seconds;
-    if (before.length2() < rigid.getLinearVelocity().length2()) rigid.setLinearVelocity(before);
+void SteppedWorld::lose_fall(BodyRecord& body, btScalar seconds) {
+    const btVector3 fallen = getGravity() * seconds, now = body.rigid->getLinearVelocity(), before = now - fallen;
+    if (before.length2() >= now.length2()) return;
+    body.rigid->setLinearVelocity(before);
+    body.unhindered.linear -= fallen; // what is taken back has lost it, too
 }
 
 void SteppedWorld::move_on(BodyRecord& body, btScalar seconds) {

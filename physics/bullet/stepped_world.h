@@ -49,7 +49,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest.
     void find_who_settles(btScalar seconds);
     void move_all(btScalar seconds);
-    void lose_fall(btRigidBody& rigid, btScalar seconds);
+    void lose_fall(BodyRecord& body, btScalar seconds);
     void find_touching();
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
