@@ -141,7 +141,6 @@ Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& m
     else
         body.parts = solid.parts;
     body.fixed = solid.anchored;
-    body.continuous = desc.continuous;
     body.mass = static_cast<float>(solid.body.mass);
     body.inertia = glm::mat3(solid.body.inertia);
     body.pose = moved(motion.pose, arm);

@@ -70,7 +70,6 @@ struct BreakableDesc {
     uint32_t most_pieces = 48;   // of one blow
     PlacedMotion motion{};       // an anchored object keeps its placement and does not move
     float impact_speed = 0.5f;   // m/s
-    bool continuous = false;     // as BodyDesc::continuous, for all its bodies
 };
 
 // When jobs are committed, see above.

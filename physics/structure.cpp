@@ -98,7 +98,6 @@ Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& is
     }
     const glm::dvec3 arm = body.centre - motion.centre;
     desc.fixed = body.fixed;
-    desc.continuous = desc_.continuous;
     desc.mass = static_cast<float>(mass);
     desc.inertia = glm::mat3(inertia);
     desc.pose = moved(motion.pose, arm);

@@ -57,7 +57,6 @@ struct StructureDesc {
     PieceHulls hulls{}; // made ahead, one a piece (collision_hulls()); if there are any, hull is not looked at
     std::vector<uint32_t> anchored{}; // pieces held by the world (anchor.h)
     float impact_speed = 0.5f;        // m/s; slower contacts are no blows
-    bool continuous = false;          // as BodyDesc::continuous, for all its bodies
     WearSettings wear{};
 };
 

@@ -78,7 +78,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
         make_single(*body, *desc.parts[0].hull, desc.parts[0].offset);
     else
         make_single(*body, desc.hull, glm::vec3(0.0f));
-    if (desc.continuous && !desc.fixed) body->swept_radius = swept_radius(*body->collision_shape());
+    measure(*body);
 
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
     const btTransform frame(to_bullet(orientation * body->to_principal),

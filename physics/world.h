@@ -12,6 +12,9 @@
 // bit
 //   (state_hash()) with one build on one machine.
 // - Several hulls make one rigid body (a compound). They may touch and overlap each other.
+// - However fast and thin, bodies do not pass through fixed ones, nor, but for crumbs and what is as slow as it is thick,
+//   through each other: who would ends its step where they touch, and the next step has the contact with all of its speed
+//   (bullet/step_stops.h).
 // - After each step, contacts() tells who pressed on whom, where, and how hard.
 // - Angular momentum and energy of a freely spinning body are conserved (rotation.h), for any inertia.
 // - Not thread-safe, and two Worlds must not step at the same time: Bullet keeps globals. Uses no threads
@@ -103,10 +106,6 @@ struct BodyDesc {
     // Held by the world: never moves, whatever pushes it. Fixed bodies do not collide with each other and the ground, and
     // are never awake; velocities and inertia are not looked at, and mechanics() counts them as nothing.
     bool fixed = false;
-    // For what is fast and small: in a step in which it moves further than its own thickness, a ball that fits into
-    // the body is swept along its path, and the step ends where that ball first touches another body. Costs a query
-    // in such steps only. The other's own motion is not looked at; the ground needs none of this.
-    bool continuous = false;
     float mass = 1.0f;       // kg, > 0
     glm::mat3 inertia{1.0f}; // kg m^2 about the centre of mass in body axes; symmetric
     Pose pose{};

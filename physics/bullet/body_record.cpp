@@ -3,22 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "physics/bullet/first_touch.h"
+
 namespace brittle::physics {
-
-namespace {
-
-// The ball that is swept for a continuous body, as a part of the largest around the centre that fits into its
-// box: small enough not to touch what the body slides along.
-constexpr float swept_part = 0.8f;
-
-// From the centre of mass to the nearest side of the shape's box, in Bullet's units.
-float least_extent(const btCollisionShape& shape) {
-    btVector3 low, high;
-    shape.getAabb(btTransform::getIdentity(), low, high);
-    return std::min({-low.x(), -low.y(), -low.z(), high.x(), high.y(), high.z()});
-}
-
-} // namespace
 
 // Bullet's frame has the principal axes, so the hull is turned into them.
 void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset) {
@@ -40,8 +27,16 @@ void BodyRecord::start_step() {
     stepped_from = rigid->getWorldTransform();
 }
 
-float swept_radius(const btCollisionShape& shape) {
-    return swept_part * least_extent(shape);
+void measure(BodyRecord& body) {
+    body.reach = 0.0f;
+    body.thickness = BT_LARGE_FLOAT;
+    const auto add = [&](const HullShape& hull, const btVector3& origin) {
+        body.reach = std::max(body.reach, origin.length() + hull.radius());
+        body.thickness = std::min(body.thickness, thickness(hull));
+    };
+    if (!body.compound) return add(*body.shape, {0, 0, 0});
+    for (int i = 0; i < body.compound->getNumChildShapes(); ++i)
+        add(static_cast<const HullShape&>(*body.compound->getChildShape(i)), body.compound->getChildTransform(i).getOrigin());
 }
 
 float longest_extent(const btCollisionShape& shape) {

@@ -36,7 +36,7 @@ struct BodyRecord {
     glm::dvec3 moments{1.0};                        // principal, kg m^2
     float mass = 0.0f;                              // kg, as given
     bool fixed = false;
-    float swept_radius = 0.0f; // Bullet's units; 0: not continuous
+    float reach = 0.0f, thickness = 0.0f; // Bullet's units: from the centre of mass; of the thinnest of its hulls
     Pose previous;
     btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame as the step began, after the repair
     bool was_repaired = false;                             // as the step began
@@ -46,6 +46,8 @@ struct BodyRecord {
     // What World::rewind() goes back to. Bullet's frame, and the time that the body then moved on without touching anything.
     btTransform blow_frame = btTransform::getIdentity();
     float left_seconds = 0.0f;
+    float moving_seconds = 0.0f; // of the last step: less than all where it stopped at another body
+    bool waited = false;         // in the last step: it stopped at one that is much lighter
     Velocity unhindered, solved; // before contacts, with the step's gravity; and after them
     float still_seconds = 0.0f; // how long it has been slow while touching something
     float quiet_seconds = 0.0f; // how long nearly all of what it touches, directly or not, has been
@@ -79,8 +81,8 @@ struct BodyRecord {
 // The shape of a body with one hull; to_principal must be known.
 void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset);
 
-// The radius of the ball that is swept for a continuous body, in Bullet's units.
-[[nodiscard]] float swept_radius(const btCollisionShape& shape);
+// Reach and thickness; the shape must be known.
+void measure(BodyRecord& body);
 
 // The longest side of the shape's box in its own axes, in Bullet's units.
 [[nodiscard]] float longest_extent(const btCollisionShape& shape);

@@ -7,6 +7,7 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
+#include "physics/bullet/first_touch.h"
 #include "physics/bullet/hull_distance.h"
 #include "physics/bullet/hull_shape.h"
 
@@ -20,6 +21,13 @@ namespace {
 constexpr btScalar still_part = 0.25f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
 constexpr btScalar near_part = 0.02f;
+
+// A hull with a radius so many times that of the other is a floor or a wall to it.
+constexpr btScalar larger_factor = 3.0f;
+// Corners of the smaller one that are higher above it than this part of the thickness are not its lower ones.
+constexpr btScalar low_part = 0.5f;
+// Contacts on it that are nearer to each other than this part of the smaller one's radius count as one.
+constexpr btScalar same_part = 0.2f;
 
 const HullShape& hull_of(const btCollisionObjectWrapper& object) {
     return static_cast<const HullShape&>(*object.getCollisionShape());
@@ -49,6 +57,7 @@ class HullPair final : public btCollisionAlgorithm {
         near_ = std::min(a.getContactBreakingThreshold(near_part), b.getContactBreakingThreshold(near_part));
         still_ = still_part * near_;
         looks_ahead_ = is_debris(*first) || is_debris(*second);
+        on_larger_ = std::max(radius_a, radius_b) > larger_factor * radius_;
         axis_ = (first->getWorldTransform().getOrigin() - second->getWorldTransform().getOrigin())
                 * first->getWorldTransform().getBasis();
         if (axis_.fuzzyZero()) axis_ = {0, 1, 0};
@@ -69,7 +78,10 @@ class HullPair final : public btCollisionAlgorithm {
         if (!own_ || !manifold_) return;
         result->setPersistentManifold(manifold_);
         result->refreshContactPoints();
-        if (manifold_->getNumContacts() == 0) release();
+        if (manifold_->getNumContacts() == 0)
+            release();
+        else if (on_larger_)
+            add_corners(*first, *second, info.m_timeStep, *result);
     }
 
     // Only asked for objects that sweep; ours do not.
@@ -135,6 +147,68 @@ class HullPair final : public btCollisionAlgorithm {
         return manifold_->getNumContacts() == before ? still_ : -1.0f;
     }
 
+    // On a floor or a wall each corner of the smaller hull that the step may bring down is a contact, as on the ground
+    // (ground_contact.h): with the deepest one only, the body turns on it, comes down on the next, and goes in corner by corner.
+    void add_corners(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, btScalar seconds,
+                     btManifoldResult& result) {
+        if (approach(first, second) * seconds <= still_) return;
+        const btCollisionObjectWrapper& smaller = first_moves_ ? first : second;
+        const HullShape& hull = hull_of(smaller);
+        const btManifoldPoint known = manifold_->getContactPoint(0);
+        const btVector3 away = first_moves_ ? known.m_normalWorldOnB : -known.m_normalWorldOnB;
+        const btScalar highest = low_part * thickness(hull);
+        const btVector3 foot = first_moves_ ? known.getPositionWorldOnB() : known.getPositionWorldOnA();
+        for (int i = 0; i < hull.getNumPoints(); ++i) {
+            const btVector3 corner = smaller.getWorldTransform() * hull.getUnscaledPoints()[i];
+            const btScalar height = (corner - foot).dot(away) - hull.getMargin();
+            const btScalar down = -velocity_against(first, second, corner).dot(away) * seconds;
+            if (height > std::min(near_ + std::max<btScalar>(down, 0.0f), highest)) continue;
+            // Farther than the threshold is no contact, and what is nearer to another one than that would replace it.
+            const btScalar threshold = std::max(near_, height);
+            const btVector3 on_smaller = corner - away * hull.getMargin();
+            if (has_contact_near(on_smaller, std::max(threshold, same_part * radius_))) continue;
+            if (!is_over(first, second, corner, height)) continue;
+            manifold_->setContactBreakingThreshold(threshold);
+            result.addContactPoint(known.m_normalWorldOnB, first_moves_ ? on_smaller - away * height : on_smaller, height);
+        }
+        manifold_->setContactBreakingThreshold(near_);
+    }
+
+    [[nodiscard]] bool has_contact_near(const btVector3& on_smaller, btScalar distance) const {
+        for (int i = 0; i < manifold_->getNumContacts(); ++i) {
+            const btManifoldPoint& known = manifold_->getContactPoint(i);
+            const btVector3& at = first_moves_ ? known.getPositionWorldOnA() : known.getPositionWorldOnB();
+            if ((at - on_smaller).length2() < distance * distance) return true;
+        }
+        return false;
+    }
+
+    // Velocity of the smaller hull against the other one at a point of the world.
+    [[nodiscard]] btVector3 velocity_against(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                                             const btVector3& point) const {
+        const auto velocity = [&](const btCollisionObjectWrapper& object) {
+            const btRigidBody& body = *btRigidBody::upcast(object.getCollisionObject());
+            return body.getVelocityInLocalPoint(point - body.getCenterOfMassPosition());
+        };
+        const btVector3 apart = velocity(first) - velocity(second);
+        return first_moves_ ? apart : -apart;
+    }
+
+    // Whether a corner of the smaller hull is as far from the larger one as from the plane of a contact: over the same face.
+    [[nodiscard]] bool is_over(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                               const btVector3& corner, btScalar height) const {
+        const btCollisionObjectWrapper& larger = first_moves_ ? second : first;
+        HullShape tip;
+        tip.addPoint({0, 0, 0}, false);
+        tip.setMargin(0.0f);
+        tip.finish();
+        const btTransform at(btMatrix3x3::getIdentity(), corner);
+        NearCorners nowhere;
+        const HullDistance found = hull_distance(tip, hull_of(larger), at.inverseTimes(larger.getWorldTransform()),
+                                                 margins_ + near_ + std::max<btScalar>(height, 0.0f), nowhere);
+        return std::abs(found.distance - margins_ - height) < near_;
+    }
+
     void release() {
         if (own_ && manifold_) m_dispatcher->releaseManifold(manifold_);
         manifold_ = own_ ? nullptr : manifold_;
@@ -147,6 +221,7 @@ class HullPair final : public btCollisionAlgorithm {
     btScalar margins_;      // of both
     btScalar near_;         // closer is a contact
     bool looks_ahead_;      // debris
+    bool on_larger_;        // one of them is much larger
     btScalar still_;        // movement that contacts bear
     btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look
     btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame

@@ -8,6 +8,9 @@
 //   same direction is tried again, and only where it no longer separates them, GJK looks for another one;
 // - contacts that are complete: they follow the bodies until those have moved against each other by
 //   a two-hundredth of the smaller one's radius.
+// On a hull three times as large, a floor or a wall, what moves has all its lower corners as contacts at once: one a step, and
+// it turns on that, comes down on the next, and goes in corner by corner.
+//
 // The first is exact: a pair that touches is never passed over. Points, normals and the choice of four points
 // are Bullet's.
 #pragma once

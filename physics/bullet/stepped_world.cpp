@@ -29,26 +29,6 @@ constexpr float patience = 1.5f;
 // What is deeper than this in the ground, in metres, does not fall asleep before it has come up.
 constexpr float sunk_depth = 1e-3f;
 
-// The nearest body that a ball runs into; not itself and not the ground, which has contacts of its own that
-// look ahead.
-struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
-    FirstHit(const btRigidBody& mover, const btVector3& from, const btVector3& to, btScalar ball_radius)
-        : ClosestConvexResultCallback(from, to), body(mover), path(to - from), radius(ball_radius) {}
-    bool needsCollision(btBroadphaseProxy* proxy) const override {
-        const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-        return object != &body && object->getUserIndex() >= 0
-               && ClosestConvexResultCallback::needsCollision(proxy);
-    }
-    btScalar addSingleResult(btCollisionWorld::LocalConvexResult& result, bool in_world) override {
-        // On its way out, or sliding along: too slow towards it to get through in one step.
-        if (result.m_hitNormalLocal.dot(path) > -radius) return m_closestHitFraction;
-        return ClosestConvexResultCallback::addSingleResult(result, in_world);
-    }
-    const btRigidBody& body;
-    btVector3 path;
-    btScalar radius;
-};
-
 } // namespace
 
 void SteppedWorld::solveConstraints(btContactSolverInfo& info) {
@@ -61,25 +41,40 @@ void SteppedWorld::solveConstraints(btContactSolverInfo& info) {
 }
 
 void SteppedWorld::integrateTransforms(btScalar seconds) {
+    for (const auto& body : bodies_) body->moving_seconds = seconds;
+    for (const StepStops::Stop& stop : stops_.find(seconds, *getDispatcher())) {
+        stop.body->moving_seconds = stop.seconds;
+        lose_fall(*stop.body, seconds - stop.seconds);
+    }
     for (const auto& body : bodies_) {
         body->blow_frame = body->rigid->getWorldTransform();
         body->left_seconds = seconds;
         if (body->awake())
-            move_on(*body, seconds);
+            move_on(*body, body->moving_seconds);
         else
             body->unhindered = body->solved = body->velocity();
     }
+}
+
+// Who stops for the rest of a step does not fall in it either: else it would get the speed without the way. What rests on
+// something has not fallen.
+void SteppedWorld::lose_fall(BodyRecord& body, btScalar seconds) {
+    btRigidBody& rigid = *body.rigid;
+    const btVector3 fallen = rigid.getTotalForce() * (rigid.getInvMass() * seconds);
+    const btVector3 before = rigid.getLinearVelocity() - fallen;
+    if (before.length2() >= rigid.getLinearVelocity().length2()) return;
+    rigid.setLinearVelocity(before);
+    body.unhindered.linear -= fallen; // what is taken back has lost it, too
 }
 
 void SteppedWorld::move_on(BodyRecord& body, btScalar seconds) {
     btRigidBody& rigid = *body.rigid;
     body.blow_frame = rigid.getWorldTransform();
     body.left_seconds = seconds;
-    const btScalar part = body.swept_radius > 0.0f ? way_to_hit(rigid, body.swept_radius, seconds) : 1.0f;
     const Spin spin = free_spin({glm::dquat(to_glm(body.blow_frame.getRotation())),
                                  glm::dvec3(to_glm(rigid.getAngularVelocity()))},
                                 body.moments, seconds);
-    const btVector3 way = rigid.getLinearVelocity() * part * seconds;
+    const btVector3 way = rigid.getLinearVelocity() * seconds;
     rigid.setCenterOfMassTransform(
         btTransform(to_bullet(glm::quat(spin.orientation)), body.blow_frame.getOrigin() + way));
     rigid.setAngularVelocity(to_bullet(glm::vec3(spin.velocity)));
@@ -159,20 +154,6 @@ void SteppedWorld::find_quiet(btScalar seconds) {
             quiet ? std::min(body->quiet_seconds + seconds, patience * quiet_factor * settings_.sleep_seconds)
                   : 0.0f;
     }
-}
-
-// Bullet's own sweep knows bodies of one hull only.
-btScalar SteppedWorld::way_to_hit(btRigidBody& rigid, btScalar radius, btScalar seconds) {
-    const btVector3 velocity = rigid.getLinearVelocity();
-    if (velocity.length() * seconds <= radius) return 1.0f;
-    btTransform from = rigid.getWorldTransform(), to = from;
-    to.setOrigin(from.getOrigin() + velocity * seconds);
-    FirstHit hit(rigid, from.getOrigin(), to.getOrigin(), radius);
-    hit.m_collisionFilterGroup = rigid.getBroadphaseProxy()->m_collisionFilterGroup;
-    hit.m_collisionFilterMask = rigid.getBroadphaseProxy()->m_collisionFilterMask;
-    btSphereShape ball(radius);
-    convexSweepTest(&ball, from, to, hit, getDispatchInfo().m_allowedCcdPenetration);
-    return hit.m_closestHitFraction;
 }
 
 void SteppedWorld::find_touching() {

@@ -8,6 +8,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/body_record.h"
+#include "physics/bullet/step_stops.h"
 #include "physics/rotation.h"
 #include "physics/world.h"
 
@@ -20,7 +21,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
                  const std::vector<std::unique_ptr<BodyRecord>>& bodies)
         : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), settings_(settings),
-          bodies_(bodies) {}
+          bodies_(bodies), stops_(bodies, *broadphase) {}
 
     // Moves one body by its velocity, as the end of a step does.
     void move_on(BodyRecord& body, btScalar seconds);
@@ -36,8 +37,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     void updateActivationState(btScalar seconds) override;
 
   private:
-    // The part of its way in a step that a swept body goes until it hits another one.
-    btScalar way_to_hit(btRigidBody& rigid, btScalar radius, btScalar seconds);
+    static void lose_fall(BodyRecord& body, btScalar seconds);
     void find_touching();
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
@@ -45,6 +45,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
 
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    StepStops stops_;
     struct Island {
         float mass = 0.0f, calm_mass = 0.0f; // kg
         bool fast = false;                   // one of it is on its way

@@ -35,7 +35,6 @@ inline BodyId shoot(World& world, float radius, float mass, const glm::vec3& pos
     desc.inertia = glm::mat3(0.4f * mass * radius * radius);
     desc.pose.position = position;
     desc.linear_velocity = velocity;
-    desc.continuous = true;
     return *world.add_body(desc);
 }
 

@@ -1,4 +1,4 @@
-// Bodies of several hulls, fixed bodies, continuous ones, and the report of contacts.
+// Bodies of several hulls, fixed bodies, and the report of contacts.
 #include "physics/world.h"
 
 #include <array>
@@ -177,40 +177,6 @@ TEST_CASE("a fixed body holds what stands on it, cannot be moved, and lets it fa
     CHECK(world.remove_body(held));
     run(world, 2.0f);
     CHECK(world.pose(on_top).position.y == doctest::Approx(0.1).epsilon(0.02).scale(0.0));
-}
-
-TEST_CASE("a fast ball does not pass through a thin wall where it is continuous") {
-    for (const bool continuous : {false, true})
-        for (const bool compound : {false, true}) {
-            World world(empty_space);
-            BodyDesc wall = slabs({0.5f, 0.5f, 0.01f}, 2, 100.0f, {});
-            wall.fixed = true;
-            must_add(world, wall);
-            BodyDesc ball = compound ? slabs({0.05f, 0.05f, 0.05f}, 2, 1.0f, {0.1f, 0.0f, 2.33f})
-                                     : box({0.05f, 0.05f, 0.05f}, 1.0f, {0.1f, 0.0f, 2.33f});
-            ball.linear_velocity = {0.0f, 0.0f, -80.0f}; // 0.67 m a step
-            ball.continuous = continuous;
-            const BodyId id = must_add(world, ball);
-            run(world, 0.1f);
-            CAPTURE(continuous);
-            CAPTURE(compound);
-            CHECK((world.pose(id).position.z < 0.0f) == !continuous);
-            CHECK((world.linear_velocity(id).z < -79.0f) == !continuous);
-        }
-}
-
-TEST_CASE("a continuous body that slides is not held up by what it slides along") {
-    World world({.ground_height = std::nullopt});
-    BodyDesc floor = box({50.0f, 0.1f, 1.0f}, 1.0f, {0.0f, -0.1f, 0.0f});
-    floor.fixed = true;
-    floor.friction = 0.0f;
-    must_add(world, floor);
-    BodyDesc puck = box({0.05f, 0.05f, 0.05f}, 1.0f, {-40.0f, 0.05f, 0.0f});
-    puck.linear_velocity = {30.0f, 0.0f, 0.0f};
-    puck.continuous = true;
-    const BodyId id = must_add(world, puck);
-    run(world, 1.0f);
-    CHECK(world.pose(id).position.x == doctest::Approx(-10.0).epsilon(0.01));
 }
 
 TEST_CASE("impulse and friction of a contact are what the bodies got") {

@@ -52,7 +52,6 @@ BodyDesc ball(float radius, float mass, const glm::vec3& position, const glm::ve
     desc.inertia = glm::mat3(mass * radius * radius * 2.0f / 3.0f);
     desc.pose.position = position;
     desc.linear_velocity = velocity;
-    desc.continuous = true;
     return desc;
 }
 

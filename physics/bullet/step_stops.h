@@ -1,0 +1,93 @@
+// Bodies that end their step where they first touch another one, and not behind it: first_touch.h.
+//
+// A body that moves by a quarter of its own thickness in a step is looked at on its way: what is near it, and when it touches.
+// There it stops for the rest of the step, with its velocity as it is; the next step finds the contact and all of its speed,
+// so that a blow has one impulse, whole, and a bounce its height. What passes without touching, however near, and what slides
+// or parts is left alone, bit for bit.
+//
+// - Fixed bodies are not passed by anything. Two that move are looked at only when they might come out on each other's wrong
+//   side: in a heap that forms, nobody sees it, and looking costs more than all contacts.
+// - Of two that meet, who is slow for its own thickness goes on: it gets no deeper into the other than it would in any step.
+// - A body does not wait for a moving crumb that fits into it many times, nor in two steps on end for what is much lighter:
+//   a ball that flies through splinters would stand still among them.
+// - Velocities are those after contacts, so that what bounces off one body does not pass through the next.
+// - The ground is left out: its contacts look ahead (ground_contact.h).
+// - While nothing is fast, a body costs a comparison.
+//
+// Contacts that are made ahead of the touch, and take from the speed what exceeds gap over time, were weighed: no time is
+// lost, but a blow comes in two parts, in two steps, and each alone may be too weak for what it hits; and what flies past an
+// edge is turned by a contact that it never has.
+//
+// Bullet's units. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/body_record.h"
+#include "physics/bullet/first_touch.h"
+
+namespace brittle::physics {
+
+class StepStops {
+  public:
+    // Bodies by their user indices. Boxes in the broadphase must be those of the step's beginning; some of what moves are
+    // grown by its way, until they are set anew.
+    StepStops(const std::vector<std::unique_ptr<BodyRecord>>& bodies, btBroadphaseInterface& broadphase)
+        : bodies_(bodies), broadphase_(broadphase) {}
+
+    struct Box {
+        btVector3 low, high;
+    };
+    struct Stop {
+        BodyRecord* body;
+        btScalar seconds; // that it moves, less than the step
+        bool at_light;    // at a body that is much lighter
+    };
+    // Who stops when all that are awake move on for so long from where they are, in the order of time. Valid until the next
+    // call.
+    [[nodiscard]] std::span<const Stop> find(btScalar seconds, btDispatcher& dispatcher);
+
+  private:
+    // When two bodies touch, as far as it is known who of them stops before.
+    struct Event {
+        btScalar seconds;
+        uint32_t first, second;
+        btScalar first_stop, second_stop;
+        // The earliest is on top of a heap.
+        friend bool operator<(const Event& a, const Event& b) {
+            return std::tie(a.seconds, a.first, a.second) > std::tie(b.seconds, b.first, b.second);
+        }
+    };
+
+    void find_fast(btScalar seconds, btDispatcher& dispatcher);
+    [[nodiscard]] btVector3 mean_velocity() const; // of all that can move
+    // What holds a body on its way.
+    [[nodiscard]] Box swept(uint32_t body) const;
+    // These add the events of a body with those that are fixed; with all others, from a time on; with one.
+    void meet_fixed(uint32_t body);
+    void meet_moving(uint32_t body, btScalar from);
+    void meet(uint32_t first, uint32_t second, btScalar from);
+    void stop(uint32_t body, uint32_t at, btScalar seconds);
+    [[nodiscard]] bool may_be_stopped(uint32_t body, uint32_t by) const;
+    [[nodiscard]] bool is_light(uint32_t body, uint32_t against) const;
+
+    const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    btBroadphaseInterface& broadphase_;
+    // Scratch of one call; bodies by index.
+    btScalar end_ = 0.0f;
+    std::vector<uint8_t> is_fast_, is_wild_;
+    std::vector<uint32_t> fast_, wild_; // in body order; those that move fast, and those that move fast against most others
+    std::vector<uint32_t> fixed_, near_;
+    btScalar slow_way_ = 0.0f; // the longest way of those that are not wild
+    std::vector<Flight> flights_;
+    std::vector<Event> events_; // a heap
+    std::vector<Stop> stops_;
+};
+
+} // namespace brittle::physics
