@@ -46,7 +46,6 @@ struct BodyRecord {
     btTransform blow_frame = btTransform::getIdentity();
     float left_seconds = 0.0f;
     float moving_seconds = 0.0f; // of the last step: less than all where it stopped at another body
-    bool waited = false;         // in the last step: it stopped at one that is much lighter
     Velocity unhindered, solved; // before contacts, with the step's gravity; and after them
     float still_seconds = 0.0f; // how long it has been slow while touching something
     float quiet_seconds = 0.0f; // how long nearly all of what it touches, directly or not, has been

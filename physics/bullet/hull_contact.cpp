@@ -11,6 +11,7 @@
 #include "physics/bullet/hull_distance.h"
 #include "physics/bullet/hull_shape.h"
 #include "physics/bullet/siblings.h"
+#include "physics/bullet/step_stops.h"
 
 namespace brittle::physics {
 
@@ -23,6 +24,8 @@ constexpr btScalar still_part = 0.25f;
 // Pieces of one cut that fly as one are looked at when they have moved against each other by this part of the smaller one's
 // radius: more than rounding moves them.
 constexpr btScalar together_part = 1e-4f;
+// Contacts of what is much lighter are made ahead when the heavier body moves in a step by this part of the smaller one's radius.
+constexpr btScalar passing_part = 0.5f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
 constexpr btScalar near_part = 0.02f;
 
@@ -47,6 +50,14 @@ bool is_debris(const btCollisionObjectWrapper& object) {
            == btBroadphaseProxy::DebrisFilter;
 }
 
+// Whether both move, and the first does not stop the second on its way (step_stops.h): it is pushed instead, by a contact that
+// is made ahead.
+bool much_lighter(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
+    const btScalar light = btRigidBody::upcast(first.getCollisionObject())->getInvMass();
+    const btScalar heavy = btRigidBody::upcast(second.getCollisionObject())->getInvMass();
+    return heavy > 0.0f && heavy < StepStops::light_part * light;
+}
+
 class HullPair final : public btCollisionAlgorithm {
   public:
     HullPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* first,
@@ -61,6 +72,8 @@ class HullPair final : public btCollisionAlgorithm {
         near_ = std::min(a.getContactBreakingThreshold(near_part), b.getContactBreakingThreshold(near_part));
         still_ = still_part * near_;
         looks_ahead_ = is_debris(*first) || is_debris(*second);
+        pushed_by_first_ = much_lighter(*second, *first);
+        pushed_by_second_ = much_lighter(*first, *second);
         on_larger_ = std::max(radius_a, radius_b) > larger_factor * radius_;
         axis_ = (first->getWorldTransform().getOrigin() - second->getWorldTransform().getOrigin())
                 * first->getWorldTransform().getBasis();
@@ -75,7 +88,9 @@ class HullPair final : public btCollisionAlgorithm {
     void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                           const btDispatcherInfo& info, btManifoldResult* result) override {
         const btTransform relative = relative_of(*first, *second);
-        const btScalar ahead = looks_ahead_ ? approach(*first, *second) * info.m_timeStep : 0.0f;
+        const bool looks_ahead = looks_ahead_ || (pushed_by_first_ && is_wild(*first, info.m_timeStep))
+                                 || (pushed_by_second_ && is_wild(*second, info.m_timeStep));
+        const btScalar ahead = looks_ahead ? approach(*first, *second) * info.m_timeStep : 0.0f;
         if (!(moved_since(relative) + ahead < free_)) {
             seen_ = relative;
             free_ = look(*first, *second, near_ + ahead, *result);
@@ -112,6 +127,12 @@ class HullPair final : public btCollisionAlgorithm {
         for (int row = 0; row < 3; ++row)
             turned += (relative.getBasis()[row] - seen_.getBasis()[row]).length2();
         return (relative.getOrigin() - seen_.getOrigin()).length() + std::sqrt(turned) * radius_;
+    }
+
+    // Whether the body may pass over the smaller hull in a step.
+    [[nodiscard]] bool is_wild(const btCollisionObjectWrapper& object, btScalar seconds) const {
+        const btVector3& velocity = btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
+        return velocity.length2() * seconds * seconds > passing_part * passing_part * radius_ * radius_;
     }
 
     // How fast the hulls can come closer.
@@ -152,7 +173,7 @@ class HullPair final : public btCollisionAlgorithm {
         if (distance > near) return distance - near;
         if (!manifold_)
             manifold_ = m_dispatcher->getNewManifold(first.getCollisionObject(), second.getCollisionObject());
-        if (looks_ahead_) manifold_->setContactBreakingThreshold(near);
+        if (near > near_) manifold_->setContactBreakingThreshold(near);
         result.setPersistentManifold(manifold_);
         result.addContactPoint(a.getBasis() * found.normal, a * (found.point + found.normal * hull_b.getMargin()), distance);
         return manifold_->getNumContacts() == before ? still_ : -1.0f;
@@ -232,6 +253,7 @@ class HullPair final : public btCollisionAlgorithm {
     btScalar margins_;      // of both
     btScalar near_;         // closer is a contact
     bool looks_ahead_;      // debris
+    bool pushed_by_first_, pushed_by_second_; // which is much heavier
     bool on_larger_;        // one of them is much larger
     btScalar still_;        // movement that contacts bear
     btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look

@@ -20,8 +20,6 @@ constexpr btScalar larger_factor = 3.0f;
 constexpr btScalar least_way = 0.0033f * bullet_units;
 // What reaches no farther than this part of a body's thickness does not stop it.
 constexpr btScalar crumb_part = 0.25f;
-// Nor does, twice in a row, what has less than this part of its mass.
-constexpr btScalar light_part = 0.5f;
 
 using Box = StepStops::Box;
 
@@ -104,8 +102,6 @@ std::span<const StepStops::Stop> StepStops::find(std::span<BodyRecord* const> aw
     stops_.clear();
     const bool some_fast = std::ranges::any_of(awake, [&](const BodyRecord* body) { return is_fast(*body, seconds); });
     if (some_fast) find_stops(seconds, dispatcher);
-    for (BodyRecord* body : awake) body->waited = false;
-    for (const Stop& at : stops_) at.body->waited = at.at_light;
     return stops_;
 }
 
@@ -120,8 +116,8 @@ void StepStops::find_stops(btScalar seconds, btDispatcher& dispatcher) {
         // What was known of two of which one has stopped since has been looked at anew.
         if (flights_[event.first].stop != event.first_stop || flights_[event.second].stop != event.second_stop) continue;
         const bool first = may_be_stopped(event.first, event.second), second = may_be_stopped(event.second, event.first);
-        if (first) stop(event.first, event.second, event.seconds);
-        if (second) stop(event.second, event.first, event.seconds);
+        if (first) stop(event.first, event.seconds);
+        if (second) stop(event.second, event.seconds);
         if (first) meet_moving(event.first, event.seconds);
         if (second) meet_moving(event.second, event.seconds);
     }
@@ -228,16 +224,16 @@ void StepStops::meet(uint32_t first, uint32_t second, btScalar from) {
     std::push_heap(events_.begin(), events_.end());
 }
 
-void StepStops::stop(uint32_t body, uint32_t at, btScalar seconds) {
+void StepStops::stop(uint32_t body, btScalar seconds) {
     flights_[body].stop = seconds;
     flights_[body].find_end();
-    stops_.push_back({bodies_[body].get(), seconds, is_light(at, body)});
+    stops_.push_back({bodies_[body].get(), seconds});
 }
 
 bool StepStops::may_be_stopped(uint32_t body, uint32_t by) const {
     if (!is_fast_[body] || flights_[body].stop < end_) return false;
     if (bodies_[by]->fixed) return true;
-    return bodies_[by]->reach > crumb_part * bodies_[body]->thickness && !(bodies_[body]->waited && is_light(by, body));
+    return bodies_[by]->reach > crumb_part * bodies_[body]->thickness && !is_light(by, body);
 }
 
 bool StepStops::is_light(uint32_t body, uint32_t against) const {

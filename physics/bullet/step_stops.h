@@ -8,15 +8,16 @@
 // - Fixed bodies are not passed by anything. Two that move are looked at only when they might come out on each other's wrong
 //   side: in a heap that forms, nobody sees it, and looking costs more than all contacts.
 // - Of two that meet, who is slow for its own thickness goes on: it gets no deeper into the other than it would in any step.
-// - A body does not wait for a moving crumb that fits into it many times, nor in two steps on end for what is much lighter:
-//   a ball that flies through splinters would stand still among them.
+// - A body does not wait for a moving crumb that fits into it many times, nor for what is much lighter: a ball that flies
+//   through splinters would stand still among them. It drives them before it, by contacts that are made ahead
+//   (hull_contact.cpp).
 // - Velocities are those after contacts, so that what bounces off one body does not pass through the next.
 // - The ground is left out: its contacts look ahead (ground_contact.h).
 // - While nothing is fast, a body costs a comparison.
 //
 // Contacts that are made ahead of the touch, and take from the speed what exceeds gap over time, were weighed: no time is
 // lost, but a blow comes in two parts, in two steps, and each alone may be too weak for what it hits; and what flies past an
-// edge is turned by a contact that it never has.
+// edge is turned by a contact that it never has. To what is heavy, and hits what is light, neither matters.
 //
 // Bullet's units. Not thread-safe.
 #pragma once
@@ -36,6 +37,9 @@ namespace brittle::physics {
 
 class StepStops {
   public:
+    // What has less than this part of a body's mass does not stop it.
+    static constexpr btScalar light_part = 0.5f;
+
     // Bodies by their user indices. Boxes in the broadphase must be those of the step's beginning; some of what moves are
     // grown by its way, until they are set anew.
     StepStops(const std::vector<std::unique_ptr<BodyRecord>>& bodies, btBroadphaseInterface& broadphase)
@@ -47,7 +51,6 @@ class StepStops {
     struct Stop {
         BodyRecord* body;
         btScalar seconds; // that it moves, less than the step
-        bool at_light;    // at a body that is much lighter
     };
     // Who stops when all that are awake move on for so long from where they are, in the order of time. Valid until the next
     // call.
@@ -75,7 +78,7 @@ class StepStops {
     void meet_fixed(uint32_t body);
     void meet_moving(uint32_t body, btScalar from);
     void meet(uint32_t first, uint32_t second, btScalar from);
-    void stop(uint32_t body, uint32_t at, btScalar seconds);
+    void stop(uint32_t body, btScalar seconds);
     [[nodiscard]] bool may_be_stopped(uint32_t body, uint32_t by) const;
     [[nodiscard]] bool is_light(uint32_t body, uint32_t against) const;
 

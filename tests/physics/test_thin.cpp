@@ -78,7 +78,7 @@ bool passes(const Shot& shot) {
 
 } // namespace
 
-TEST_CASE("hulls that meet touch when their distance says so; what parts, passes by or slides does not") {
+TEST_CASE("hulls that meet touch when their distance says so, and what parts, passes by or slides does not") {
     HullShape hull;
     for (const float x : {-1.0f, 1.0f})
         for (const float y : {-1.0f, 1.0f})
@@ -259,4 +259,39 @@ TEST_CASE("a heavy ball flies on through a cloud of light pieces") {
     CHECK(world.pose(id).position.z < -4.0f);
     CHECK(world.mechanics().kinetic < before.kinetic * 1.0001);
     CHECK(glm::length(world.mechanics().momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
+}
+
+TEST_CASE("a heavy ball drives the light pieces in its way before it, and is not held up") {
+    for (const float speed : {10.0f, 20.0f, 60.0f})
+        for (int place = 0; place < 6; ++place) {
+            CAPTURE(speed);
+            CAPTURE(place);
+            World world(empty_space);
+            // Some tiles of a wall, side by side; the ball is three times as wide as one.
+            std::vector<BodyId> hit;
+            for (int x = -3; x <= 3; ++x)
+                for (int y = -3; y <= 3; ++y) {
+                    BodyDesc tile = made_of({0.024f, 0.024f, 0.01f}, 1);
+                    tile.mass = 0.1f;
+                    tile.inertia = box_inertia({0.024f, 0.024f, 0.01f}, 0.1f);
+                    tile.pose.position = {0.05f * static_cast<float>(x), 0.05f * static_cast<float>(y), 0.0f};
+                    const BodyId id = must_add(world, tile);
+                    if (std::abs(x) <= 1 && std::abs(y) <= 1) hit.push_back(id);
+                }
+            BodyDesc ball = made_of(glm::vec3(0.07f), 1);
+            ball.mass = 17.0f;
+            ball.inertia = box_inertia(glm::vec3(0.07f), 17.0f);
+            ball.pose.position = {0.0f, 0.0f, 0.5f + 0.03f * static_cast<float>(place)};
+            ball.linear_velocity = {0.0f, 0.0f, -speed};
+            const BodyId id = must_add(world, ball);
+            const Mechanics before = world.mechanics();
+            run(world, 1.0f / speed + 0.1f);
+            // Nobody in the way is passed through. A dead blow would give the tile in the middle all of the speed; those that
+            // are hit at one side turn besides.
+            for (const BodyId tile : hit) CHECK(world.linear_velocity(tile).z < -0.3f * speed);
+            CHECK(world.linear_velocity(hit[hit.size() / 2]).z < -0.8f * speed);
+            CHECK(world.pose(id).position.z < -0.05f * speed);
+            CHECK(glm::length(world.mechanics().momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
+            CHECK(world.mechanics().kinetic < before.kinetic * 1.0001);
+        }
 }

@@ -38,7 +38,8 @@ struct Books : SimulationObserver {
 
 // The same where things are held. The world may take back from what hit them what it gave, and nothing else:
 // so each update changes the sum by impulses along the lines of those contacts, through the points that they
-// had on what hit, and all of one blow by no more than its contacts gave.
+// had on what hit, and all of one blow by no more than its contacts gave. Two lines must do, or one for each cut where more
+// come at once.
 struct HeldBooks : SimulationObserver {
     using Wrench = std::array<double, 6>; // momentum and angular momentum
     static constexpr uint64_t kept_steps =
@@ -59,7 +60,7 @@ struct HeldBooks : SimulationObserver {
         size_t line = 0;                                        // the first of them,
         double much = 0.0;                                      // and how much of it
     };
-    static constexpr size_t most_lines = 2; // six could explain anything
+    static constexpr size_t least_lines = 2, most_lines = 4; // six could explain anything
     static constexpr double explained = 1e-5;
 
     std::vector<Line> lines;
@@ -150,7 +151,8 @@ struct HeldBooks : SimulationObserver {
         cuts += static_cast<int>(simulation.commits().size());
         Rest least;
         size_t needed = 0;
-        for (size_t count = 0; count <= most_lines && least.error > explained; ++count) {
+        const size_t allowed = std::clamp(simulation.commits().size(), least_lines, most_lines);
+        for (size_t count = 0; count <= allowed && least.error > explained; ++count) {
             std::vector<Wrench> basis;
             const Rest rest = best(change, basis, 0, count);
             if (rest.error < least.error) least = rest, needed = count;

@@ -89,7 +89,8 @@ TEST_CASE("render and replay write the pieces of the last moment, and the same o
         return told.substr(at, told.find(',', at) - at);
     };
     CHECK(volume_of("shape:animal").find("volume ") == 0);
-    CHECK(volume_of(folder / "b.glb") == volume_of("shape:animal"));
+    CHECK(run_brittle(folder, "replay " + (folder / "run.log") + " --export-as made --export " + (folder / "d.glb")).exit_code == 0);
+    CHECK(volume_of(folder / "d.glb") == volume_of("shape:animal"));
 
     CHECK(run_brittle(folder, run + " --whole --export " + (folder / "c.glb")).exit_code == 2);
     CHECK(run_brittle(folder, run + " --export " + (folder / "c.fbx")).exit_code == 2);
