@@ -455,7 +455,7 @@ TEST_CASE("Ctrl+C ends a long command and leaves no half-written file") {
     // Minutes of work; the signal comes while it is at it.
     const Outcome outcome = run_brittle(folder,
                                     "fracture shape:animal -n 3000 --algorithm sequential -o " + (folder / "out.glb"),
-                                    "timeout --preserve-status -s INT 1");
+                                    "timeout --preserve-status -s INT 3");
     CHECK(outcome.exit_code == 130);
     CHECK(outcome.has("cancelled"));
     CHECK(folder.files() == 0);
