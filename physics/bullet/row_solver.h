@@ -2,12 +2,13 @@
 //
 // Bullet's makes rows of twice the size and solves the points of one contact after the other: each row waits for the one
 // before, as both change the same two bodies. Here the first points of all pairs come first, then all second ones, so that
-// rows beside each other have nothing to do with each other, and the processor works on several at a time. What has a body
+// rows beside each other have at most one body in common, and the processor works on several at a time. What has a body
 // that never moves comes behind all others, so that each sweep ends with nothing going into the ground: otherwise a heavy
 // piece presses a light one beneath it millimetres deep and holds it there. A sweep over contacts is followed by one over
 // their friction, and before all of them overlap is undone by moving (split impulses).
 //
-// - One friction direction a contact: that in which it slides, or any where it does not. No joints, no rolling friction.
+// - One friction direction a point: that in which it slides; where it does not, points beside each other take turns between
+//   two. No joints, no rolling friction.
 // - Where both bodies move they meet in one point, midway across a gap or an overlap. Bullet pushes each at its own side, and
 //   friction then turns the two by more than it should.
 // - The solution starts from 0.85 of the impulses that the points have from the last one.

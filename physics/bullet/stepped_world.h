@@ -28,7 +28,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         : btDiscreteDynamicsWorld(dispatcher, broadphase, nullptr, configuration), broadphase_(*broadphase),
           solver_(*solver), settings_(settings), bodies_(bodies), stops_(bodies, *broadphase) {}
 
-    // In place of stepSimulation(). The solver then has the contacts of the step.
+    // In place of Bullet's own step. The solver then has the contacts of the step.
     void step(btScalar seconds);
     // Who was awake at any time of the last step, in no order; nobody else has moved.
     [[nodiscard]] const std::vector<BodyRecord*>& stepped() const { return stepped_; }
