@@ -6,10 +6,10 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "bodies.h"
+#include "convex_pieces.h"
 #include "physics/pieces.h"
 #include "physics/world.h"
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;

@@ -7,11 +7,13 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include "bodies.h"
 #include "convex_pieces.h"
+#include "physics/pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -371,6 +373,52 @@ TEST_CASE("a sleeping body wakes when pushed, when hit and when its support goes
     CHECK(world.awake(above));
     run(world, 3.0f);
     CHECK(world.pose(above).position.y == doctest::Approx(0.1).epsilon(0.02).scale(0.0));
+}
+
+TEST_CASE("what touches wakes as a whole, and what does not sleeps on") {
+    World world;
+    std::vector<BodyId> row, others;
+    for (int i = 0; i < 5; ++i) row.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.2f * static_cast<float>(i), 0.1f, 0.0f})));
+    for (int i = 0; i < 3; ++i) others.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.2f * static_cast<float>(i), 0.1f, 3.0f})));
+    run(world, 3.0f);
+    REQUIRE(world.awake_count() == 0);
+    const uint64_t before = world.steps_taken();
+    must_add(world, box({0.05f, 0.05f, 0.05f}, 1.0f, {0.0f, 0.4f, 0.0f}));
+    for (int i = 0; i < 60 && !world.awake(row.front()); ++i) world.step();
+    for (const BodyId id : row) CHECK(world.awake(id));
+    for (const BodyId id : others) {
+        CHECK_FALSE(world.awake(id));
+        CHECK(world.last_moved_step(id) < before);
+    }
+    run(world, 5.0f);
+    CHECK(world.awake_count() == 0);
+}
+
+TEST_CASE("those that sleep change nothing for who is awake, bit for bit") {
+    const auto falls = [](bool among_sleepers) {
+        World world;
+        const auto add = [&world](const glm::vec3& at) {
+            const auto fragments = test::voronoi_pieces({-0.25, 0.3, -0.25}, {0.25, 0.8, 0.25}, 40, 5);
+            const auto bodies = add_pieces(world, fragments, {}, {.placement = {at, {1.0f, 0.0f, 0.0f, 0.0f}}});
+            REQUIRE(bodies);
+            return *bodies;
+        };
+        if (among_sleepers) {
+            add({6.0f, 0.0f, 1.0f});
+            run(world, 8.0f);
+            REQUIRE(world.awake_count() == 0);
+        }
+        std::vector<Pose> poses;
+        const std::vector<BodyId> bodies = add({0.0f, 0.0f, 0.0f});
+        run(world, 2.0f);
+        for (const BodyId id : bodies) poses.push_back(world.pose(id));
+        return poses;
+    };
+    const std::vector<Pose> alone = falls(false), beside = falls(true);
+    for (size_t i = 0; i < alone.size(); ++i) {
+        CHECK(alone[i].position == beside[i].position);
+        CHECK(alone[i].orientation == beside[i].orientation);
+    }
 }
 
 TEST_CASE("what sleeps presses as before, while others wake, come and go") {
