@@ -29,8 +29,6 @@ constexpr btScalar passing_part = 0.5f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
 constexpr btScalar near_part = 0.02f;
 
-// A hull with a radius so many times that of the other is a floor or a wall to it.
-constexpr btScalar larger_factor = 3.0f;
 // Corners of the smaller one that are higher above it than this part of the thickness are not its lower ones.
 constexpr btScalar low_part = 0.5f;
 // Contacts on it that are nearer to each other than this part of the smaller one's radius count as one.
@@ -74,7 +72,7 @@ class HullPair final : public btCollisionAlgorithm {
         looks_ahead_ = is_debris(*first) || is_debris(*second);
         pushed_by_first_ = much_lighter(*second, *first);
         pushed_by_second_ = much_lighter(*first, *second);
-        on_larger_ = std::max(radius_a, radius_b) > larger_factor * radius_;
+        on_larger_ = std::max(radius_a, radius_b) > StepStops::larger_factor * radius_;
         axis_ = (first->getWorldTransform().getOrigin() - second->getWorldTransform().getOrigin())
                 * first->getWorldTransform().getBasis();
         if (axis_.fuzzyZero()) axis_ = {0, 1, 0};

@@ -3,16 +3,18 @@
 // Half of the pairs whose boxes overlap in a heap do not touch, and most that touch hardly move
 // against each other. Bullet runs GJK for all of them in every step. Here a pair remembers how its hulls
 // stood when it last looked closely, and what it saw:
-// - a gap: as long as one hull has moved against the other by less than that, there is still none of it gone;
-// then the
+// - a gap: as long as one hull has moved against the other by less than that, there is still none of it gone; then the
 //   same direction is tried again, and only where it no longer separates them, GJK looks for another one;
 // - contacts that are complete: they follow the bodies until those have moved against each other by
 //   a two-hundredth of the smaller one's radius.
-// On a hull three times as large, a floor or a wall, what moves has all its lower corners as contacts at once: one a step, and
-// it turns on that, comes down on the next, and goes in corner by corner.
-//
 // The first is exact: a pair that touches is never passed over. Points, normals and the choice of four points
 // are Bullet's.
+//
+// - Pieces of one cut that fly as one are taken to have a gap without a look (siblings.h).
+// - On a hull three times as large, a floor or a wall, what moves has all its lower corners as contacts at once: one a step, and
+//   it turns on that, comes down on the next, and goes in corner by corner.
+// - Contacts of debris, and of what is much lighter than a body that may pass over it in a step (step_stops.h), are made ahead:
+//   as far apart as the two can come closer in that step.
 #pragma once
 
 #include <memory>

@@ -15,7 +15,6 @@ constexpr btScalar fast_part = 0.25f;
 // of both, as only then are they told apart on the wrong side; others when they may come out on the other side. In a heap that
 // forms, looking at more costs more than all its contacts.
 constexpr btScalar half = 0.5f, whole = 1.0f;
-constexpr btScalar larger_factor = 3.0f;
 // And in any case a way must be longer than this, m: what settles in a heap is left alone, however thin. At 120 Hz 0.4 m/s.
 constexpr btScalar least_way = 0.0033f * bullet_units;
 // What reaches no farther than this part of a body's thickness does not stop it.

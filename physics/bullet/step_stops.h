@@ -39,6 +39,8 @@ class StepStops {
   public:
     // What has less than this part of a body's mass does not stop it.
     static constexpr btScalar light_part = 0.5f;
+    // What reaches so many times as far as a body is a floor or a wall to it.
+    static constexpr btScalar larger_factor = 3.0f;
 
     // Bodies by their user indices. Boxes in the broadphase must be those of the step's beginning; some of what moves are
     // grown by its way, until they are set anew.
