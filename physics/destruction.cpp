@@ -208,6 +208,20 @@ void Destruction::update(World& world, double budget) {
     std::erase_if(objects_, [](const auto& entry) { return entry.second.pieces == 0; });
 }
 
+// Asked only where an answer counts. A frame may show a piece anywhere between its last two poses.
+void Destruction::see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const {
+    if (!visible_) return;
+    const DebrisLimits& limits = settings_.debris;
+    const bool excess = pieces > limits.most_pieces || vertices > limits.most_vertices;
+    for (Debris& debris : candidates) {
+        if (!excess && debris.slept <= limits.sleep_seconds) continue;
+        const Live& piece = pieces_.at(debris.id);
+        const BodyId body = body_of(piece);
+        const glm::vec3 at = world.pose(body).position;
+        debris.visible = visible_(at, piece.solid->radius + glm::distance(at, world.previous_pose(body).position));
+    }
+}
+
 void Destruction::update_debris(World& world) {
     const double step = world.settings().step;
     std::vector<PieceId> gone;
@@ -233,8 +247,9 @@ void Destruction::update_debris(World& world) {
                               .age = static_cast<double>(world.steps_taken() - piece.born) * step,
                               .slept = static_cast<double>(piece.slept) * step,
                               .vertices = piece.solid->positions.size(),
-                              .visible = !visible_ || visible_(world.pose(body).position, piece.solid->radius)});
+                              .visible = true});
     }
+    see_debris(world, candidates, count, vertices);
     for (const PieceId id : retire_debris(candidates, count, vertices, settings_.debris)) {
         Live& piece = pieces_.at(id);
         ++statistics_.retired;

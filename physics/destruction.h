@@ -169,7 +169,8 @@ class Destruction {
     [[nodiscard]] std::span<const Commit> commits() const { return commits_; } // of the last update()
 
     [[nodiscard]] DestructionEvents take_events();
-    // Which pieces someone sees: centre and radius, m. None set: all.
+    // Whether someone sees any of a ball around a piece: centre and radius, m. Asked when debris is to go, in update().
+    // None set: all is seen. It is an input of the run: a log of one must have it.
     void set_view(std::function<bool(const glm::vec3&, float)> visible) { visible_ = std::move(visible); }
 
     // Of each piece, in the order of PieceId: its slot and its pose as below. Those that have not moved since a step are
@@ -280,6 +281,7 @@ class Destruction {
     [[nodiscard]] double crack_energy(const Live& piece, const Broken& broken) const;
     void exchange(World& world, const Live& piece, double cracks, Hit& hit) const;
     PieceId solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const;
+    void see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const;
     void update_debris(World& world);
 
     DestructionSettings settings_;

@@ -4,23 +4,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
+#include "frustum.h"
 
 layout(local_size_x = cull_group_size) in;
 layout(set = 0, binding = binding_commands, std430) readonly buffer All { DrawCommand all[]; };
 layout(set = 0, binding = binding_culled_for_camera, std430) writeonly buffer Camera { DrawCommand for_camera[]; };
 layout(set = 0, binding = binding_culled_for_light, std430) writeonly buffer Light { DrawCommand for_light[]; };
 layout(set = 0, binding = binding_drawn, std430) buffer Drawn { uint drawn[view_count]; };
-
-// Whether the sphere reaches into the clip volume. A sphere beyond a corner may be called seen; one with a coordinate
-// that is no number is.
-bool seen(mat4 clip, vec3 centre, float radius) {
-    mat4 row = transpose(clip);
-    vec4 planes[6] = vec4[](row[3] + row[0], row[3] - row[0], row[3] + row[1], row[3] - row[1], row[2], row[3] - row[2]);
-    float reach = 1.001 * radius + 1e-5 * length(centre); // some more, for rounding
-    for (int i = 0; i < 6; ++i)
-        if (dot(planes[i].xyz, centre) + planes[i].w < -reach * length(planes[i].xyz)) return false;
-    return true;
-}
 
 void main() {
     uint i = gl_GlobalInvocationID.x, view = gl_GlobalInvocationID.y;
@@ -30,7 +20,8 @@ void main() {
     vec3 origin = view == view_camera ? frame.eye.xyz : vec3(0.0);
     mat4 clip = view == view_camera ? frame.clip_from_eye : frame.shadow_clip_from_world;
     float scale = abs(pose.position_and_scale.w);
-    bool drawn_here = scale != 0.0 && seen(clip, place(pose, draw.sphere.xyz, origin), draw.sphere.w * scale);
+    vec3 centre = place(pose, draw.sphere.xyz, origin);
+    bool drawn_here = scale != 0.0 && seen(clip, centre, centre, draw.sphere.w * scale);
 
     bool first_of_piece = i == 0 || draws[i - 1].piece != draw.piece;
     DrawCommand command = all[i];

@@ -548,6 +548,41 @@ TEST_CASE("debris beyond the limit fades in view and goes at once out of it, the
     }
 }
 
+TEST_CASE("of debris in excess what is out of view goes at once, and what is in view stays as long as that is enough") {
+    const auto to_the_right = [](const glm::vec3& centre, float) { return centre.x > 0.0f; };
+    const auto broken_cube = [&](World& world, size_t most) {
+        auto destruction = std::make_unique<Destruction>(DestructionSettings{.debris = {.most_pieces = most}});
+        destruction->set_view(to_the_right);
+        must_add(*destruction, world, fracture::cube(1.0), desc_of(0.05));
+        REQUIRE(strike_from_above(world, *destruction, destruction->pieces()[0], 500.0));
+        run(world, *destruction, 2);
+        return destruction;
+    };
+    World roomy(empty_space), narrow(empty_space);
+    const auto all = broken_cube(roomy, 1000);
+    size_t unseen = 0;
+    for (const PieceId piece : all->pieces()) unseen += !to_the_right(roomy.pose(all->body(piece)).position, 0.0f);
+    REQUIRE(unseen > 5);
+    const size_t most = all->pieces().size() - unseen / 2;
+    const auto some = broken_cube(narrow, most);
+    CHECK(some->take_events().fading.empty());
+    CHECK(some->pieces().size() == most);
+    for (const PieceId piece : all->pieces())
+        if (!some->contains(piece)) CHECK(roomy.pose(all->body(piece)).position.x <= 0.0f);
+}
+
+TEST_CASE("a view is asked only where debris is to go") {
+    World world(empty_space);
+    Destruction destruction({.debris = {.most_pieces = 1000}});
+    must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
+    REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 500.0));
+    int asked = 0;
+    destruction.set_view([&](const glm::vec3&, float) { return ++asked, true; });
+    run(world, destruction, 10);
+    CHECK(destruction.pieces().size() > 20);
+    CHECK(asked == 0);
+}
+
 TEST_CASE("cycles of breaking and clearing leave nothing behind") {
     World world(empty_space);
     Destruction destruction({.latency = 1, .debris = {.most_pieces = 60, .fade_seconds = 0.0}});

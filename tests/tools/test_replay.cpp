@@ -35,6 +35,7 @@ std::vector<std::pair<uint64_t, Action>> various_actions() {
             {22, Drag{{0.5, 1.5, 0.6}}},
             {40, Push{3, {0.1, 0.2, 0.0}, {1.0, 2.0, 3.0}}},
             {41, Release{{0, 1}}},
+            {45, Watch{{0.1, 1.0, 3.0}, {0.0, 0.5, 0.0}, 0.7, 1.6}},
             {60, LetGo{}},
             {60, Release{}}};
 }

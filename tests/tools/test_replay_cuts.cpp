@@ -146,6 +146,112 @@ TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log
     }
 }
 
+namespace {
+
+// A ball in pieces, of which more than a few are too many, on whom someone looks from there.
+FractureOptions crowded_options() {
+    FractureOptions options = breakable_options(false);
+    options.world.piece_limit = 6;
+    return options;
+}
+Watch from_the_front() {
+    return {{0.0, 1.0, 5.0}, {0.0, 1.0, 0.0}, 0.8, 1.5};
+}
+Watch turned_away() {
+    return {{0.0, 1.0, 5.0}, {0.0, 1.0, 10.0}, 0.8, 1.5};
+}
+
+// The state after each step of 120 with blows, while the view moves.
+ReplayLog recorded_view(const std::vector<std::pair<uint64_t, Action>>& views) {
+    const Folder folder;
+    const FractureOptions options = crowded_options();
+    std::vector<std::pair<uint64_t, Action>> actions = blows();
+    actions.insert(actions.end(), views.begin(), views.end());
+    return recorded(options, started(options), 120, actions, folder.path / "run.log");
+}
+
+std::vector<uint64_t> hashes(const ReplayLog& log) {
+    std::vector<uint64_t> hashes;
+    for (const ReplayLog::State& state : log.states) hashes.push_back(state.hash);
+    return hashes;
+}
+
+} // namespace
+
+TEST_CASE("replay: where someone looks while debris is in excess is part of the run") {
+    const ReplayLog front = recorded_view({{0, from_the_front()}}), away = recorded_view({{0, turned_away()}});
+    const ReplayLog moved = recorded_view({{0, turned_away()}, {20, from_the_front()}, {34, turned_away()}});
+    for (const ReplayLog* log : {&front, &away, &moved}) CHECK_FALSE(replayed(*log, started(log->recipe)));
+    CHECK(hashes(front) != hashes(away)); // what is seen fades, and is there a while longer
+    CHECK(hashes(moved) != hashes(away));
+    CHECK(hashes(moved) != hashes(front));
+    // Without the line that says where, it is another run.
+    ReplayLog cut = moved;
+    std::erase_if(cut.actions, [](const auto& entry) { return std::holds_alternative<Watch>(entry.second); });
+    CHECK(replayed(cut, started(cut.recipe)));
+    // What is seen all the time is as if no one had said.
+    CHECK(hashes(front) == hashes(recorded_view({})));
+}
+
+TEST_CASE("replay: a view is nothing where debris is not in excess, and where nothing breaks") {
+    const Folder folder;
+    const FractureOptions options = breakable_options(false), wall = wall_options();
+    const auto states_of = [&](const FractureOptions& of, std::vector<std::pair<uint64_t, Action>> actions) {
+        return hashes(recorded(of, started(of), 60, actions, folder.path / "run.log"));
+    };
+    std::vector<std::pair<uint64_t, Action>> watched = blows();
+    watched.insert(watched.begin(), {0, turned_away()});
+    CHECK(states_of(options, blows()) == states_of(options, watched));
+    CHECK(states_of(wall, {}) == states_of(wall, {{0, turned_away()}}));
+}
+
+TEST_CASE("simulation: debris that is seen fades, and so does what throws a shadow that is seen") {
+    FractureOptions options;
+    options.mesh = "shape:cube";
+    use_material("concrete", options);
+    options.world = {.height = 3.0, .breakable = true, .piece_limit = 4};
+    const fracture::Fragments whole = started(options);
+    // Straight down at places of the ground. The sun throws the shadow of a cube of 2 m at this height there; nothing is there.
+    const glm::dvec3 shadow(2.4, 0.0, -2.4), nothing(-2.4, 0.0, 2.4);
+    const auto down_at = [](const glm::dvec3& place) { return Watch{place + glm::dvec3(0.0, 1.0, 0.0), place, 0.6, 1.0}; };
+    struct Case {
+        Watch watch;
+        bool fades;
+    };
+    for (const Case& c : {Case{{{0.0, 4.0, 9.0}, {0.0, 4.0, 0.0}, 0.6, 1.0}, true}, Case{down_at(shadow), true},
+                          Case{down_at(nothing), false}, Case{{{0.0, 4.0, 9.0}, {0.0, 4.0, 18.0}, 0.6, 1.0}, false}}) {
+        CAPTURE(c.watch.target.x);
+        CAPTURE(c.watch.target.z);
+        Simulation simulation(options.material);
+        simulation.start(whole, options.world);
+        simulation.apply(c.watch);
+        simulation.apply(Hammer{0, {0.0, 4.0, 1.0}, {0.0, 0.0, -500.0}});
+        for (int k = 0; k < 6; ++k) simulation.step();
+        CHECK(simulation.number_count() > 8);
+        CHECK(simulation.take_events().fading.empty() != c.fades);
+        CHECK((simulation.destruction()->pieces().size() == 4) != c.fades);
+    }
+}
+
+TEST_CASE("replay: damaged lines of views are refused") {
+    const Folder folder;
+    const FractureOptions options = breakable_options(false);
+    recorded(options, started(options), 2, {{1, from_the_front()}}, folder.path / "good.log");
+    const std::string good = read_text(folder.path / "good.log");
+    const auto with = [&](const std::string& from, const std::string& to) {
+        std::string text = good;
+        const size_t at = text.find(from, text.find(R"("watch")"));
+        REQUIRE(at != std::string::npos);
+        text.replace(at, from.size(), to);
+        return message_of(folder.write("run.log", text));
+    };
+    CHECK(with(R"("fov":0.8)", R"("fov":0.7)").empty());
+    CHECK(with(R"("fov":0.8)", R"("fov":4)").find("/watch: fov is 4") != std::string::npos);
+    CHECK(with(R"("fov":0.8)", R"("fog":0.8)").find("/watch/fov: is missing") != std::string::npos);
+    CHECK(with(R"("aspect":1.5)", R"("aspect":0)").find("/watch: aspect is 0") != std::string::npos);
+    CHECK(with(R"("eye":[)", R"("eye":[1,)").find("/watch/eye: expected three numbers") != std::string::npos);
+}
+
 TEST_CASE("replay: damaged lines of cuts are refused") {
     const Folder folder;
     FractureOptions options = breakable_options(false);

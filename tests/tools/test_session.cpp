@@ -284,6 +284,58 @@ TEST_CASE("session: a replay log is there once something broke, and not before")
     CHECK(session.message().fault);
 }
 
+TEST_CASE("session: the log says where someone looks at what is breakable, again when that changes, and replays") {
+    const Folder folder;
+    Room room("shape:icosphere");
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.edit(SetMaterial{"stone"});
+    WorldOptions world;
+    world.breakable = true;
+    world.piece_limit = 5;
+    session.edit(SetWorld{world});
+    const engine::Bounds home = session.stage().home_bounds();
+    const glm::vec3 middle = home.centre();
+    engine::Camera camera = engine::look_at_bounds(home, 0.5f, 0.3f, 1.5f);
+    const auto frames = [&](int count) {
+        for (int k = 0; k < count; ++k) {
+            session.watch(camera, 1.5f);
+            session.update(frame);
+            (void)session.scene(camera);
+        }
+    };
+    session.watch(camera, 1.5f);
+    session.strike(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 1.0), {0.0, 0.0, -1.0});
+    REQUIRE(room.soon([&] { return session.counts() && session.counts()->pieces > 5; }));
+    frames(10);
+    std::swap(camera.eye, camera.target);
+    frames(10);
+    session.picture().explode = 1.0f;
+    frames(10);
+    session.save_replay(folder.path / "run.log");
+    const ReplayLog log = read_replay_log(folder.path / "run.log");
+    std::vector<Watch> told;
+    for (const auto& [step, action] : log.actions)
+        if (const Watch* watch = std::get_if<Watch>(&action)) told.push_back(*watch);
+    REQUIRE(told.size() == 3);
+    CHECK(told[0].eye == glm::dvec3(camera.target));
+    CHECK(told[1].eye == glm::dvec3(camera.eye));
+    CHECK(told[1].aspect == 1.5);
+    // Twice as far from the middle, a piece is drawn where one sees it from half as far.
+    CHECK(glm::distance(told[2].eye, 0.5 * (glm::dvec3(camera.eye) + glm::dvec3(middle))) < 1e-6);
+
+    FractureOptions recipe = log.recipe;
+    Simulation again(recipe.material);
+    Player player(log);
+    again.observe(&player);
+    follow(log, again);
+    const Broken broken = break_input(Object::load(recipe)->with_sites(recipe), recipe);
+    again.start(broken.fragments, world_of(recipe));
+    schedule(log, again);
+    while (!player.done() && !player.difference()) again.step();
+    CHECK_FALSE(player.difference());
+}
+
 TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost showed, and undo and reset mend it") {
     Room room("shape:animal");
     if (!room.device) return;

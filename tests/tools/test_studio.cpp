@@ -11,6 +11,7 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "engine/render/view_volume.h"
 #include "fracture/certificate.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/failure.h"
@@ -89,6 +90,24 @@ TEST_CASE("studio: the target is in the middle of what panels leave free") {
     CHECK(view.is_free(*pixel));
     CHECK_FALSE(view.is_free({1101.0f, 300.0f}));
     CHECK_FALSE(view.is_free({300.0f, 41.0f}));
+}
+
+TEST_CASE("studio: the camera of the free part sees what it shows, and no more") {
+    const engine::Camera camera{{1.0f, 2.0f, 5.0f}, {0.2f, 0.1f, 0.0f}};
+    const glm::vec2 window(900.0f, 500.0f), low(200.0f, 30.0f), high(650.0f, 460.0f);
+    engine::Camera shifted = camera;
+    shifted.shift = Viewport::shift(window, low, high);
+    const Viewport view(shifted, window, low, high);
+    const engine::ViewVolume volume(view.free_camera(), view.free_aspect());
+    for (const float depth : {0.5f, 4.0f, 60.0f})
+        for (const float x : {-3.0f, 3.0f, 222.0f, 447.0f, 453.0f})
+            for (const float y : {-3.0f, 3.0f, 215.0f, 427.0f, 433.0f}) {
+                const glm::vec2 pixel = low + glm::vec2(x, y);
+                const Ray ray = view.ray(pixel);
+                CAPTURE(x);
+                CAPTURE(y);
+                CHECK(volume.sees(glm::vec3(ray.from) + depth * glm::vec3(ray.direction), 0.0f) == view.is_free(pixel));
+            }
 }
 
 TEST_CASE("studio: a window without size gives rays all the same") {

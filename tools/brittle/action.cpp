@@ -66,6 +66,12 @@ struct Check {
     }
     void operator()(const Drag& a) { vector("to", a.to); }
     void operator()(const LetGo&) {}
+    void operator()(const Watch& a) {
+        vector("eye", a.eye);
+        vector("target", a.target);
+        number("fov", a.fov, 1e-3, 3.0);
+        number("aspect", a.aspect, 1e-3, 1e3);
+    }
 };
 
 } // namespace

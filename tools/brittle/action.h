@@ -75,7 +75,18 @@ struct Drag {
 
 struct LetGo {};
 
-using Action = std::variant<Shoot, Damage, Saw, Hammer, Release, Push, Grab, Drag, LetGo>;
+// What someone sees of the world from now on: of debris in excess, what no one sees goes first and at once
+// (Destruction::set_view()). Until the first, all is seen. Nothing where nothing is breakable.
+struct Watch {
+    glm::dvec3 eye{0.0, 1.0, 4.0};
+    glm::dvec3 target{0.0}; // in the middle of the picture
+    double fov = 0.6;       // radians, from its lower edge to its upper one
+    double aspect = 1.5;    // its width by its height
+
+    friend bool operator==(const Watch&, const Watch&) = default;
+};
+
+using Action = std::variant<Shoot, Damage, Saw, Hammer, Release, Push, Grab, Drag, LetGo, Watch>;
 
 // The first thing about an action that makes no sense, for people, with the name of the field; or nothing.
 [[nodiscard]] std::string fault_of(const Action& action, size_t piece_count);

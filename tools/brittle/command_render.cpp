@@ -86,6 +86,7 @@ int run_render(const RenderCommand& command) {
     stage.explode(picture.explode);
 
     Film film(*renderer, film_options, picture, command.view, stage.home_bounds());
+    film.watch(stage);
     const uint32_t frames = picture.whole ? 0 : picture.frames;
     Progress progress("rendering");
     for (uint32_t frame = 0; frame <= frames; ++frame) {

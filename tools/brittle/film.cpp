@@ -22,6 +22,10 @@ Film::Film(engine::Renderer& renderer, const FilmOptions& options, const Picture
     if (!options_.video.empty()) video_ = std::make_unique<Video>(options_.video, 1.0 / film_frame_seconds);
 }
 
+void Film::watch(Stage& stage) const {
+    stage.watch(camera_, static_cast<float>(view_.width) / static_cast<float>(view_.height));
+}
+
 void Film::frame(Stage& stage, uint32_t number, bool last) {
     const bool wanted =
         !options_.output.empty() && (is_numbered(options_.output) ? number % options_.every == 0 : last);

@@ -32,6 +32,8 @@ class Film {
     Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture,
          const ViewOptions& view, const engine::Bounds& mesh);
 
+    // Tells the stage what its pictures show, before it advances.
+    void watch(Stage& stage) const;
     // Draws what is wanted of this frame. Throws a Failure.
     void frame(Stage& stage, uint32_t number, bool last);
     // Ends the video.

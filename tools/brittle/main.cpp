@@ -261,7 +261,7 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
         ->check(CLI::Range(2u, 1000u))
         ->capture_default_str();
     command.add_option("--piece-limit", world.piece_limit,
-                       "Pieces of breakable things in the world; beyond it debris fades, what is small and old first")
+                       "Pieces of breakable things in the world; beyond it debris goes: first what is not in the picture, then what is small and old")
         ->check(CLI::Range(1u, 1'000'000u))
         ->capture_default_str();
     command.add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")

@@ -9,6 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "engine/render/scene.h"
+#include "engine/render/view_volume.h"
 #include "fracture/mass_properties.h"
 #include "fracture/shapes.h"
 #include "physics/anchor.h"
@@ -350,6 +352,20 @@ void Simulation::act(const Drag& drag) {
 
 void Simulation::act(const LetGo&) {
     held_.reset();
+}
+
+// A piece is seen where its shadow is, too: on its way to the ground.
+void Simulation::act(const Watch& watch) {
+    if (!destruction_) return;
+    const engine::ViewVolume view({.eye = glm::vec3(watch.eye),
+                                   .target = glm::vec3(watch.target),
+                                   .vertical_fov = static_cast<float>(watch.fov)},
+                                  static_cast<float>(watch.aspect));
+    const glm::vec3 to_light = engine::Look{}.to_light;
+    destruction_->set_view([view, to_light](const glm::vec3& centre, float radius) {
+        const glm::vec3 shadow = centre - std::max(centre.y, 0.0f) / to_light.y * to_light;
+        return view.sees(centre, shadow, radius);
+    });
 }
 
 // An impulse that gives the point that is held the speed at which it should come, by the mass that is felt

@@ -160,6 +160,7 @@ class Simulation {
     void act(const Grab& action);
     void act(const Drag& action);
     void act(const LetGo& action);
+    void act(const Watch& action);
 
     physics::World world_;
     const physics::MaterialPreset* material_ = nullptr;

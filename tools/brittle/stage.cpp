@@ -107,6 +107,7 @@ void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& worl
     radii_ = std::move(ahead.radii);
     untinted_ = starts_whole(world);
     most_pieces_ = world.piece_limit;
+    told_.reset();
     take_events();
 }
 
@@ -164,8 +165,25 @@ void Stage::take_events() {
         must(renderer_.fade_pieces({&drawn_.at(fading.id).handle, 1}, 1.0f - fading.share));
 }
 
+void Stage::watch(const engine::Camera& camera, float aspect) {
+    watch_ = {.eye = camera.eye, .target = camera.target, .fov = double{camera.vertical_fov}, .aspect = double{aspect}};
+}
+
+// Only what is breakable leaves debris. What is drawn moved apart looks as from nearer the middle at what is not.
+void Stage::tell_watch() {
+    if (!watch_ || !simulation_.destruction()) return;
+    const glm::dvec3 centre(home_.centre());
+    const double apart = 1.0 + double{explode_};
+    Watch now = *watch_;
+    for (glm::dvec3* at : {&now.eye, &now.target}) *at = centre + (*at - centre) / apart;
+    if (now == told_ || !fault_of(now, 0).empty()) return;
+    simulation_.apply(now);
+    told_ = now;
+}
+
 void Stage::advance(double seconds) {
     if (!broken()) return;
+    tell_watch();
     alpha_ = simulation_.advance(seconds);
     take_events();
     // What falls asleep reaches its last pose in the step after.

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,9 @@ class Stage {
     // The unbroken mesh again.
     void reset(const fracture::TriangleMesh& mesh);
 
+    // Who looks at what is drawn from now on, without a shift: debris that no one sees goes first (Watch in action.h). Told to the
+    // simulation by the next advance().
+    void watch(const engine::Camera& camera, float aspect);
     // Advances physics by a frame's time; nothing while the mesh is whole.
     void advance(double seconds);
 
@@ -81,6 +85,7 @@ class Stage {
   private:
     void draw_anew(engine::PieceBatch batch);
     void take_events();
+    void tell_watch();
     [[nodiscard]] glm::vec3 tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                                     const std::map<physics::PieceId, glm::vec3>& before) const;
     void place(engine::Scene& scene);
@@ -102,6 +107,7 @@ class Stage {
     std::vector<physics::DebugLine> debug_lines_;
     std::vector<engine::LineVertex> own_lines_, lines_;
     std::vector<engine::Sphere> spheres_, shown_spheres_; // sites; with balls
+    std::optional<Watch> watch_, told_; // of this run
     float alpha_ = 1.0f;
     float explode_ = 0.0f;
     bool hulls_ = false;

@@ -48,7 +48,7 @@ struct WorldOptions {
     bool breakable = false;
     double min_size = 0.05;        // m, cube root of volume; no smaller piece is made
     uint32_t blow_pieces = 48;     // at most, of one blow
-    uint32_t piece_limit = 2000;   // in the world; beyond it debris fades, what is small and old first
+    uint32_t piece_limit = 2000;   // in the world; beyond it debris goes, what is unseen, then what is small and old first
     std::vector<Anchor> anchors{}; // bonded unless it is breakable, and held there
     uint64_t seed = 1;             // of where blows cut: see world_of()
     std::optional<BlowPattern> blows{}; // see world_of(); unset: as the material breaks

@@ -46,10 +46,14 @@ void fields(Codec& codec, Drag& a) {
 }
 template<class Codec>
 void fields(Codec&, LetGo&) {}
+template<class Codec>
+void fields(Codec& codec, Watch& a) {
+    codec("eye", a.eye), codec("target", a.target), codec("fov", a.fov), codec("aspect", a.aspect);
+}
 
 // By index into Action.
 constexpr const char* names[] = {"shoot", "damage", "saw",  "hammer", "release",
-                                 "push",  "grab",   "drag", "let_go"};
+                                 "push",  "grab",   "drag", "let_go", "watch"};
 static_assert(std::size(names) == std::variant_size_v<Action>);
 
 struct Writer {

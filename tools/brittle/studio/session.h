@@ -141,6 +141,7 @@ class Session {
     void finish_recording();                        // writes it; nothing where record() was not called
 
     // --- each frame ---
+    void watch(const engine::Camera& camera, float aspect) { stage_->watch(camera, aspect); } // before update()
     void update(double seconds);
     [[nodiscard]] engine::Scene scene(const engine::Camera& camera);
 

@@ -58,9 +58,7 @@ glm::vec2 Studio::window_size() const {
 }
 
 float Studio::aspect() const {
-    const Layout layout = layout_of(window_size(), scale_, panels_.shown);
-    const glm::vec2 free = glm::max(layout.free_max - layout.free_min, glm::vec2(1.0f));
-    return free.x / free.y;
+    return viewport().free_aspect();
 }
 
 Viewport Studio::viewport() const {
@@ -90,6 +88,7 @@ void Studio::run() {
             if (first) navigation_.look_as(session_.recipe().picture, session_.stage().home_bounds(), aspect());
         }
         handle(input, seconds);
+        watch();
         session_.update(panels_.recording ? recorded_frame : seconds);
         if (session_.take_fracture_mark()) {
             times_.mark();
@@ -138,6 +137,13 @@ void Studio::fly(double seconds) {
     const auto held = [this](char key) { return window_.is_down(static_cast<engine::Key>(key)) ? 1.0f : 0.0f; };
     const glm::vec3 way(held('W') - held('S'), held('D') - held('A'), held('E') - held('Q'));
     if (way != glm::vec3(0.0f)) navigation_.fly(way, std::min(seconds, 0.1));
+}
+
+// What is about to be shown: beside the panels, or in a recorded picture, which has none.
+void Studio::watch() {
+    const Viewport view = viewport();
+    if (panels_.recording) session_.watch(view.camera(), view.window().x / view.window().y);
+    else session_.watch(view.free_camera(), view.free_aspect());
 }
 
 bool Studio::perform_view(Command action) {

@@ -39,6 +39,7 @@ class Studio {
     bool perform_view(Command action); // whether it was one of those
     void quit_or_close();
     void fly(double seconds);
+    void watch();
     void draw(const Viewport& view);
     void take_panels();
     void ask(Asked what);

@@ -38,6 +38,19 @@ bool Viewport::is_free(glm::vec2 pixel) const {
     return pixel.x >= free_min_.x && pixel.y >= free_min_.y && pixel.x < free_max_.x && pixel.y < free_max_.y;
 }
 
+engine::Camera Viewport::free_camera() const {
+    engine::Camera camera = camera_;
+    const float share = std::max(free_max_.y - free_min_.y, 1.0f) / window_.y;
+    camera.vertical_fov = 2.0f * std::atan(share * std::tan(0.5f * camera.vertical_fov));
+    camera.shift = glm::vec2(0.0f);
+    return camera;
+}
+
+float Viewport::free_aspect() const {
+    const glm::vec2 free = glm::max(free_max_ - free_min_, glm::vec2(1.0f));
+    return free.x / free.y;
+}
+
 glm::vec3 Viewport::forward() const {
     const glm::vec3 way = camera_.target - camera_.eye;
     const float length = glm::length(way);

@@ -25,6 +25,9 @@ class Viewport {
     [[nodiscard]] float pixels_a_metre(const glm::vec3& at) const;
     [[nodiscard]] bool is_free(glm::vec2 pixel) const;
     [[nodiscard]] const engine::Camera& camera() const { return camera_; }
+    // The camera of a picture that shows the free part and no more, where shift() puts its middle.
+    [[nodiscard]] engine::Camera free_camera() const;
+    [[nodiscard]] float free_aspect() const;
     [[nodiscard]] glm::vec2 window() const { return window_; }
     [[nodiscard]] glm::vec2 free_min() const { return free_min_; }
     [[nodiscard]] glm::vec2 free_max() const { return free_max_; }

@@ -1,0 +1,18 @@
+#include "engine/render/view_volume.h"
+
+#include "shaders/frustum.h"
+
+namespace brittle::engine {
+
+ViewVolume::ViewVolume(const Camera& camera, float aspect) {
+    const CameraMatrices m = matrices(camera, aspect, {});
+    clip_from_world_ = m.projection * m.view;
+    // All in front of the eye is at half depth.
+    for (int column = 0; column < 4; ++column) clip_from_world_[column][2] = 0.5f * clip_from_world_[column][3];
+}
+
+bool ViewVolume::sees(const glm::vec3& from, const glm::vec3& to, float radius) const {
+    return shared::seen(clip_from_world_, from, to, radius);
+}
+
+} // namespace brittle::engine
