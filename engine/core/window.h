@@ -37,6 +37,8 @@ enum class Key : int {
     left = 263,
     down = 264,
     up = 265,
+    page_up = 266,
+    page_down = 267,
     f1 = 290,
     f2 = 291,
     f3 = 292,

@@ -4,7 +4,7 @@
 
 # start OPTION...
 start() {
-    launch "$@" --size 960x600 --ui-scale "${scale:-1}" --classify cpu --validation --save-recipe "$work/recipe.json"
+    launch "$@" --size "${size:-960x600}" --ui-scale "${scale:-1}" --classify cpu --validation --save-recipe "$work/recipe.json"
     opened
     settled 4
 }

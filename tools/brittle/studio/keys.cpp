@@ -48,6 +48,8 @@ constexpr std::array bindings{
     KeyBinding{key('E'), control, Command::export_dialog, "Ctrl+E", "export"},
     KeyBinding{Key::f12, none, Command::screenshot, "F12", "screenshot"},
     KeyBinding{Key::tab, none, Command::panels, "Tab", "hide or show the panels"},
+    KeyBinding{Key::page_down, none, Command::page_down, "Page up, down", "roll the panels, or this help"},
+    KeyBinding{Key::page_up, none, Command::page_up, "", ""},
     KeyBinding{key('H'), none, Command::help, "H", "this help"},
     KeyBinding{Key::escape, none, Command::quit, "Esc", "close what is open, or quit"},
 };

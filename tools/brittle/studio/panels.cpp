@@ -13,10 +13,11 @@ namespace brittle::tools {
 namespace {
 
 constexpr float column = 276.0f; // widths and heights in pixels at scale 1
-constexpr float least_column = 232.0f;
+constexpr float least_column = 220.0f;
 constexpr float bar_height = 42.0f;
 constexpr float line_height = 26.0f;
 constexpr float least_scene = 400.0f; // the width that columns leave, and that the tools need
+constexpr float two_help_columns = 760.0f; // the width that the help sheet needs for them
 
 constexpr double message_seconds = 5.0; // good news go by themselves
 
@@ -67,6 +68,15 @@ struct BarPlan {
     float padding = 0.0f;
     bool with_keys = false;
 };
+
+// What the tool does, with as much of the details as there is room for: the button's tooltip has all.
+std::string fitting_hint(const ToolInfo& info) {
+    const std::string hint = info.hint, brief = hint.substr(0, hint.find(" ("));
+    const float room = ImGui::GetContentRegionAvail().x;
+    for (const std::string& text : {std::string(info.name) + ": " + hint, std::string(info.name) + ": " + brief})
+        if (ImGui::CalcTextSize(text.c_str()).x <= room) return text;
+    return brief;
+}
 
 void draw_overlay(const Overlay& overlay, float scale) {
     const StudioColours colours;
@@ -138,15 +148,31 @@ void Panels::draw(const PanelState& state, const Overlay& overlay) {
     progress(state, layout);
     if (help) help_sheet(state);
     if (export_open) export_window(state);
+    pages_ = 0;
+}
+
+void Panels::roll_window() const {
+    constexpr float page = 0.8f; // of the window: some lines stay
+    if (pages_ == 0) return;
+    const float to = ImGui::GetScrollY() + page * static_cast<float>(pages_) * ImGui::GetWindowHeight();
+    ImGui::SetScrollY(std::clamp(to, 0.0f, ImGui::GetScrollMaxY()));
 }
 
 void Panels::left_column(const PanelState& state, const Layout& layout) {
     ImGui::SetNextWindowPos({0.0f, 0.0f});
     ImGui::SetNextWindowSize({layout.left, state.window.y});
     ImGui::Begin("left", nullptr, docked & ~ImGuiWindowFlags_NoScrollbar);
+    const bool alone = layout.right == 0.0f;
     object_panel(state);
+    if (alone) tool_panel(state);
     pattern_panel(state);
     material_panel(state);
+    if (alone) {
+        simulation_panel(state);
+        view_panel(state);
+        statistics_panel(state);
+    }
+    if (!help) roll_window();
     ImGui::End();
 }
 
@@ -158,6 +184,7 @@ void Panels::right_column(const PanelState& state, const Layout& layout) {
     simulation_panel(state);
     view_panel(state);
     statistics_panel(state);
+    if (!help) roll_window();
     ImGui::End();
 }
 
@@ -194,7 +221,7 @@ void Panels::state_line(const PanelState& state, const Layout& layout) {
     ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1.0f, 1.0f});
     ImGui::Begin("state", nullptr, docked | ImGuiWindowFlags_NoScrollWithMouse);
     const ToolInfo& info = info_of(state.tools.tool());
-    ImGui::TextDisabled("%s: %s", std::string(info.name).c_str(), info.hint);
+    ImGui::TextDisabled("%s", fitting_hint(info).c_str());
     const char* keys = state.session.playback.paused ? "paused (P)" : "H: keys";
     const float width = ImGui::CalcTextSize(keys).x;
     const float at_x = ImGui::GetWindowWidth() - width - 8.0f * state.scale;
@@ -268,16 +295,18 @@ void Panels::help_sheet(const PanelState& state) {
     ImGui::SetNextWindowBgAlpha(0.97f);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
-    ImGui::Begin("help", nullptr, sheet);
+    ImGui::SetNextWindowSizeConstraints({0.0f, 0.0f}, at(state.window));
+    ImGui::Begin("help", nullptr, sheet & ~ImGuiWindowFlags_NoScrollbar);
     std::vector<std::pair<const char*, const char*>> lines;
     for (const MouseHelp& line : mouse_help()) lines.emplace_back(line.shown, line.what);
     for (const KeyBinding& binding : key_bindings())
         if (*binding.shown) lines.emplace_back(binding.shown, binding.what);
-    // Two columns of lines, to be read downwards.
-    const size_t half = (lines.size() + 1) / 2;
-    if (ImGui::BeginTable("keys", 4, ImGuiTableFlags_PadOuterX)) {
-        for (size_t k = 0; k < 2 * half; ++k) {
-            const size_t at = k / 2 + (k % 2) * half;
+    // Two columns of lines, to be read downwards, or one where the window is narrow.
+    const size_t columns = state.window.x >= two_help_columns * state.scale ? 2 : 1;
+    const size_t half = (lines.size() + columns - 1) / columns;
+    if (ImGui::BeginTable(columns == 2 ? "keys" : "keys below each other", static_cast<int>(2 * columns), ImGuiTableFlags_PadOuterX)) {
+        for (size_t k = 0; k < columns * half; ++k) {
+            const size_t at = k / columns + (k % columns) * half;
             ImGui::TableNextColumn();
             if (at < lines.size()) ImGui::TextColored({0.93f, 0.62f, 0.36f, 1.0f}, "%s", lines[at].first);
             ImGui::TableNextColumn();
@@ -285,6 +314,7 @@ void Panels::help_sheet(const PanelState& state) {
         }
         ImGui::EndTable();
     }
+    roll_window();
     ImGui::End();
     ImGui::PopStyleVar(2);
 }

@@ -1,8 +1,9 @@
 // What the studio shows around its scene: columns with panels left and right, a bar of tools, a line of state, the help
 // sheet. Dear ImGui and nothing else: panels read the session and answer with edits of its recipe and with actions.
 //
-// Nothing covers the scene: it is drawn into the middle of what is left free. Where the window is too small for both
-// columns, the right one goes first, then the left one, then the bar.
+// Nothing covers the scene: it is drawn into the middle of what is left free. Where the window is too narrow for both
+// columns, the left one holds the panels of both; where it is too small for that, it goes, then the bar. What is higher than
+// the window has a scroll bar.
 #pragma once
 
 #include <functional>
@@ -48,6 +49,9 @@ class Panels {
     // What was clicked since the last call.
     [[nodiscard]] std::vector<Command> take_actions() { return std::exchange(actions_, {}); }
 
+    // Columns, or the help sheet while it is open, by nearly a page: 1 down, -1 up.
+    void roll(int pages) { pages_ += pages; }
+
     bool shown = true;
     bool help = false;
     bool hint = true; // how to break something; until the first break
@@ -84,9 +88,12 @@ class Panels {
     // The edit of a control that is dragged is one step of the history.
     void edit(Session& session, const Edit& edit);
 
+    void roll_window() const; // the one that is being drawn
+
     std::vector<Command> actions_;
     ExportKind export_ = ExportKind::none;
     uint64_t gesture_ = 0;
+    int pages_ = 0; // to be rolled in this frame
     std::string told_; // the message that is shown, since when
     double told_at_ = 0.0;
 };

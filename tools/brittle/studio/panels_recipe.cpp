@@ -1,6 +1,7 @@
 // The left column: what is broken, and how.
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 
@@ -110,7 +111,7 @@ void Panels::object_panel(const PanelState& state) {
     ImGui::TextUnformatted("Brittle");
     ImGui::PopStyleColor();
     ImGui::SameLine();
-    ImGui::TextDisabled("%s%s", object.name().c_str(), session.document().saved() ? "" : " (changed)");
+    explain((object.name() + (session.document().saved() ? "" : " (changed)")).c_str());
     if (!begin_panel("Object")) return;
     control("Mesh", "What to break; drop a file on the window, or open one");
     if (ImGui::BeginCombo("##Mesh", object.name().c_str())) {
@@ -126,7 +127,9 @@ void Panels::object_panel(const PanelState& state) {
         ImGui::EndCombo();
     }
     const glm::dvec3 size = fracture::bounds(object.file().model.mesh).size();
-    ImGui::TextDisabled("%s triangles, %.3g x %.3g x %.3g m", grouped(object.mesh().triangles.size()).c_str(), size.x, size.y, size.z);
+    char metres[64];
+    std::snprintf(metres, sizeof metres, "%.3g x %.3g x %.3g m", size.x, size.y, size.z);
+    explain((grouped(object.mesh().triangles.size()) + " triangles, " + metres).c_str());
     if (wide_button("Open", "A mesh or a recipe (Ctrl+O)", 1.0f / 3.0f)) actions_.push_back(Command::open);
     ImGui::SameLine();
     if (wide_button("Save", "The recipe (Ctrl+S)", 0.5f)) actions_.push_back(Command::save);
@@ -189,7 +192,9 @@ void Panels::material_panel(const PanelState& state) {
     }
     const physics::MaterialPreset* preset = physics::material_preset(session.recipe().material);
     const physics::Material material = preset ? preset->material : physics::Material{};
-    ImGui::TextDisabled("%.0f kg/m\xc2\xb3, tensile %.0f MPa", static_cast<double>(material.density), static_cast<double>(material.tensile) * 1e-6);
+    char text[64];
+    std::snprintf(text, sizeof text, "%.0f kg/m\xc2\xb3, tensile %.0f MPa", static_cast<double>(material.density), static_cast<double>(material.tensile) * 1e-6);
+    explain(text);
 }
 
 } // namespace brittle::tools

@@ -19,12 +19,6 @@ namespace {
 
 constexpr float rows = 4.0f; // of the tool that has most
 
-void explain(const char* text) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    ImGui::TextWrapped("%s", text);
-    ImGui::PopStyleColor();
-}
-
 void selected_piece(const Session& session) {
     if (!session.piece || !session.contains(*session.piece) || !session.counts()) {
         explain(session.broken() ? "Click a piece to see its volume." : "Drag turns the view. Once it is broken, click a piece to see its volume.");

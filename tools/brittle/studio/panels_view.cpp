@@ -67,7 +67,7 @@ void Panels::simulation_panel(const PanelState& state) {
     if (world.breakable) {
         control("Least piece", "Cube root of the volume of the smallest pieces, on the stage");
         auto least = static_cast<float>(world.min_size);
-        if (ImGui::SliderFloat("##Least piece", &least, 0.01f, 0.5f, "%.2f m", ImGuiSliderFlags_AlwaysClamp)) {
+        if (slider("##Least piece", least, 0.01f, 0.5f, "%.2f m")) {
             world.min_size = static_cast<double>(least);
             changed = true;
         }
@@ -148,7 +148,7 @@ void Panels::statistics_panel(const PanelState& state) {
         for (const engine::PassTime& pass : state.renderer.timings()) value(pass.name.c_str(), "%.2f ms", pass.milliseconds);
         ImGui::TreePop();
     }
-    ImGui::TextDisabled("%s", state.device.c_str());
+    explain(state.device.c_str());
 }
 
 } // namespace brittle::tools

@@ -158,6 +158,8 @@ bool Studio::perform_view(Command action) {
     case Command::bonds: return toggle(session_.bonds);
     case Command::help: return toggle(panels_.help);
     case Command::panels: return toggle(panels_.shown);
+    case Command::page_up: panels_.roll(-1); return true;
+    case Command::page_down: panels_.roll(1); return true;
     case Command::screenshot: screenshot_due_ = true; return true;
     case Command::frame:
         navigation_.frame(session_.piece && session_.broken() ? session_.piece_bounds(*session_.piece) : session_.all_bounds(), aspect());

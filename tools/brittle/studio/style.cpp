@@ -41,7 +41,7 @@ void colour(ImGuiStyle& style) {
     c[ImGuiCol_FrameBgActive] = rgb(66, 68, 76);
     c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = rgb(38, 39, 43);
     c[ImGuiCol_ScrollbarBg] = rgb(29, 30, 33);
-    c[ImGuiCol_ScrollbarGrab] = rgb(66, 68, 74);
+    c[ImGuiCol_ScrollbarGrab] = rgb(104, 106, 114);
     c[ImGuiCol_CheckMark] = rgb(236, 142, 66);
     c[ImGuiCol_SliderGrab] = rgb(198, 122, 62);
     c[ImGuiCol_SliderGrabActive] = rgb(236, 142, 66);

@@ -92,10 +92,16 @@ bool key_button(const std::string& name, const std::string& key, float width, Im
     return pressed;
 }
 
+void explain(const char* text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextWrapped("%s", text);
+    ImGui::PopStyleColor();
+}
+
 void value(const char* name, const char* text) {
     ImGui::TextDisabled("%s", name);
     to_control();
-    ImGui::TextUnformatted(text);
+    ImGui::TextWrapped("%s", text);
 }
 
 std::string grouped(uint64_t number) {

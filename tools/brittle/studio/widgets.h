@@ -30,6 +30,8 @@ void tip(const char* text); // of the item before
 [[nodiscard]] bool key_button(const std::string& name, const std::string& key, float width, ImU32 text_colour);
 [[nodiscard]] float key_button_width(const std::string& name, const std::string& key); // of what is written on it
 
+// Greyed, in as many lines as it takes.
+void explain(const char* text);
 // A line of a table: a name and what is so.
 void value(const char* name, const char* text);
 template<class... Values>
