@@ -39,7 +39,7 @@ TEST_CASE(
         options.pattern.kind = fracture::PatternKind::splinters;
         CHECK(world_of(options).blows->kind == fracture::PatternKind::splinters);
         FractureOptions placed = options, bonded = options;
-        placed.points = {{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}}; // recipes that hold sites hold no kind
+        placed.points = {{{0.0, 0.0, 0.0}}, {{0.1, 0.0, 0.0}}}; // recipes that hold sites hold no kind
         bonded.world.bonded = true;                         // the pattern has cut it beforehand
         CHECK_FALSE(world_of(placed).blows);
         CHECK_FALSE(world_of(bonded).blows);

@@ -1,5 +1,6 @@
 #include "tools/brittle/studio/document.h"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,15 +22,18 @@ FractureOptions plain() {
 }
 
 const std::vector<glm::dvec3> three{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 2.0, 0.0}};
+const std::vector<PlacedSite> placed_three = placed_sites({three, {}, {}});
 
 Document with_sites() {
     FractureOptions options = plain();
-    options.points = three;
+    options.points = placed_three;
     return Document(options);
 }
 
-const std::vector<glm::dvec3>& sites(const Document& document) {
-    return document.recipe().points;
+std::vector<glm::dvec3> sites(const Document& document) {
+    std::vector<glm::dvec3> sites;
+    for (const PlacedSite& site : document.recipe().points) sites.push_back(site.at);
+    return sites;
 }
 
 } // namespace
@@ -72,6 +76,45 @@ TEST_CASE("document: place, move, duplicate, mirror, delete") {
     CHECK(sites(document)[1] == three[2]);
 }
 
+TEST_CASE("document: sites are weighed and grouped, taken back by gestures, and copies keep what they are of") {
+    Document document = with_sites();
+    const auto points = [&] { return document.recipe().points; };
+    CHECK_FALSE(document.apply(SetSiteWeight{{}, 1.0}));
+    CHECK_FALSE(document.apply(SetSiteWeight{{0, 1, 2}, 0.0}));
+    CHECK_FALSE(document.apply(SetSiteGroup{{9}, 4}));
+    document.apply(AddStrike{});
+    const uint64_t drag = document.begin_gesture();
+    for (int k = 1; k <= 5; ++k) document.apply(SetSiteWeight{{1, 1, 7}, 0.1 * k}, drag);
+    CHECK(points()[1].weight == 0.5);
+    CHECK(points()[0].weight == 0.0);
+    CHECK(document.recipe().strikes.empty());
+    document.undo();
+    CHECK(points() == placed_three);
+    document.redo();
+    document.apply(SetSiteWeight{{2}, -1e99});
+    CHECK(points()[2].weight == -most_weight);
+    document.undo();
+    document.apply(SetSiteGroup{{0, 1}, 7});
+    CHECK(document.undo_name() == "group sites");
+    document.apply(SetSiteGroup{{2}, UINT32_MAX});
+    CHECK(points()[2].group == most_group);
+    document.undo();
+    // Copies are in one group of their own, as are images; those of a site by itself are by themselves.
+    document.apply(DuplicateSites{{0, 1, 2}, {0.0, 0.0, 1.0}});
+    REQUIRE(points().size() == 6);
+    CHECK(points()[4].weight == 0.5);
+    CHECK(points()[3].group == points()[4].group);
+    CHECK(points()[3].group != 0);
+    CHECK(points()[3].group != 7);
+    CHECK(points()[5].group == 0);
+    document.apply(MirrorSites{{1, 3}, 2, -3.0});
+    REQUIRE(points().size() == 8);
+    CHECK(points()[6].weight == 0.5);
+    CHECK(std::set<uint32_t>{7, points()[3].group, points()[6].group, points()[7].group, 0}.size() == 5);
+    document.apply(SetSiteGroup{{0, 1, 2, 3, 4, 5, 6, 7}, 0});
+    for (const PlacedSite& site : points()) CHECK(site.group == 0);
+}
+
 TEST_CASE("document: anchors are painted, rubbed out by number, undone by strokes, and go with the mesh") {
     Document document(plain());
     const uint64_t stroke = document.begin_gesture();
@@ -104,7 +147,7 @@ TEST_CASE("document: a pattern takes the place of sites, sites that of a pattern
     document.apply(SetPattern{{.count = 5}});
     CHECK(document.recipe().strikes.empty());
     CHECK(sites(document).empty());
-    document.apply(SetSites{three});
+    document.apply(SetSites{placed_three});
     CHECK(sites(document) == three);
     document.apply(SetMesh{"shape:torus", false});
     CHECK(sites(document).empty());
@@ -124,7 +167,7 @@ TEST_CASE("document: a material brings its way to break, one that does not exist
 
 TEST_CASE("document: more sites than a recipe holds are refused") {
     Document document(plain());
-    CHECK_THROWS_AS(document.apply(SetSites{std::vector<glm::dvec3>(most_points + 1)}), Failure);
+    CHECK_THROWS_AS(document.apply(SetSites{std::vector<PlacedSite>(most_points + 1)}), Failure);
     CHECK(sites(document).empty());
 }
 
@@ -198,6 +241,8 @@ TEST_CASE("document: after any edits, undo goes back through every state and red
                                           RemoveSites{some()},
                                           DuplicateSites{some(), point()},
                                           MirrorSites{some(), static_cast<int>(random.uniform() * 3.0), random.uniform()},
+                                          SetSiteWeight{some(), random.uniform()},
+                                          SetSiteGroup{some(), static_cast<uint32_t>(random.uniform() * 3.0)},
                                           AddStrike{{.at = point()}},
                                           SetPattern{{.count = static_cast<uint32_t>(1.0 + random.uniform() * 9.0)}},
                                           SetMaterial{random.uniform() < 0.5 ? "glass" : ""},

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -82,7 +83,18 @@ FractureOptions points() {
 FractureOptions listed() {
     FractureOptions options;
     options.mesh = "shape:cube";
-    options.points = {{0.1, -0.2, 1.0 / 3.0}, {1e-300, 5e-324, -0.0}, {0.5, 0.5, 0.5}};
+    options.points = {{{0.1, -0.2, 1.0 / 3.0}}, {{1e-300, 5e-324, -0.0}}, {{0.5, 0.5, 0.5}}};
+    return options;
+}
+FractureOptions weighted() {
+    FractureOptions options = listed();
+    options.points[0].weight = 1.0 / 3.0;
+    options.points[2].weight = -0.25;
+    return options;
+}
+FractureOptions grouped() {
+    FractureOptions options = weighted();
+    options.points[0].group = options.points[2].group = 1'000'000;
     return options;
 }
 
@@ -90,9 +102,10 @@ FractureOptions listed() {
 
 TEST_CASE("recipe: what is written is read again, to the bit") {
     const Folder folder;
-    for (const FractureOptions& options : {FractureOptions{}, everything(), points(), listed()}) {
+    for (const FractureOptions& options : {FractureOptions{}, everything(), points(), listed(), weighted(), grouped()}) {
         FractureOptions again;
         read_recipe(folder.write("recipe.json", recipe_json(options)), again);
+        CHECK((again.points == options.points || !options.strikes.empty()));
         CHECK(recipe_json(again) == recipe_json(options));
         write_recipe(folder.path / "saved.json", options);
         FractureOptions saved;
@@ -142,10 +155,78 @@ TEST_CASE("recipe: listed sites are the sites, and another pattern forgets them"
     FractureOptions options = points();
     read_recipe(folder.write("recipe.json", recipe_json(listed())), options);
     CHECK(options.sites_file.empty());
-    CHECK(sites_for(options, fracture::cube()).sites == listed().points);
+    const SiteSet set = sites_for(options, fracture::cube());
+    REQUIRE(set.sites.size() == 3);
+    for (size_t s = 0; s < 3; ++s) CHECK(set.sites[s] == listed().points[s].at);
+    CHECK(set.weights.empty());
+    CHECK(set.groups.empty());
     read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "uniform", "count": 7}})"), options);
     CHECK(options.points.empty());
     CHECK(sites_for(options, fracture::cube()).sites.size() == 7);
+}
+
+TEST_CASE("recipe: listed sites have weights and groups, those alone in a group none") {
+    CHECK(sites_for(weighted(), fracture::cube()).weights == std::vector{1.0 / 3.0, 0.0, -0.25});
+    CHECK(sites_for(weighted(), fracture::cube()).groups.empty());
+    const std::vector<uint32_t> groups = sites_for(grouped(), fracture::cube()).groups;
+    REQUIRE(groups.size() == 3);
+    CHECK(groups[0] == groups[2]);
+    CHECK(groups[0] != groups[1]);
+    FractureOptions alone = listed();
+    alone.points[1].group = 5;
+    CHECK(sites_for(alone, fracture::cube()).groups.empty());
+    // There and back.
+    const SiteSet set{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {9, 4, 9, 7}, {0.0, 1.0, 0.0, 2.0}};
+    const std::vector<PlacedSite> placed = placed_sites(set);
+    REQUIRE(placed.size() == 4);
+    CHECK(placed[0].group == placed[2].group);
+    CHECK(placed[0].group > 0);
+    CHECK(placed[1].group == 0);
+    CHECK(placed[3].group == 0);
+    FractureOptions again = listed();
+    again.points = placed;
+    CHECK(sites_for(again, fracture::cube()).sites == set.sites);
+    CHECK(sites_for(again, fracture::cube()).weights == set.weights);
+    CHECK(placed_sites({}).empty());
+}
+
+TEST_CASE("recipe: cells of one group are one piece, and a heavy site has more than a light one") {
+    FractureOptions options;
+    options.mesh = "shape:cube";
+    options.points = {{{-0.5, 0.0, 0.0}}, {{0.0, 0.0, 0.0}}, {{0.5, 0.0, 0.0}}};
+    const auto volumes = [&] { // by their place along x
+        std::map<double, double> at;
+        const Broken broken = break_input(load_input(options), options);
+        CHECK(broken.certificate.closed);
+        for (const fracture::Piece& piece : broken.fragments.pieces) at[piece.mass.centre_of_mass.x] = piece.mass.volume;
+        std::vector<double> in_order;
+        for (const auto& [x, volume] : at) in_order.push_back(volume);
+        return in_order;
+    };
+    const std::vector<double> plain = volumes();
+    REQUIRE(plain.size() == 3);
+    const double area = 2.0 * plain[1]; // of a section: the one in the middle is half a metre thick
+    options.points[1].weight = 0.1; // moves both its bisectors by w / 2 d
+    const std::vector<double> heavy = volumes();
+    REQUIRE(heavy.size() == 3);
+    CHECK(heavy[1] - plain[1] == doctest::Approx(2.0 * area * 0.1 / (2.0 * 0.5)).epsilon(1e-9));
+    options.points[1].weight = 0.0;
+    options.points[0].group = options.points[1].group = 3;
+    const std::vector<double> joined = volumes();
+    REQUIRE(joined.size() == 2);
+    CHECK(joined[0] == doctest::Approx(plain[0] + plain[1]).epsilon(1e-12));
+}
+
+TEST_CASE("recipe: weights and groups that fit no sites are refused") {
+    const auto with = [](const std::string& more) {
+        return R"({"brittle": 1, "mesh": "shape:cube", "pattern": {"type": "points", "sites": [[0, 0, 0], [1, 0, 0]], )" + more + "}}";
+    };
+    says(with(R"("weights": [1])"), "/pattern/weights: expected a list of one for each of the 2 sites");
+    says(with(R"("weights": [1, "much"])"), "/pattern/weights/1: expected a number");
+    says(with(R"("weights": [1, 1e300])"), "/pattern/weights/1: expected a number");
+    says(with(R"("groups": 3)"), "/pattern/groups: expected a list of one for each of the 2 sites");
+    says(with(R"("groups": [0, -1])"), "/pattern/groups/1: expected a whole number");
+    says(with(R"("groups": [0, 1000001])"), "/pattern/groups/1: expected a whole number");
 }
 
 TEST_CASE("recipe: paths count from its folder") {
@@ -227,7 +308,7 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
     const auto of_points = nlohmann::json::parse(recipe_json(points()))["pattern"];
     for (const auto& [key, value] : of_points.items())
         CHECK(schema["properties"]["pattern"]["properties"].contains(key));
-    const auto of_list = nlohmann::json::parse(recipe_json(listed()))["pattern"];
+    const auto of_list = nlohmann::json::parse(recipe_json(grouped()))["pattern"];
     for (const auto& [key, value] : of_list.items()) CHECK(schema["properties"]["pattern"]["properties"].contains(key));
     for (const auto& [key, value] : schema["properties"]["pattern"]["properties"].items())
         CHECK((all["pattern"].contains(key) || of_points.contains(key) || of_list.contains(key)));

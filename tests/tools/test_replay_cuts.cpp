@@ -118,7 +118,7 @@ TEST_CASE("replay: the recipe's seed says where blows cut, and is in the log") {
     CHECK(states_of(12) != first);
     CHECK(states_of(11) == first);
     // Also where sites are points, which have no seed of their own.
-    options.points = {{0.0, 0.0, 0.0}};
+    options.points = {{{0.0, 0.0, 0.0}}};
     CHECK(states_of(11) == first);
 }
 

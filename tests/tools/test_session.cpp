@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "fracture/certificate.h"
 #include "fracture/mass_properties.h"
 #include "tests/engine/support.h"
 #include "tests/tools/support.h"
@@ -223,7 +224,7 @@ TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and 
     // Inside, outside but nearest to a part of the surface, and far away: beyond the second one's cell.
     const std::vector<glm::dvec3> sites{middle, middle + glm::dvec3(0.7 * side, 0.0, 0.0), middle + glm::dvec3(0.0, 9.0 * side, 0.0),
                                         middle + glm::dvec3(-0.2 * side, 0.1 * side, 0.0)};
-    session.edit(SetSites{sites});
+    session.edit(SetSites{placed_sites({sites, {}, {}})});
     CHECK(session.idle_sites().empty()); // not known
     session.preview_wanted = true;
     REQUIRE(room.soon([&] { return session.preview_pieces() > 0; }));
@@ -235,6 +236,36 @@ TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and 
     REQUIRE(room.soon([&] { return session.preview() && session.preview()->key != key; }));
     CHECK(session.idle_sites().empty());
     CHECK(volumes_of(session.preview()->fragments) == with);
+}
+
+TEST_CASE("session: bricks and graded cells whose sites are taken by hand break as before") {
+    Room room("shape:wall");
+    if (!room.device) return;
+    Session& session = *room.session;
+    const auto hash_of = [](const FractureOptions& recipe) {
+        return fracture::hash(break_input(Object::load(recipe)->with_sites(recipe), recipe).fragments);
+    };
+    fracture::Pattern bricks, graded;
+    bricks.kind = fracture::PatternKind::bricks;
+    bricks.count = 12;
+    graded.count = 12;
+    graded.grading = 0.8;
+    for (const fracture::Pattern& pattern : {bricks, graded}) {
+        session.edit(SetPattern{pattern});
+        const FractureOptions before = session.recipe();
+        session.take_sites(session.begin_gesture());
+        REQUIRE(session.recipe().points.size() == session.sites().size());
+        CHECK(hash_of(session.recipe()) == hash_of(before));
+    }
+    // A brick is two cells of one group.
+    session.edit(SetPattern{bricks});
+    session.selection = {0};
+    const std::vector<uint32_t> pair = session.fellows_of_selected();
+    REQUIRE(pair.size() == 2);
+    CHECK(pair[0] == 0);
+    CHECK(session.selected_sites()[0].group > 0);
+    session.selection.clear();
+    CHECK(session.fellows_of_selected().empty());
 }
 
 TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh after it as before") {

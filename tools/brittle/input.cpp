@@ -2,7 +2,9 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -116,8 +118,43 @@ WorldOptions world_of(const FractureOptions& options) {
     return world;
 }
 
+namespace {
+
+// Weights and groups only where there are any: without them more is possible (fracture.h).
+SiteSet site_set(std::span<const PlacedSite> points) {
+    SiteSet set;
+    std::map<uint32_t, uint32_t> first; // site of each group
+    bool weighted = false, grouped = false;
+    for (uint32_t s = 0; s < points.size(); ++s) {
+        const PlacedSite& point = points[s];
+        set.sites.push_back(point.at);
+        set.weights.push_back(point.weight);
+        set.groups.push_back(point.group == 0 ? s : first.try_emplace(point.group, s).first->second);
+        weighted |= point.weight != 0.0;
+        grouped |= set.groups.back() != s;
+    }
+    if (!weighted) set.weights.clear();
+    if (!grouped) set.groups.clear();
+    return set;
+}
+
+} // namespace
+
+std::vector<PlacedSite> placed_sites(const SiteSet& set) {
+    std::map<uint32_t, uint32_t> sizes, numbers;
+    for (const uint32_t group : set.groups) ++sizes[group];
+    std::vector<PlacedSite> points;
+    for (size_t s = 0; s < set.sites.size(); ++s) {
+        PlacedSite point{set.sites[s], set.weights.empty() ? 0.0 : set.weights[s]};
+        if (!set.groups.empty() && sizes[set.groups[s]] > 1)
+            point.group = numbers.try_emplace(set.groups[s], static_cast<uint32_t>(numbers.size() + 1)).first->second;
+        points.push_back(point);
+    }
+    return points;
+}
+
 SiteSet sites_for(const FractureOptions& options, const fracture::TriangleMesh& mesh) {
-    if (options.strikes.empty() && !options.points.empty()) return {options.points, {}, {}};
+    if (options.strikes.empty() && !options.points.empty()) return site_set(options.points);
     if (options.strikes.empty() && !options.sites_file.empty()) return sites_of_file(options, mesh);
     fracture::PatternSites made = must(options.strikes.empty() ? fracture::make_sites(options.pattern, mesh)
                                                                : strike_sites(options.strikes, options.pattern));

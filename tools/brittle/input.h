@@ -15,12 +15,21 @@
 
 namespace brittle::tools {
 
+// A site by itself, in the coordinates of the mesh.
+struct PlacedSite {
+    glm::dvec3 at{0.0};
+    double weight = 0.0; // m^2, of fracture::Settings::weights
+    uint32_t group = 0;  // sites of one number make one piece (fracture::Settings::groups); 0: by itself
+
+    friend bool operator==(const PlacedSite&, const PlacedSite&) = default;
+};
+
 struct FractureOptions {
     std::string mesh;       // a file, or shape:NAME
     std::string material; // --material: the name of a preset, or empty; its pattern is in `pattern` already
     fracture::Pattern pattern; // --pattern, -n, --seed and more: makes the sites
     std::string sites_file;    // --sites: takes the place of the pattern
-    std::vector<glm::dvec3> points; // sites by themselves, in the coordinates of the mesh: outdo the file and the pattern
+    std::vector<PlacedSite> points; // outdo the file and the pattern
     std::vector<Strike> strikes;    // --strike: only what they hit breaks; outdo all sites, the pattern says how
     bool fit_sites = false;    // --fit-sites: moves and scales them onto the mesh's box, before the placement
     fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
@@ -62,6 +71,9 @@ struct SiteSet {
 
 // The sites that the options make for a mesh, in its coordinates. Throws a Failure.
 [[nodiscard]] SiteSet sites_for(const FractureOptions& options, const fracture::TriangleMesh& mesh);
+
+// Such sites as a recipe lists them: groups are numbered from 1, and none for a site that is alone in its own.
+[[nodiscard]] std::vector<PlacedSite> placed_sites(const SiteSet& set);
 
 // `shape:NAME` gives a procedural shape, anything else is read as a file. A pattern is placed in the mesh's box.
 [[nodiscard]] Input load_input(const FractureOptions& options, bool with_looks = false);

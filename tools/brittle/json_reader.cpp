@@ -74,11 +74,13 @@ const Json* JsonReader::find(const std::string& key) {
 }
 
 void JsonReader::number(const std::string& key, double& target, double low, double high) {
-    const Json* value = find(key);
-    if (!value) return;
-    if (!value->is_number() || !(value->get<double>() >= low) || !(value->get<double>() <= high))
-        fail(key, "a number from " + Json(low).dump() + " to " + Json(high).dump(), *value);
-    target = value->get<double>();
+    if (const Json* value = find(key)) target = number_of(key, *value, low, high);
+}
+
+double JsonReader::number_of(const std::string& key, const Json& value, double low, double high) const {
+    if (!value.is_number() || !(value.get<double>() >= low) || !(value.get<double>() <= high))
+        fail(key, "a number from " + Json(low).dump() + " to " + Json(high).dump(), value);
+    return value.get<double>();
 }
 
 uint64_t JsonReader::whole_of(const std::string& key, const Json& value, uint64_t low, uint64_t high) const {

@@ -53,7 +53,15 @@ Json points_json(const FractureOptions& options) {
     Json json{{"type", "points"}};
     if (options.pattern.seed != Pattern{}.seed) json["seed"] = options.pattern.seed; // of what blows cut
     if (!options.points.empty()) {
-        for (const glm::dvec3& p : options.points) json["sites"].push_back(vector_json(p));
+        const auto any = [&](auto member) {
+            return std::ranges::any_of(options.points, [&](const PlacedSite& site) { return site.*member != 0; });
+        };
+        const bool weighted = any(&PlacedSite::weight), grouped = any(&PlacedSite::group);
+        for (const PlacedSite& site : options.points) {
+            json["sites"].push_back(vector_json(site.at));
+            if (weighted) json["weights"].push_back(site.weight);
+            if (grouped) json["groups"].push_back(site.group);
+        }
         return json;
     }
     json["file"] = options.sites_file;
@@ -132,14 +140,29 @@ Json recipe_object(const FractureOptions& options) {
     return recipe;
 }
 
-std::vector<glm::dvec3> read_points(JsonReader& reader) {
-    std::vector<glm::dvec3> points;
+// One for each site, or nothing.
+const Json* read_list_by_site(JsonReader& reader, const char* key, size_t sites) {
+    const Json* list = reader.find(key);
+    if (list && (!list->is_array() || list->size() != sites))
+        reader.fail(key, "a list of one for each of the " + std::to_string(sites) + " sites", *list);
+    return list;
+}
+
+std::vector<PlacedSite> read_points(JsonReader& reader) {
+    std::vector<PlacedSite> points;
     const Json* sites = reader.find("sites");
     if (!sites) return points;
     if (!sites->is_array() || sites->empty() || sites->size() > most_points)
         reader.fail("sites", "1 to " + std::to_string(most_points) + " points [[x, y, z], ...]", *sites);
     for (size_t k = 0; k < sites->size(); ++k)
-        points.push_back(reader.vector_of("sites/" + std::to_string(k), (*sites)[k]));
+        points.push_back({reader.vector_of("sites/" + std::to_string(k), (*sites)[k])});
+    const Json* weights = read_list_by_site(reader, "weights", points.size());
+    const Json* groups = read_list_by_site(reader, "groups", points.size());
+    for (size_t k = 0; k < points.size(); ++k) {
+        const std::string at = "/" + std::to_string(k);
+        if (weights) points[k].weight = reader.number_of("weights" + at, (*weights)[k], -most_weight, most_weight);
+        if (groups) points[k].group = static_cast<uint32_t>(reader.whole_of("groups" + at, (*groups)[k], 0, most_group));
+    }
     return points;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "tools/brittle/failure.h"
@@ -20,6 +22,27 @@ std::vector<uint32_t> existing(std::vector<uint32_t> indices, size_t count) {
     std::erase_if(indices, [count](uint32_t k) { return k >= count; });
     return indices;
 }
+
+// Numbers for the groups of copies: for each group of those that are copied the least that no site has.
+class FreshGroups {
+  public:
+    explicit FreshGroups(const std::vector<PlacedSite>& sites) {
+        for (const PlacedSite& site : sites) taken_.insert(site.group);
+    }
+    [[nodiscard]] uint32_t of(uint32_t group) {
+        if (group == 0) return 0;
+        const auto [at, is_new] = fresh_.try_emplace(group, 0);
+        if (is_new) {
+            at->second = 1;
+            while (!taken_.insert(at->second).second) ++at->second;
+        }
+        return at->second;
+    }
+
+  private:
+    std::set<uint32_t> taken_;
+    std::map<uint32_t, uint32_t> fresh_;
+};
 
 struct Applier {
     FractureOptions& recipe;
@@ -51,12 +74,12 @@ struct Applier {
         recipe.strikes.clear();
     }
     void operator()(const AddSite& edit) const {
-        recipe.points.push_back(edit.at);
+        recipe.points.push_back({edit.at});
         recipe.sites_file.clear();
         recipe.strikes.clear();
     }
     void operator()(const MoveSites& edit) const {
-        for (const uint32_t s : existing(edit.sites, recipe.points.size())) recipe.points[s] += edit.by;
+        for (const uint32_t s : existing(edit.sites, recipe.points.size())) recipe.points[s].at += edit.by;
         recipe.strikes.clear();
     }
     void operator()(const RemoveSites& edit) const {
@@ -65,16 +88,32 @@ struct Applier {
         for (size_t k = sites.size(); k-- > 0;) recipe.points.erase(recipe.points.begin() + sites[k]);
         recipe.strikes.clear();
     }
+    void operator()(const SetSiteWeight& edit) const {
+        for (const uint32_t s : existing(edit.sites, recipe.points.size()))
+            recipe.points[s].weight = std::clamp(edit.weight, -most_weight, most_weight);
+        recipe.strikes.clear();
+    }
+    void operator()(const SetSiteGroup& edit) const {
+        for (const uint32_t s : existing(edit.sites, recipe.points.size())) recipe.points[s].group = std::min(edit.group, most_group);
+        recipe.strikes.clear();
+    }
     void operator()(const DuplicateSites& edit) const {
-        for (const uint32_t s : existing(edit.sites, recipe.points.size())) recipe.points.push_back(recipe.points[s] + edit.by);
+        FreshGroups groups(recipe.points);
+        for (const uint32_t s : existing(edit.sites, recipe.points.size())) {
+            const PlacedSite& site = recipe.points[s];
+            recipe.points.push_back(PlacedSite{site.at + edit.by, site.weight, groups.of(site.group)});
+        }
         recipe.strikes.clear();
     }
     void operator()(const MirrorSites& edit) const {
         const int axis = std::clamp(edit.axis, 0, 2);
+        FreshGroups groups(recipe.points);
         for (const uint32_t s : existing(edit.sites, recipe.points.size())) {
-            glm::dvec3 image = recipe.points[s];
-            image[axis] = 2.0 * edit.plane - image[axis];
-            if (image != recipe.points[s]) recipe.points.push_back(image);
+            PlacedSite image = recipe.points[s];
+            image.at[axis] = 2.0 * edit.plane - image.at[axis];
+            if (image.at == recipe.points[s].at) continue;
+            image.group = groups.of(image.group);
+            recipe.points.push_back(image);
         }
         recipe.strikes.clear();
     }
@@ -94,8 +133,8 @@ struct Applier {
 std::string_view name_of(const Edit& edit) {
     static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{
         "open a mesh",  "change the material", "change the pattern", "change the world", "set the sites",
-        "place a site", "move sites",          "delete sites",       "duplicate sites",  "mirror sites",
-        "anchor",       "rub anchors out",     "strike",             "mend",         "open a recipe"};
+        "place a site", "move sites",          "delete sites",       "weigh sites",      "group sites",
+        "duplicate sites", "mirror sites", "anchor",       "rub anchors out",     "strike",             "mend",         "open a recipe"};
     return names[edit.index()];
 }
 

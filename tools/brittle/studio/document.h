@@ -39,7 +39,7 @@ struct SetWorld {
     WorldOptions world;
 };
 struct SetSites {
-    std::vector<glm::dvec3> sites; // placed by hand from here on; none: the pattern again
+    std::vector<PlacedSite> sites; // placed by hand from here on; none: the pattern again
 };
 struct AddSite {
     glm::dvec3 at;
@@ -51,6 +51,15 @@ struct MoveSites { // indices that do not exist are skipped, here and below
 struct RemoveSites { // the last one stays: nothing breaks without a site
     std::vector<uint32_t> sites;
 };
+struct SetSiteWeight {
+    std::vector<uint32_t> sites;
+    double weight = 0.0; // m^2
+};
+struct SetSiteGroup {
+    std::vector<uint32_t> sites;
+    uint32_t group = 0; // 0: each by itself
+};
+// What was in a group is so again with its copies or images in it, and not with what they are of; here and below.
 struct DuplicateSites { // the copies come last, in the order of the list
     std::vector<uint32_t> sites;
     glm::dvec3 by; // m
@@ -75,7 +84,7 @@ struct SetRecipe { // as read from a file
 };
 
 using Edit = std::variant<SetMesh, SetMaterial, SetPattern, SetWorld, SetSites, AddSite, MoveSites, RemoveSites,
-                          DuplicateSites, MirrorSites, AddAnchor, RemoveAnchors, AddStrike, ClearStrikes, SetRecipe>;
+                          SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor, RemoveAnchors, AddStrike, ClearStrikes, SetRecipe>;
 
 // For menus and messages, e.g. "move sites".
 [[nodiscard]] std::string_view name_of(const Edit& edit);
@@ -89,7 +98,8 @@ class Document {
     // Edits of one gesture are taken back together, in so far as nothing came between them.
     [[nodiscard]] uint64_t begin_gesture() { return ++gestures_; }
     // Whether it changed anything. Throws a Failure with exit_usage for a material that does not exist, and for more than
-    // most_points sites or most_anchors (recipe.h), and leaves everything as it was.
+    // most_points sites or most_anchors (recipe.h), and leaves everything as it was. Weights and groups are brought into
+    // their limits.
     bool apply(const Edit& edit, uint64_t gesture = 0);
 
     [[nodiscard]] bool can_undo() const { return !past_.empty(); }

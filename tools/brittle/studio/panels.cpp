@@ -19,6 +19,9 @@ constexpr float line_height = 26.0f;
 constexpr float least_scene = 400.0f; // the width that columns leave, and that the tools need
 constexpr float two_help_columns = 760.0f; // the width that the help sheet needs for them
 
+// Of the tool that has most: what is below it stays in its place. Where one column holds all, room is worth more.
+constexpr float tool_rows = 5.0f;
+
 constexpr double message_seconds = 5.0; // good news go by themselves
 
 constexpr ImGuiWindowFlags docked = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings
@@ -164,7 +167,7 @@ void Panels::left_column(const PanelState& state, const Layout& layout) {
     ImGui::Begin("left", nullptr, docked & ~ImGuiWindowFlags_NoScrollbar);
     const bool alone = layout.right == 0.0f;
     object_panel(state);
-    if (alone) tool_panel(state);
+    if (alone) tool_panel(state, 0.0f);
     pattern_panel(state);
     material_panel(state);
     if (alone) {
@@ -180,7 +183,7 @@ void Panels::right_column(const PanelState& state, const Layout& layout) {
     ImGui::SetNextWindowPos({state.window.x - layout.right, 0.0f});
     ImGui::SetNextWindowSize({layout.right, state.window.y});
     ImGui::Begin("right", nullptr, docked & ~ImGuiWindowFlags_NoScrollbar);
-    tool_panel(state);
+    tool_panel(state, tool_rows);
     simulation_panel(state);
     view_panel(state);
     statistics_panel(state);

@@ -78,8 +78,9 @@ class Panels {
     void object_panel(const PanelState& state);
     void pattern_panel(const PanelState& state);
     void material_panel(const PanelState& state);
-    void tool_panel(const PanelState& state);
+    void tool_panel(const PanelState& state, float rows); // as high as so many, or higher
     void site_tools(const PanelState& state);
+    void selected_sites(Session& session);
     void simulation_panel(const PanelState& state);
     void view_panel(const PanelState& state);
     void statistics_panel(const PanelState& state);

@@ -1,5 +1,4 @@
-// The panel of the tool in use: its settings, and what it has selected. As high for each tool, so that what is below
-// stays in its place.
+// The panel of the tool in use: its settings, and what it has selected.
 #include <algorithm>
 #include <functional>
 #include <numbers>
@@ -10,6 +9,7 @@
 
 #include <imgui.h>
 
+#include "tools/brittle/recipe.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/widgets.h"
 
@@ -17,7 +17,7 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr float rows = 4.0f; // of the tool that has most
+constexpr float most_weight_shown = 1.0f; // m^2, on the stage, where the mesh is 2 m long
 
 void selected_piece(const Session& session) {
     if (!session.piece || !session.contains(*session.piece) || !session.counts()) {
@@ -74,7 +74,7 @@ void anchor_settings(Session& session) {
 
 } // namespace
 
-void Panels::tool_panel(const PanelState& state) {
+void Panels::tool_panel(const PanelState& state, float rows) {
     if (!begin_panel((std::string(info_of(state.tools.tool()).name) + "###tool").c_str())) return;
     const float top = ImGui::GetCursorPosY();
     switch (state.tools.tool()) {
@@ -106,9 +106,39 @@ void Panels::site_tools(const PanelState& state) {
         if (axis < 2) ImGui::SameLine();
     }
     ImGui::EndDisabled();
+    selected_sites(session);
     const size_t idle = session.idle_sites().size();
     const std::string count = std::to_string(idle) + (idle == 1 ? " crossed site is" : " crossed sites are");
     explain(idle > 0 ? (count + " nearest to nothing of the mesh: no piece, no cut.").c_str() : "Ctrl + click selects more.");
+}
+
+// Weight and group, of all that are selected: what the first one has is shown, unless they differ.
+void Panels::selected_sites(Session& session) {
+    const double scale = session.object().scale();
+    const std::vector<PlacedSite> sites = session.selected_sites();
+    const PlacedSite first = sites.empty() ? PlacedSite{} : sites.front();
+    const auto alike = [&](auto member) { return std::ranges::all_of(sites, [&](const PlacedSite& s) { return s.*member == first.*member; }); };
+    const auto change = [&](const Edit& to) {
+        if (gesture_ == 0) gesture_ = session.begin_gesture();
+        session.take_sites(gesture_);
+        session.edit(to, gesture_);
+    };
+    const float gap = ImGui::GetStyle().ItemSpacing.x, half = 0.5f * (ImGui::GetContentRegionAvail().x - gap);
+    ImGui::BeginDisabled(sites.empty() || session.broken());
+    auto weight = static_cast<float>(first.weight * scale * scale);
+    ImGui::SetNextItemWidth(half);
+    if (slider("##weight", weight, -most_weight_shown, most_weight_shown, alike(&PlacedSite::weight) ? "weight %.2f" : "weights differ"))
+        change(SetSiteWeight{session.selection, double{weight} / (scale * scale)});
+    tip("How far the cells of the selected sites reach, against their neighbours': m\xc2\xb2 on the stage, where the mesh is 2 m long (drag, or Ctrl + click to type)");
+    ImGui::SameLine(0.0f, gap);
+    auto group = static_cast<int>(first.group);
+    ImGui::SetNextItemWidth(-1.0f);
+    constexpr float slow = 0.1f; // numbers a pixel
+    const char* format = !alike(&PlacedSite::group) ? "groups differ" : group > 0 ? "group %d" : "no group";
+    if (ImGui::DragInt("##group", &group, slow, 0, static_cast<int>(most_group), format, ImGuiSliderFlags_AlwaysClamp))
+        change(SetSiteGroup{session.selection, static_cast<uint32_t>(group)});
+    tip("Cells of one number are one piece; 0: each is a piece by itself (drag, or Ctrl + click to type)");
+    ImGui::EndDisabled();
 }
 
 } // namespace brittle::tools

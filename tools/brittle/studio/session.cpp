@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -49,7 +50,7 @@ Session::Session(FractureOptions recipe, std::shared_ptr<const Object> object, e
     : document_(std::move(recipe)), object_(std::move(object)), renderer_(renderer), classifier_(classifier) {
     recorder_.emplace(document_.recipe());
     make_stage();
-    sites_ = object_->sites(document_.recipe()).sites;
+    find_sites();
 }
 
 Session::~Session() {
@@ -114,13 +115,10 @@ void Session::follow(const FractureOptions& before) {
     if (placed || now.material != before.material || ((sites || strikes || anchors) && (broken() || worker_.busy()))) make_stage();
     if (placed || sites || strikes) {
         try {
-            FractureOptions whole = now;
-            whole.strikes.clear();
-            sites_ = object_->sites(whole).sites;
+            find_sites();
             if (!sites && !placed) return;
             message_ = {};
         } catch (const Failure& failure) {
-            sites_.clear();
             report(failure);
         }
         std::erase_if(selection, [this](uint32_t s) { return s >= sites_.size(); });
@@ -134,9 +132,8 @@ void Session::adopt(std::shared_ptr<const Object> object) {
     message_ = {};
     make_stage();
     try {
-        sites_ = object_->sites(recipe()).sites;
+        find_sites();
     } catch (const Failure& failure) {
-        sites_.clear();
         report(failure);
     }
     if (opened) opened(recipe().mesh);
@@ -144,9 +141,34 @@ void Session::adopt(std::shared_ptr<const Object> object) {
 
 void Session::take_sites(uint64_t gesture) {
     if (!recipe().points.empty()) return;
-    std::vector<glm::dvec3> sites;
-    for (const glm::dvec3& s : sites_) sites.push_back(object_->to_file(s));
-    edit(SetSites{std::move(sites)}, gesture);
+    edit(SetSites{placed_}, gesture);
+}
+
+// Where no strike is. Throws a Failure, and has none then.
+void Session::find_sites() {
+    placed_.clear();
+    sites_.clear();
+    FractureOptions whole = recipe();
+    whole.strikes.clear();
+    placed_ = placed_sites(sites_for(whole, object_->file().model.mesh));
+    for (const PlacedSite& site : placed_) sites_.push_back(object_->to_stage(site.at));
+}
+
+std::vector<PlacedSite> Session::selected_sites() const {
+    std::vector<PlacedSite> sites;
+    for (const uint32_t s : selection)
+        if (s < placed_.size()) sites.push_back(placed_[s]);
+    return sites;
+}
+
+std::vector<uint32_t> Session::fellows_of_selected() const {
+    std::set<uint32_t> groups;
+    for (const PlacedSite& site : selected_sites()) groups.insert(site.group);
+    groups.erase(0);
+    std::vector<uint32_t> fellows;
+    for (uint32_t s = 0; s < placed_.size(); ++s)
+        if (groups.contains(placed_[s].group)) fellows.push_back(s);
+    return fellows;
 }
 
 Anchor Session::anchor_at(const glm::dvec3& on_stage) const {

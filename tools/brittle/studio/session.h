@@ -76,8 +76,13 @@ class Session {
     void redo();
     // Sites as they are on the stage, placed by hand or by the pattern.
     [[nodiscard]] const std::vector<glm::dvec3>& sites() const { return sites_; }
-    // So that single ones can be edited: what the pattern made becomes sites placed by hand.
+    // So that single ones can be edited: what the pattern made becomes sites placed by hand, with its weights and groups.
     void take_sites(uint64_t gesture);
+
+    // As the recipe has them, or would if they were taken; in the order of selection.
+    [[nodiscard]] std::vector<PlacedSite> selected_sites() const;
+    // Those that are in a group with one that is selected.
+    [[nodiscard]] std::vector<uint32_t> fellows_of_selected() const;
 
     // Anchors are given from the foot of the mesh (world_options.h).
     [[nodiscard]] Anchor anchor_at(const glm::dvec3& on_stage) const;
@@ -186,6 +191,7 @@ class Session {
     void follow(const FractureOptions& before);
     void adopt(std::shared_ptr<const Object> object);
     void make_stage();
+    void find_sites();
     void leave_piece(); // what was selected or aimed at
     void start_breaking(const WorldOptions& world);
     void take_pieces(Broken broken, PreparedPieces ahead, const WorldOptions& world);
@@ -212,6 +218,7 @@ class Session {
     std::optional<Recorder> recorder_; // always there
     std::unique_ptr<Stage> stage_;
     std::vector<glm::dvec3> sites_;
+    std::vector<PlacedSite> placed_; // the same in the file's coordinates
     std::shared_ptr<const fracture::Fragments> fragments_; // that broke off first, once broken
     WorldOptions world_; // that they were put into
     std::vector<float> radii_;      // of its pieces

@@ -328,6 +328,7 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
     };
     for (const uint32_t s : session.idle_sites())
         if (const auto at = view.pixel(glm::vec3(session.sites()[s]))) overlay.idle.push_back(*at);
+    for (const uint32_t s : session.fellows_of_selected()) ring(s, false);
     for (const uint32_t s : session.selection) ring(s, true);
     if (hovered_) ring(*hovered_, false);
     const auto centre = gizmo_at(session);
