@@ -32,8 +32,12 @@ bool no_vulkan(const Outcome& outcome) {
 
 TEST_CASE("no command, an unknown one and bad options are usage errors with a way on") {
     const Folder folder;
-    CHECK(run_brittle(folder, "").exit_code == 2);
-    CHECK(run_brittle(folder, "shatter x.obj").exit_code == 2);
+    const Outcome nothing = run_brittle(folder, ""), unknown = run_brittle(folder, "shatter x.obj");
+    for (const Outcome& outcome : {nothing, unknown}) {
+        CHECK(outcome.exit_code == 2);
+        for (const char* command : {"fracture", "render", "demo", "replay"}) CHECK(outcome.has(command));
+    }
+    CHECK(unknown.has("'shatter'"));
     CHECK(run_brittle(folder, "fracture").exit_code == 2);
     CHECK(run_brittle(folder, "fracture shape:cube").exit_code == 2); // no --output
     const Outcome zero = run_brittle(folder, "fracture shape:cube -n 0 -o " + folder / "a.glb");

@@ -9,12 +9,14 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "fracture/io/export.h"
 #include "fracture/io/import.h"
+#include "fracture/io/text_cursor.h"
 #include "fracture/shapes.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
@@ -516,6 +518,17 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     add_profile(app, run);
 }
 
+// What to say where the first word is no command. Empty where it is one.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+    if (argc < 2 || argv[1][0] == '-') return "";
+    std::string known;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        if (command->get_name() == argv[1]) return "";
+        known += (known.empty() ? "" : ", ") + command->get_name();
+    }
+    return "there is no command " + fracture::quoted(std::string_view(argv[1])) + "; there are: " + known;
+}
+
 int run(int argc, char** argv) {
     CLI::App app(description, "brittle");
     app.set_version_flag("--version", "brittle " BRITTLE_VERSION);
@@ -523,6 +536,11 @@ int run(int argc, char** argv) {
     app.footer(exit_codes_help);
     std::function<int()> command;
     add_commands(app, command);
+    if (argc < 2) {
+        std::fputs(app.help().c_str(), stderr);
+        return exit_usage;
+    }
+    if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) throw Failure(exit_usage, unknown);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

@@ -20,7 +20,7 @@ constexpr float least_scene = 400.0f; // the width that columns leave, and that 
 constexpr float two_help_columns = 760.0f; // the width that the help sheet needs for them
 
 // Of the tool that has most: what is below it stays in its place. Where one column holds all, room is worth more.
-constexpr float tool_rows = 5.0f;
+constexpr float tool_rows = 4.0f;
 
 constexpr double message_seconds = 5.0; // good news go by themselves
 

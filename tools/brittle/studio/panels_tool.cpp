@@ -93,6 +93,7 @@ void Panels::tool_panel(const PanelState& state, float rows) {
 void Panels::site_tools(const PanelState& state) {
     Session& session = state.session;
     value("Sites", "%zu, %zu selected", session.sites().size(), session.selection.size());
+    tip("Click one to select it, Ctrl + click selects more");
     ImGui::BeginDisabled(session.selection.empty() || session.broken());
     if (wide_button("Delete", "The selected sites (Del)", 1.0f / 2.0f)) actions_.push_back(Command::remove);
     ImGui::SameLine();
@@ -109,7 +110,7 @@ void Panels::site_tools(const PanelState& state) {
     selected_sites(session);
     const size_t idle = session.idle_sites().size();
     const std::string count = std::to_string(idle) + (idle == 1 ? " crossed site is" : " crossed sites are");
-    explain(idle > 0 ? (count + " nearest to nothing of the mesh: no piece, no cut.").c_str() : "Ctrl + click selects more.");
+    if (idle > 0) explain((count + " nearest to nothing of the mesh: no piece, no cut.").c_str());
 }
 
 // Weight and group, of all that are selected: what the first one has is shown, unless they differ.

@@ -141,7 +141,7 @@ void Panels::statistics_panel(const PanelState& state) {
     value("Frame rate", "%.0f /s, %.1f ms", median > 0.0 ? 1000.0 / median : 0.0, median);
     frame_graph(state.times, state.scale);
     const engine::FrameStats& drawn = state.renderer.stats();
-    value("Triangles", "%s in %u draws", grouped(drawn.triangles).c_str(), drawn.draws);
+    value("Triangles", drawn.draws == 1 ? "%s in %u draw" : "%s in %u draws", grouped(drawn.triangles).c_str(), drawn.draws);
     value("Memory", "%.0f MiB", resident_memory());
     certificate(state);
     if (ImGui::TreeNode("Passes")) {

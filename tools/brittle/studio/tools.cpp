@@ -21,7 +21,7 @@ constexpr float radius_step = 1.12f;  // a notch of the wheel
 
 constexpr std::array infos{
     ToolInfo{"Inspect", "F1", "drag to look around, click a piece to select it"},
-    ToolInfo{"Sites", "F2", "click to place a site (Alt: halfway through), drag one to move it"},
+    ToolInfo{"Sites", "F2", "click to place a site, drag one to move it (Alt: halfway through, Ctrl: select more)"},
     ToolInfo{"Hammer", "F3", "click to break off what is near (Shift + wheel: radius)"},
     ToolInfo{"Shoot", "F4", "click to fire a ball (Shift + wheel: its radius)"},
     ToolInfo{"Grab", "F5", "drag a piece of what is broken about"},
