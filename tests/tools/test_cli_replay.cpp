@@ -218,7 +218,7 @@ TEST_CASE("the schema of replay logs knows the actions and their fields, and no 
     size_t kinds = 0;
     for (const Action& action :
          {Action(Shoot{}), Action(Damage{}), Action(Saw{}), Action(Hammer{}), Action(Release{}),
-          Action(Push{}), Action(Grab{}), Action(Drag{}), Action(LetGo{})}) {
+          Action(Push{}), Action(Grab{}), Action(Drag{}), Action(LetGo{}), Action(Watch{})}) {
         CHECK(action.index() == kinds++);
         nlohmann::ordered_json object;
         write_action(object, action);
