@@ -203,7 +203,7 @@ void Panels::bar(const PanelState& state, const Layout& layout) {
         const std::string name(info.name);
         const bool active = state.tools.tool() == tool;
         if (plan.button(name, info.key, active ? &active_look : nullptr)) state.tools.choose(tool, state.session);
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s (%s)", info.hint, info.key);
+        tip((std::string(info.hint) + " [" + info.key + "]").c_str());
         ImGui::SameLine();
     }
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + plan.between);

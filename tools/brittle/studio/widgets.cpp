@@ -10,6 +10,7 @@ namespace brittle::tools {
 namespace {
 
 constexpr float name_share = 0.42f; // of a line
+constexpr float tip_width = 28.0f;  // heights of the text; longer lines would not fit where it is large
 constexpr float key_gap = 6.0f;     // pixels between a name and its key
 
 void to_control() {
@@ -52,7 +53,12 @@ void control(const char* name, const char* tip_text) {
 }
 
 void tip(const char* text) {
-    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", text);
+    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(tip_width * ImGui::GetFontSize());
+    ImGui::TextUnformatted(text);
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
 }
 
 bool wide_button(const char* name, const char* tip_text, float share) {
