@@ -92,7 +92,7 @@ struct HeldBooks : SimulationObserver {
                 line = lines.insert(lines.end(), Line{.striker = striker, .other = other});
             const auto impulse = static_cast<double>(contact.impulse);
             line->last = simulation.steps();
-            line->gave += (a ? impulse : -impulse) * glm::dvec3(contact.normal);
+            line->gave += (a ? 1.0 : -1.0) * glm::dvec3(contact.impulse * contact.normal + contact.friction);
             line->pressed += impulse;
             line->arm += (glm::dvec3(contact.point - world.previous_pose(striker).position) - line->arm)
                          * (impulse / line->pressed);
