@@ -28,6 +28,8 @@ constexpr btScalar still_part = 0.25f;
 constexpr btScalar together_part = 1e-4f;
 // Contacts of what is much lighter are made ahead when the heavier body moves in a step by this part of the smaller one's radius.
 constexpr btScalar passing_part = 0.5f;
+// Contacts of two of like mass when they move by this part of the thinner one's thickness against each other in a step.
+constexpr btScalar sinking_part = 0.25f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
 constexpr btScalar near_part = 0.02f;
 
@@ -79,6 +81,9 @@ class HullPair final : public btCollisionAlgorithm {
         looks_ahead_ = is_debris(*first) || is_debris(*second);
         pushed_by_first_ = much_lighter(*second, *first);
         pushed_by_second_ = much_lighter(*first, *second);
+        alike_ = !first->getCollisionObject()->isStaticObject() && !second->getCollisionObject()->isStaticObject()
+                 && !looks_ahead_ && !pushed_by_first_ && !pushed_by_second_;
+        thinner_ = std::min(thickness(a), thickness(b));
         on_larger_ = std::max(radius_a, radius_b) > StepStops::larger_factor * radius_;
         axis_ = (first->getWorldTransform().getOrigin() - second->getWorldTransform().getOrigin())
                 * first->getWorldTransform().getBasis();
@@ -94,7 +99,8 @@ class HullPair final : public btCollisionAlgorithm {
                           const btDispatcherInfo& info, btManifoldResult* result) override {
         const btTransform relative = relative_of(*first, *second);
         const bool pushed = (pushed_by_first_ && is_wild(*first, info.m_timeStep))
-                            || (pushed_by_second_ && is_wild(*second, info.m_timeStep));
+                            || (pushed_by_second_ && is_wild(*second, info.m_timeStep))
+                            || (alike_ && may_sink_in(*first, *second, info.m_timeStep));
         const btScalar ahead = looks_ahead_ || pushed ? approach(*first, *second) * info.m_timeStep : 0.0f;
         if (!(moved_since(relative) + ahead < free_)) {
             seen_ = relative;
@@ -140,6 +146,16 @@ class HullPair final : public btCollisionAlgorithm {
     [[nodiscard]] bool is_wild(const btCollisionObjectWrapper& object, btScalar seconds) const {
         const btVector3& velocity = btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
         return velocity.length2() * seconds * seconds > passing_part * passing_part * radius_ * radius_;
+    }
+
+    // Whether two of like mass may get into each other in a step, and nobody looks at them on their way (step_stops.cpp).
+    [[nodiscard]] bool may_sink_in(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                                   btScalar seconds) const {
+        const auto velocity = [](const btCollisionObjectWrapper& object) {
+            return btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
+        };
+        const btScalar way = (velocity(first) - velocity(second)).length() * seconds;
+        return way > sinking_part * thinner_;
     }
 
     // How fast the hulls can come closer.
@@ -375,6 +391,8 @@ class HullPair final : public btCollisionAlgorithm {
     btScalar near_;         // closer is a contact
     bool looks_ahead_;      // debris
     bool pushed_by_first_, pushed_by_second_; // which is much heavier
+    bool alike_;            // both move, none is much lighter
+    btScalar thinner_;      // thickness of the thinner one
     bool on_larger_;        // one of them is much larger
     btScalar still_;        // movement that contacts bear
     btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look

@@ -1,10 +1,12 @@
 // What is small or fast against what is thin: nothing passes, blows are whole, and what only flies by is left alone.
 #include "physics/world.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -325,4 +327,59 @@ TEST_CASE("a heavy block drives the light tiles in its way before it as in fine 
                 for (const float turn : driven.turns) CHECK(turn < 0.03f);
             }
         }
+}
+
+namespace {
+
+// Two boxes of one mass or of half of it, the one struck by the other at so many of its thicknesses a step.
+struct Struck {
+    glm::vec3 velocity{0.0f}; // of the one that was at rest, in the speed of the other
+    bool passed = false;
+
+    Struck(float size, float way, float ratio, int place, int substeps) {
+        test::Random random(static_cast<uint64_t>(place) + 100u * static_cast<uint64_t>(std::lround(10.0f * way)));
+        WorldSettings settings = empty_space;
+        settings.step /= static_cast<float>(substeps);
+        World world(settings);
+        const glm::vec3 half = 0.5f * size * glm::vec3(1.0f, 0.7f, 0.8f);
+        BodyDesc rest = made_of(half, 1), fly = made_of(ratio * half, 1);
+        const float speed = way * 0.7f * size * 120.0f;
+        fly.linear_velocity = {0.0f, -speed, 0.0f};
+        fly.pose.position.y = 2.0f * size + speed / 120.0f * (1.0f + std::abs(any(random, 1.0f).x));
+        fly.pose.position += 0.2f * size * glm::vec3(1.0f, 0.0f, 1.0f) * any(random, 1.0f);
+        if (place % 3 >= 1) rest.pose.orientation = any_turn(random), fly.pose.orientation = any_turn(random);
+        if (place % 3 == 2) rest.angular_velocity = any(random, 20.0f), fly.angular_velocity = any(random, 20.0f);
+        const BodyId resting = must_add(world, rest), flying = must_add(world, fly);
+        const Mechanics before = world.mechanics();
+        for (int step = 0; step < 30 * substeps; ++step) {
+            world.step();
+            const glm::vec3 apart = world.pose(flying).position - world.pose(resting).position;
+            passed = passed || (std::max(std::abs(apart.x), std::abs(apart.z)) < 0.5f * size && apart.y < -0.1f * size);
+        }
+        velocity = world.linear_velocity(resting) / speed;
+        CHECK(glm::length(world.mechanics().momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
+        CHECK(world.mechanics().kinetic < before.kinetic * 1.0001);
+    }
+};
+
+} // namespace
+
+// 480 shots each. Where contacts between boxes of like mass were made only when they touched, 118 and 119 passed through, and
+// what was struck was left with a velocity wrong by a tenth of the other's on average. The bounds were set after seeing it.
+TEST_CASE("boxes of like mass do not pass through each other, and strike as in fine steps") {
+    for (const auto& [ratio, most_passed] : {std::pair(1.0f, 3), {0.8f, 1}}) { // 0.8: half of the mass
+        int passed = 0;
+        float error = 0.0f;
+        for (const float way : {0.3f, 0.5f, 0.7f, 0.9f, 1.1f, 1.3f, 1.6f, 1.9f})
+            for (int place = 0; place < 60; ++place) {
+                const Struck coarse(0.05f, way, ratio, place, 1), fine(0.05f, way, ratio, place, 16);
+                passed += coarse.passed ? 1 : 0;
+                CHECK_FALSE(fine.passed);
+                error += glm::length(coarse.velocity - fine.velocity) / 480.0f;
+            }
+        CAPTURE(ratio);
+        MESSAGE(passed, " of 480 passed, mean error ", error);
+        CHECK(passed <= most_passed);
+        CHECK(error < 0.055f);
+    }
 }
