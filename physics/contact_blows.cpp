@@ -64,6 +64,7 @@ std::vector<BlowBook::Running> BlowBook::of_step(const World& world, float speed
             if (world.contains(other))
                 blow.arm += (contact.point - world.previous_pose(other).position - blow.arm) * part;
             blow.normal += contact.impulse * (first ? contact.normal : -contact.normal);
+            blow.friction += first ? contact.friction : -contact.friction;
             blow.energy += 0.5f * contact.impulse * contact.speed;
         }
     }
@@ -78,6 +79,7 @@ void BlowBook::join(Running& now, const Running& before) {
     now.blow.point += (before.blow.point - now.blow.point) * part;
     now.blow.arm += (before.blow.arm - now.blow.arm) * part;
     now.blow.normal += before.blow.normal;
+    now.blow.friction += before.blow.friction;
     now.pressed += before.pressed;
     now.speed = before.speed;
     now.steps = before.steps + 1;

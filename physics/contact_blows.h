@@ -27,6 +27,7 @@ struct BodyBlow {
     glm::vec3 arm{0.0f};      // that from the other's centre of mass when it was, world axes
     glm::vec3 normal{0.0f};   // unit, world, towards the body
     float impulse = 0.0f;     // along the normal
+    glm::vec3 friction{0.0f}; // what the body got across it
     float energy = 0.0f;      // half of impulse times first approach speed: what a dead blow turns into cracks and heat
     // The impulse as if something of a kilogram gave it: blows of more mass take longer (impact_seconds in material.h), as
     // the cube root of the mass that is stopped, impulse / speed.

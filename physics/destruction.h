@@ -15,7 +15,7 @@
 //   with the motion of that moment, v + w x r. The impulse that the contact had is given back to both sides, less what the
 //   cracks took of the energy, and solved anew against the piece that was hit alone. Momentum and angular momentum are kept. (Of bonded pieces the
 //   contact stays as Structure leaves it.) Where a piece is held, the world is the other side: it gives back what the contact
-//   gave it, so what comes loose takes the blow as a free body would; of friction, and of what the cracks took, it keeps all.
+//   gave it, friction with it, so what comes loose takes the blow as a free body would; of what the cracks took it keeps all.
 // - One job a piece at a time. Later blows to it are summed up, and what comes out nearest to the hardest takes them; the
 //   contact of the hardest is solved anew likewise.
 // - A piece that reaches into an anchor is fixed; what no longer does, falls. What is held and too thin for its weight, for
@@ -207,6 +207,7 @@ class Destruction {
         double sharp = 0.0; // N s, as of a kilogram
         BodyId striker{};
         glm::vec3 owed{0.0f}; // N s, world: what the piece got and the striker against it, to be solved anew
+        glm::vec3 rubbed{0.0f}; // likewise of friction, where the piece is held; a free one has taken that over
         glm::vec3 arm{0.0f};  // m, world axes: from the striker's centre of mass to the contact, when it was
         double lost = 0.0;    // J, by that contact: no more comes back; the blow's energy may be that of several
     };
@@ -273,6 +274,7 @@ class Destruction {
     void part_if_overloaded(const World& world, PieceId id);
     void start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts);
     static void take_back_bounce(World& world, BodyId own, Hit& hit);
+    [[nodiscard]] static double lost_by(const World& world, const Hit& hit, const glm::vec3& impulse);
     void commit_due(World& world, double budget);
     bool commit(World& world, uint32_t job);
     [[nodiscard]] bool is_held(const Live& piece) const;

@@ -155,15 +155,19 @@ double Destruction::crack_energy(const Live& piece, const Broken& broken) const 
 // Gives back what is owed, less what the cracks took: f of an impulse brings back f^2 of the energy. It goes through the
 // point of what hit, which may have slid since: a ball off whose middle it went would be left spinning. Where the two have
 // gone other ways and it would bring more energy than was lost, so much less of it. Of a held piece, what the world had
-// got comes back.
+// got comes back, and its friction with it.
 void Destruction::exchange(World& world, const Live& piece, double cracks, Hit& hit) const {
     const BodyId own = body_of(piece);
     if (!world.contains(hit.striker) || !world.contains(own)) hit.owed = glm::vec3(0.0f);
     if (!(glm::length(hit.owed) > 0.0f)) return;
-    hit.owed *= static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cracks / hit.blow.energy)));
-    const float along = glm::length(hit.owed);
+    const auto scale = [&](double part) {
+        hit.owed *= static_cast<float>(part);
+        hit.rubbed *= static_cast<float>(part);
+    };
+    scale(std::sqrt(std::max(0.0, 1.0 - cracks / hit.blow.energy)));
+    const float along = glm::length(hit.owed + hit.rubbed);
     if (!(along > 0.0f)) return;
-    const glm::vec3 normal = hit.owed / along;
+    const glm::vec3 normal = (hit.owed + hit.rubbed) / along;
     const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
     // s of it brings  linear s + quadratic s^2  of energy.
     const double linear = static_cast<double>(
@@ -173,27 +177,38 @@ void Destruction::exchange(World& world, const Live& piece, double cracks, Hit& 
     const double quadratic = 0.5 * response * static_cast<double>(along) * static_cast<double>(along);
     if (linear + quadratic > hit.lost && quadratic > 0.0) {
         const double root = std::sqrt(linear * linear + 4.0 * quadratic * hit.lost);
-        hit.owed *= static_cast<float>(std::clamp((root - linear) / (2.0 * quadratic), 0.0, 1.0));
+        scale(std::clamp((root - linear) / (2.0 * quadratic), 0.0, 1.0));
     }
-    push(world, own, -hit.owed, point);
-    push(world, hit.striker, hit.owed, point);
+    push(world, own, -hit.owed - hit.rubbed, point);
+    push(world, hit.striker, hit.owed + hit.rubbed, point);
 }
 
-// A dead blow between what hit and the piece that is there now, which is returned; what is owed, and was lost, is then of that.
+// A dead blow between what hit and the piece that is there now, which is returned, and where the old one was held its friction;
+// what is owed, and was lost, is then of that.
 PieceId Destruction::solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const {
     const PieceId id = nearest_of(made, hit.blow.point);
     const float most = glm::length(hit.owed);
     if (id == PieceId{} || !(most > 0.0f)) return id;
-    const glm::vec3 normal = hit.owed / most;
     const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
     const BodyId own = pieces_.at(id).own;
-    const float approach = speed_at(world, hit.striker, point, normal) - speed_at(world, own, point, normal);
-    const float response = response_at(world, own, point, normal) + response_at(world, hit.striker, point, normal);
-    const float impulse = response > 0.0f ? std::clamp(approach / response, 0.0f, most) : 0.0f;
-    push(world, own, impulse * normal, point);
-    push(world, hit.striker, -impulse * normal, point);
+    double lost = 0.0;
+    const auto stop = [&](const glm::vec3& direction, float most_impulse) {
+        const float approach = speed_at(world, hit.striker, point, direction) - speed_at(world, own, point, direction);
+        const float response = response_at(world, own, point, direction) + response_at(world, hit.striker, point, direction);
+        const float impulse = response > 0.0f ? std::clamp(approach / response, 0.0f, most_impulse) : 0.0f;
+        push(world, own, impulse * direction, point);
+        push(world, hit.striker, -impulse * direction, point);
+        lost += static_cast<double>(impulse * (approach - 0.5f * response * impulse));
+        return impulse;
+    };
+    const glm::vec3 normal = hit.owed / most;
+    const float impulse = stop(normal, most), rubbing = glm::length(hit.rubbed);
     hit.owed = impulse * normal;
-    hit.lost = std::min(hit.lost, static_cast<double>(impulse * (approach - 0.5f * response * impulse)));
+    if (rubbing > 0.0f) { // as much for what presses
+        const glm::vec3 along = hit.rubbed / rubbing;
+        hit.rubbed = stop(along, rubbing * (impulse / most)) * along;
+    }
+    hit.lost = std::min(hit.lost, lost);
     return id;
 }
 

@@ -72,6 +72,10 @@ void Destruction::take_up_blows(World& world) {
         // What the ground or a fixed body gave is not solved anew.
         if (world.contains(blow.other) && !world.fixed(blow.other)) hit.owed = blow.impulse * blow.normal;
         if (cuts(world, piece, hit)) take_back_bounce(world, blow.body, hit);
+        if (glm::length(hit.owed) > 0.0f && world.fixed(blow.body)) {
+            hit.rubbed = blow.friction;
+            hit.lost = std::max(hit.lost, lost_by(world, hit, hit.owed + hit.rubbed));
+        }
         hit_piece(world, id, hit);
     }
 }
@@ -279,6 +283,15 @@ void Destruction::take_back_bounce(World& world, BodyId own, Hit& hit) {
     push(world, own, -bounce * normal, point);
     push(world, hit.striker, bounce * normal, point);
     hit.owed = (most - bounce) * normal;
+}
+
+// J that what hit a held piece lost by an impulse which it gave just before.
+double Destruction::lost_by(const World& world, const Hit& hit, const glm::vec3& impulse) {
+    const float size = glm::length(impulse);
+    if (!(size > 0.0f)) return 0.0;
+    const glm::vec3 direction = impulse / size, point = world.pose(hit.striker).position + hit.arm;
+    return static_cast<double>(size * (speed_at(world, hit.striker, point, direction)
+                                       + 0.5f * size * response_at(world, hit.striker, point, direction)));
 }
 
 } // namespace brittle::physics

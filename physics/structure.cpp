@@ -31,6 +31,12 @@ bool moves(const World& world, BodyId body) {
     return world.contains(body) && !world.fixed(body);
 }
 
+// m/s, of a contact of the last step. What has become another one since, as one of the two broke, tells nothing of it.
+float approach_left(const World& world, const Contact& contact) {
+    if (contact.impulse != contact.blow) return 0.0f;
+    return speed_at(world, contact.b, contact.point, contact.normal) - speed_at(world, contact.a, contact.point, contact.normal);
+}
+
 } // namespace
 
 Result<Structure> Structure::create(World& world, const Fragments& fragments, const StructureDesc& desc) {
@@ -194,8 +200,8 @@ void Structure::release_anchors(std::span<const uint32_t> pieces) {
 }
 
 // All that one body did to one piece in the step counts as one.
-std::vector<Impact> Structure::find_blows(const World& world) const {
-    std::vector<Impact> blows;
+std::vector<BondBlows::OfStep> Structure::find_blows(const World& world) const {
+    std::vector<BondBlows::OfStep> blows;
     for (const Contact& contact : world.contacts()) {
         if (!(contact.speed > desc_.impact_speed && contact.blow > 0.0f)) continue;
         for (const bool first : {true, false}) {
@@ -203,21 +209,35 @@ std::vector<Impact> Structure::find_blows(const World& world) const {
                 first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
             if (piece == none || !exists(world, pieces_[piece].body)) continue;
             const BodyId other = first ? contact.b : contact.a;
-            auto blow = std::ranges::find_if(
-                blows, [&](const Impact& known) { return known.piece == piece && known.other == other; });
-            if (blow == blows.end()) blow = blows.insert(blows.end(), {.piece = piece, .other = other});
-            const float sum = blow->impulse + contact.blow;
-            blow->point += (contact.point - blow->point) * (contact.blow / sum);
-            if (contact.blow > 0.5f * sum) blow->normal = first ? contact.normal : -contact.normal;
-            blow->impulse = sum;
-            blow->energy += 0.5f * contact.blow * contact.speed;
+            auto at = std::ranges::find_if(blows, [&](const BondBlows::OfStep& known) {
+                return known.blow.piece == piece && known.blow.other == other;
+            });
+            if (at == blows.end())
+                at = blows.insert(blows.end(), {.blow = {.piece = piece, .other = other}});
+            Impact& blow = at->blow;
+            const float sum = blow.impulse + contact.blow;
+            blow.point += (contact.point - blow.point) * (contact.blow / sum);
+            if (contact.blow > 0.5f * sum) blow.normal = first ? contact.normal : -contact.normal;
+            at->left += (approach_left(world, contact) - at->left) * (contact.blow / sum);
+            blow.impulse = sum;
+            blow.energy += 0.5f * contact.blow * contact.speed;
         }
     }
-    for (Impact& blow : blows) { // mass = impulse / speed
-        const float speed = 2.0f * blow.energy / blow.impulse;
-        blow.sharpness = std::cbrt(speed / blow.impulse);
-    }
     return blows;
+}
+
+// Harder than the piece itself bears is told once.
+void Structure::strike(const World& world, const BondBlows::Judged& judged) {
+    const Impact& blow = judged.blow;
+    const PieceState& piece = pieces_[blow.piece];
+    if (!exists(world, piece.body)) return;
+    const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse), sharpness = static_cast<double>(blow.sharpness);
+    const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body_of(blow.piece)).orientation));
+    graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * static_cast<double>(judged.fresh) * sharpness,
+                piece.mass * speed * sharpness);
+    const double before = static_cast<double>(judged.before);
+    const bool told = before > 0.0 && before * std::cbrt(speed / before) > piece.bearable;
+    if (!told && static_cast<double>(blow.impulse) * sharpness > piece.bearable) changes_.impacts.push_back(blow);
 }
 
 const Structure::Changes& Structure::update(World& world) {
@@ -225,15 +245,7 @@ const Structure::Changes& Structure::update(World& world) {
     contacts_due_ = world.steps_taken() != steps_seen_;
     steps_seen_ = world.steps_taken();
     if (contacts_due_)
-        for (const Impact& blow : find_blows(world)) {
-            const PieceState& piece = pieces_[blow.piece];
-            const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse);
-            const double sharp = static_cast<double>(blow.impulse * blow.sharpness);
-            const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body_of(blow.piece)).orientation));
-            graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * sharp,
-                        piece.mass * speed * static_cast<double>(blow.sharpness));
-            if (sharp > piece.bearable) changes_.impacts.push_back(blow);
-        }
+        for (const BondBlows::Judged& judged : blows_.take_up(find_blows(world))) strike(world, judged);
     if (contacts_due_ && desc_.wear.enabled) wear_bonds(world);
     changes_.broken = graph_.take_broken();
     for (const uint32_t bond : changes_.broken)
@@ -264,7 +276,10 @@ void Structure::wear_bonds(const World& world) {
             const BodyState& body = bodies_[pieces_[piece].body];
             const Pose pose = world.pose(body.id);
             const glm::dquat to_fragments = glm::conjugate(glm::dquat(pose.orientation));
-            const glm::dvec3 impulse(contact.impulse * contact.normal + contact.friction);
+            const float load = blows_.load_of(piece, first ? contact.b : contact.a, contact.impulse);
+            if (!(load > 0.0f)) continue;
+            const glm::dvec3 impulse = static_cast<double>(load / contact.impulse)
+                                       * glm::dvec3(contact.impulse * contact.normal + contact.friction);
             const glm::dvec3 force = to_fragments * (impulse * ((first ? 1.0 : -1.0) / seconds));
             const glm::dvec3 point =
                 to_fragments * (glm::dvec3(contact.point) - glm::dvec3(pose.position)) + body.centre;

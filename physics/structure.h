@@ -14,7 +14,8 @@
 // - Bodies break in update() only. The new ones start with the velocity v + w x r of the old one at their centres and
 //   its angular velocity w: momentum and angular momentum are those of before.
 // - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Those of heavy
-//   bodies take longer and break less for their impulse (impact_seconds in material.h). Where a blow splits a body,
+//   bodies take longer and break less for their impulse (impact_seconds in material.h). How a blow falls on the steps does not
+//   matter: it is judged whole (bond_blows.h). Where a blow splits a body,
 //   the step is taken back for it and for all that touches it, directly or not: positions and velocities are those of
 //   before the contacts. These are solved anew, as dead blows, for the islands, and all move on by a step: a ball goes
 //   through a pane that would have held it, momentum is kept and no energy comes of it. World::contacts() then tells
@@ -41,6 +42,7 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/fragments.h"
+#include "physics/bond_blows.h"
 #include "physics/bond_graph.h"
 #include "physics/hull.h"
 #include "physics/material.h"
@@ -58,19 +60,6 @@ struct StructureDesc {
     std::vector<uint32_t> anchored{}; // pieces held by the world (anchor.h)
     float impact_speed = 0.5f;        // m/s; slower contacts are no blows
     WearSettings wear{};
-};
-
-// A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3), as a blow
-// of a kilogram. Who wants things to break again takes the piece away (isolate, take_piece), fractures it at the
-// point and makes a structure of the result.
-struct Impact {
-    uint32_t piece = 0;
-    BodyId other;           // what hit it; the default for the ground
-    glm::vec3 point{0.0f};  // world, m
-    glm::vec3 normal{0.0f}; // unit, towards the piece
-    float impulse = 0.0f;   // N s
-    float sharpness = 1.0f; // cube root of 1 kg / mass that was stopped: for the time that it took
-    float energy = 0.0f;    // J, half of impulse times approach speed: what a dead blow turns into cracks and heat
 };
 
 class Structure {
@@ -160,7 +149,8 @@ class Structure {
     [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
     // The piece of ours that a contact's side names, or none.
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
-    [[nodiscard]] std::vector<Impact> find_blows(const World& world) const;
+    [[nodiscard]] std::vector<BondBlows::OfStep> find_blows(const World& world) const;
+    void strike(const World& world, const BondBlows::Judged& judged);
     void wear_bonds(const World& world);
     // A contact of a body that comes apart, taken back from both.
     struct TakenBack {
@@ -177,6 +167,7 @@ class Structure {
 
     StructureDesc desc_; // without the anchors
     BondGraph graph_;
+    BondBlows blows_;
     Wear wear_;
     std::vector<NodeLoad> weights_, pushes_; // scratch of one update
     std::vector<PieceState> pieces_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
@@ -26,6 +28,8 @@ constexpr btScalar still_part = 0.25f;
 constexpr btScalar together_part = 1e-4f;
 // Contacts of what is much lighter are made ahead when the heavier body moves in a step by this part of the smaller one's radius.
 constexpr btScalar passing_part = 0.5f;
+// Contacts of two of like mass when they move by this part of the thinner one's thickness against each other in a step.
+constexpr btScalar sinking_part = 0.25f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
 constexpr btScalar near_part = 0.02f;
 
@@ -33,6 +37,11 @@ constexpr btScalar near_part = 0.02f;
 constexpr btScalar low_part = 0.5f;
 // Contacts on it that are nearer to each other than this part of the smaller one's radius count as one.
 constexpr btScalar same_part = 0.2f;
+
+// Contacts whose normals have less than this cosine between them are not of the same two surfaces.
+constexpr btScalar same_way = 0.9f;
+// Hulls that meet on straight ways do so after a few advances.
+constexpr int most_advances = 16;
 
 const HullShape& hull_of(const btCollisionObjectWrapper& object) {
     return static_cast<const HullShape&>(*object.getCollisionShape());
@@ -72,6 +81,9 @@ class HullPair final : public btCollisionAlgorithm {
         looks_ahead_ = is_debris(*first) || is_debris(*second);
         pushed_by_first_ = much_lighter(*second, *first);
         pushed_by_second_ = much_lighter(*first, *second);
+        alike_ = !first->getCollisionObject()->isStaticObject() && !second->getCollisionObject()->isStaticObject()
+                 && !looks_ahead_ && !pushed_by_first_ && !pushed_by_second_;
+        thinner_ = std::min(thickness(a), thickness(b));
         on_larger_ = std::max(radius_a, radius_b) > StepStops::larger_factor * radius_;
         axis_ = (first->getWorldTransform().getOrigin() - second->getWorldTransform().getOrigin())
                 * first->getWorldTransform().getBasis();
@@ -86,9 +98,10 @@ class HullPair final : public btCollisionAlgorithm {
     void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                           const btDispatcherInfo& info, btManifoldResult* result) override {
         const btTransform relative = relative_of(*first, *second);
-        const bool looks_ahead = looks_ahead_ || (pushed_by_first_ && is_wild(*first, info.m_timeStep))
-                                 || (pushed_by_second_ && is_wild(*second, info.m_timeStep));
-        const btScalar ahead = looks_ahead ? approach(*first, *second) * info.m_timeStep : 0.0f;
+        const bool pushed = (pushed_by_first_ && is_wild(*first, info.m_timeStep))
+                            || (pushed_by_second_ && is_wild(*second, info.m_timeStep))
+                            || (alike_ && may_sink_in(*first, *second, info.m_timeStep));
+        const btScalar ahead = looks_ahead_ || pushed ? approach(*first, *second) * info.m_timeStep : 0.0f;
         if (!(moved_since(relative) + ahead < free_)) {
             seen_ = relative;
             free_ = look(*first, *second, near_ + ahead, *result);
@@ -98,6 +111,8 @@ class HullPair final : public btCollisionAlgorithm {
         result->refreshContactPoints();
         if (manifold_->getNumContacts() == 0)
             release();
+        else if (pushed)
+            meet_ahead(*first, *second, info.m_timeStep);
         else if (on_larger_)
             add_corners(*first, *second, info.m_timeStep, *result);
     }
@@ -131,6 +146,16 @@ class HullPair final : public btCollisionAlgorithm {
     [[nodiscard]] bool is_wild(const btCollisionObjectWrapper& object, btScalar seconds) const {
         const btVector3& velocity = btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
         return velocity.length2() * seconds * seconds > passing_part * passing_part * radius_ * radius_;
+    }
+
+    // Whether two of like mass may get into each other in a step, and nobody looks at them on their way (step_stops.cpp).
+    [[nodiscard]] bool may_sink_in(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                                   btScalar seconds) const {
+        const auto velocity = [](const btCollisionObjectWrapper& object) {
+            return btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
+        };
+        const btScalar way = (velocity(first) - velocity(second)).length() * seconds;
+        return way > sinking_part * thinner_;
     }
 
     // How fast the hulls can come closer.
@@ -183,6 +208,7 @@ class HullPair final : public btCollisionAlgorithm {
                      btManifoldResult& result) {
         if (approach(first, second) * seconds <= still_) return;
         const btCollisionObjectWrapper& smaller = first_moves_ ? first : second;
+        const btCollisionObjectWrapper& larger = first_moves_ ? second : first;
         const HullShape& hull = hull_of(smaller);
         const btManifoldPoint known = manifold_->getContactPoint(0);
         const btVector3 away = first_moves_ ? known.m_normalWorldOnB : -known.m_normalWorldOnB;
@@ -197,11 +223,133 @@ class HullPair final : public btCollisionAlgorithm {
             const btScalar threshold = std::max(near_, height);
             const btVector3 on_smaller = corner - away * hull.getMargin();
             if (has_contact_near(on_smaller, std::max(threshold, same_part * radius_))) continue;
-            if (!is_over(first, second, corner, height)) continue;
+            if (!is_over(hull_of(larger), larger.getWorldTransform(), corner, height)) continue;
             manifold_->setContactBreakingThreshold(threshold);
             result.addContactPoint(known.m_normalWorldOnB, first_moves_ ? on_smaller - away * height : on_smaller, height);
         }
         manifold_->setContactBreakingThreshold(near_);
+    }
+
+    // Where the two will be when they touch, on the way that they have in the step, turning left out.
+    struct Touch {
+        btTransform first, second;       // the second as far on as both move against each other
+        btVector3 way{0, 0, 0};          // by so much
+        btVector3 normal{0, 0, 0}, on_second{0, 0, 0};
+        btScalar distance = 0.0f;        // that is left
+    };
+    std::optional<Touch> touch_ahead(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                                     btScalar seconds) {
+        const btVector3 middle = (first_moves_ ? first : second).getWorldTransform().getOrigin();
+        const btVector3 against = velocity_against(first, second, middle);
+        const btVector3 whole = (first_moves_ ? -against : against) * seconds;
+        const HullShape& hull = hull_of(second);
+        Touch touch{.first = first.getWorldTransform(), .second = second.getWorldTransform()};
+        btScalar part = 0.0f;
+        for (int advance = 0; advance < most_advances; ++advance) {
+            const HullDistance found =
+                hull_distance(hull_of(first), hull, touch.first.inverseTimes(touch.second), BT_LARGE_FLOAT, corners_);
+            touch.distance = found.distance - margins_;
+            touch.normal = touch.first.getBasis() * found.normal;
+            touch.on_second = touch.first * (found.point + found.normal * hull.getMargin());
+            if (touch.distance < near_) return touch;
+            const btScalar closing = touch.normal.dot(whole);
+            if (!(closing > 0.0f)) return std::nullopt;
+            part += (touch.distance - 0.5f * near_) / closing;
+            if (part > 1.0f) return std::nullopt;
+            touch.way = whole * part;
+            touch.second.setOrigin(second.getWorldTransform().getOrigin() + touch.way);
+        }
+        return touch;
+    }
+
+    // The points that are nearest now are not where the two will meet, and only one of those of surfaces that come down on each
+    // other: what is light, pushed there, would get a part of the speed and spin. In their place come the point of touch, the
+    // middle of the lower corners of the smaller hull then, and those of them that are farthest from each other; where the
+    // other hull is.
+    void meet_ahead(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, btScalar seconds) {
+        const btManifoldPoint known = manifold_->getContactPoint(0);
+        const std::optional<Touch> touch = touch_ahead(first, second, seconds);
+        manifold_->clearManifold();
+        manifold_->setContactBreakingThreshold(near_);
+        if (!touch) return release();
+        const HullShape& hull = hull_of(first_moves_ ? first : second);
+        const HullShape& other = hull_of(first_moves_ ? second : first);
+        const btTransform &frame = first_moves_ ? touch->first : touch->second,
+                          &other_frame = first_moves_ ? touch->second : touch->first;
+        const btVector3 away = first_moves_ ? touch->normal : -touch->normal;
+        const btVector3 on_other = first_moves_ ? touch->on_second : touch->on_second + touch->normal * touch->distance;
+        low_.clear();
+        btVector3 middle(0, 0, 0);
+        for (int i = 0; i < hull.getNumPoints(); ++i) {
+            const btVector3 corner = frame * hull.getUnscaledPoints()[i];
+            if ((corner - frame.getOrigin()).dot(away) > 0.0f) continue;
+            middle += corner;
+            low_.push_back(corner);
+        }
+        const auto add = [&](const btVector3& corner) {
+            const Below below = below_of(other, other_frame, corner);
+            if (below.away.dot(away) < same_way) return;
+            const btVector3 on_smaller = corner - below.away * hull.getMargin();
+            const btManifoldPoint point = ahead_of(known, *touch, on_smaller, below);
+            if (!has_contact_near(first_moves_ ? point.getPositionWorldOnA() : point.getPositionWorldOnB(), same_part * radius_))
+                manifold_->addManifoldPoint(point);
+        };
+        if (!low_.empty()) add(middle / static_cast<btScalar>(low_.size())); // solved first, so that it turns only if it must
+        manifold_->addManifoldPoint(ahead_of(known, *touch, on_other + away * touch->distance, {away, touch->distance}));
+        while (!low_.empty() && manifold_->getNumContacts() < MANIFOLD_CACHE_SIZE) {
+            const auto farthest = std::ranges::max_element(low_, {}, [&](const btVector3& corner) {
+                return to_contacts(first_moves_ ? corner : corner - touch->way);
+            });
+            add(*farthest);
+            low_.erase(farthest);
+        }
+    }
+
+    // The other hull below a point of the smaller one's core: the way from it, and the gap.
+    struct Below {
+        btVector3 away;
+        btScalar distance;
+    };
+    [[nodiscard]] Below below_of(const HullShape& other, const btTransform& frame, const btVector3& corner,
+                                 btScalar most = BT_LARGE_FLOAT) const {
+        HullShape tip;
+        tip.addPoint({0, 0, 0}, false);
+        tip.setMargin(0.0f);
+        tip.finish();
+        NearCorners nowhere;
+        const HullDistance found =
+            hull_distance(tip, other, btTransform(btMatrix3x3::getIdentity(), corner).inverseTimes(frame), most, nowhere);
+        return {found.normal, found.distance - margins_};
+    }
+
+    // The contact, as it is now, of a point that the smaller hull will have so far from the other one. It lies where the light
+    // body has it: on the heavy one arms matter less.
+    [[nodiscard]] btManifoldPoint ahead_of(btManifoldPoint point, const Touch& touch, const btVector3& on_smaller,
+                                           const Below& below) const {
+        const bool light_is_second = pushed_by_first_, light_is_smaller = light_is_second != first_moves_;
+        const btVector3 then = light_is_smaller ? on_smaller : on_smaller - below.away * below.distance;
+        const btVector3 on_light = light_is_second ? then - touch.way : then;
+        point.m_normalWorldOnB = first_moves_ ? below.away : -below.away;
+        point.m_distance1 = below.distance + point.m_normalWorldOnB.dot(touch.way);
+        const btVector3 gap = point.m_normalWorldOnB * point.m_distance1;
+        point.m_positionWorldOnA = light_is_second ? on_light + gap : on_light;
+        point.m_positionWorldOnB = light_is_second ? on_light : on_light - gap;
+        point.m_localPointA = manifold_->getBody0()->getWorldTransform().invXform(point.m_positionWorldOnA);
+        point.m_localPointB = manifold_->getBody1()->getWorldTransform().invXform(point.m_positionWorldOnB);
+        point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0.0f;
+        point.m_lifeTime = 0;
+        return point;
+    }
+
+    // The square of how far the nearest contact is.
+    [[nodiscard]] btScalar to_contacts(const btVector3& on_smaller) const {
+        btScalar least = BT_LARGE_FLOAT;
+        for (int i = 0; i < manifold_->getNumContacts(); ++i) {
+            const btManifoldPoint& known = manifold_->getContactPoint(i);
+            const btVector3& at = first_moves_ ? known.getPositionWorldOnA() : known.getPositionWorldOnB();
+            least = std::min(least, (at - on_smaller).length2());
+        }
+        return least;
     }
 
     [[nodiscard]] bool has_contact_near(const btVector3& on_smaller, btScalar distance) const {
@@ -225,18 +373,9 @@ class HullPair final : public btCollisionAlgorithm {
     }
 
     // Whether a corner of the smaller hull is as far from the larger one as from the plane of a contact: over the same face.
-    [[nodiscard]] bool is_over(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                               const btVector3& corner, btScalar height) const {
-        const btCollisionObjectWrapper& larger = first_moves_ ? second : first;
-        HullShape tip;
-        tip.addPoint({0, 0, 0}, false);
-        tip.setMargin(0.0f);
-        tip.finish();
-        const btTransform at(btMatrix3x3::getIdentity(), corner);
-        NearCorners nowhere;
-        const HullDistance found = hull_distance(tip, hull_of(larger), at.inverseTimes(larger.getWorldTransform()),
-                                                 margins_ + near_ + std::max<btScalar>(height, 0.0f), nowhere);
-        return std::abs(found.distance - margins_ - height) < near_;
+    [[nodiscard]] bool is_over(const HullShape& larger, const btTransform& frame, const btVector3& corner, btScalar height) const {
+        const btScalar most = margins_ + near_ + std::max<btScalar>(height, 0.0f);
+        return std::abs(below_of(larger, frame, corner, most).distance - height) < near_;
     }
 
     void release() {
@@ -252,11 +391,14 @@ class HullPair final : public btCollisionAlgorithm {
     btScalar near_;         // closer is a contact
     bool looks_ahead_;      // debris
     bool pushed_by_first_, pushed_by_second_; // which is much heavier
+    bool alike_;            // both move, none is much lighter
+    btScalar thinner_;      // thickness of the thinner one
     bool on_larger_;        // one of them is much larger
     btScalar still_;        // movement that contacts bear
     btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look
     btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame
     NearCorners corners_;
+    std::vector<btVector3> low_; // scratch of one call
     btVector3 axis_; // unit, from second to first, in the first's frame: separated them last
 };
 

@@ -11,10 +11,9 @@ namespace {
 // A body is fast when a point of it may move by this part of its thickness in a step: fixed ones, which stand for ever, are
 // looked at then, however thin it is.
 constexpr btScalar fast_part = 0.25f;
-// Two that move are looked at when one is as large as a wall to the other and they may get deeper into each other than half
-// of both, as only then are they told apart on the wrong side; others when they may come out on the other side. In a heap that
-// forms, looking at more costs more than all its contacts.
-constexpr btScalar half = 0.5f, whole = 1.0f;
+// Two that move are looked at when they may get deeper into each other than this part of both: only then are they told apart on
+// the wrong side. In a heap that forms, looking at more costs more than all its contacts.
+constexpr btScalar half = 0.5f;
 // And in any case a way must be longer than this, m: what settles in a heap is left alone, however thin. At 120 Hz 0.4 m/s.
 constexpr btScalar least_way = 0.0033f * bullet_units;
 // What reaches no farther than this part of a body's thickness does not stop it.
@@ -202,10 +201,9 @@ void StepStops::meet(uint32_t first, uint32_t second, btScalar from) {
     Flight &flight_a = flights_[first], &flight_b = flights_[second];
     const btScalar turning_a = turning_way(a, flight_a), turning_b = turning_way(b, flight_b);
     const btScalar way = (linear_at(flight_a, from) - linear_at(flight_b, from)).length() * (end_ - from);
-    const bool on_larger = std::max(a.reach, b.reach) > larger_factor * std::min(a.reach, b.reach);
     const bool may_pass = a.fixed || b.fixed
                               ? exceeds(way + turning_a + turning_b, fast_part * std::min(a.thickness, b.thickness))
-                              : exceeds(way, (on_larger ? half : whole) * (a.thickness + b.thickness));
+                              : exceeds(way, half * (a.thickness + b.thickness));
     if (!may_pass) return;
     flight_a.find_end();
     flight_b.find_end();

@@ -7,6 +7,9 @@
 //
 // - Fixed bodies are not passed by anything. Two that move are looked at only when they might come out on each other's wrong
 //   side: in a heap that forms, nobody sees it, and looking costs more than all contacts.
+// - Of what is not much lighter, contacts are made ahead as well where hulls, not compounds, meet faster than a quarter of the
+//   thinner one's thickness a step: they leave little that would pass. Blows are then summed up over their steps
+//   (contact_blows.h, bond_blows.h).
 // - Of two that meet, who is slow for its own thickness goes on: it gets no deeper into the other than it would in any step.
 // - A body does not wait for a moving crumb that fits into it many times, nor for what is much lighter: a ball that flies
 //   through splinters would stand still among them. It drives them before it, by contacts that are made ahead
@@ -16,8 +19,8 @@
 // - While nothing is fast, a body costs a comparison.
 //
 // Contacts that are made ahead of the touch, and take from the speed what exceeds gap over time, were weighed: no time is
-// lost, but a blow comes in two parts, in two steps, and each alone may be too weak for what it hits; and what flies past an
-// edge is turned by a contact that it never has. To what is heavy, and hits what is light, neither matters.
+// lost, but a blow comes in two parts, in two steps, and what flies past an edge is turned where the contact is not made for where
+// the two will touch (hull_contact.cpp). Against what is fixed all of the speed in one step is worth more.
 //
 // Bullet's units. Not thread-safe.
 #pragma once

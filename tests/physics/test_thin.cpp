@@ -1,10 +1,12 @@
 // What is small or fast against what is thin: nothing passes, blows are whole, and what only flies by is left alone.
 #include "physics/world.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -261,37 +263,123 @@ TEST_CASE("a heavy ball flies on through a cloud of light pieces") {
     CHECK(glm::length(world.mechanics().momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
 }
 
-TEST_CASE("a heavy ball drives the light pieces in its way before it, and is not held up") {
-    for (const float speed : {10.0f, 20.0f, 60.0f})
-        for (int place = 0; place < 6; ++place) {
-            CAPTURE(speed);
-            CAPTURE(place);
-            World world(empty_space);
-            // Some tiles of a wall, side by side; the ball is three times as wide as one.
-            std::vector<BodyId> hit;
-            for (int x = -3; x <= 3; ++x)
-                for (int y = -3; y <= 3; ++y) {
-                    BodyDesc tile = made_of({0.024f, 0.024f, 0.01f}, 1);
-                    tile.mass = 0.1f;
-                    tile.inertia = box_inertia({0.024f, 0.024f, 0.01f}, 0.1f);
-                    tile.pose.position = {0.05f * static_cast<float>(x), 0.05f * static_cast<float>(y), 0.0f};
-                    const BodyId id = must_add(world, tile);
-                    if (std::abs(x) <= 1 && std::abs(y) <= 1) hit.push_back(id);
-                }
-            BodyDesc ball = made_of(glm::vec3(0.07f), 1);
-            ball.mass = 17.0f;
-            ball.inertia = box_inertia(glm::vec3(0.07f), 17.0f);
-            ball.pose.position = {0.0f, 0.0f, 0.5f + 0.03f * static_cast<float>(place)};
-            ball.linear_velocity = {0.0f, 0.0f, -speed};
-            const BodyId id = must_add(world, ball);
-            const Mechanics before = world.mechanics();
-            run(world, 1.0f / speed + 0.1f);
-            // Nobody in the way is passed through. A dead blow would give the tile in the middle all of the speed; those that
-            // are hit at one side turn besides.
-            for (const BodyId tile : hit) CHECK(world.linear_velocity(tile).z < -0.15f * speed);
-            CHECK(world.linear_velocity(hit[hit.size() / 2]).z < -0.8f * speed);
-            CHECK(world.pose(id).position.z < -0.05f * speed);
-            CHECK(glm::length(world.mechanics().momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
-            CHECK(world.mechanics().kinetic < before.kinetic * 1.0001);
+namespace {
+
+// Of nine tiles in the way of a heavy block three times as wide, after it has driven them before it.
+struct Driven {
+    std::vector<float> speeds, turns; // towards where the block goes, of its speed; of their rims, likewise
+    float mean = 0.0f, block = 0.0f;
+
+    Driven(float speed, int place, bool tilted, int substeps) {
+        WorldSettings settings = empty_space;
+        settings.step /= static_cast<float>(substeps);
+        World world(settings);
+        test::Random random(5);
+        std::vector<BodyId> hit;
+        for (int x = -3; x <= 3; ++x)
+            for (int y = -3; y <= 3; ++y) {
+                BodyDesc tile = made_of({0.024f, 0.024f, 0.01f}, 1);
+                tile.mass = 0.1f;
+                tile.inertia = box_inertia({0.024f, 0.024f, 0.01f}, 0.1f);
+                tile.pose.position = (tilted ? 0.065f : 0.05f) * glm::vec3(static_cast<float>(x), static_cast<float>(y), 0.0f);
+                if (tilted) tile.pose.orientation = glm::normalize(glm::quat(1.0f, any(random, 0.15f)));
+                const BodyId id = must_add(world, tile);
+                if (std::abs(x) <= 1 && std::abs(y) <= 1) hit.push_back(id);
+            }
+        BodyDesc heavy = made_of(glm::vec3(0.07f), 1);
+        heavy.mass = 17.0f;
+        heavy.inertia = box_inertia(glm::vec3(0.07f), 17.0f);
+        heavy.pose.position = {0.0f, 0.0f, 0.5f + 0.03f * static_cast<float>(place)};
+        heavy.linear_velocity = {0.0f, 0.0f, -speed};
+        const BodyId id = must_add(world, heavy);
+        const Mechanics before = world.mechanics();
+        run(world, 0.7f / speed + 0.05f);
+        for (const BodyId tile : hit) {
+            speeds.push_back(-world.linear_velocity(tile).z / speed);
+            turns.push_back(0.024f * glm::length(world.angular_velocity(tile)) / speed);
+            mean += speeds.back() / 9.0f;
         }
+        block = -world.linear_velocity(id).z / speed;
+        CHECK(world.pose(id).position.z < -0.04f * speed);
+        CHECK(glm::length(world.mechanics().momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
+        CHECK(world.mechanics().kinetic < before.kinetic * 1.0001);
+    }
+};
+
+} // namespace
+
+// The oracle is the same in steps of a sixteenth. How near steps of 1/120 s come was set after seeing it; with contacts at the
+// nearest point alone tiles got 0.3 to 1.1 of the speed when flat, and all of them together 0.24 to 0.71 of it when tilted.
+TEST_CASE("a heavy block drives the light tiles in its way before it as in fine steps, and is not held up") {
+    for (const float speed : {10.0f, 20.0f, 60.0f})
+        for (const bool tilted : {false, true}) {
+            const Driven fine(speed, 0, tilted, 16);
+            CHECK(fine.mean > 0.9f);
+            for (int place = 0; place < 6; ++place) {
+                CAPTURE(speed);
+                CAPTURE(tilted);
+                CAPTURE(place);
+                const Driven driven(speed, place, tilted, 1);
+                CHECK(std::abs(driven.mean - fine.mean) < (tilted ? 0.23f : 0.07f));
+                CHECK(std::abs(driven.block - fine.block) < 0.02f);
+                if (tilted) continue;
+                for (const float tile : driven.speeds) CHECK(std::abs(tile - fine.mean) < 0.1f);
+                for (const float turn : driven.turns) CHECK(turn < 0.03f);
+            }
+        }
+}
+
+namespace {
+
+// Two boxes of one mass or of half of it, the one struck by the other at so many of its thicknesses a step.
+struct Struck {
+    glm::vec3 velocity{0.0f}; // of the one that was at rest, in the speed of the other
+    bool passed = false;
+
+    Struck(float size, float way, float ratio, int place, int substeps) {
+        test::Random random(static_cast<uint64_t>(place) + 100u * static_cast<uint64_t>(std::lround(10.0f * way)));
+        WorldSettings settings = empty_space;
+        settings.step /= static_cast<float>(substeps);
+        World world(settings);
+        const glm::vec3 half = 0.5f * size * glm::vec3(1.0f, 0.7f, 0.8f);
+        BodyDesc rest = made_of(half, 1), fly = made_of(ratio * half, 1);
+        const float speed = way * 0.7f * size * 120.0f;
+        fly.linear_velocity = {0.0f, -speed, 0.0f};
+        fly.pose.position.y = 2.0f * size + speed / 120.0f * (1.0f + std::abs(any(random, 1.0f).x));
+        fly.pose.position += 0.2f * size * glm::vec3(1.0f, 0.0f, 1.0f) * any(random, 1.0f);
+        if (place % 3 >= 1) rest.pose.orientation = any_turn(random), fly.pose.orientation = any_turn(random);
+        if (place % 3 == 2) rest.angular_velocity = any(random, 20.0f), fly.angular_velocity = any(random, 20.0f);
+        const BodyId resting = must_add(world, rest), flying = must_add(world, fly);
+        const Mechanics before = world.mechanics();
+        for (int step = 0; step < 30 * substeps; ++step) {
+            world.step();
+            const glm::vec3 apart = world.pose(flying).position - world.pose(resting).position;
+            passed = passed || (std::max(std::abs(apart.x), std::abs(apart.z)) < 0.5f * size && apart.y < -0.1f * size);
+        }
+        velocity = world.linear_velocity(resting) / speed;
+        CHECK(glm::length(world.mechanics().momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
+        CHECK(world.mechanics().kinetic < before.kinetic * 1.0001);
+    }
+};
+
+} // namespace
+
+// 480 shots each. Where contacts between boxes of like mass were made only when they touched, 118 and 119 passed through, and
+// what was struck was left with a velocity wrong by a tenth of the other's on average. The bounds were set after seeing it.
+TEST_CASE("boxes of like mass do not pass through each other, and strike as in fine steps") {
+    for (const auto& [ratio, most_passed] : {std::pair(1.0f, 3), {0.8f, 1}}) { // 0.8: half of the mass
+        int passed = 0;
+        float error = 0.0f;
+        for (const float way : {0.3f, 0.5f, 0.7f, 0.9f, 1.1f, 1.3f, 1.6f, 1.9f})
+            for (int place = 0; place < 60; ++place) {
+                const Struck coarse(0.05f, way, ratio, place, 1), fine(0.05f, way, ratio, place, 16);
+                passed += coarse.passed ? 1 : 0;
+                CHECK_FALSE(fine.passed);
+                error += glm::length(coarse.velocity - fine.velocity) / 480.0f;
+            }
+        CAPTURE(ratio);
+        MESSAGE(passed, " of 480 passed, mean error ", error);
+        CHECK(passed <= most_passed);
+        CHECK(error < 0.055f);
+    }
 }
