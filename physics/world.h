@@ -12,9 +12,9 @@
 // bit
 //   (state_hash()) with one build on one machine.
 // - Several hulls make one rigid body (a compound). They may touch and overlap each other.
-// - However fast and thin, bodies do not pass through fixed ones, nor, but for crumbs and what is as slow as it is thick,
+// - However fast and thin, bodies do not pass through fixed ones, nor, but for crumbs and rare cases among those of like mass,
 //   through each other: who would ends its step where they touch, and the next step has the contact with all of its speed
-//   (bullet/step_stops.h).
+//   (bullet/step_stops.h), or the two have their contact before they touch (bullet/hull_contact.h).
 // - After each step, contacts() tells who pressed on whom, where, and how hard.
 // - Angular momentum and energy of a freely spinning body are conserved (rotation.h), for any inertia.
 // - Not thread-safe, and two Worlds must not step at the same time: Bullet keeps globals. Uses no threads

@@ -8,7 +8,7 @@
 // - contacts that are complete: they follow the bodies until those have moved against each other by
 //   a two-hundredth of the smaller one's radius.
 // The first is exact: a pair that touches is never passed over. Points, normals and the choice of four points
-// are Bullet's.
+// are Bullet's, where not said otherwise below.
 //
 // - Pieces of one cut that fly as one are taken to have a gap without a look (siblings.h).
 // - On a hull three times as large, a floor or a wall, what moves has all its lower corners as contacts at once: one a step, and
