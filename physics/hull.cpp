@@ -41,6 +41,7 @@ struct FullHull {
     std::vector<Plane> planes;
     glm::dvec3 centre{0.0}; // mean of the vertices
     double inner = 0.0;     // least distance from the centre to a plane
+    CrossSection section;
 };
 
 glm::dvec3 to_glm(const btVector3& v) {
@@ -105,6 +106,7 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
     }
     hull.centre /= static_cast<double>(hull.vertices.size());
     hull.inner = std::numeric_limits<double>::infinity();
+    std::vector<glm::dvec3> areas;
     for (int face = 0; face < computer.faces.size(); ++face) {
         const btConvexHullComputer::Edge* first = &computer.edges[computer.faces[face]];
         const glm::dvec3& apex = hull.vertices[static_cast<size_t>(first->getSourceVertex())];
@@ -114,6 +116,7 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
                                hull.vertices[static_cast<size_t>(edge->getTargetVertex())] - apex);
             if (edge->getNextEdgeOfFace() == first) break;
         }
+        areas.push_back(0.5 * area);
         const double length = glm::length(area);
         if (!(length > 0.0)) continue; // a face that has no area once its vertices are off the grid
         Plane plane{area / length, 0.0};
@@ -125,6 +128,7 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
         hull.inner = std::min(hull.inner, plane.distance - glm::dot(plane.normal, hull.centre));
         hull.planes.push_back(plane);
     }
+    hull.section = section_of_faces(areas);
     return hull.planes.size() < 4 ? std::nullopt : std::optional(std::move(hull));
 }
 
@@ -183,6 +187,10 @@ OrientedExtents oriented_extents(const std::vector<glm::dvec3>& points) {
     extents.centre = mean + extents.axes * ((low + high) * 0.5);
     extents.half = (high - low) * 0.5;
     return extents;
+}
+
+CrossSection section_of(const OrientedExtents& extents) {
+    return section_of_box(extents.half, {extents.axes[0], extents.axes[1], extents.axes[2]});
 }
 
 // Unit directions, in the axes of the points: single precision and an array an axis, for loops over all of them at once.
@@ -279,6 +287,9 @@ CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExt
 
     CollisionHull hull;
     hull.margin = static_cast<float>(thickness * 0.5);
+    OrientedExtents thick = extents;
+    thick.half = glm::max(thick.half, glm::dvec3(thickness * 0.5));
+    hull.section = section_of(thick);
     for (const glm::dvec3& point : outline)
         for (const glm::dvec3& offset : offsets)
             hull.points.push_back(glm::vec3(extents.centre + point + offset));
@@ -309,6 +320,7 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
 
     CollisionHull hull;
     hull.margin = static_cast<float>(inner->margin);
+    hull.section = full->section;
     for (const glm::dvec3& vertex : supporting_subset(inner->vertices, directions, max_vertices))
         hull.points.push_back(glm::vec3(vertex));
     return hull;
@@ -326,6 +338,13 @@ PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSetti
         }
     });
     return hulls;
+}
+
+CrossSection cross_section(std::span<const glm::vec3> points) {
+    const std::vector<glm::dvec3> exact(points.begin(), points.end());
+    if (exact.size() >= 4)
+        if (const std::optional<FullHull> full = full_hull(exact)) return full->section;
+    return section_of(oriented_extents(exact));
 }
 
 std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points) {

@@ -22,6 +22,7 @@
 
 #include "fracture/fragments.h"
 #include "fracture/mesh.h"
+#include "physics/cross_section.h"
 
 namespace brittle::physics {
 
@@ -42,6 +43,9 @@ struct HullSettings {
 struct CollisionHull {
     std::vector<glm::vec3> points{}; // at least 4, not coplanar, relative to the origin
     float margin = 0.0f;             // metres, > 0; what Bullet adds around the points
+    // What the air meets of it, margin included. Where it is not known it is found from the points when that becomes a body,
+    // which takes longer than all else of it. Who turns the points by hand must turn its sides, too, or take them out.
+    CrossSection section{};
 };
 
 // The reduced and shrunk convex hull of points, relative to origin. Where a bounded vertex count forces a
@@ -69,6 +73,9 @@ using HullEdge = std::pair<uint32_t, uint32_t>;
 // The edges of the convex hull of points, each once, for drawing; those inside a flat face (below 3 degrees)
 // are left out. Fewer than 4 points, or flat ones, may give none.
 [[nodiscard]] std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points);
+
+// What the air meets of the convex hull of points; of those that span no volume, of the box around them.
+[[nodiscard]] CrossSection cross_section(std::span<const glm::vec3> points);
 
 // The convex hull of points as a closed mesh, triangles outwards. Fewer than 4 points, or flat ones, may give none.
 [[nodiscard]] fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points);

@@ -79,6 +79,7 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     else
         make_single(*body, desc.hull, glm::vec3(0.0f));
     measure(*body);
+    if (!desc.fixed) find_drag(*body, desc);
 
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
     const btTransform frame(to_bullet(orientation * body->to_principal),
@@ -147,7 +148,13 @@ bool World::remove_body(BodyId id) {
 }
 
 void World::clear() {
+    clear(impl_->settings);
+}
+
+void World::clear(const WorldSettings& settings) {
+    assert(validate(settings) && "settings from outside go through validate() first");
     impl_->drop_bodies();
+    impl_->settings = settings;
     impl_->shared_shapes.clear();
     impl_->pending_seconds = 0.0;
     impl_->steps = 0;

@@ -16,7 +16,8 @@
 //   through each other: who would ends its step where they touch, and the next step has the contact with all of its speed
 //   (bullet/step_stops.h), or the two have their contact before they touch (bullet/hull_contact.h).
 // - After each step, contacts() tells who pressed on whom, where, and how hard.
-// - Angular momentum and energy of a freely spinning body are conserved (rotation.h), for any inertia.
+// - Air brakes what moves (WorldSettings::air_density); nothing is turned or reversed by it.
+// - Without air, angular momentum and energy of a freely spinning body are conserved (rotation.h), for any inertia.
 // - Not thread-safe, and two Worlds must not step at the same time: Bullet keeps globals. Uses no threads
 // itself.
 //
@@ -57,6 +58,9 @@ struct WorldSettings {
     float ground_restitution = 0.3f;           // multiplied with a body's restitution
     float linear_damping = 0.0f;               // fraction of velocity lost in one second, 0 .. 1
     float angular_damping = 0.0f;              // fraction of angular velocity lost in one second, 0 .. 1
+    // kg/m^3, of air that stands still and brakes what moves with the square of its speed, and its spin likewise, by the shadow
+    // that its hulls throw (bullet/air_drag.h). 1000: water, but nothing floats. 0: a vacuum.
+    float air_density = 1.2f;
     uint32_t solver_iterations = 20;           // more: stiffer piles; 10 more cost about a tenth of a step
     // How fast overlapping hulls are moved apart, m/s. Pieces that are not convex overlap their neighbours
     // with their hulls at birth: a high speed blows them apart, a low one lets hard impacts overlap for
@@ -177,6 +181,8 @@ class World {
     bool remove_body(BodyId id);
     // Removes all bodies and forgets the history: the world behaves as a new one does. Handles stay unused.
     void clear();
+    // The same, and goes on under other settings; asserts that they are valid.
+    void clear(const WorldSettings& settings);
 
     [[nodiscard]] size_t body_count() const;
     [[nodiscard]] bool contains(BodyId id) const;

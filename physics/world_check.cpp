@@ -100,6 +100,7 @@ Result<void> validate(const WorldSettings& settings) {
         return outside("linear_damping", settings.linear_damping, "between 0 and 1");
     if (!in(settings.angular_damping, 0.0f, 1.0f))
         return outside("angular_damping", settings.angular_damping, "between 0 and 1");
+    if (!in(settings.air_density, 0.0f, far)) return outside("air_density", settings.air_density, "0 kg/m^3 or more");
     if (!in(settings.separation_speed, 0.0f, far))
         return outside("separation_speed", settings.separation_speed, "0 m/s or more");
     if (!in(settings.debris_size, 0.0f, far)) return outside("debris_size", settings.debris_size, "0 m or more");

@@ -39,6 +39,26 @@ void measure(BodyRecord& body) {
         add(static_cast<const HullShape&>(*body.compound->getChildShape(i)), body.compound->getChildTransform(i).getOrigin());
 }
 
+void find_drag(BodyRecord& body, const BodyDesc& desc) {
+    CrossSection section;
+    const auto add = [&section](const CollisionHull& hull) {
+        const CrossSection own = hull.section.sides.empty() ? cross_section(hull.points) : hull.section;
+        section.sides.insert(section.sides.end(), own.sides.begin(), own.sides.end());
+    };
+    if (desc.parts.empty()) add(desc.hull);
+    for (const BodyPart& part : desc.parts) add(*part.hull);
+    if (desc.parts.size() > 1) section = bundled(section.sides);
+    for (glm::vec3& side : section.sides) side = glm::conjugate(body.to_principal) * side;
+    if (desc.parts.size() > 1) {
+        btVector3 low, high;
+        body.collision_shape()->getAabb(btTransform::getIdentity(), low, high);
+        const CrossSection around = section_of_box(glm::dvec3(metres_from_bullet(high - low)) * 0.5,
+                                                   {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)});
+        if (around.mean() < section.mean()) section = around;
+    }
+    body.drag = AirDrag(section.sides, body.mass, body.moments);
+}
+
 float longest_extent(const btCollisionShape& shape) {
     btVector3 low, high;
     shape.getAabb(btTransform::getIdentity(), low, high);

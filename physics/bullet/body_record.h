@@ -10,6 +10,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
+#include "physics/bullet/air_drag.h"
 #include "physics/bullet/convert.h"
 #include "physics/bullet/hull_shape.h"
 #include "physics/hull.h"
@@ -36,6 +37,7 @@ struct BodyRecord {
     glm::dvec3 moments{1.0};                        // principal, kg m^2
     float mass = 0.0f;                              // kg, as given
     bool fixed = false;
+    AirDrag drag;
     float reach = 0.0f, thickness = 0.0f; // Bullet's units: from the centre of mass; of the thinnest of its hulls
     Pose previous;
     btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame as the step began, after the repair
@@ -53,6 +55,9 @@ struct BodyRecord {
     float rest_seconds = 0.0f;                     // how long it has touched something near there
     bool touching = false;                         // in the last step
     bool sunk = false;                             // likewise: in the ground, too deep to sleep
+    bool resting = false;      // in this step: held where it is, see SteppedWorld::find_resting()
+    float unmoved_seconds = 0.0f; // how long nothing has kept it from that
+    uint32_t resting_on = 0;   // manifolds that it had when it came to rest, or in the last step
     std::vector<HullEdge>
         edges; // for debug lines, indices into the points of shape; filled when first asked for
     std::unique_ptr<HullShape> shape;                 // of a body with one hull; null for a compound
@@ -81,6 +86,9 @@ void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& o
 
 // Reach and thickness; the shape must be known.
 void measure(BodyRecord& body);
+
+// What the air does to it; the shape, moments and mass must be known.
+void find_drag(BodyRecord& body, const BodyDesc& desc);
 
 // The longest side of the shape's box in its own axes, in Bullet's units.
 [[nodiscard]] float longest_extent(const btCollisionShape& shape);

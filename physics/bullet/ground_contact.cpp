@@ -163,6 +163,7 @@ class HullOnPlane final : public btCollisionAlgorithm {
             if (before.m_index0 != corner.index) continue;
             point.m_appliedImpulse = before.m_appliedImpulse;
             point.m_appliedImpulseLateral1 = before.m_appliedImpulseLateral1;
+            point.m_lateralFrictionDir1 = before.m_lateralFrictionDir1;
             point.m_appliedImpulseLateral2 = before.m_appliedImpulseLateral2;
             point.m_lifeTime = before.m_lifeTime + 1;
         }

@@ -60,6 +60,10 @@ void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& ste
         const auto user = static_cast<size_t>(rigid.getUserIndex());
         if (user >= indices_.size()) indices_.resize(user + 1);
         indices_[user] = static_cast<uint32_t>(movers_.size());
+        if (body->resting) {
+            movers_.push_back({{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, rigid.getCenterOfMassPosition(), {0, 0, 0}, {0, 0, 0}, 0.0f});
+            continue;
+        }
         const btMatrix3x3& turning = rigid.getInvInertiaTensorWorld();
         movers_.push_back({{turning[0], turning[1], turning[2]},
                            rigid.getCenterOfMassPosition(),
@@ -147,7 +151,7 @@ RowSolver::Row RowSolver::row_along(const btVector3& normal, const Side& a, cons
         row.light_b = b.mover->light;
         apart += arm_b.dot(b.mover->angular) - normal.dot(b.mover->linear);
     }
-    row.gain = 1.0f / response;
+    row.gain = response > 0.0f ? 1.0f / response : 0.0f;
     row.wanted = -apart * row.gain;
     return row;
 }
@@ -162,14 +166,16 @@ void RowSolver::make_rows(Solved& contact, size_t place, const Step& step) {
 
     Row& row = contacts_[place];
     row = row_along(normal, a, b);
-    const float apart = -row.wanted / row.gain;
+    // Between those that rest, or where one does on what never moves: all stays as it is.
+    const bool still = row.gain == 0.0f;
+    const float apart = still ? 0.0f : -row.wanted / row.gain;
     // Before the step's gravity, which is the same for both where both move.
-    const float before = b.mover ? apart : apart - normal.dot(step.gravity) * step.seconds;
+    const float before = b.mover || still ? apart : apart - normal.dot(step.gravity) * step.seconds;
     contact.speed = -before;
     const float bounce =
         std::abs(before) < step.least_bounce_speed ? 0.0f : std::max(0.0f, -before * point.m_combinedRestitution);
     row.wanted += (bounce - std::max(contact.distance, 0.0f) / step.seconds) * row.gain;
-    row.impulse = point.m_appliedImpulse * kept_impulse;
+    row.impulse = point.m_appliedImpulse * (still ? 1.0f : kept_impulse);
     const float undone = (point.m_contactPointFlags & BT_CONTACT_FLAG_HAS_CONTACT_ERP) != 0 ? point.m_contactERP : undone_part;
     depths_[place] = std::max(-contact.distance, 0.0f) * undone / step.seconds * row.gain;
 
@@ -177,7 +183,9 @@ void RowSolver::make_rows(Solved& contact, size_t place, const Step& step) {
     if (b.mover) sliding -= b.mover->linear + b.mover->angular.cross(b.arm);
     sliding -= normal * apart;
     btVector3 along;
-    if (const float square = sliding.length2(); square > SIMD_EPSILON)
+    if (still && point.m_lateralFrictionDir1.length2() > 0.5f)
+        along = turned ? -point.m_lateralFrictionDir1 : point.m_lateralFrictionDir1;
+    else if (const float square = sliding.length2(); square > SIMD_EPSILON)
         along = sliding / std::sqrt(square);
     else {
         // Points beside each other take turns, so that together they hold both ways.
@@ -186,6 +194,7 @@ void RowSolver::make_rows(Solved& contact, size_t place, const Step& step) {
         if ((&point - &contact.manifold->getContactPoint(0)) % 2 != 0) along = across;
     }
     frictions_[place] = row_along(along, a, b);
+    if (still) frictions_[place].impulse = point.m_appliedImpulseLateral1;
     coefficients_[place] = point.m_combinedFriction;
 }
 

@@ -11,6 +11,7 @@
 //   two. No joints, no rolling friction.
 // - Where both bodies move they meet in one point, midway across a gap or an overlap. Bullet pushes each at its own side, and
 //   friction then turns the two by more than it should.
+// - A body that rests (SteppedWorld::find_resting) is moved by nothing; between those that do, impulses stay what they were.
 // - The solution starts from 0.85 of the impulses that the points have from the last one.
 // - Bullet's units throughout.
 //

@@ -22,6 +22,9 @@ constexpr float quiet_factor = 2.0f;
 // make of the sleeping time (4 cm and 0.4 rad) from where it was rocks in place, however fast.
 constexpr float place_factor = 2.0f;
 constexpr float place_part = 1.0f;
+// Who rests has been ready, with nothing fast or restless about, for this long, in seconds: what has lost its support is on
+// its way by then, and contacts press as they will go on to.
+constexpr float let_go_seconds = 0.1f;
 // Waiting counts up to this multiple of the sleeping time, so that a tremble does not at once wake a body
 // that waits for its neighbours.
 constexpr float patience = 1.5f;
@@ -32,8 +35,10 @@ constexpr float box_slack = 2e-3f;
 // What sweeps over more than this in a step, in metres, is out of all bounds.
 constexpr float longest_way = 1e5f;
 
-// What is deeper than this in the ground, in metres, does not fall asleep before it has come up.
+// What is deeper than this in the ground, in metres, does not fall asleep before it has come up, or has been where it is for
+// this multiple of the sleeping time: a crumb under what is hundreds of times as heavy never comes up.
 constexpr float sunk_depth = 1e-3f;
+constexpr float sunk_factor = 8.0f;
 
 } // namespace
 
@@ -45,6 +50,7 @@ void SteppedWorld::step(btScalar seconds) {
     find_pairs(seconds);
     siblings_.forget();
     find_islands();
+    if (settings_.sleeping) find_resting(seconds);
     solve(seconds);
     move_all(seconds);
     if (settings_.sleeping) find_who_settles(seconds);
@@ -63,6 +69,9 @@ void SteppedWorld::find_pairs(btScalar seconds) {
     broadphase_.calculateOverlappingPairs(getDispatcher());
     const std::optional<float>& ground = settings_.ground_height;
     siblings_.check(broadphase_.pairs(), ground ? std::optional(*ground * bullet_units) : std::nullopt);
+    // After that, as the air meets each piece of a cut alone: at once they would not fly as one any more.
+    if (settings_.air_density > 0.0f)
+        for (BodyRecord* body : stepped_) body->drag.brake(*body->rigid, settings_.air_density, seconds);
     getDispatcher()->dispatchAllCollisionPairs(broadphase_.getOverlappingPairCache(), info, getDispatcher());
 }
 
@@ -109,12 +118,49 @@ void SteppedWorld::find_islands() {
     }
 }
 
+void SteppedWorld::find_resting(btScalar seconds) {
+    company_.assign(bodies_.size(), {});
+    const auto ready = [](const btRigidBody& rigid) { return rigid.getActivationState() == WANTS_DEACTIVATION; };
+    for (const BodyRecord* body : islands_.awake())
+        if (is_fast(*body) || (rises(*body) && waited(*body) >= settings_.sleep_seconds)) company_[islands_.of(*body)].busy = true;
+    for (const btPersistentManifold* manifold : islands_.manifolds()) {
+        if (manifold->getNumContacts() == 0) continue;
+        bool pressed = false;
+        for (int p = 0; p < manifold->getNumContacts(); ++p)
+            pressed = pressed || manifold->getContactPoint(p).m_appliedImpulse > 0.0f;
+        for (const auto& [one, other] : {std::pair(manifold->getBody0(), manifold->getBody1()),
+                                         std::pair(manifold->getBody1(), manifold->getBody0())}) {
+            if (one->isStaticObject()) continue;
+            Company& company = company_[static_cast<size_t>(one->getUserIndex())];
+            ++company.manifolds;
+            company.pressed = company.pressed || pressed;
+            if (other->isStaticObject()) continue;
+            const btRigidBody& touched = *btRigidBody::upcast(other);
+            company.disturbed = company.disturbed || (!ready(touched) && speed_of(touched) > 1.0f);
+        }
+    }
+    for (BodyRecord* body : islands_.awake()) {
+        const Company& company = company_[static_cast<size_t>(body->rigid->getUserIndex())];
+        const bool left = company.manifolds < body->resting_on;
+        const bool alone = company_[islands_.of(*body)].busy || company.disturbed || left || !ready(*body->rigid);
+        // What falls is too fast after its first step, and nothing presses on it.
+        const bool carried = body->resting || (company.pressed && speed_of(*body->rigid) <= 1.0f);
+        body->unmoved_seconds = alone ? 0.0f : body->unmoved_seconds + seconds;
+        const bool rests = body->unmoved_seconds >= let_go_seconds && carried;
+        if (!body->resting || !rests) body->resting_on = company.manifolds;
+        body->resting = rests;
+        if (!rests) continue;
+        body->rigid->setLinearVelocity({0, 0, 0});
+        body->rigid->setAngularVelocity({0, 0, 0});
+    }
+}
+
 // Notes the velocities that bodies would have without contacts.
 void SteppedWorld::solve(btScalar seconds) {
     const btVector3 fall = getGravity() * seconds;
     for (BodyRecord* body : islands_.awake()) {
         body->unhindered = body->velocity();
-        body->unhindered.linear += fall;
+        if (!body->resting) body->unhindered.linear += fall;
     }
     solver_.solve(islands_.awake(), islands_.manifolds());
 }
@@ -151,13 +197,28 @@ void SteppedWorld::move_on(BodyRecord& body, btScalar seconds) {
     body.solved = body.velocity();
 }
 
+bool SteppedWorld::rises(const BodyRecord& body) const {
+    return body.sunk && body.rest_seconds < sunk_factor * settings_.sleep_seconds;
+}
+
+float SteppedWorld::waited(const BodyRecord& body) const {
+    return std::max(body.still_seconds, body.quiet_seconds / quiet_factor);
+}
+
+bool SteppedWorld::is_fast(const BodyRecord& body) const {
+    return body.rigid->getLinearVelocity().length() > tremble_factor * settings_.sleep_linear_speed * bullet_units;
+}
+
+// In sleeping speeds, which may be 0.
+float SteppedWorld::speed_of(const btRigidBody& body) const {
+    return std::max(body.getLinearVelocity().length() / (settings_.sleep_linear_speed * bullet_units),
+                    body.getAngularVelocity().length() / settings_.sleep_angular_speed);
+}
+
 void SteppedWorld::find_who_settles(btScalar seconds) {
-    find_touching();
+    find_touching(seconds);
     for (BodyRecord* body : islands_.awake()) {
-        const btRigidBody& rigid = *body->rigid;
-        const float speed =
-            std::max(rigid.getLinearVelocity().length() / (settings_.sleep_linear_speed * bullet_units),
-                     rigid.getAngularVelocity().length() / settings_.sleep_angular_speed);
+        const float speed = speed_of(*body->rigid);
         const bool in_place = rocks_in_place(*body, seconds);
         // One tremble that is soon over does not start the wait anew.
         if (!in_place && (!body->touching || speed > tremble_factor))
@@ -171,12 +232,12 @@ void SteppedWorld::find_who_settles(btScalar seconds) {
     const float kept = std::pow(settling_kept_per_second, seconds);
     for (BodyRecord* body : islands_.awake()) {
         btRigidBody& rigid = *body->rigid;
-        const float waited = std::max(body->still_seconds, body->quiet_seconds / quiet_factor);
-        if (waited > 0.5f * settings_.sleep_seconds) {
+        if (waited(*body) > 0.5f * settings_.sleep_seconds) {
             rigid.setLinearVelocity(rigid.getLinearVelocity() * kept);
             rigid.setAngularVelocity(rigid.getAngularVelocity() * kept);
         }
-        rigid.setActivationState(waited >= settings_.sleep_seconds && !body->sunk ? WANTS_DEACTIVATION : ACTIVE_TAG);
+        const bool ready = waited(*body) >= settings_.sleep_seconds && body->touching && !rises(*body);
+        rigid.setActivationState(ready ? WANTS_DEACTIVATION : ACTIVE_TAG);
     }
 }
 
@@ -201,8 +262,7 @@ void SteppedWorld::find_quiet(btScalar seconds) {
         Calm& island = calm_[islands_.of(*body)];
         island.mass += body->mass;
         if (body->still_seconds >= 0.5f * settings_.sleep_seconds) island.calm_mass += body->mass;
-        const float speed = body->rigid->getLinearVelocity().length() / bullet_units;
-        island.fast = island.fast || !body->touching || speed > tremble_factor * settings_.sleep_linear_speed;
+        island.fast = island.fast || is_fast(*body);
     }
     for (BodyRecord* body : islands_.awake()) {
         const Calm& island = calm_[islands_.of(*body)];
@@ -213,7 +273,7 @@ void SteppedWorld::find_quiet(btScalar seconds) {
     }
 }
 
-void SteppedWorld::find_touching() {
+void SteppedWorld::find_touching(btScalar seconds) {
     for (BodyRecord* body : islands_.awake()) body->touching = body->sunk = false;
     for (const btPersistentManifold* manifold : islands_.manifolds()) {
         if (manifold->getNumContacts() == 0) continue;
@@ -223,8 +283,13 @@ void SteppedWorld::find_touching() {
         if (manifold->getBody1()->getUserIndex() >= 0) continue;
         // Contacts with the ground have the body first.
         BodyRecord& body = *bodies_[static_cast<size_t>(manifold->getBody0()->getUserIndex())];
-        for (int p = 0; p < manifold->getNumContacts(); ++p)
-            body.sunk = body.sunk || manifold->getContactPoint(p).getDistance() < -sunk_depth * bullet_units;
+        // After the step, which may have turned a corner down.
+        for (int p = 0; p < manifold->getNumContacts(); ++p) {
+            const btManifoldPoint& point = manifold->getContactPoint(p);
+            const btVector3 arm = point.getPositionWorldOnA() - body.blow_frame.getOrigin();
+            const btScalar rise = body.rigid->getVelocityInLocalPoint(arm).dot(point.m_normalWorldOnB) * seconds;
+            body.sunk = body.sunk || point.getDistance() + rise < -sunk_depth * bullet_units;
+        }
     }
 }
 

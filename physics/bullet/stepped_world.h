@@ -44,13 +44,23 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     // Around the body for all of the step.
     void set_box(BodyRecord& body, btScalar seconds);
     void find_islands();
+    // An island sleeps when all of it is ready to, but a large heap is never ready at once: the solver leaves every body some
+    // creep, and every few seconds a piece that has crept far enough falls and keeps all others awake and creeping. So who is
+    // ready is held where it is, as though it had no end of mass, until something disturbs it: what it touches moves and is
+    // not ready itself, or is gone. Not where anything of the island is fast, as blows are taken by all, or waits to come up
+    // from the ground, as all must give way.
+    void find_resting(btScalar seconds);
     void solve(btScalar seconds);
     // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
     // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest.
     void find_who_settles(btScalar seconds);
     void move_all(btScalar seconds);
     void lose_fall(BodyRecord& body, btScalar seconds);
-    void find_touching();
+    void find_touching(btScalar seconds);
+    [[nodiscard]] float speed_of(const btRigidBody& body) const;
+    [[nodiscard]] float waited(const BodyRecord& body) const; // s
+    [[nodiscard]] bool rises(const BodyRecord& body) const;   // out of the ground, into which it was pressed
+    [[nodiscard]] bool is_fast(const BodyRecord& body) const; // too fast for a tremble
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
     void find_quiet(btScalar seconds);
@@ -68,6 +78,13 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         bool fast = false;                   // one of it is on its way
     };
     std::vector<Calm> calm_; // by island; scratch of one step
+    struct Company {
+        uint32_t manifolds = 0; // that it has contacts in
+        bool pressed = false;   // in the last step
+        bool disturbed = false; // by what it touches
+        bool busy = false;      // by island: nobody rests
+    };
+    std::vector<Company> company_; // by body; scratch of one step
 };
 
 } // namespace brittle::physics

@@ -18,7 +18,7 @@
 namespace brittle::physics::test_bodies {
 
 inline const WorldSettings empty_space{
-    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .sleeping = false};
+    .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false};
 
 // By half its sides.
 inline CollisionHull box_hull(const glm::vec3& half) {

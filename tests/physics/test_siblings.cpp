@@ -46,7 +46,7 @@ Outcome after_a_second(std::vector<BodyDesc> bodies, bool siblings, const WorldS
 
 TEST_CASE("pieces of one cut that are thrown fly as the whole would, and press on nobody") {
     const auto fragments = test::voronoi_pieces(glm::dvec3(-0.25), glm::dvec3(0.25), 60, 5);
-    World world({.ground_height = std::nullopt});
+    World world({.ground_height = std::nullopt, .air_density = 0.0f});
     const glm::vec3 speed(1.0f, 4.0f, -2.0f);
     const auto bodies = add_pieces(world, fragments, {}, {.linear_velocity = speed});
     REQUIRE(bodies.has_value());

@@ -65,6 +65,8 @@ TEST_CASE("settings outside their range are named with their value") {
         {{.ground_restitution = 2.0f}, "ground_restitution"},
         {{.linear_damping = 1.5f}, "linear_damping"},
         {{.angular_damping = -0.5f}, "angular_damping"},
+        {{.air_density = -1.0f}, "air_density"},
+        {{.air_density = nan_value}, "air_density"},
         {{.solver_iterations = 0}, "solver_iterations"},
         {{.separation_speed = -1.0f}, "separation_speed"},
         {{.debris_size = -1.0f}, "debris_size"},
@@ -133,7 +135,7 @@ TEST_CASE("handles stay valid while others go, and are never used again") {
 }
 
 TEST_CASE("free fall follows the parabola to within the error of the step") {
-    World world({.ground_height = std::nullopt});
+    World world({.ground_height = std::nullopt, .air_density = 0.0f});
     BodyDesc desc = box({0.1f, 0.1f, 0.1f}, 2.0f, {0.0f, 10.0f, 0.0f});
     desc.linear_velocity = {1.0f, 2.0f, 0.0f};
     const BodyId id = must_add(world, desc);

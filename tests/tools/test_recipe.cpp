@@ -61,7 +61,7 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
-    options.world = {.bonded = true, .anchored = true, .height = 1.5, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+    options.world = {.bonded = true, .anchored = true, .height = 1.5, .air_density = 0.3, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
     options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
     options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
                        .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};

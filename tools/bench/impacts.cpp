@@ -84,7 +84,7 @@ struct Frames {
     }
 };
 
-const WorldSettings empty_space{.gravity = glm::vec3(0.0f), .ground_height = std::nullopt, .sleeping = false};
+const WorldSettings empty_space{.gravity = glm::vec3(0.0f), .ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false};
 
 // The energy for which the damage has this radius.
 double energy_for(double radius, const Material& material, double volume) {

@@ -230,6 +230,9 @@ void add_world_benchmarks() {
         drop("3000", 8200, 1, false);
         drop("1000_of_3000", sites_for_1000, 1, true);
     }
+    add("world/vacuum/1000", 3, [](benchmark::State& state) {
+        run_drop(state, sites_for_1000, {.air_density = 0.0f, .debris_size = 0.0f}, false);
+    });
     add("world/add/meet/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, 1.0f); });
     add("world/add/debris/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, little_bunny); });
     add("world/tower", 1, run_tower);

@@ -266,6 +266,9 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
                        "Pieces of breakable things in the world; beyond it debris goes: first what is not in the picture, then what is small and old")
         ->check(CLI::Range(1u, 1'000'000u))
         ->capture_default_str();
+    command.add_option("--air-density", world.air_density, "Of the air that brakes what moves, kg/m^3; 0 is a vacuum")
+        ->check(CLI::Range(0.0, 1e4))
+        ->capture_default_str();
     command.add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")
         ->check(CLI::Range(0.0, 100.0))
         ->capture_default_str();

@@ -88,6 +88,7 @@ Json world_json(const WorldOptions& world) {
     if (world.bonded) json["bonded"] = true;
     if (world.anchored) json["anchored"] = true;
     if (world.height != plain.height) json["height"] = world.height;
+    if (world.air_density != plain.air_density) json["air_density"] = world.air_density;
     if (world.strength != plain.strength) json["strength"] = world.strength;
     if (world.breakable) json["breakable"] = true;
     if (world.min_size != plain.min_size) json["min_size"] = world.min_size;
@@ -249,6 +250,7 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     reader.flag("bonded", world.bonded);
     reader.flag("anchored", world.anchored);
     reader.number("height", world.height, 0.0, 100.0);
+    reader.number("air_density", world.air_density, 0.0, 1e4);
     reader.number("strength", world.strength, 1e-6, 1e6);
     reader.flag("breakable", world.breakable);
     reader.number("min_size", world.min_size, 1e-4, 10.0);

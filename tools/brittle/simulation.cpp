@@ -145,6 +145,9 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
 
 void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead) {
     clear();
+    physics::WorldSettings settings = world_.settings();
+    settings.air_density = static_cast<float>(options.air_density);
+    world_.clear(settings);
     if (options.breakable) {
         start_breakable(fragments, options, ahead);
     } else if (holds_together(options)) {

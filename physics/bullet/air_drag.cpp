@@ -1,0 +1,65 @@
+#include "physics/bullet/air_drag.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "physics/bullet/convert.h"
+#include "physics/bullet/float4.h"
+
+namespace brittle::physics {
+
+namespace {
+
+// 1 + x is 1 below: the air changes no bit.
+constexpr float nothing = 5e-8f;
+
+constexpr size_t group_size = 12; // floats of four sides
+
+} // namespace
+
+AirDrag::AirDrag(std::span<const glm::vec3> sides, float mass, const glm::dvec3& moments) {
+    lanes_.assign((sides.size() + 3) / 4 * group_size, 0.0f);
+    const float of_area = 0.5f * drag_coefficient / mass;
+    std::array<double, 3> across{}; // the mean of |side . u| over unit vectors u across an axis
+    for (size_t i = 0; i < sides.size(); ++i) {
+        const glm::vec3 side = of_area * sides[i];
+        for (size_t axis = 0; axis < 3; ++axis)
+            lanes_[i / 4 * group_size + axis * 4 + i % 4] = side[static_cast<int>(axis)];
+        most_ += glm::length(side);
+        const glm::dvec3 square = glm::dvec3(side) * glm::dvec3(side);
+        for (int axis = 0; axis < 3; ++axis)
+            across[static_cast<size_t>(axis)] +=
+                2.0 / std::numbers::pi * std::sqrt(square[(axis + 1) % 3] + square[(axis + 2) % 3]);
+    }
+    for (int axis = 0; axis < 3; ++axis)
+        spin_[axis] = static_cast<float>(across[static_cast<size_t>(axis)] * std::sqrt(moments[axis] / static_cast<double>(mass)));
+}
+
+void AirDrag::brake(btRigidBody& body, float density, float seconds) const {
+    const float air = density * seconds;
+    const btMatrix3x3& basis = body.getWorldTransform().getBasis();
+    const btVector3 velocity = body.getLinearVelocity() / bullet_units;
+    if (air * most_ * velocity.length() > nothing) {
+        const btVector3 along = velocity * basis; // in principal axes
+        const Float4 x = Float4::all(along.x()), y = Float4::all(along.y()), z = Float4::all(along.z());
+        Float4 sum = Float4::all(0.0f);
+        for (const float* group = lanes_.data(); group != lanes_.data() + lanes_.size(); group += group_size) {
+            const Float4 met = Float4::load(group) * x + Float4::load(group + 4) * y + Float4::load(group + 8) * z;
+            sum = sum + max(met, Float4::all(0.0f) - met);
+        }
+        float met[4];
+        sum.store(met);
+        body.setLinearVelocity(body.getLinearVelocity() / (1.0f + air * ((met[0] + met[1]) + (met[2] + met[3]))));
+    }
+    const btVector3& spin = body.getAngularVelocity();
+    const btVector3 lost = spin_ * (air * spin.length());
+    if (lost[lost.maxAxis()] > nothing) {
+        const btVector3 own = spin * basis;
+        body.setAngularVelocity(basis * btVector3(own.x() / (1.0f + lost.x()), own.y() / (1.0f + lost.y()), own.z() / (1.0f + lost.z())));
+    }
+}
+
+} // namespace brittle::physics
