@@ -106,10 +106,10 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     body->previous = body->pose();
     if (desc.previous) body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
 
-    const bool debris =
+    body->debris =
         !desc.fixed && longest_extent(*body->collision_shape()) < impl_->settings.debris_size * bullet_units;
-    impl_->engine->world->addRigidBody(body->rigid.get(), group_of(desc.fixed, debris),
-                                       partners_of(desc.fixed, debris));
+    impl_->engine->world->addRigidBody(body->rigid.get(), group_of(desc.fixed, body->debris),
+                                       partners_of(desc.fixed, body->debris));
     impl_->engine->solver.forget_sleeping();
     ++impl_->next_id;
     impl_->ids.push_back(body->id);

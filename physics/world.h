@@ -18,8 +18,8 @@
 // - After each step, contacts() tells who pressed on whom, where, and how hard.
 // - Air brakes what moves (WorldSettings::air_density); nothing is turned or reversed by it.
 // - Without air, angular momentum and energy of a freely spinning body are conserved (rotation.h), for any inertia.
-// - Not thread-safe, and two Worlds must not step at the same time: Bullet keeps globals. Uses no threads
-// itself.
+// - Not thread-safe, and two Worlds must not step at the same time: Bullet keeps globals. A step itself works on several
+//   threads (WorldSettings::threads); what happens does not depend on how many, bit for bit.
 //
 //     World world({.ground_height = 0.0f});
 //     Result<std::vector<BodyId>> bodies = add_pieces(world, fragments, {});   // pieces.h
@@ -52,6 +52,7 @@ using fracture::Result;
 struct WorldSettings {
     glm::vec3 gravity{0.0f, -9.81f, 0.0f}; // m/s^2
     float step = 1.0f / 120.0f;            // s; longer steps let piles sag, shorter ones cost in proportion
+    uint32_t threads = 0;                  // that share a step; 0: one a core. Results do not depend on it
     uint32_t max_substeps = 4;             // steps one advance() may take; time beyond them is dropped
     std::optional<float> ground_height = 0.0f; // m, a plane y = height, solid below; nothing: no ground
     float ground_friction = 0.6f;              // multiplied with a body's friction
@@ -59,7 +60,8 @@ struct WorldSettings {
     float linear_damping = 0.0f;               // fraction of velocity lost in one second, 0 .. 1
     float angular_damping = 0.0f;              // fraction of angular velocity lost in one second, 0 .. 1
     // kg/m^3, of air that stands still and brakes what moves with the square of its speed, and its spin likewise, by the shadow
-    // that its hulls throw (bullet/air_drag.h). 1000: water, but nothing floats. 0: a vacuum.
+    // that its hulls throw (bullet/air_drag.h); what it takes of less than a thirtieth of gravity is left out. 1000: water, but nothing
+    // floats. 0: a vacuum.
     float air_density = 1.2f;
     uint32_t solver_iterations = 20;           // more: stiffer piles; 10 more cost about a tenth of a step
     // How fast overlapping hulls are moved apart, m/s. Pieces that are not convex overlap their neighbours

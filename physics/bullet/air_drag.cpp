@@ -1,5 +1,6 @@
 #include "physics/bullet/air_drag.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -34,15 +35,19 @@ AirDrag::AirDrag(std::span<const glm::vec3> sides, float mass, const glm::dvec3&
             across[static_cast<size_t>(axis)] +=
                 2.0 / std::numbers::pi * std::sqrt(square[(axis + 1) % 3] + square[(axis + 2) % 3]);
     }
-    for (int axis = 0; axis < 3; ++axis)
-        spin_[axis] = static_cast<float>(across[static_cast<size_t>(axis)] * std::sqrt(moments[axis] / static_cast<double>(mass)));
+    for (int axis = 0; axis < 3; ++axis) {
+        const double radius = std::sqrt(moments[axis] / static_cast<double>(mass));
+        spin_[axis] = static_cast<float>(across[static_cast<size_t>(axis)] * radius);
+        radius_ = std::max(radius_, static_cast<float>(radius));
+    }
 }
 
-void AirDrag::brake(btRigidBody& body, float density, float seconds) const {
+void AirDrag::brake(btRigidBody& body, float density, float seconds, float unfelt) const {
     const float air = density * seconds;
     const btMatrix3x3& basis = body.getWorldTransform().getBasis();
     const btVector3 velocity = body.getLinearVelocity() / bullet_units;
-    if (air * most_ * velocity.length() > nothing) {
+    const float speed = velocity.length(), most = air * most_ * speed;
+    if (most > nothing && most * speed > unfelt) {
         const btVector3 along = velocity * basis; // in principal axes
         const Float4 x = Float4::all(along.x()), y = Float4::all(along.y()), z = Float4::all(along.z());
         Float4 sum = Float4::all(0.0f);
@@ -56,7 +61,8 @@ void AirDrag::brake(btRigidBody& body, float density, float seconds) const {
     }
     const btVector3& spin = body.getAngularVelocity();
     const btVector3 lost = spin_ * (air * spin.length());
-    if (lost[lost.maxAxis()] > nothing) {
+    const float most_lost = lost[lost.maxAxis()];
+    if (most_lost > nothing && most_lost * spin.length() * radius_ > unfelt) {
         const btVector3 own = spin * basis;
         body.setAngularVelocity(basis * btVector3(own.x() / (1.0f + lost.x()), own.y() / (1.0f + lost.y()), own.z() / (1.0f + lost.z())));
     }

@@ -30,13 +30,15 @@ class AirDrag {
     // Sides of the shadow (CrossSection::sides) and moments in principal axes; kg, m^2, kg m^2.
     AirDrag(std::span<const glm::vec3> sides, float mass, const glm::dvec3& moments);
 
-    // Takes from the velocities of a body with these principal axes what air of a density, kg/m^3, takes in a time, s.
-    void brake(btRigidBody& body, float density, float seconds) const;
+    // Takes from the velocities of a body with these principal axes what air of a density, kg/m^3, takes in a time, s; nothing
+    // where that is less than `unfelt`, m/s.
+    void brake(btRigidBody& body, float density, float seconds, float unfelt) const;
 
   private:
     std::vector<float> lanes_; // sides times 1/2 C / m, by groups of four: four x, four y, four z; filled up with zero
     float most_ = 0.0f;        // at least their shadow from any side; m^2/kg
     btVector3 spin_{0, 0, 0};  // 1/2 C A g^3 / I, m^3/kg
+    float radius_ = 0.0f;      // the largest g, m
 };
 
 } // namespace brittle::physics

@@ -36,7 +36,7 @@ struct BodyRecord {
     glm::quat to_principal{1.0f, 0.0f, 0.0f, 0.0f}; // body axes = to_principal * principal axes
     glm::dvec3 moments{1.0};                        // principal, kg m^2
     float mass = 0.0f;                              // kg, as given
-    bool fixed = false;
+    bool fixed = false, debris = false;
     AirDrag drag;
     float reach = 0.0f, thickness = 0.0f; // Bullet's units: from the centre of mass; of the thinnest of its hulls
     Pose previous;

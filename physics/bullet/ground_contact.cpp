@@ -11,6 +11,7 @@
 
 #include "physics/bullet/convert.h"
 #include "physics/bullet/hull_shape.h"
+#include "physics/bullet/narrow_phase.h"
 
 namespace brittle::physics {
 
@@ -80,19 +81,28 @@ void keep_best(std::vector<Corner>& corners) {
     corners.resize(kept);
 }
 
-class HullOnPlane final : public btCollisionAlgorithm {
+class HullOnPlane final : public FollowedContacts {
   public:
     HullOnPlane(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* hull,
                 const btCollisionObject* plane)
-        : btCollisionAlgorithm(info), hull_(hull), plane_(plane) {}
+        : FollowedContacts(info), hull_(hull), plane_(plane) {}
     ~HullOnPlane() override { keep_manifolds(0); }
 
     void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                           const btDispatcherInfo& info, btManifoldResult*) override {
         const btCollisionObjectWrapper& hull = *(first->getCollisionObject() == hull_ ? first : second);
-        find_corners(hull, info.m_timeStep);
-        keep_best(corners_);
-        replace_contacts(hull.m_index);
+        std::vector<Corner>& corners = find_corners(hull, info.m_timeStep);
+        keep_best(corners);
+        replace_contacts(corners, hull.m_index);
+    }
+    bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                const btDispatcherInfo& info) override {
+        const btCollisionObjectWrapper& hull = first.getCollisionObject() == hull_ ? first : second;
+        std::vector<Corner>& corners = find_corners(hull, info.m_timeStep);
+        keep_best(corners);
+        if (manifolds_for(corners) != manifold_count_) return false;
+        replace_contacts(corners, hull.m_index);
+        return true;
     }
 
     // Only asked for objects that sweep; ours do not.
@@ -105,9 +115,10 @@ class HullOnPlane final : public btCollisionAlgorithm {
     }
 
   private:
-    // The hull is the body's own or, with a frame of its own, one of a compound's.
-    void find_corners(const btCollisionObjectWrapper& hull, btScalar seconds) {
-        corners_.clear();
+    // The hull is the body's own or, with a frame of its own, one of a compound's. Valid until the thread's next call.
+    std::vector<Corner>& find_corners(const btCollisionObjectWrapper& hull, btScalar seconds) const {
+        thread_local std::vector<Corner> corners;
+        corners.clear();
         const auto& shape = static_cast<const HullShape&>(*hull.getCollisionShape());
         const btScalar height =
             static_cast<const btStaticPlaneShape&>(*plane_->getCollisionShape()).getPlaneConstant()
@@ -121,7 +132,7 @@ class HullOnPlane final : public btCollisionAlgorithm {
         const btScalar lowest = frame.getOrigin().y() - shape.reach(-frame.getBasis()[1]) - shape.getMargin() - height;
         const btScalar fastest =
             std::abs(velocity.y()) + body->getAngularVelocity().length() * (origin.length() + shape.radius());
-        if (lowest > resting + turned_approach * fastest * seconds) return;
+        if (lowest > resting + turned_approach * fastest * seconds) return corners;
         for (int i = 0; i < shape.getNumPoints(); ++i) {
             const btVector3 arm =
                 frame.getBasis() * shape.getUnscaledPoints()[i] - btVector3(0, shape.getMargin(), 0);
@@ -129,24 +140,30 @@ class HullOnPlane final : public btCollisionAlgorithm {
             const btScalar approach = -(velocity + body->getAngularVelocity().cross(origin + arm)).y();
             const btScalar distance = position.y() - height;
             if (distance < resting + turned_approach * std::max<btScalar>(approach, 0.0f) * seconds)
-                corners_.push_back({position, distance, distance - approach * seconds, i});
+                corners.push_back({position, distance, distance - approach * seconds, i});
         }
+        return corners;
+    }
+
+    static size_t manifolds_for(const std::vector<Corner>& corners) {
+        return (corners.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
     }
 
     // A corner that was a contact before keeps the impulses that the solver starts from.
-    void replace_contacts(int part) {
-        old_.clear();
+    void replace_contacts(const std::vector<Corner>& corners, int part) {
+        thread_local std::vector<btManifoldPoint> old;
+        old.clear();
         for (size_t m = 0; m < manifold_count_; ++m) {
             for (int i = 0; i < manifolds_[m]->getNumContacts(); ++i)
-                old_.push_back(manifolds_[m]->getContactPoint(i));
+                old.push_back(manifolds_[m]->getContactPoint(i));
             manifolds_[m]->clearManifold();
         }
-        keep_manifolds((corners_.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE);
-        for (size_t i = 0; i < corners_.size(); ++i)
-            manifolds_[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(contact_at(corners_[i], part));
+        keep_manifolds(manifolds_for(corners));
+        for (size_t i = 0; i < corners.size(); ++i)
+            manifolds_[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(contact_at(corners[i], old, part));
     }
 
-    [[nodiscard]] btManifoldPoint contact_at(const Corner& corner, int part) const {
+    [[nodiscard]] btManifoldPoint contact_at(const Corner& corner, const std::vector<btManifoldPoint>& old, int part) const {
         const btVector3 below = corner.position - btVector3(0, corner.distance, 0);
         btManifoldPoint point(hull_->getWorldTransform().invXform(corner.position),
                               plane_->getWorldTransform().invXform(below), btVector3(0, 1, 0),
@@ -159,7 +176,7 @@ class HullOnPlane final : public btCollisionAlgorithm {
         point.m_contactERP = undone_part;
         point.m_index0 = corner.index;
         point.m_partId0 = part;
-        for (const btManifoldPoint& before : old_) {
+        for (const btManifoldPoint& before : old) {
             if (before.m_index0 != corner.index) continue;
             point.m_appliedImpulse = before.m_appliedImpulse;
             point.m_appliedImpulseLateral1 = before.m_appliedImpulseLateral1;
@@ -180,8 +197,6 @@ class HullOnPlane final : public btCollisionAlgorithm {
     const btCollisionObject* plane_;
     std::array<btPersistentManifold*, most_corners / MANIFOLD_CACHE_SIZE> manifolds_{}; // four contacts each
     size_t manifold_count_ = 0;
-    std::vector<Corner> corners_;       // scratch of one call
-    std::vector<btManifoldPoint> old_; // likewise
 };
 
 struct CreateHullOnPlane final : btCollisionAlgorithmCreateFunc {

@@ -12,6 +12,7 @@
 #include "physics/bullet/first_touch.h"
 #include "physics/bullet/hull_distance.h"
 #include "physics/bullet/hull_shape.h"
+#include "physics/bullet/narrow_phase.h"
 #include "physics/bullet/siblings.h"
 #include "physics/bullet/step_stops.h"
 
@@ -57,6 +58,14 @@ bool is_debris(const btCollisionObjectWrapper& object) {
            == btBroadphaseProxy::DebrisFilter;
 }
 
+HullShape point_hull() {
+    HullShape point;
+    point.addPoint({0, 0, 0}, false);
+    point.setMargin(0.0f);
+    point.finish();
+    return point;
+}
+
 // Whether both move, and the first does not stop the second on its way (step_stops.h): it is pushed instead, by a contact that
 // is made ahead.
 bool much_lighter(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
@@ -65,11 +74,11 @@ bool much_lighter(const btCollisionObjectWrapper& first, const btCollisionObject
     return heavy > 0.0f && heavy < StepStops::light_part * light;
 }
 
-class HullPair final : public btCollisionAlgorithm {
+class HullPair final : public FollowedContacts {
   public:
     HullPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* first,
              const btCollisionObjectWrapper* second)
-        : btCollisionAlgorithm(info), manifold_(info.m_manifold), own_(!info.m_manifold) {
+        : FollowedContacts(info), manifold_(info.m_manifold), own_(!info.m_manifold) {
         const HullShape& a = hull_of(*first);
         const HullShape& b = hull_of(*second);
         const btScalar radius_a = a.radius(), radius_b = b.radius();
@@ -97,24 +106,12 @@ class HullPair final : public btCollisionAlgorithm {
 
     void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                           const btDispatcherInfo& info, btManifoldResult* result) override {
-        const btTransform relative = relative_of(*first, *second);
-        const bool pushed = (pushed_by_first_ && is_wild(*first, info.m_timeStep))
-                            || (pushed_by_second_ && is_wild(*second, info.m_timeStep))
-                            || (alike_ && may_sink_in(*first, *second, info.m_timeStep));
-        const btScalar ahead = looks_ahead_ || pushed ? approach(*first, *second) * info.m_timeStep : 0.0f;
-        if (!(moved_since(relative) + ahead < free_)) {
-            seen_ = relative;
-            free_ = look(*first, *second, near_ + ahead, *result);
-        }
-        if (!own_ || !manifold_) return;
-        result->setPersistentManifold(manifold_);
-        result->refreshContactPoints();
-        if (manifold_->getNumContacts() == 0)
-            release();
-        else if (pushed)
-            meet_ahead(*first, *second, info.m_timeStep);
-        else if (on_larger_)
-            add_corners(*first, *second, info.m_timeStep, *result);
+        (void)update(*first, *second, info, *result, true);
+    }
+    bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                const btDispatcherInfo& info) override {
+        btManifoldResult result(&first, &second);
+        return update(first, second, info, result, false);
     }
 
     // Only asked for objects that sweep; ours do not.
@@ -127,6 +124,41 @@ class HullPair final : public btCollisionAlgorithm {
     }
 
   private:
+    // False, and to be done again, where the manifold must come or go and that is not allowed.
+    bool update(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, const btDispatcherInfo& info,
+                btManifoldResult& result, bool may_come_and_go) {
+        const btTransform relative = relative_of(first, second);
+        const bool pushed = (pushed_by_first_ && is_wild(first, info.m_timeStep))
+                            || (pushed_by_second_ && is_wild(second, info.m_timeStep))
+                            || (alike_ && may_sink_in(first, second, info.m_timeStep));
+        const btScalar ahead = looks_ahead_ || pushed ? approach(first, second) * info.m_timeStep : 0.0f;
+        const btScalar near = near_ + ahead;
+        if (!first_touch_ && !(moved_since(relative) + ahead < free_)) {
+            seen_ = relative;
+            const std::optional<HullDistance> touch = look(first, second, near);
+            if (touch && !manifold_ && !may_come_and_go) {
+                first_touch_ = touch;
+                return false;
+            }
+            if (touch) add_contact(first, second, *touch, near, result);
+        }
+        if (first_touch_) add_contact(first, second, *first_touch_, near, result);
+        first_touch_.reset();
+        if (!own_ || !manifold_) return true;
+        result.setPersistentManifold(manifold_);
+        result.refreshContactPoints();
+        if (manifold_->getNumContacts() > 0) {
+            if (pushed)
+                meet_ahead(first, second, info.m_timeStep);
+            else if (on_larger_)
+                add_corners(first, second, info.m_timeStep, result);
+        }
+        if (manifold_->getNumContacts() > 0) return true;
+        if (!may_come_and_go) return false;
+        release();
+        return true;
+    }
+
     // The frame of the smaller hull in that of the other one.
     [[nodiscard]] btTransform relative_of(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) const {
         const btTransform &a = first.getWorldTransform(), &b = second.getWorldTransform();
@@ -179,27 +211,30 @@ class HullPair final : public btCollisionAlgorithm {
                - reach(hull_of(second), second.getWorldTransform(), direction) - margins_;
     }
 
-    // Finds a contact, if there is one, and says by how much the hulls may move until it must be called
-    // again.
-    btScalar look(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                  btScalar near, btManifoldResult& result) {
+    // Finds a contact, if there is one, and by how much the hulls may move until they must be looked at again.
+    std::optional<HullDistance> look(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                                     btScalar near) {
         const btTransform& a = first.getWorldTransform();
-        const btScalar known = gap(first, second, a.getBasis() * axis_) - near;
-        if (known > 0.0f) return known;
-
-        const int before = manifold_ ? manifold_->getNumContacts() : 0;
-        const HullShape& hull_b = hull_of(second);
-        const HullDistance found =
-            hull_distance(hull_of(first), hull_b, a.inverseTimes(second.getWorldTransform()), margins_ + near, corners_);
+        free_ = gap(first, second, a.getBasis() * axis_) - near;
+        if (free_ > 0.0f) return std::nullopt;
+        const HullDistance found = hull_distance(hull_of(first), hull_of(second),
+                                                 a.inverseTimes(second.getWorldTransform()), margins_ + near, corners_);
         axis_ = found.normal;
-        const btScalar distance = found.distance - margins_;
-        if (distance > near) return distance - near;
+        free_ = found.distance - margins_ - near;
+        return free_ > 0.0f ? std::nullopt : std::optional(found);
+    }
+
+    void add_contact(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, const HullDistance& touch,
+                     btScalar near, btManifoldResult& result) {
+        const btTransform& a = first.getWorldTransform();
         if (!manifold_)
             manifold_ = m_dispatcher->getNewManifold(first.getCollisionObject(), second.getCollisionObject());
         if (near > near_) manifold_->setContactBreakingThreshold(near);
+        const int before = manifold_->getNumContacts();
         result.setPersistentManifold(manifold_);
-        result.addContactPoint(a.getBasis() * found.normal, a * (found.point + found.normal * hull_b.getMargin()), distance);
-        return manifold_->getNumContacts() == before ? still_ : -1.0f;
+        result.addContactPoint(a.getBasis() * touch.normal,
+                               a * (touch.point + touch.normal * hull_of(second).getMargin()), touch.distance - margins_);
+        free_ = manifold_->getNumContacts() == before ? still_ : -1.0f;
     }
 
     // On a floor or a wall each corner of the smaller hull that the step may bring down is a contact, as on the ground
@@ -271,20 +306,21 @@ class HullPair final : public btCollisionAlgorithm {
         const std::optional<Touch> touch = touch_ahead(first, second, seconds);
         manifold_->clearManifold();
         manifold_->setContactBreakingThreshold(near_);
-        if (!touch) return release();
+        if (!touch) return;
         const HullShape& hull = hull_of(first_moves_ ? first : second);
         const HullShape& other = hull_of(first_moves_ ? second : first);
         const btTransform &frame = first_moves_ ? touch->first : touch->second,
                           &other_frame = first_moves_ ? touch->second : touch->first;
         const btVector3 away = first_moves_ ? touch->normal : -touch->normal;
         const btVector3 on_other = first_moves_ ? touch->on_second : touch->on_second + touch->normal * touch->distance;
-        low_.clear();
+        thread_local std::vector<btVector3> low; // corners
+        low.clear();
         btVector3 middle(0, 0, 0);
         for (int i = 0; i < hull.getNumPoints(); ++i) {
             const btVector3 corner = frame * hull.getUnscaledPoints()[i];
             if ((corner - frame.getOrigin()).dot(away) > 0.0f) continue;
             middle += corner;
-            low_.push_back(corner);
+            low.push_back(corner);
         }
         const auto add = [&](const btVector3& corner) {
             const Below below = below_of(other, other_frame, corner);
@@ -294,14 +330,14 @@ class HullPair final : public btCollisionAlgorithm {
             if (!has_contact_near(first_moves_ ? point.getPositionWorldOnA() : point.getPositionWorldOnB(), same_part * radius_))
                 manifold_->addManifoldPoint(point);
         };
-        if (!low_.empty()) add(middle / static_cast<btScalar>(low_.size())); // solved first, so that it turns only if it must
+        if (!low.empty()) add(middle / static_cast<btScalar>(low.size())); // solved first, so that it turns only if it must
         manifold_->addManifoldPoint(ahead_of(known, *touch, on_other + away * touch->distance, {away, touch->distance}));
-        while (!low_.empty() && manifold_->getNumContacts() < MANIFOLD_CACHE_SIZE) {
-            const auto farthest = std::ranges::max_element(low_, {}, [&](const btVector3& corner) {
+        while (!low.empty() && manifold_->getNumContacts() < MANIFOLD_CACHE_SIZE) {
+            const auto farthest = std::ranges::max_element(low, {}, [&](const btVector3& corner) {
                 return to_contacts(first_moves_ ? corner : corner - touch->way);
             });
             add(*farthest);
-            low_.erase(farthest);
+            low.erase(farthest);
         }
     }
 
@@ -312,10 +348,7 @@ class HullPair final : public btCollisionAlgorithm {
     };
     [[nodiscard]] Below below_of(const HullShape& other, const btTransform& frame, const btVector3& corner,
                                  btScalar most = BT_LARGE_FLOAT) const {
-        HullShape tip;
-        tip.addPoint({0, 0, 0}, false);
-        tip.setMargin(0.0f);
-        tip.finish();
+        static const HullShape tip = point_hull();
         NearCorners nowhere;
         const HullDistance found =
             hull_distance(tip, other, btTransform(btMatrix3x3::getIdentity(), corner).inverseTimes(frame), most, nowhere);
@@ -398,7 +431,7 @@ class HullPair final : public btCollisionAlgorithm {
     btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look
     btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame
     NearCorners corners_;
-    std::vector<btVector3> low_; // scratch of one call
+    std::optional<HullDistance> first_touch_; // found when there could be no manifold for it
     btVector3 axis_; // unit, from second to first, in the first's frame: separated them last
 };
 

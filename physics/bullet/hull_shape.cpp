@@ -34,6 +34,7 @@ void HullShape::finish() {
         square = std::max(square, point.length2());
     }
     radius_ = std::sqrt(square) + getMargin();
+    motion_disc_ = btConvexHullShape::getAngularMotionDisc();
 }
 
 void HullShape::getAabb(const btTransform& frame, btVector3& low, btVector3& high) const {

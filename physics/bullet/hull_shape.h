@@ -25,10 +25,12 @@ class HullShape final : public btConvexHullShape {
     [[nodiscard]] int farthest(const btVector3& direction) const;
     // Radius of the ball around the shape's origin that holds it, margin included.
     [[nodiscard]] btScalar radius() const { return radius_; }
+    // Bullet finds it from the box each time it is asked.
+    [[nodiscard]] btScalar getAngularMotionDisc() const override { return motion_disc_; }
 
   private:
     std::vector<btScalar> lanes_; // by groups of four points: four x, four y, four z; the last point fills up
-    btScalar radius_ = 0.0f;
+    btScalar radius_ = 0.0f, motion_disc_ = 0.0f;
 };
 
 } // namespace brittle::physics

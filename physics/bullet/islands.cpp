@@ -25,20 +25,26 @@ bool wakes(const btBroadphasePair& pair) {
     return moves(first) && moves(second) && sleeps(first) != sleeps(second);
 }
 
-void for_each(const SweptPairs& pairs, bool all, const auto& visit) {
+// Fewer pairs than this are not worth waking another thread for.
+constexpr uint32_t least_pairs = 512;
+
+uint32_t count_of(const SweptPairs& pairs, bool all) {
+    return static_cast<uint32_t>(all ? static_cast<size_t>(pairs.getNumOverlappingPairs()) : pairs.set().size());
+}
+
+// Of all pairs, or those with a box that was set, some.
+void for_each(const SweptPairs& pairs, bool all, uint32_t begin, uint32_t end, const auto& visit) {
     const btBroadphasePair* const array = pairs.getOverlappingPairArrayPtr();
-    if (all)
-        for (int i = 0; i < pairs.getNumOverlappingPairs(); ++i) visit(array[i]);
-    else
-        for (const int index : pairs.set()) visit(array[index]);
+    for (uint32_t i = begin; i < end; ++i) visit(array[all ? static_cast<int>(i) : pairs.set()[i]]);
 }
 
 } // namespace
 
-void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const SweptPairs& pairs) {
+void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const SweptPairs& pairs,
+                   fracture::Threads& threads) {
     // Who belongs to whom among those that sleep is not kept: it is found again when one of them wakes.
     bool all = false;
-    for_each(pairs, false, [&](const btBroadphasePair& pair) { all = all || wakes(pair); });
+    for_each(pairs, false, 0, count_of(pairs, false), [&](const btBroadphasePair& pair) { all = all || wakes(pair); });
     members_.clear();
     parents_.resize(bodies.size());
     lively_.assign(bodies.size(), 0);
@@ -47,10 +53,9 @@ void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const
             members_.push_back(i);
             parents_[i] = i;
         }
-    for_each(pairs, all, [this](const btBroadphasePair& pair) { unite(pair); });
+    for_each(pairs, all, 0, count_of(pairs, all), [this](const btBroadphasePair& pair) { unite(pair); });
     settle(bodies);
-    manifolds_.clear();
-    for_each(pairs, all, [this](const btBroadphasePair& pair) { collect(pair); });
+    collect(pairs, all, threads);
 }
 
 void Islands::settle(const std::vector<std::unique_ptr<BodyRecord>>& bodies) {
@@ -85,13 +90,19 @@ void Islands::unite(const btBroadphasePair& pair) {
     parents_[b] = a;
 }
 
-void Islands::collect(const btBroadphasePair& pair) {
-    const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
-    const bool rest = (!moves(first) || sleeps(first)) && (!moves(second) || sleeps(second));
-    if (rest || !pair.m_algorithm) return;
-    of_pair_.resizeNoInitialize(0);
-    pair.m_algorithm->getAllContactManifolds(of_pair_);
-    for (int i = 0; i < of_pair_.size(); ++i) manifolds_.push_back(of_pair_[i]);
+void Islands::collect(const SweptPairs& pairs, bool all, fracture::Threads& threads) {
+    const uint32_t count = count_of(pairs, all);
+    std::vector<btManifoldArray> parts(threads.chunks(count, least_pairs));
+    threads.for_chunks(count, least_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        for_each(pairs, all, begin, end, [&](const btBroadphasePair& pair) {
+            const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
+            const bool rest = (!moves(first) || sleeps(first)) && (!moves(second) || sleeps(second));
+            if (!rest && pair.m_algorithm) pair.m_algorithm->getAllContactManifolds(parts[chunk]);
+        });
+    });
+    manifolds_.clear();
+    for (const btManifoldArray& part : parts)
+        for (int i = 0; i < part.size(); ++i) manifolds_.push_back(part[i]);
 }
 
 } // namespace brittle::physics

@@ -6,7 +6,7 @@
 //
 // - Contacts come in the order of their pairs, which is that of the bodies: nothing depends on addresses or on what happened
 //   before.
-// - Not thread-safe.
+// - Not thread-safe, but collects contacts on several threads itself.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include "fracture/parallel.h"
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/sweep_broadphase.h"
 
@@ -23,7 +24,7 @@ namespace brittle::physics {
 class Islands {
   public:
     // Bodies are in the order of their user indices. Lets islands fall asleep and wakes them.
-    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const SweptPairs& pairs);
+    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const SweptPairs& pairs, fracture::Threads& threads);
 
     // In body order.
     [[nodiscard]] const std::vector<BodyRecord*>& awake() const { return awake_; }
@@ -40,14 +41,14 @@ class Islands {
     uint32_t root(uint32_t body);
     void unite(const btBroadphasePair& pair);
     void settle(const std::vector<std::unique_ptr<BodyRecord>>& bodies);
-    void collect(const btBroadphasePair& pair);
+    // Contacts of all pairs, or of those with a body whose box was set.
+    void collect(const SweptPairs& pairs, bool all, fracture::Threads& threads);
 
     std::vector<uint32_t> parents_; // by body; after find() the root itself
     std::vector<uint8_t> lively_;   // by root: whether one of the island wants to be awake
     std::vector<uint32_t> members_; // bodies that are looked at
     std::vector<BodyRecord*> awake_, woken_, asleep_;
     std::vector<btPersistentManifold*> manifolds_;
-    btManifoldArray of_pair_; // scratch
 };
 
 } // namespace brittle::physics

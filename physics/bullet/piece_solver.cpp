@@ -18,13 +18,15 @@ bool rests(const btCollisionObject& object) {
 
 } // namespace
 
-void PieceSolver::solve(std::span<BodyRecord* const> awake, std::span<btPersistentManifold* const> manifolds) {
+void PieceSolver::solve(std::span<BodyRecord* const> awake, std::span<btPersistentManifold* const> manifolds,
+                        fracture::Threads& threads) {
     rows_.solve(awake, manifolds,
                 {.seconds = settings_.step,
                  .sweeps = static_cast<int>(settings_.solver_iterations),
                  .gravity = metres_to_bullet(settings_.gravity),
                  .separation_speed = settings_.separation_speed * bullet_units,
-                 .least_bounce_speed = least_bounce_speed * bullet_units});
+                 .least_bounce_speed = least_bounce_speed * bullet_units},
+                threads);
     awake_.assign(awake.begin(), awake.end());
     contacts_.clear();
     told_ = false;

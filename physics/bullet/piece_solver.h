@@ -24,7 +24,8 @@ class PieceSolver {
         : settings_(settings), bodies_(bodies) {}
 
     // Of bodies that are awake, and all contacts that any of them has.
-    void solve(std::span<BodyRecord* const> awake, std::span<btPersistentManifold* const> manifolds);
+    void solve(std::span<BodyRecord* const> awake, std::span<btPersistentManifold* const> manifolds,
+               fracture::Threads& threads);
     // Of the last step: first those that were solved, in the order of manifolds, then those of bodies that sleep, as they
     // pressed when they last were awake. They are told when they are first asked for, as not everybody wants them: that must
     // be before a body goes.

@@ -34,32 +34,47 @@ btVector3 vector(const float* from) {
 bool never_moves(const btCollisionObject* object) {
     return object->isStaticObject();
 }
+// Fewer than this are not worth waking another thread for.
+constexpr uint32_t least_manifolds = 128;
 
 } // namespace
 
 void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<btPersistentManifold* const> manifolds,
-                      const Step& step) {
+                      const Step& step, fracture::Threads& threads) {
     take_bodies(bodies, step);
     order(manifolds);
-    make_rows(manifolds, step);
-    move_apart(bodies, step);
+    make_rows(manifolds, step, threads);
+    take_deep();
+    threads.for_each(2, [&](uint32_t task) {
+        if (task == 0)
+            sweep(step.sweeps);
+        else
+            move_apart(bodies, step);
+    });
+    hand_back(bodies, threads);
+}
 
+void RowSolver::sweep(int count) {
     motions_.assign(movers_.size(), {});
-    for (size_t i = 0; i < contacts_.size(); ++i) give(contacts_[i], contacts_[i].impulse, i >= held_, motions_.data());
-    for (int sweep = 0; sweep < step.sweeps; ++sweep) {
-        press(contacts_, held_, motions_.data());
+    for (const Row& row : contacts_) give(row, row.impulse, motions_.data());
+    held_rows_.give(motions_.data());
+    for (int sweep = 0; sweep < count; ++sweep) {
+        press(contacts_, motions_.data());
+        held_rows_.press(motions_.data());
         rub();
+        held_rows_.rub(motions_.data());
     }
-    hand_back(bodies);
 }
 
 void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& step) {
     movers_.clear();
+    lights_.clear();
     for (const BodyRecord* body : bodies) {
         const btRigidBody& rigid = *body->rigid;
         const auto user = static_cast<size_t>(rigid.getUserIndex());
         if (user >= indices_.size()) indices_.resize(user + 1);
         indices_[user] = static_cast<uint32_t>(movers_.size());
+        lights_.push_back(body->resting ? 0.0f : rigid.getInvMass());
         if (body->resting) {
             movers_.push_back({{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, rigid.getCenterOfMassPosition(), {0, 0, 0}, {0, 0, 0}, 0.0f});
             continue;
@@ -76,6 +91,7 @@ void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& ste
 // A sort by counting.
 void RowSolver::order(std::span<btPersistentManifold* const> manifolds) {
     keys_.clear();
+    firsts_.clear();
     starts_.assign(2 * most_points + 1, 0);
     const btPersistentManifold* before = nullptr;
     uint32_t place = 0; // among the points of the same two bodies
@@ -83,6 +99,7 @@ void RowSolver::order(std::span<btPersistentManifold* const> manifolds) {
         const btCollisionObject *a = manifold->getBody0(), *b = manifold->getBody1();
         if (!before || before->getBody0() != a || before->getBody1() != b) place = 0;
         before = manifold;
+        firsts_.push_back(static_cast<uint32_t>(keys_.size()));
         const uint32_t first_key = never_moves(a) || never_moves(b) ? most_points : 0;
         for (int i = 0; i < manifold->getNumContacts(); ++i, ++place) {
             keys_.push_back(first_key + std::min(place, most_points - 1));
@@ -93,31 +110,46 @@ void RowSolver::order(std::span<btPersistentManifold* const> manifolds) {
     held_ = starts_[most_points];
     places_.resize(keys_.size());
     for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
+
+    held_movers_.resize(keys_.size() - held_);
+    for (size_t i = 0; i < manifolds.size(); ++i) {
+        const btCollisionObject *a = manifolds[i]->getBody0(), *b = manifolds[i]->getBody1();
+        if (!never_moves(a) && !never_moves(b)) continue;
+        const uint32_t mover = indices_[static_cast<size_t>((never_moves(a) ? b : a)->getUserIndex())];
+        for (uint32_t k = 0; k < static_cast<uint32_t>(manifolds[i]->getNumContacts()); ++k)
+            held_movers_[places_[firsts_[i] + k] - held_] = mover;
+    }
+    held_rows_.arrange(held_movers_, lights_);
 }
 
-void RowSolver::make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step) {
-    contacts_.resize(places_.size());
-    frictions_.resize(places_.size());
-    coefficients_.resize(places_.size());
+void RowSolver::make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step, fracture::Threads& threads) {
+    contacts_.resize(held_);
+    frictions_.resize(held_);
+    coefficients_.resize(held_);
     depths_.resize(places_.size());
-    solved_.clear();
+    solved_.resize(places_.size());
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) make_rows(*manifolds[i], firsts_[i], step);
+    });
+}
+
+void RowSolver::make_rows(btPersistentManifold& manifold, uint32_t first, const Step& step) {
     // What is deeper than a step may undo counts as that deep.
     const float deepest = step.separation_speed * step.seconds / undone_part;
-    for (btPersistentManifold* manifold : manifolds) {
-        const btCollisionObject *a = manifold->getBody0(), *b = manifold->getBody1();
-        const bool held = never_moves(a) || never_moves(b), ground = a->getUserIndex() < 0 || b->getUserIndex() < 0;
-        for (int i = 0; i < manifold->getNumContacts(); ++i) {
-            btManifoldPoint& point = manifold->getContactPoint(i);
-            const btVector3 &on_a = point.getPositionWorldOnA(), &on_b = point.getPositionWorldOnB();
-            solved_.push_back({.manifold = manifold,
-                               .point = &point,
-                               .position = !held ? 0.5f * (on_a + on_b) : never_moves(b) ? on_a : on_b,
-                               .distance = ground ? point.getDistance() : std::max(point.getDistance(), -deepest),
-                               .speed = 0.0f,
-                               .impulse = 0.0f,
-                               .friction = {0, 0, 0}});
-            make_rows(solved_.back(), places_[solved_.size() - 1], step);
-        }
+    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+    const bool held = never_moves(a) || never_moves(b), ground = a->getUserIndex() < 0 || b->getUserIndex() < 0;
+    for (int i = 0; i < manifold.getNumContacts(); ++i) {
+        btManifoldPoint& point = manifold.getContactPoint(i);
+        const btVector3 &on_a = point.getPositionWorldOnA(), &on_b = point.getPositionWorldOnB();
+        Solved& contact = solved_[first + static_cast<uint32_t>(i)];
+        contact = {.manifold = &manifold,
+                   .point = &point,
+                   .position = !held ? 0.5f * (on_a + on_b) : never_moves(b) ? on_a : on_b,
+                   .distance = ground ? point.getDistance() : std::max(point.getDistance(), -deepest),
+                   .speed = 0.0f,
+                   .impulse = 0.0f,
+                   .friction = {0, 0, 0}};
+        make_rows(contact, places_[first + static_cast<uint32_t>(i)], step);
     }
 }
 
@@ -128,7 +160,7 @@ RowSolver::Side RowSolver::side_of(const btCollisionObject* object, const btVect
 }
 
 // Of the two bodies a is the one that moves, where one does not.
-RowSolver::Row RowSolver::row_along(const btVector3& normal, const Side& a, const Side& b) {
+Row RowSolver::row_along(const btVector3& normal, const Side& a, const Side& b) {
     Row row{};
     float response = a.mover->light;
     const auto turn_of = [](const Mover& mover, const btVector3& arm) {
@@ -164,8 +196,7 @@ void RowSolver::make_rows(Solved& contact, size_t place, const Step& step) {
     if (turned) std::swap(a, b);
     const btVector3 normal = turned ? -point.m_normalWorldOnB : point.m_normalWorldOnB;
 
-    Row& row = contacts_[place];
-    row = row_along(normal, a, b);
+    Row row = row_along(normal, a, b);
     // Between those that rest, or where one does on what never moves: all stays as it is.
     const bool still = row.gain == 0.0f;
     const float apart = still ? 0.0f : -row.wanted / row.gain;
@@ -193,14 +224,17 @@ void RowSolver::make_rows(Solved& contact, size_t place, const Step& step) {
         btPlaneSpace1(normal, along, across);
         if ((&point - &contact.manifold->getContactPoint(0)) % 2 != 0) along = across;
     }
-    frictions_[place] = row_along(along, a, b);
-    if (still) frictions_[place].impulse = point.m_appliedImpulseLateral1;
+    contact.friction = turned ? -along : along;
+    Row friction = row_along(along, a, b);
+    if (still) friction.impulse = point.m_appliedImpulseLateral1;
+    if (place >= held_) return held_rows_.put(place - held_, row, friction, point.m_combinedFriction);
+    contacts_[place] = row;
+    frictions_[place] = friction;
     coefficients_[place] = point.m_combinedFriction;
 }
 
-void RowSolver::press(std::vector<Row>& rows, size_t held, Motion* motions) {
-    for (size_t i = 0; i < held; ++i) resolve(rows[i], motions, 0.0f, no_limit);
-    for (size_t i = held; i < rows.size(); ++i) resolve_held(rows[i], motions, 0.0f, no_limit);
+void RowSolver::press(std::vector<Row>& rows, Motion* motions) {
+    for (Row& row : rows) resolve(row, motions, 0.0f, no_limit);
 }
 
 void RowSolver::rub() {
@@ -208,18 +242,18 @@ void RowSolver::rub() {
     for (size_t i = 0; i < frictions_.size(); ++i) {
         const float most = coefficients_[i] * contacts_[i].impulse;
         if (most <= 0.0f && frictions_[i].impulse == 0.0f) continue;
-        if (i < held_)
-            resolve(frictions_[i], motions, -most, most);
-        else
-            resolve_held(frictions_[i], motions, -most, most);
+        resolve(frictions_[i], motions, -most, most);
     }
 }
 
-void RowSolver::give(const Row& row, float impulse, bool held, Motion* motions) {
+inline void RowSolver::push_first(const Row& row, float impulse, Motion* motions) {
     Motion& a = motions[row.a];
     (Float4::load(a.linear) + Float4::load3(row.normal) * Float4::all(impulse * row.light_a)).store(a.linear);
     (Float4::load(a.angular) + Float4::load3(row.turn_a) * Float4::all(impulse)).store(a.angular);
-    if (held) return;
+}
+
+void RowSolver::give(const Row& row, float impulse, Motion* motions) {
+    push_first(row, impulse, motions);
     Motion& b = motions[row.b];
     (Float4::load(b.linear) - Float4::load3(row.normal) * Float4::all(impulse * row.light_b)).store(b.linear);
     (Float4::load(b.angular) + Float4::load3(row.turn_b) * Float4::all(impulse)).store(b.angular);
@@ -232,38 +266,43 @@ inline void RowSolver::resolve(Row& row, Motion* motions, float low, float high)
                              + Float4::load3(row.arm_b) * Float4::load(b.angular));
     const float before = row.impulse;
     row.impulse = std::clamp(before + row.wanted - apart * row.gain, low, high);
-    give(row, row.impulse - before, false, motions);
+    give(row, row.impulse - before, motions);
 }
 
 // Where b never moves, it is neither read nor written: all that lie on the ground would wait for each other.
-inline void RowSolver::resolve_held(Row& row, Motion* motions, float low, float high) {
+inline void RowSolver::resolve_held(Row& row, Motion* motions) {
     const Motion& a = motions[row.a];
     const float apart = sum3(Float4::load3(row.normal) * Float4::load(a.linear)
                              + Float4::load3(row.arm_a) * Float4::load(a.angular));
     const float before = row.impulse;
-    row.impulse = std::clamp(before + row.wanted - apart * row.gain, low, high);
-    give(row, row.impulse - before, true, motions);
+    row.impulse = std::max(0.0f, before + row.wanted - apart * row.gain);
+    push_first(row, row.impulse - before, motions);
+}
+
+void RowSolver::take_deep() {
+    deep_.clear();
+    deep_held_.clear();
+    for (size_t place = 0; place < depths_.size(); ++place) {
+        if (depths_[place] == 0.0f) continue;
+        Row row = place < held_ ? contacts_[place] : held_rows_.row(place - held_);
+        row.wanted = depths_[place];
+        row.impulse = 0.0f;
+        (place < held_ ? deep_ : deep_held_).push_back(row);
+    }
 }
 
 // With velocities of their own that only move the bodies and are then forgotten.
 void RowSolver::move_apart(std::span<BodyRecord* const> bodies, const Step& step) {
-    deep_.clear();
-    size_t held = 0;
-    for (size_t i = 0; i < contacts_.size(); ++i) {
-        if (i == held_) held = deep_.size();
-        if (depths_[i] == 0.0f) continue;
-        deep_.push_back(contacts_[i]);
-        deep_.back().wanted = depths_[i];
-        deep_.back().impulse = 0.0f;
-    }
-    if (held_ == contacts_.size()) held = deep_.size();
     for (BodyRecord* body : bodies) body->repaired = false;
-    if (deep_.empty()) return;
-    motions_.assign(movers_.size(), {});
-    for (int sweep = 0; sweep < step.sweeps; ++sweep) press(deep_, held, motions_.data());
+    if (deep_.empty() && deep_held_.empty()) return;
+    parting_.assign(movers_.size(), {});
+    for (int sweep = 0; sweep < step.sweeps; ++sweep) {
+        press(deep_, parting_.data());
+        for (Row& row : deep_held_) resolve_held(row, parting_.data());
+    }
     for (size_t i = 0; i < bodies.size(); ++i) {
-        const btVector3 way = vector(motions_[i].linear) * step.seconds;
-        const btVector3 turn = vector(motions_[i].angular) * (undone_by_turning * step.seconds);
+        const btVector3 way = vector(parting_[i].linear) * step.seconds;
+        const btVector3 turn = vector(parting_[i].angular) * (undone_by_turning * step.seconds);
         const float angle = turn.length();
         bodies[i]->repaired = angle > 0.0f || way.length2() > 0.0f;
         bodies[i]->repair.setOrigin(way);
@@ -271,23 +310,26 @@ void RowSolver::move_apart(std::span<BodyRecord* const> bodies, const Step& step
     }
 }
 
-void RowSolver::hand_back(std::span<BodyRecord* const> bodies) {
+void RowSolver::hand_back(std::span<BodyRecord* const> bodies, fracture::Threads& threads) {
     for (size_t i = 0; i < bodies.size(); ++i) {
         bodies[i]->rigid->setLinearVelocity(movers_[i].linear + vector(motions_[i].linear));
         bodies[i]->rigid->setAngularVelocity(movers_[i].angular + vector(motions_[i].angular));
     }
-    for (size_t i = 0; i < solved_.size(); ++i) {
-        Solved& contact = solved_[i];
-        btManifoldPoint& point = *contact.point;
-        const Row& friction = frictions_[places_[i]];
-        const bool turned = never_moves(contact.manifold->getBody0());
-        point.m_lateralFrictionDir1 = turned ? -vector(friction.normal) : vector(friction.normal);
-        contact.impulse = contacts_[places_[i]].impulse;
-        contact.friction = point.m_lateralFrictionDir1 * friction.impulse;
-        const bool blow = contact.speed > blow_speed * bullet_units;
-        point.m_appliedImpulse = blow ? 0.0f : contact.impulse;
-        point.m_appliedImpulseLateral1 = blow ? 0.0f : friction.impulse;
-    }
+    threads.for_chunks(static_cast<uint32_t>(solved_.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) hand_back(solved_[i], places_[i]);
+    });
+}
+
+void RowSolver::hand_back(Solved& contact, size_t place) const {
+    btManifoldPoint& point = *contact.point;
+    const auto [pressed, rubbed] = place < held_ ? HeldRows::Impulses{contacts_[place].impulse, frictions_[place].impulse}
+                                                 : held_rows_.impulses(place - held_);
+    point.m_lateralFrictionDir1 = contact.friction;
+    contact.impulse = pressed;
+    contact.friction = point.m_lateralFrictionDir1 * rubbed;
+    const bool blow = contact.speed > blow_speed * bullet_units;
+    point.m_appliedImpulse = blow ? 0.0f : contact.impulse;
+    point.m_appliedImpulseLateral1 = blow ? 0.0f : rubbed;
 }
 
 } // namespace brittle::physics

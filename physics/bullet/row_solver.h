@@ -5,7 +5,7 @@
 // rows beside each other have at most one body in common, and the processor works on several at a time. What has a body
 // that never moves comes behind all others, so that each sweep ends with nothing going into the ground: otherwise a heavy
 // piece presses a light one beneath it millimetres deep and holds it there. A sweep over contacts is followed by one over
-// their friction, and before all of them overlap is undone by moving (split impulses).
+// their friction; beside all of them, on another thread, overlap is undone by moving (split impulses).
 //
 // - One friction direction a point: that in which it slides; where it does not, points beside each other take turns between
 //   two. No joints, no rolling friction.
@@ -13,7 +13,7 @@
 //   friction then turns the two by more than it should.
 // - A body that rests (SteppedWorld::find_resting) is moved by nothing; between those that do, impulses stay what they were.
 // - The solution starts from 0.85 of the impulses that the points have from the last one.
-// - Bullet's units throughout.
+// - Bullet's units throughout. Not thread-safe, but works on several threads itself.
 //
 // E. Catto, "Iterative Dynamics with Temporal Coherence", 2005.
 #pragma once
@@ -24,7 +24,10 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include "fracture/parallel.h"
 #include "physics/bullet/body_record.h"
+#include "physics/bullet/held_rows.h"
+#include "physics/bullet/row.h"
 
 namespace brittle::physics {
 
@@ -45,12 +48,13 @@ class RowSolver {
         float distance;     // overlap as far as it counts
         float speed;        // at which the bodies approached along the normal
         float impulse;      // on the first body, along the normal
-        btVector3 friction; // likewise, across it
+        btVector3 friction; // likewise, across it; until the sweeps are done, its direction
     };
 
     // Of bodies that are awake, and all contacts that any of them has. Changes their velocities by gravity and contacts, leaves
     // impulses in the points of the manifolds, and in the bodies the repair of overlap.
-    void solve(std::span<BodyRecord* const> bodies, std::span<btPersistentManifold* const> manifolds, const Step& step);
+    void solve(std::span<BodyRecord* const> bodies, std::span<btPersistentManifold* const> manifolds, const Step& step,
+               fracture::Threads& threads);
     // In the order of manifolds and their points.
     [[nodiscard]] std::span<const Solved> solved() const { return solved_; }
 
@@ -60,20 +64,6 @@ class RowSolver {
         btVector3 turning[3]; // rows of the inverse inertia, in the world's axes
         btVector3 centre, linear, angular; // gravity is in
         float light; // inverse mass
-    };
-    // Of a contact or of its friction. Vectors lie without gaps; four floats can be read at each.
-    struct Row {
-        float normal[3];            // from b to a
-        float arm_a[3], arm_b[3];   // arm x normal; of b with -normal
-        float turn_a[3], turn_b[3]; // what a unit of impulse does to the angular velocity
-        float wanted;               // impulse that brings the velocity that is wanted, from that before the sweeps
-        float gain;                 // impulse a unit of velocity
-        float impulse;
-        float light_a, light_b; // inverse masses
-        uint32_t a, b;          // movers; where one body never moves it is b, and not to be looked at
-    };
-    struct Motion {
-        float linear[4], angular[4]; // changes so far; the last of four is 0
     };
     // One side of a contact: a mover, or nothing where it never moves.
     struct Side {
@@ -85,30 +75,41 @@ class RowSolver {
     void take_bodies(std::span<BodyRecord* const> bodies, const Step& step);
     // Where each point is solved: first points of pairs first, contacts with what never moves last.
     void order(std::span<btPersistentManifold* const> manifolds);
-    void make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step);
+    void make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step, fracture::Threads& threads);
+    // Of the manifold's points, the first of which is that one of all.
+    void make_rows(btPersistentManifold& manifold, uint32_t first, const Step& step);
     void make_rows(Solved& contact, size_t place, const Step& step);
     static Row row_along(const btVector3& normal, const Side& a, const Side& b);
     [[nodiscard]] Side side_of(const btCollisionObject* object, const btVector3& position) const;
 
-    // Lets an impulse act along a row.
-    static void give(const Row& row, float impulse, bool held, Motion* motions);
+    // Lets an impulse act along a row; on its first body only.
+    static void push_first(const Row& row, float impulse, Motion* motions);
+    static void give(const Row& row, float impulse, Motion* motions);
     static void resolve(Row& row, Motion* motions, float low, float high);
-    static void resolve_held(Row& row, Motion* motions, float low, float high);
-    static void press(std::vector<Row>& rows, size_t held, Motion* motions); // one sweep over contacts
-    void rub();                                                             // and one over their friction
+    static void resolve_held(Row& row, Motion* motions);
+    // Sweeps over all contacts and their friction; these two over those of bodies that both move.
+    void sweep(int count);
+    static void press(std::vector<Row>& rows, Motion* motions);
+    void rub();
+    void take_deep(); // rows for move_apart()
     void move_apart(std::span<BodyRecord* const> bodies, const Step& step);
-    void hand_back(std::span<BodyRecord* const> bodies);
+    void hand_back(std::span<BodyRecord* const> bodies, fracture::Threads& threads);
+    void hand_back(Solved& contact, size_t place) const;
 
     std::vector<Mover> movers_;
+    std::vector<float> lights_;     // of the movers
     std::vector<uint32_t> indices_; // of movers, by the user index of their bodies
     std::vector<Solved> solved_;
     std::vector<uint32_t> keys_, starts_, places_; // of order()
-    std::vector<Row> contacts_, frictions_;        // side by side
+    std::vector<uint32_t> firsts_;                 // by manifold: its first point among all
+    std::vector<Row> contacts_, frictions_;        // side by side, where both bodies move
     std::vector<float> coefficients_;              // of friction, beside them
-    std::vector<float> depths_;                    // wanted where overlap is undone, beside them; 0: there is none
-    std::vector<Row> deep_;
-    size_t held_ = 0; // from here on contacts are with what never moves
-    std::vector<Motion> motions_;
+    std::vector<float> depths_;                    // by place: wanted where overlap is undone; 0: there is none
+    HeldRows held_rows_;                           // the others
+    std::vector<uint32_t> held_movers_;            // of them
+    std::vector<Row> deep_, deep_held_; // contacts with overlap that is to be undone; those with what never moves
+    size_t held_ = 0; // places from here on are those of contacts with what never moves
+    std::vector<Motion> motions_, parting_; // of velocities, and of moving apart
 };
 
 } // namespace brittle::physics

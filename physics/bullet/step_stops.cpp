@@ -18,6 +18,8 @@ constexpr btScalar half = 0.5f;
 constexpr btScalar least_way = 0.0033f * bullet_units;
 // What reaches no farther than this part of a body's thickness does not stop it.
 constexpr btScalar crumb_part = 0.25f;
+// Fewer pairs than this, that may touch or are only near, are not worth waking another thread for.
+constexpr uint32_t least_pairs = 8, least_near = 256;
 
 using Box = StepStops::Box;
 
@@ -59,6 +61,10 @@ bool is_fixed(const btBroadphaseProxy& proxy) {
     return proxy.m_collisionFilterGroup == btBroadphaseProxy::StaticFilter;
 }
 
+uint32_t index_of(const btBroadphaseProxy& proxy) {
+    return static_cast<uint32_t>(static_cast<const btCollisionObject*>(proxy.m_clientObject)->getUserIndex());
+}
+
 // Others that move, or may, and that a body meets.
 struct Collect final : btBroadphaseAabbCallback {
     const btBroadphaseProxy& own;
@@ -68,7 +74,7 @@ struct Collect final : btBroadphaseAabbCallback {
         const bool meets = (own.m_collisionFilterGroup & proxy->m_collisionFilterMask) != 0
                            && (own.m_collisionFilterMask & proxy->m_collisionFilterGroup) != 0;
         if (proxy != &own && meets && !is_fixed(*proxy))
-            found.push_back(static_cast<uint32_t>(static_cast<const btCollisionObject*>(proxy->m_clientObject)->getUserIndex()));
+            found.push_back(index_of(*proxy));
         return true;
     }
 };
@@ -106,7 +112,8 @@ std::span<const StepStops::Stop> StepStops::find(std::span<BodyRecord* const> aw
 void StepStops::find_stops(btScalar seconds, btDispatcher& dispatcher) {
     find_fast(seconds, dispatcher);
     for (const uint32_t body : fast_) meet_fixed(body);
-    for (const uint32_t body : wild_) meet_moving(body, 0.0f);
+    meet_wild();
+    add_events(0.0f);
     while (!events_.empty()) {
         std::pop_heap(events_.begin(), events_.end());
         const Event event = events_.back();
@@ -118,6 +125,7 @@ void StepStops::find_stops(btScalar seconds, btDispatcher& dispatcher) {
         if (second) stop(event.second, event.seconds);
         if (first) meet_moving(event.first, event.seconds);
         if (second) meet_moving(event.second, event.seconds);
+        add_events(event.seconds);
     }
 }
 
@@ -131,7 +139,7 @@ void StepStops::find_fast(btScalar seconds, btDispatcher& dispatcher) {
     is_fast_.assign(bodies_.size(), 0);
     is_wild_.assign(bodies_.size(), 0);
     for (std::vector<uint32_t>* list : {&fast_, &wild_, &fixed_}) list->clear();
-    const btVector3 common = mean_velocity();
+    const btVector3 common = common_velocity();
     for (uint32_t i = 0; i < bodies_.size(); ++i) {
         const BodyRecord& body = *bodies_[i];
         if (body.fixed) {
@@ -139,12 +147,12 @@ void StepStops::find_fast(btScalar seconds, btDispatcher& dispatcher) {
             continue;
         }
         const btVector3 linear = body.awake() ? body.rigid->getLinearVelocity() : btVector3(0, 0, 0);
-        is_wild_[i] = (linear - common).length() * seconds > std::max(half * body.thickness, half * least_way);
+        is_wild_[i] = !body.debris && (linear - common).length() * seconds > std::max(half * body.thickness, half * least_way);
         if (is_wild_[i]) wild_.push_back(i);
         if (!body.awake()) continue;
         is_fast_[i] = is_fast(body, seconds);
         if (is_fast_[i]) fast_.push_back(i);
-        if (!is_wild_[i]) slow_way_ = std::max(slow_way_, way_of(body, seconds));
+        if (!is_wild_[i] && !body.debris) slow_way_ = std::max(slow_way_, way_of(body, seconds));
     }
     flights_.resize(bodies_.size());
     for (uint32_t i = 0; i < bodies_.size(); ++i) {
@@ -154,21 +162,22 @@ void StepStops::find_fast(btScalar seconds, btDispatcher& dispatcher) {
                        body.awake() ? seconds : 0.0f};
     }
     for (const uint32_t i : wild_) {
-        if (!bodies_[i]->awake()) continue;
-        const Box box = swept(i);
+        const Box box = grown(swept(i), {0, 0, 0}, slow_way_);
         broadphase_.setAabb(bodies_[i]->rigid->getBroadphaseProxy(), box.low, box.high, &dispatcher);
     }
 }
 
-btVector3 StepStops::mean_velocity() const {
+btVector3 StepStops::common_velocity() const {
     btVector3 sum(0, 0, 0);
-    btScalar count = 0.0f;
+    btScalar moving = 0.0f, resting = 0.0f;
     for (const auto& body : bodies_) {
         if (body->fixed) continue;
-        if (body->awake()) sum += body->rigid->getLinearVelocity();
-        count += 1.0f;
+        if (body->awake())
+            sum += body->rigid->getLinearVelocity(), moving += 1.0f;
+        else
+            resting += 1.0f;
     }
-    return count > 0.0f ? sum / count : sum;
+    return moving > resting ? sum / moving : btVector3(0, 0, 0);
 }
 
 StepStops::Box StepStops::swept(uint32_t body) const {
@@ -181,7 +190,9 @@ void StepStops::meet_fixed(uint32_t body) {
     const Box box = swept(body);
     for (const uint32_t other : fixed_) {
         const btBroadphaseProxy& proxy = *bodies_[other]->rigid->getBroadphaseProxy();
-        if (TestAabbAgainstAabb2(box.low, box.high, proxy.m_aabbMin, proxy.m_aabbMax)) meet(body, other, 0.0f);
+        if (TestAabbAgainstAabb2(box.low, box.high, proxy.m_aabbMin, proxy.m_aabbMax)
+            && may_touch(body, other, 0.0f))
+            kept_.push_back({body, other});
     }
 }
 
@@ -192,21 +203,57 @@ void StepStops::meet_moving(uint32_t body, btScalar from) {
     const Box box = grown(swept(body), {0, 0, 0}, slow_way_);
     broadphase_.aabbTest(box.low, box.high, collect);
     for (const uint32_t other : near_)
-        if (from > 0.0f || !is_wild_[other] || body < other) meet(body, other, from); // two wild ones are found twice
+        if (may_touch(body, other, from)) kept_.push_back({body, other});
 }
 
-void StepStops::meet(uint32_t first, uint32_t second, btScalar from) {
-    if (!may_be_stopped(first, second) && !may_be_stopped(second, first)) return;
+void StepStops::meet_wild() {
+    if (wild_.empty()) return;
+    const std::span<const SweptPairs::Key> keys = broadphase_.find_set();
+    const auto count = static_cast<uint32_t>(keys.size());
+    std::vector<std::vector<Two>> kept(threads_.chunks(count, least_near));
+    threads_.for_chunks(count, least_near, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        for (const SweptPairs::Key key : keys.subspan(begin, end - begin)) {
+            const btBroadphaseProxy &a = broadphase_.proxy(key >> 32), &b = broadphase_.proxy(static_cast<uint32_t>(key));
+            if (is_fixed(a) || is_fixed(b)) continue;
+            Two two{std::min(index_of(a), index_of(b)), std::max(index_of(a), index_of(b))};
+            if (!is_wild_[two.first]) std::swap(two.first, two.second);
+            if (may_touch(two.first, two.second, 0.0f)) kept[chunk].push_back(two);
+        }
+    });
+    for (const std::vector<Two>& some : kept) kept_.insert(kept_.end(), some.begin(), some.end());
+}
+
+bool StepStops::may_touch(uint32_t first, uint32_t second, btScalar from) const {
+    if (!may_be_stopped(first, second) && !may_be_stopped(second, first)) return false;
     const BodyRecord &a = *bodies_[first], &b = *bodies_[second];
-    Flight &flight_a = flights_[first], &flight_b = flights_[second];
-    const btScalar turning_a = turning_way(a, flight_a), turning_b = turning_way(b, flight_b);
+    const Flight &flight_a = flights_[first], &flight_b = flights_[second];
+    const btScalar turning = turning_way(a, flight_a) + turning_way(b, flight_b);
     const btScalar way = (linear_at(flight_a, from) - linear_at(flight_b, from)).length() * (end_ - from);
-    const bool may_pass = a.fixed || b.fixed
-                              ? exceeds(way + turning_a + turning_b, fast_part * std::min(a.thickness, b.thickness))
+    return a.fixed || b.fixed ? exceeds(way + turning, fast_part * std::min(a.thickness, b.thickness))
                               : exceeds(way, half * (a.thickness + b.thickness));
-    if (!may_pass) return;
-    flight_a.find_end();
-    flight_b.find_end();
+}
+
+void StepStops::add_events(btScalar from) {
+    for (const Two& two : kept_) {
+        flights_[two.first].find_end();
+        flights_[two.second].find_end();
+    }
+    found_.resize(kept_.size());
+    threads_.for_chunks(static_cast<uint32_t>(kept_.size()), least_pairs, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) found_[i] = event_of(kept_[i].first, kept_[i].second, from);
+    });
+    for (const Event& event : found_) {
+        if (event.seconds >= end_) continue;
+        events_.push_back(event);
+        std::push_heap(events_.begin(), events_.end());
+    }
+    kept_.clear();
+}
+
+StepStops::Event StepStops::event_of(uint32_t first, uint32_t second, btScalar from) const {
+    const BodyRecord &a = *bodies_[first], &b = *bodies_[second];
+    const Flight &flight_a = flights_[first], &flight_b = flights_[second];
+    const btScalar turning_a = turning_way(a, flight_a), turning_b = turning_way(b, flight_b);
     Event event{end_, first, second, flight_a.stop, flight_b.stop};
     const btVector3 way_a = flight_a.linear * flight_a.stop, way_b = flight_b.linear * flight_b.stop;
     // Where hulls of the one must be when the step begins to meet the other.
@@ -216,9 +263,7 @@ void StepStops::meet(uint32_t first, uint32_t second, btScalar from) {
             if (const auto touch = first_touch(hull, other, from, event.seconds)) event.seconds = *touch;
         });
     });
-    if (event.seconds >= end_) return;
-    events_.push_back(event);
-    std::push_heap(events_.begin(), events_.end());
+    return event;
 }
 
 void StepStops::stop(uint32_t body, btScalar seconds) {
@@ -230,6 +275,7 @@ void StepStops::stop(uint32_t body, btScalar seconds) {
 bool StepStops::may_be_stopped(uint32_t body, uint32_t by) const {
     if (!is_fast_[body] || flights_[body].stop < end_) return false;
     if (bodies_[by]->fixed) return true;
+    if (bodies_[body]->debris || bodies_[by]->debris) return false;
     return bodies_[by]->reach > crumb_part * bodies_[body]->thickness && !is_light(by, body);
 }
 

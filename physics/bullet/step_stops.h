@@ -15,14 +15,15 @@
 //   through splinters would stand still among them. It drives them before it, by contacts that are made ahead
 //   (hull_contact.cpp).
 // - Velocities are those after contacts, so that what bounces off one body does not pass through the next.
-// - The ground is left out: its contacts look ahead (ground_contact.h).
+// - The ground is left out: its contacts look ahead (ground_contact.h). So do those of debris with what moves: neither stops
+//   the other.
 // - While nothing is fast, a body costs a comparison.
 //
 // Contacts that are made ahead of the touch, and take from the speed what exceeds gap over time, were weighed: no time is
 // lost, but a blow comes in two parts, in two steps, and what flies past an edge is turned where the contact is not made for where
 // the two will touch (hull_contact.cpp). Against what is fixed all of the speed in one step is worth more.
 //
-// Bullet's units. Not thread-safe.
+// Bullet's units. Not thread-safe, but works on several threads itself.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +34,10 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include "fracture/parallel.h"
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/first_touch.h"
+#include "physics/bullet/sweep_broadphase.h"
 
 namespace brittle::physics {
 
@@ -47,8 +50,9 @@ class StepStops {
 
     // Bodies by their user indices. Boxes in the broadphase must be those of the step's beginning; some of what moves are
     // grown by its way, until they are set anew.
-    StepStops(const std::vector<std::unique_ptr<BodyRecord>>& bodies, btBroadphaseInterface& broadphase)
-        : bodies_(bodies), broadphase_(broadphase) {}
+    StepStops(const std::vector<std::unique_ptr<BodyRecord>>& bodies, SweepBroadphase& broadphase,
+              fracture::Threads& threads)
+        : bodies_(bodies), broadphase_(broadphase), threads_(threads) {}
 
     struct Box {
         btVector3 low, high;
@@ -62,6 +66,9 @@ class StepStops {
     [[nodiscard]] std::span<const Stop> find(std::span<BodyRecord* const> awake, btScalar seconds, btDispatcher& dispatcher);
 
   private:
+    struct Two {
+        uint32_t first, second;
+    };
     // When two bodies touch, as far as it is known who of them stops before.
     struct Event {
         btScalar seconds;
@@ -76,19 +83,25 @@ class StepStops {
     [[nodiscard]] static bool is_fast(const BodyRecord& body, btScalar seconds); // for its thickness
     void find_stops(btScalar seconds, btDispatcher& dispatcher);
     void find_fast(btScalar seconds, btDispatcher& dispatcher);
-    [[nodiscard]] btVector3 mean_velocity() const; // of all that can move
+    [[nodiscard]] btVector3 common_velocity() const; // of most that can move
     // What holds a body on its way.
     [[nodiscard]] Box swept(uint32_t body) const;
-    // These add the events of a body with those that are fixed; with all others, from a time on; with one.
+    // These keep whom a body may touch, from a time on: of those that are fixed; of the others.
     void meet_fixed(uint32_t body);
     void meet_moving(uint32_t body, btScalar from);
-    void meet(uint32_t first, uint32_t second, btScalar from);
+    // Whom those that are wild may touch that are not fixed.
+    void meet_wild();
+    [[nodiscard]] bool may_touch(uint32_t first, uint32_t second, btScalar from) const;
+    // Adds the events of the two that were kept, from a time on.
+    void add_events(btScalar from);
+    [[nodiscard]] Event event_of(uint32_t first, uint32_t second, btScalar from) const;
     void stop(uint32_t body, btScalar seconds);
     [[nodiscard]] bool may_be_stopped(uint32_t body, uint32_t by) const;
     [[nodiscard]] bool is_light(uint32_t body, uint32_t against) const;
 
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
-    btBroadphaseInterface& broadphase_;
+    SweepBroadphase& broadphase_;
+    fracture::Threads& threads_;
     // Scratch of one call; bodies by index.
     btScalar end_ = 0.0f;
     std::vector<uint8_t> is_fast_, is_wild_;
@@ -96,6 +109,8 @@ class StepStops {
     std::vector<uint32_t> fixed_, near_;
     btScalar slow_way_ = 0.0f; // the longest way of those that are not wild
     std::vector<Flight> flights_;
+    std::vector<Two> kept_;     // who may touch
+    std::vector<Event> found_;  // by their place
     std::vector<Event> events_; // a heap
     std::vector<Stop> stops_;
 };

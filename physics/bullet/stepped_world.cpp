@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/bullet/narrow_phase.h"
+
 namespace brittle::physics {
 
 namespace {
@@ -35,6 +37,13 @@ constexpr float box_slack = 2e-3f;
 // What sweeps over more than this in a step, in metres, is out of all bounds.
 constexpr float longest_way = 1e5f;
 
+// Air that brakes by less than this part of gravity is left out: pieces of one cut that fall would not fly as one, and all their
+// contacts would have to be looked for.
+constexpr float unfelt_part = 0.03f;
+
+// Fewer bodies than this are not worth waking another thread for.
+constexpr uint32_t least_bodies = 64;
+
 // What is deeper than this in the ground, in metres, does not fall asleep before it has come up, or has been where it is for
 // this multiple of the sleeping time: a crumb under what is hundreds of times as heavy never comes up.
 constexpr float sunk_depth = 1e-3f;
@@ -42,11 +51,17 @@ constexpr float sunk_factor = 8.0f;
 
 } // namespace
 
+void SteppedWorld::for_each_body(std::span<BodyRecord* const> bodies, const auto& visit) {
+    threads_.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) visit(*bodies[i]);
+    });
+}
+
 void SteppedWorld::step(btScalar seconds) {
     stepped_.clear();
     for (const auto& body : bodies_)
         if (body->awake()) stepped_.push_back(body.get());
-    for (BodyRecord* body : stepped_) body->start_step();
+    for_each_body(stepped_, [](BodyRecord& body) { body.start_step(); });
     find_pairs(seconds);
     siblings_.forget();
     find_islands();
@@ -59,20 +74,21 @@ void SteppedWorld::step(btScalar seconds) {
 void SteppedWorld::find_pairs(btScalar seconds) {
     const btScalar linear_kept = std::pow(1.0f - settings_.linear_damping, seconds);
     const btScalar angular_kept = std::pow(1.0f - settings_.angular_damping, seconds);
-    for (BodyRecord* body : stepped_) {
-        body->rigid->setLinearVelocity(body->rigid->getLinearVelocity() * linear_kept);
-        body->rigid->setAngularVelocity(body->rigid->getAngularVelocity() * angular_kept);
-        set_box(*body, seconds);
-    }
+    for_each_body(stepped_, [&](BodyRecord& body) {
+        body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * linear_kept);
+        body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * angular_kept);
+        set_box(body, seconds);
+    });
     btDispatcherInfo& info = getDispatchInfo();
     info.m_timeStep = seconds;
     broadphase_.calculateOverlappingPairs(getDispatcher());
     const std::optional<float>& ground = settings_.ground_height;
     siblings_.check(broadphase_.pairs(), ground ? std::optional(*ground * bullet_units) : std::nullopt);
     // After that, as the air meets each piece of a cut alone: at once they would not fly as one any more.
+    const float unfelt = unfelt_part * glm::length(settings_.gravity) * seconds;
     if (settings_.air_density > 0.0f)
-        for (BodyRecord* body : stepped_) body->drag.brake(*body->rigid, settings_.air_density, seconds);
-    getDispatcher()->dispatchAllCollisionPairs(broadphase_.getOverlappingPairCache(), info, getDispatcher());
+        for_each_body(stepped_, [&](BodyRecord& body) { body.drag.brake(*body.rigid, settings_.air_density, seconds, unfelt); });
+    find_contacts(broadphase_.pairs(), static_cast<btCollisionDispatcher&>(*getDispatcher()), info, threads_);
 }
 
 // A body that hardly turns has its box looked for once.
@@ -105,7 +121,7 @@ void SteppedWorld::set_box(BodyRecord& body, btScalar seconds) {
 }
 
 void SteppedWorld::find_islands() {
-    islands_.find(bodies_, broadphase_.pairs());
+    islands_.find(bodies_, broadphase_.pairs(), threads_);
     for (BodyRecord* body : islands_.woken()) {
         body->start_step();
         stepped_.push_back(body);
@@ -162,7 +178,7 @@ void SteppedWorld::solve(btScalar seconds) {
         body->unhindered = body->velocity();
         if (!body->resting) body->unhindered.linear += fall;
     }
-    solver_.solve(islands_.awake(), islands_.manifolds());
+    solver_.solve(islands_.awake(), islands_.manifolds(), threads_);
 }
 
 void SteppedWorld::move_all(btScalar seconds) {
@@ -171,7 +187,7 @@ void SteppedWorld::move_all(btScalar seconds) {
         stop.body->moving_seconds = stop.seconds;
         lose_fall(*stop.body, seconds - stop.seconds);
     }
-    for (BodyRecord* body : islands_.awake()) move_on(*body, body->moving_seconds);
+    for_each_body(islands_.awake(), [this](BodyRecord& body) { move_on(body, body.moving_seconds); });
 }
 
 // Who stops for the rest of a step does not fall in it either: else it would get the speed without the way. What rests on

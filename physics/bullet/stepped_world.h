@@ -3,11 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
 
+#include "fracture/parallel.h"
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/islands.h"
 #include "physics/bullet/piece_solver.h"
@@ -24,9 +26,9 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     // Settings and bodies are looked at in each step; the bodies' user indices point into them.
     SteppedWorld(btDispatcher* dispatcher, SweepBroadphase* broadphase, PieceSolver* solver,
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
-                 const std::vector<std::unique_ptr<BodyRecord>>& bodies)
+                 const std::vector<std::unique_ptr<BodyRecord>>& bodies, fracture::Threads& threads)
         : btDiscreteDynamicsWorld(dispatcher, broadphase, nullptr, configuration), broadphase_(*broadphase),
-          solver_(*solver), settings_(settings), bodies_(bodies), stops_(bodies, *broadphase) {}
+          solver_(*solver), settings_(settings), bodies_(bodies), threads_(threads), stops_(bodies, *broadphase, threads) {}
 
     // In place of Bullet's own step. The solver then has the contacts of the step.
     void step(btScalar seconds);
@@ -40,6 +42,8 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     void move_on(BodyRecord& body, btScalar seconds);
 
   private:
+    // Side by side, in no order.
+    void for_each_body(std::span<BodyRecord* const> bodies, const auto& visit);
     void find_pairs(btScalar seconds);
     // Around the body for all of the step.
     void set_box(BodyRecord& body, btScalar seconds);
@@ -69,6 +73,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     PieceSolver& solver_;
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    fracture::Threads& threads_;
     Siblings siblings_;
     Islands islands_;
     StepStops stops_;

@@ -6,13 +6,15 @@
 
 #include <LinearMath/btAabbUtil2.h>
 
-
 namespace brittle::physics {
 
 namespace {
 
 // Another axis is taken when boxes spread by this factor more along it: what is sorted along the old one is lost.
 constexpr float worth_another_axis = 1.25f;
+
+// Fewer boxes than this are not worth waking another thread for.
+constexpr uint32_t least_boxes = 128;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
@@ -29,39 +31,60 @@ bool meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
            && (b.m_collisionFilterGroup & a.m_collisionFilterMask) != 0;
 }
 
+// Ascends with the number, which is none of those that are not.
+uint32_t ascending_bits(float value) {
+    const auto bits = std::bit_cast<uint32_t>(value + 0.0f); // -0 is 0
+    return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+}
+
 } // namespace
 
 void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
-                        btDispatcher* dispatcher) {
+                        const std::vector<Change>& changes, btDispatcher* dispatcher) {
     next_.resizeNoInitialize(0);
+    next_keys_.clear();
     set_.clear();
+    const auto keep = [&](const btBroadphasePair& pair, Key key) {
+        next_.push_back(pair);
+        next_keys_.push_back(key);
+    };
     int old = 0;
     // Pairs before a key: those of two boxes that were not set stay.
     const auto pass = [&](Key until) {
         for (; old < pairs_.size(); ++old) {
-            btBroadphasePair& pair = pairs_[old];
-            const SweptProxy &first = swept(pair.m_pProxy0), &second = swept(pair.m_pProxy1);
-            if (!first.gone && !second.gone) {
-                if (key_of(first.rank, second.rank) >= until) return;
-                if (!first.set && !second.set) {
-                    next_.push_back(pair);
-                    continue;
-                }
-            }
-            cleanOverlappingPair(pair, dispatcher);
+            const Key key = keys_[static_cast<size_t>(old)];
+            if (key >= until) return;
+            if (changes[key >> 32] == Change::none && changes[static_cast<uint32_t>(key)] == Change::none)
+                keep(pairs_[old], key);
+            else
+                cleanOverlappingPair(pairs_[old], dispatcher);
         }
     };
     for (const Key key : found) {
         pass(key);
         set_.push_back(next_.size());
-        const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
-        if (old < pairs_.size() && key_of(swept(pairs_[old].m_pProxy0).rank, swept(pairs_[old].m_pProxy1).rank) == key)
-            next_.push_back(pairs_[old++]);
+        if (old < pairs_.size() && keys_[static_cast<size_t>(old)] == key)
+            keep(pairs_[old++], key);
         else
-            next_.push_back(btBroadphasePair(*proxies[first], *proxies[second]));
+            keep(btBroadphasePair(*proxies[key >> 32], *proxies[static_cast<uint32_t>(key)]), key);
     }
     pass(std::numeric_limits<Key>::max());
     std::swap(pairs_, next_);
+    std::swap(keys_, next_keys_);
+}
+
+void SweptPairs::forget_gone(const std::vector<Change>& changes, const std::vector<uint32_t>& ranks) {
+    next_.resizeNoInitialize(0);
+    next_keys_.clear();
+    for (int i = 0; i < pairs_.size(); ++i) {
+        const Key key = keys_[static_cast<size_t>(i)];
+        const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
+        if (changes[first] == Change::gone || changes[second] == Change::gone) continue;
+        next_.push_back(pairs_[i]);
+        next_keys_.push_back(key_of(ranks[first], ranks[second]));
+    }
+    std::swap(pairs_, next_);
+    std::swap(keys_, next_keys_);
 }
 
 void SweptPairs::cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* dispatcher) {
@@ -69,6 +92,7 @@ void SweptPairs::cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* disp
     pair.m_algorithm->~btCollisionAlgorithm();
     dispatcher->freeCollisionAlgorithm(pair.m_algorithm);
     pair.m_algorithm = nullptr;
+    pair.m_internalInfo1 = nullptr;
 }
 
 void SweptPairs::cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) {
@@ -78,18 +102,6 @@ void SweptPairs::cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dis
 
 void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher*) {
     for (int i = 0; i < pairs_.size(); ++i) callback->processOverlap(pairs_[i]);
-}
-
-void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher*, const btDispatcherInfo&) {
-    const auto fetch = [this](size_t place) {
-        const btBroadphasePair& pair = pairs_[set_[place]];
-        for (const void* const at : {static_cast<const void*>(pair.m_algorithm), static_cast<const void*>(pair.m_pProxy1->m_clientObject)})
-            for (size_t line = 0; at && line < 5; ++line) __builtin_prefetch(static_cast<const char*>(at) + 64 * line);
-    };
-    for (size_t i = 0; i < set_.size(); ++i) {
-        if (i + 4 < set_.size()) fetch(i + 4);
-        callback->processOverlap(pairs_[set_[i]]);
-    }
 }
 
 bool SweptPairs::needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const {
@@ -116,11 +128,22 @@ void SweepBroadphase::Boxes::set(size_t place, const btVector3& from, const btVe
     }
 }
 
-SweepBroadphase::Box4::Box4(const btVector3& from, const btVector3& to) {
+SweepBroadphase::Box4 SweepBroadphase::Boxes::four_times(size_t place) const {
+    Box4 box;
     for (size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = Float4::all(from[static_cast<int>(axis)]);
-        high[axis] = Float4::all(to[static_cast<int>(axis)]);
+        box.low[axis] = Float4::all(low[axis][place]);
+        box.high[axis] = Float4::all(high[axis][place]);
     }
+    return box;
+}
+
+SweepBroadphase::Box4 SweepBroadphase::four_times(const btVector3& from, const btVector3& to) {
+    Box4 box;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        box.low[axis] = Float4::all(from[static_cast<int>(axis)]);
+        box.high[axis] = Float4::all(to[static_cast<int>(axis)]);
+    }
+    return box;
 }
 
 uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
@@ -140,6 +163,8 @@ btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVe
     proxy->m_collisionFilterMask = mask;
     proxy->m_uniqueId = next_uid_++;
     proxy->rank = static_cast<uint32_t>(proxies_.size());
+    changes_.push_back(SweptPairs::Change::set);
+    filters_.push_back({group, mask});
     if (proxies_.empty()) boxes_.resize(0);
     for (size_t axis = 0; axis < 3; ++axis) {
         boxes_.low[axis].push_back(infinite);
@@ -153,7 +178,7 @@ btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVe
 // Constant in time, so that many can go at once. Bullet has cleaned the proxy's pairs before.
 void SweepBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher*) {
     SweptProxy& leaving = swept(proxy);
-    leaving.gone = true;
+    changes_[leaving.rank] = SweptPairs::Change::gone;
     boxes_.set(leaving.rank, {infinite, infinite, infinite}, {-infinite, -infinite, -infinite});
     some_gone_ = true;
 }
@@ -162,7 +187,7 @@ void SweepBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& low, co
     SweptProxy& moved = swept(proxy);
     moved.m_aabbMin = low;
     moved.m_aabbMax = high;
-    moved.set = true;
+    changes_[moved.rank] = SweptPairs::Change::set;
     boxes_.set(moved.rank, low, high);
 }
 
@@ -178,7 +203,7 @@ void SweepBroadphase::rayTest(const btVector3& from, const btVector3& to, btBroa
     end.setMax(to);
     start += low;
     end += high;
-    const Box4 around(start, end);
+    const Box4 around = four_times(start, end);
     for (size_t first = 0; first < proxies_.size(); first += 4)
         for (uint32_t lanes = boxes_.overlaps(first, around); lanes != 0; lanes &= lanes - 1) {
             const SweptProxy& proxy = *proxies_[first + static_cast<size_t>(std::countr_zero(lanes))];
@@ -191,74 +216,90 @@ void SweepBroadphase::rayTest(const btVector3& from, const btVector3& to, btBroa
 }
 
 void SweepBroadphase::aabbTest(const btVector3& low, const btVector3& high, btBroadphaseAabbCallback& callback) {
-    const Box4 around(low, high);
+    const Box4 around = four_times(low, high);
     for (size_t first = 0; first < proxies_.size(); first += 4)
         for (uint32_t lanes = boxes_.overlaps(first, around); lanes != 0; lanes &= lanes - 1)
             callback.process(proxies_[first + static_cast<size_t>(std::countr_zero(lanes))].get());
 }
 
 void SweepBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher) {
-    found_.clear();
-    if (!proxies_.empty()) {
-        sweep();
-        sort_found();
-    }
-    pairs_.update(found_, proxies_, dispatcher);
     if (some_gone_) forget_gone();
-    for (const auto& proxy : proxies_) proxy->set = false;
+    find_moving();
+    found_.clear();
+    sweep(moving_);
+    sweep(moving_, still_);
+    sort_found();
+    pairs_.update(found_, proxies_, changes_, dispatcher);
+    std::ranges::fill(changes_, SweptPairs::Change::none);
 }
 
 void SweepBroadphase::getBroadphaseAabb(btVector3& low, btVector3& high) const {
     low.setValue(infinite, infinite, infinite);
     high = -low;
     for (const auto& proxy : proxies_) {
-        if (proxy->gone) continue;
+        if (changes_[proxy->rank] == SweptPairs::Change::gone) continue;
         low.setMin(proxy->m_aabbMin);
         high.setMax(proxy->m_aabbMax);
     }
 }
 
 void SweepBroadphase::forget_gone() {
-    std::erase_if(proxies_, [](const auto& proxy) { return proxy->gone; });
-    boxes_.resize(proxies_.size());
-    for (size_t rank = 0; rank < proxies_.size(); ++rank) {
-        proxies_[rank]->rank = static_cast<uint32_t>(rank);
-        boxes_.set(rank, proxies_[rank]->m_aabbMin, proxies_[rank]->m_aabbMax);
+    std::vector<uint32_t> ranks; // by the old ones
+    uint32_t left = 0;
+    for (uint32_t rank = 0; rank < proxies_.size(); ++rank) {
+        ranks.push_back(left);
+        if (changes_[rank] == SweptPairs::Change::gone) continue;
+        proxies_[left] = std::move(proxies_[rank]);
+        proxies_[left]->rank = left;
+        filters_[left++] = filters_[rank];
     }
+    pairs_.forget_gone(changes_, ranks);
+    std::erase(changes_, SweptPairs::Change::gone);
+    proxies_.resize(left);
+    filters_.resize(left);
+    boxes_.resize(left);
+    for (const auto& proxy : proxies_) boxes_.set(proxy->rank, proxy->m_aabbMin, proxy->m_aabbMax);
     still_ranks_.clear(); // they are named anew
     still_.ranks.clear();
     some_gone_ = false;
 }
 
-// The axis on which boxes that were set spread most; one that is about as good is kept.
 int SweepBroadphase::widest_axis() const {
-    btVector3 low(infinite, infinite, infinite), high = -low;
-    for (const uint32_t rank : moving_.ranks) {
-        const btVector3 middle = 0.5f * (proxies_[rank]->m_aabbMin + proxies_[rank]->m_aabbMax);
-        low.setMin(middle);
-        high.setMax(middle);
+    std::array<float, 3> spread{};
+    for (size_t axis = 0; axis < 3; ++axis) {
+        float low = infinite, high = -infinite; // twice the middles
+        for (const uint32_t rank : moving_.ranks) {
+            const float middle = boxes_.low[axis][rank] + boxes_.high[axis][rank];
+            low = std::min(low, middle);
+            high = std::max(high, middle);
+        }
+        spread[axis] = high - low;
     }
-    const btVector3 spread = high - low;
-    return spread[spread.maxAxis()] > worth_another_axis * spread[axis_] ? spread.maxAxis() : axis_;
+    const auto widest = std::ranges::max_element(spread);
+    return *widest > worth_another_axis * spread[static_cast<size_t>(axis_)] ? static_cast<int>(widest - spread.begin()) : axis_;
 }
 
 void SweepBroadphase::sort(Sorted& sorted) {
     const std::vector<float>& begin = boxes_.low[static_cast<size_t>(axis_)];
-    std::ranges::sort(sorted.ranks, [&](uint32_t a, uint32_t b) {
-        return begin[a] != begin[b] ? begin[a] < begin[b] : a < b;
-    });
+    order_.clear();
+    for (const uint32_t rank : sorted.ranks)
+        order_.push_back(static_cast<uint64_t>(ascending_bits(begin[rank])) << 32 | rank);
+    std::ranges::sort(order_);
     sorted.boxes.resize(sorted.ranks.size());
     for (size_t place = 0; place < sorted.ranks.size(); ++place) {
-        const SweptProxy& proxy = *proxies_[sorted.ranks[place]];
-        sorted.boxes.set(place, proxy.m_aabbMin, proxy.m_aabbMax);
+        const uint32_t rank = sorted.ranks[place] = static_cast<uint32_t>(order_[place]);
+        for (size_t axis = 0; axis < 3; ++axis) {
+            sorted.boxes.low[axis][place] = boxes_.low[axis][rank];
+            sorted.boxes.high[axis][place] = boxes_.high[axis][rank];
+        }
     }
 }
 
 void SweepBroadphase::find_moving() {
     moving_.ranks.clear();
     ranks_.clear();
-    for (const auto& proxy : proxies_)
-        if (!proxy->gone) (proxy->set ? moving_.ranks : ranks_).push_back(proxy->rank);
+    for (uint32_t rank = 0; rank < proxies_.size(); ++rank)
+        (is_set(rank) ? moving_.ranks : ranks_).push_back(rank);
     const int axis = widest_axis();
     const bool same = axis == axis_ && ranks_ == still_ranks_;
     axis_ = axis;
@@ -269,46 +310,87 @@ void SweepBroadphase::find_moving() {
     sort(still_);
 }
 
-void SweepBroadphase::sweep() {
-    find_moving();
-    for (size_t i = 0; i < moving_.ranks.size(); ++i) sweep_one(moving_.ranks[i], moving_, i + 1);
-    // A still box that begins where a moving one is, or the other way round.
-    const auto axis = static_cast<size_t>(axis_);
-    const auto &moving_begin = moving_.boxes.low[axis], &still_begin = still_.boxes.low[axis];
-    for (size_t i = 0, from = 0; i < moving_.ranks.size(); ++i) {
-        while (from < still_.ranks.size() && still_begin[from] < moving_begin[i]) ++from;
-        sweep_one(moving_.ranks[i], still_, from);
-    }
-    for (size_t i = 0, from = 0; i < still_.ranks.size(); ++i) {
-        while (from < moving_.ranks.size() && moving_begin[from] <= still_begin[i]) ++from;
-        sweep_one(still_.ranks[i], moving_, from);
-    }
+std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
+    set_.ranks.clear();
+    for (uint32_t rank = 0; rank < proxies_.size(); ++rank)
+        if (is_set(rank)) set_.ranks.push_back(rank);
+    sort(set_);
+    found_.clear();
+    sweep(set_);
+    sweep(set_, moving_);
+    sweep(set_, still_);
+    sort_found();
+    return found_;
 }
 
-void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from) {
-    const SweptProxy& proxy = *proxies_[rank];
+void SweepBroadphase::sweep_parts(size_t count, const auto& sweep) {
+    parts_.resize(std::max<size_t>(parts_.size(), threads_.chunks(static_cast<uint32_t>(count), least_boxes)));
+    for (auto& part : parts_) part.clear();
+    threads_.for_chunks(static_cast<uint32_t>(count), least_boxes, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        sweep(begin, end, parts_[chunk]);
+    });
+    for (const auto& part : parts_) found_.insert(found_.end(), part.begin(), part.end());
+}
+
+void SweepBroadphase::sweep(const Sorted& boxes) {
+    sweep_parts(boxes.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
+        for (size_t i = begin; i < end; ++i) sweep_one(boxes.ranks[i], boxes, i + 1, false, found);
+    });
+}
+
+// One of the others that begins where a box that was set is, or the other way round.
+void SweepBroadphase::sweep(const Sorted& set, const Sorted& others) {
+    const auto axis = static_cast<size_t>(axis_);
+    const auto begins_of = [axis](const Sorted& boxes) {
+        return std::span(boxes.boxes.low[axis]).first(boxes.ranks.size());
+    };
+    const std::span<const float> set_begins = begins_of(set), other_begins = begins_of(others);
+    sweep_parts(set.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
+        if (begin == end) return;
+        auto from = std::ranges::lower_bound(other_begins, set_begins[begin]);
+        for (size_t i = begin; i < end; ++i) {
+            while (from != other_begins.end() && *from < set_begins[i]) ++from;
+            sweep_one(set.ranks[i], others, static_cast<size_t>(from - other_begins.begin()), true, found);
+        }
+    });
+    sweep_parts(others.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
+        if (begin == end) return;
+        auto from = std::ranges::upper_bound(set_begins, other_begins[begin]);
+        for (size_t i = begin; i < end; ++i) {
+            while (from != set_begins.end() && *from <= other_begins[i]) ++from;
+            if (!is_set(others.ranks[i]))
+                sweep_one(others.ranks[i], set, static_cast<size_t>(from - set_begins.begin()), false, found);
+        }
+    });
+}
+
+void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from, bool skip_set,
+                                std::vector<SweptPairs::Key>& found) const {
     const std::vector<float>& begin = others.boxes.low[static_cast<size_t>(axis_)];
-    const float end = proxy.m_aabbMax[axis_];
-    const Box4 box(proxy.m_aabbMin, proxy.m_aabbMax);
+    const float end = boxes_.high[static_cast<size_t>(axis_)][rank];
+    if (from >= others.ranks.size() || begin[from] > end) return;
+    const Filter own = filters_[rank];
+    const Box4 box = boxes_.four_times(rank);
     for (size_t first = from; first < others.ranks.size() && begin[first] <= end; first += 4)
         for (uint32_t lanes = others.boxes.overlaps(first, box); lanes != 0; lanes &= lanes - 1) {
             const uint32_t other = others.ranks[first + static_cast<size_t>(std::countr_zero(lanes))];
-            if (meet(proxy, *proxies_[other])) found_.push_back(key_of(rank, other));
+            const Filter its = filters_[other];
+            const bool meet = (own.group & its.partners) != 0 && (its.group & own.partners) != 0;
+            if (meet && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
         }
 }
 
-// By counting the lower rank: what is left to compare is the few partners of each.
+// By counting, first the higher ranks, then the lower ones.
 void SweepBroadphase::sort_found() {
-    starts_.assign(proxies_.size() + 1, 0);
-    for (const SweptPairs::Key key : found_) ++starts_[(key >> 32) + 1];
-    for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     scratch_.resize(found_.size());
-    for (const SweptPairs::Key key : found_) scratch_[starts_[key >> 32]++] = key;
-    // starts_[i] is now where the run of i ends.
-    for (size_t i = 0, begin = 0; i < proxies_.size(); begin = starts_[i++])
-        std::sort(scratch_.begin() + static_cast<std::ptrdiff_t>(begin),
-                  scratch_.begin() + static_cast<std::ptrdiff_t>(starts_[i]));
-    std::swap(found_, scratch_);
+    for (const uint32_t shift : {0u, 32u}) {
+        const auto rank_of = [shift](SweptPairs::Key key) { return static_cast<uint32_t>(key >> shift); };
+        starts_.assign(proxies_.size() + 1, 0);
+        for (const SweptPairs::Key key : found_) ++starts_[rank_of(key) + 1];
+        for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
+        for (const SweptPairs::Key key : found_) scratch_[starts_[rank_of(key)]++] = key;
+        std::swap(found_, scratch_);
+    }
 }
 
 } // namespace brittle::physics

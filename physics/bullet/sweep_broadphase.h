@@ -13,7 +13,7 @@
 // - Bodies that sleep cost a comparison of one coordinate each.
 // - The work grows with the pairs that overlap along the axis: n to the power of 5/3 for n pieces of one object. A
 //   thousand take 0.4 ms, three thousand 1.2 ms.
-// - Not thread-safe.
+// - Not thread-safe, but sweeps on several threads itself.
 //
 // Sweep and prune: D. Baraff, "Dynamic Simulation of Non-Penetrating Rigid Bodies", 1992.
 #pragma once
@@ -21,10 +21,12 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
 
+#include "fracture/parallel.h"
 #include "physics/bullet/float4.h"
 
 namespace brittle::physics {
@@ -32,26 +34,25 @@ namespace brittle::physics {
 // Proxies are numbered by rank: their place among all, in the order in which they were made.
 struct SweptProxy final : btBroadphaseProxy {
     uint32_t rank = 0;
-    bool set = true;    // its box, since pairs were last found
-    bool gone = false;  // destroyed; let go of when pairs are next found
 };
 
 // Pairs of boxes in the order of their ranks.
 class SweptPairs final : public btOverlappingPairCache {
   public:
     using Key = uint64_t; // lower rank, higher rank
+    // What became of a box since pairs were last found.
+    enum class Change : uint8_t { none, set, gone };
 
     // Keeps, of the pairs with a box that was set, those that are found, adds what is new and drops what is not. Keys are
-    // ascending.
+    // ascending; changes by rank, nobody gone.
     void update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
-                btDispatcher* dispatcher);
+                const std::vector<Change>& changes, btDispatcher* dispatcher);
+    // Drops the pairs of boxes that are gone, which have been cleaned, and gives the others their new ranks, by the old ones.
+    void forget_gone(const std::vector<Change>& changes, const std::vector<uint32_t>& ranks);
 
     void cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* dispatcher) override;
     void cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
     void processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher* dispatcher) override;
-    // Only those with a box that was set: two that sleep need no look.
-    void processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher* dispatcher,
-                                    const btDispatcherInfo& info) override;
     bool needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const override;
     btBroadphasePair* findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) override;
 
@@ -77,11 +78,14 @@ class SweptPairs final : public btOverlappingPairCache {
 
   private:
     btBroadphasePairArray pairs_, next_;
+    std::vector<Key> keys_, next_keys_; // of the pairs: proxies lie anywhere in memory
     std::vector<int> set_;
 };
 
 class SweepBroadphase final : public btBroadphaseInterface {
   public:
+    explicit SweepBroadphase(fracture::Threads& threads) : threads_(threads) {}
+
     btBroadphaseProxy* createProxy(const btVector3& low, const btVector3& high, int shape, void* object, int group,
                                    int mask, btDispatcher* dispatcher) override;
     void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
@@ -93,9 +97,12 @@ class SweepBroadphase final : public btBroadphaseInterface {
                  const btVector3& high) override;
     void aabbTest(const btVector3& low, const btVector3& high, btBroadphaseAabbCallback& callback) override;
     void calculateOverlappingPairs(btDispatcher* dispatcher) override;
+    // Pairs of boxes that were set since pairs were last found with all that they overlap, ascending; until the next call.
+    [[nodiscard]] std::span<const SweptPairs::Key> find_set();
+    [[nodiscard]] const btBroadphaseProxy& proxy(uint32_t rank) const { return *proxies_[rank]; }
     btOverlappingPairCache* getOverlappingPairCache() override { return &pairs_; }
     const btOverlappingPairCache* getOverlappingPairCache() const override { return &pairs_; }
-    [[nodiscard]] const SweptPairs& pairs() const { return pairs_; }
+    [[nodiscard]] SweptPairs& pairs() { return pairs_; }
     void getBroadphaseAabb(btVector3& low, btVector3& high) const override;
     void printStats() override {}
 
@@ -103,14 +110,14 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // One box four times over.
     struct Box4 {
         std::array<Float4, 3> low, high;
-        Box4(const btVector3& from, const btVector3& to);
     };
+    static Box4 four_times(const btVector3& from, const btVector3& to);
     // Boxes side by side; behind the last one three that overlap nothing, so that four can be read anywhere.
     struct Boxes {
         std::array<std::vector<float>, 3> low, high;
         void resize(size_t count);
         void set(size_t place, const btVector3& from, const btVector3& to);
-        [[nodiscard]] size_t size() const { return low[0].size() - 3; }
+        [[nodiscard]] Box4 four_times(size_t place) const;
         // Bit i of the result: whether the box at first + i overlaps the given one.
         [[nodiscard]] uint32_t overlaps(size_t first, const Box4& box) const;
     };
@@ -119,26 +126,40 @@ class SweepBroadphase final : public btBroadphaseInterface {
         std::vector<uint32_t> ranks;
         Boxes boxes;
     };
+    struct Filter {
+        int group, partners;
+    };
 
-    void forget_gone();
+    void forget_gone(); // boxes that were destroyed
+    // The axis on which boxes that move spread most; one that is about as good is kept.
     [[nodiscard]] int widest_axis() const;
     void sort(Sorted& sorted);
-    // Sorts boxes that were set since the last time, and the others where they are not the same ones as then.
+    // Sorts boxes that were set, and the others where they are not the same ones as the last time.
     void find_moving();
-    void sweep();
-    // Emits the pairs of a box with those of others, from a place on, that begin before it ends.
-    void sweep_one(uint32_t rank, const Sorted& others, size_t from);
+    [[nodiscard]] bool is_set(uint32_t rank) const { return changes_[rank] == SweptPairs::Change::set; }
+    // These find pairs: within a list; of one of each, the second one not set; of a box with others from a place on that begin
+    // before it ends.
+    void sweep(const Sorted& boxes);
+    void sweep(const Sorted& set, const Sorted& others);
+    void sweep_one(uint32_t rank, const Sorted& others, size_t from, bool skip_set, std::vector<SweptPairs::Key>& found) const;
+    // On several threads: sweep(begin, end, found) for parts of so many boxes.
+    void sweep_parts(size_t count, const auto& sweep);
     void sort_found();
 
-    std::vector<std::unique_ptr<SweptProxy>> proxies_; // by rank
-    Boxes boxes_;                                      // likewise
+    fracture::Threads& threads_;
+    std::vector<std::unique_ptr<SweptProxy>> proxies_; // by rank, as are the next three
+    std::vector<SweptPairs::Change> changes_;
+    std::vector<Filter> filters_;
+    Boxes boxes_;
     SweptPairs pairs_;
     int next_uid_ = 0;
     bool some_gone_ = false;
     int axis_ = 0; // along which boxes are sorted
-    Sorted moving_, still_;
-    std::vector<SweptPairs::Key> found_, scratch_; // of one call, as are the last two below
+    Sorted moving_, still_; // when pairs were last found: boxes that were set, and the others
+    Sorted set_;            // since then
     std::vector<uint32_t> still_ranks_; // of still_, ascending
+    std::vector<std::vector<SweptPairs::Key>> parts_;      // of one call, as are the next
+    std::vector<SweptPairs::Key> found_, scratch_, order_;
     std::vector<uint32_t> ranks_, starts_;
 };
 

@@ -5,9 +5,9 @@
 namespace brittle::physics {
 
 Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
-    : solver(settings, bodies) {
+    : threads(settings.threads), solver(settings, bodies) {
     world =
-        std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies);
+        std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies, threads);
     world->setGravity(metres_to_bullet(settings.gravity));
     if (!settings.ground_height) return;
     ground_shape =

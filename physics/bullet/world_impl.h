@@ -31,7 +31,8 @@ struct Engine {
     btCollisionDispatcher dispatcher{&configuration};
     GroundContacts ground_contacts{dispatcher};
     HullContacts hull_contacts{dispatcher};
-    SweepBroadphase broadphase;
+    fracture::Threads threads;
+    SweepBroadphase broadphase{threads};
     PieceSolver solver;
     std::unique_ptr<SteppedWorld> world;
     std::unique_ptr<btStaticPlaneShape> ground_shape;

@@ -69,7 +69,6 @@ struct Frames {
     // One step a frame at 120 Hz; the main thread rests in between, as it would for the display.
     void run(World& world, Destruction& destruction) {
         const Clock::time_point start = Clock::now();
-        const double begin = thread_milliseconds();
         world.step();
         const double stepped = thread_milliseconds();
         destruction.update(world);
@@ -77,9 +76,8 @@ struct Frames {
             const DestructionEvents events = destruction.take_events();
             benchmark::DoNotOptimize(events.added.data());
         }
-        const double end = thread_milliseconds();
-        frame.push_back(end - begin);
-        update.push_back(end - stepped);
+        update.push_back(thread_milliseconds() - stepped);
+        frame.push_back(milliseconds(Clock::now() - start));
         std::this_thread::sleep_until(start + frame_length);
     }
 };

@@ -1,6 +1,7 @@
 // How long a step of the world takes while the bunny, a metre high, falls to pieces from 30 cm.
 //
 // world/meet/N             about N pieces, all of which meet
+// world/alone/N            the same on one thread
 // world/default/N          the same with the world's defaults: what is smaller than WorldSettings::debris_size is debris
 // world/debris/N           the same as debris: pieces meet the ground only
 // world/.../1000_of_3000   a thousand pieces fall beside two thousand that lie on the ground and sleep
@@ -9,7 +10,7 @@
 //
 // The time is the median of the 180 steps of a second and a half: fall, impact, and the heap that is left. `low` and `high`
 // are the lowest and the highest of that median over the runs; `fall`, `impact` and `heap` the medians of those parts
-// (steps 2 to 30, 31 to 90, 91 to 180), `first` the step in which all pairs are new, `most` the worst of the others.
+// (steps 2 to 30, 31 to 90, 91 to 180), `first` the step in which all pairs are new, `most` the worst of the others, in the median run.
 // `hulls` and `add` are what making the bodies takes, `awake` how many still are in the end, `asleep` how many slept at the
 // start.
 //
@@ -17,7 +18,7 @@
 // median of the quarter of a second before and `after` that of the half second after, `ratio` the longest over `before`,
 // `coming` the longest over `after`: what coming costs beside being there.
 //
-// Milliseconds that this thread has worked: other work on the machine does not count.
+// Milliseconds on the clock, as a step works on all cores: on a machine by itself.
 #pragma once
 
 namespace brittle::tools {

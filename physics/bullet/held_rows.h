@@ -1,0 +1,66 @@
+// Rows of contacts with what never moves, four bodies at a time.
+//
+// Each body has its own: nobody else's velocity changes with them. So the first rows of four bodies are solved side by side,
+// then their second ones, while the velocities of the four stay in registers; bodies with about as many rows come together.
+// In a heap half of all contacts are with the ground. Each body's rows are solved in their order, with the same operations as
+// one at a time: not a bit is different.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "physics/bullet/row.h"
+
+namespace brittle::physics {
+
+class HeldRows {
+  public:
+    // Makes place for contacts, by their movers, those of one mover in the order in which they are to be solved. Inverse masses by
+    // mover.
+    void arrange(std::span<const uint32_t> movers, std::span<const float> lights);
+    // Of the contact that was given in that place, and of its friction. For different contacts, on any threads.
+    void put(size_t contact, const Row& row, const Row& friction, float coefficient);
+
+    // Lets the impulses act from which contacts start.
+    void give(Motion* motions) const;
+    void press(Motion* motions); // one sweep over contacts
+    void rub(Motion* motions);   // and one over their friction
+
+    // As it was put, with the impulse that it has now.
+    [[nodiscard]] Row row(size_t contact) const;
+    struct Impulses {
+        float contact, friction;
+    };
+    [[nodiscard]] Impulses impulses(size_t contact) const;
+
+  private:
+    using Four = std::array<float, 4>; // a number of each body
+    struct Rows {
+        std::array<Four, 3> normal, arm, turn;
+        Four wanted, gain, impulse;
+    };
+    struct Block {
+        uint32_t begin = 0, end = 0;       // its rows; who has fewer has rows without effect
+        uint32_t count = 0;                // bodies
+        std::array<uint32_t, 4> movers{};
+        Four light{};
+    };
+    struct Moving; // the motions of a block's bodies
+
+    static void put(Rows& rows, size_t lane, const Row& row);
+    static void act(const Rows& rows, const auto& impulse, Moving& moving);
+    static void solve(Rows& rows, const auto& low, const auto& high, Moving& moving);
+
+    std::vector<Block> blocks_;
+    std::vector<Rows> contacts_, frictions_; // side by side
+    std::vector<Four> coefficients_;         // of friction, beside them
+    std::vector<uint32_t> movers_, slots_;   // by contact; its row, times four, and lane
+    std::vector<uint32_t> lanes_;            // by mover: its block, times four, and lane
+    std::vector<uint32_t> counts_;           // scratch of arrange(), as is the next
+    std::vector<uint64_t> order_;
+};
+
+} // namespace brittle::physics

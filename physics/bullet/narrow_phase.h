@@ -1,0 +1,30 @@
+// Contacts of all pairs of boxes that overlap, on several threads.
+//
+// Most pairs were there in the last step, and what is found of them changes only what they keep themselves: those are
+// followed side by side. What asks for something of the dispatcher's, which is not thread-safe, comes one by one
+// in the order of pairs: algorithms of new pairs before, first contacts and last ones, and compounds, behind. So nothing
+// depends on the number of threads.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include "fracture/parallel.h"
+#include "physics/bullet/sweep_broadphase.h"
+
+namespace brittle::physics {
+
+// An algorithm for pairs of bodies that can bring its contacts up to date beside others.
+class FollowedContacts : public btCollisionAlgorithm {
+  public:
+    using btCollisionAlgorithm::btCollisionAlgorithm;
+
+    // Does what processCollision() does, without the dispatcher. False where it is needed: then processCollision() must follow.
+    virtual bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                        const btDispatcherInfo& info) = 0;
+};
+
+// Of the pairs of which a box was set when they were last found.
+void find_contacts(SweptPairs& pairs, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info,
+                   fracture::Threads& threads);
+
+} // namespace brittle::physics
