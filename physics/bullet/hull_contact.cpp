@@ -28,7 +28,8 @@ constexpr btScalar still_part = 0.25f;
 // radius: more than rounding moves them.
 constexpr btScalar together_part = 1e-4f;
 // Contacts of what is much lighter are made ahead when the heavier body moves in a step by this part of the smaller one's radius.
-constexpr btScalar passing_part = 0.5f;
+// Not while both fly on together, and move against each other by less than the second part of it.
+constexpr btScalar passing_part = 0.5f, apart_part = 0.05f;
 // Contacts of two of like mass when they move by this part of the thinner one's thickness against each other in a step.
 constexpr btScalar sinking_part = 0.25f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
@@ -128,14 +129,16 @@ class HullPair final : public FollowedContacts {
     bool update(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, const btDispatcherInfo& info,
                 btManifoldResult& result, bool may_come_and_go) {
         const btTransform relative = relative_of(first, second);
-        const bool pushed = (pushed_by_first_ && is_wild(first, info.m_timeStep))
-                            || (pushed_by_second_ && is_wild(second, info.m_timeStep))
-                            || (alike_ && may_sink_in(first, second, info.m_timeStep));
+        const bool pushed = may_be_pushed(first, second, info.m_timeStep);
         const btScalar ahead = looks_ahead_ || pushed ? approach(first, second) * info.m_timeStep : 0.0f;
         const btScalar near = near_ + ahead;
         if (!first_touch_ && !(moved_since(relative) + ahead < free_)) {
             seen_ = relative;
             const std::optional<HullDistance> touch = look(first, second, near);
+            if (touch && !manifold_ && pushed && !touch_ahead(first, second, info.m_timeStep)) {
+                free_ = -1.0f; // near, but passing
+                return true;
+            }
             if (touch && !manifold_ && !may_come_and_go) {
                 first_touch_ = touch;
                 return false;
@@ -174,20 +177,20 @@ class HullPair final : public FollowedContacts {
         return (relative.getOrigin() - seen_.getOrigin()).length() + std::sqrt(turned) * radius_;
     }
 
-    // Whether the body may pass over the smaller hull in a step.
-    [[nodiscard]] bool is_wild(const btCollisionObjectWrapper& object, btScalar seconds) const {
-        const btVector3& velocity = btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
-        return velocity.length2() * seconds * seconds > passing_part * passing_part * radius_ * radius_;
+    static btVector3 velocity_of(const btCollisionObjectWrapper& object) {
+        return btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
     }
 
-    // Whether two of like mass may get into each other in a step, and nobody looks at them on their way (step_stops.cpp).
-    [[nodiscard]] bool may_sink_in(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                                   btScalar seconds) const {
-        const auto velocity = [](const btCollisionObjectWrapper& object) {
-            return btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
-        };
-        const btScalar way = (velocity(first) - velocity(second)).length() * seconds;
-        return way > sinking_part * thinner_;
+    // Whether one may get into or past the other in a step, and nobody looks at them on their way (step_stops.cpp).
+    [[nodiscard]] bool may_be_pushed(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                                     btScalar seconds) const {
+        const btVector3 against = velocity_of(second) - velocity_of(first);
+        // Along what separates them now they get no deeper than they come closer.
+        if (alike_)
+            return against.dot(first.getWorldTransform().getBasis() * axis_) * seconds > sinking_part * thinner_;
+        if (!pushed_by_first_ && !pushed_by_second_) return false;
+        const btScalar heavy = velocity_of(pushed_by_first_ ? first : second).length();
+        return heavy * seconds > passing_part * radius_ && against.length() * seconds > apart_part * radius_;
     }
 
     // How fast the hulls can come closer.
