@@ -1,5 +1,7 @@
 // A step on several threads is the step on one, bit for bit.
+#include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <doctest/doctest.h>
