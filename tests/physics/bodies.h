@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,6 +46,16 @@ inline BodyDesc box(const glm::vec3& half, float mass, const glm::vec3& position
     desc.inertia = box_inertia(half, mass);
     desc.pose.position = position;
     return desc;
+}
+
+// The same body put together from so many slabs along x.
+inline BodyDesc in_slabs(BodyDesc box, const glm::vec3& half, int count) {
+    box.hull = {};
+    const float width = half.x / static_cast<float>(count);
+    const auto hull = std::make_shared<const CollisionHull>(box_hull({width, half.y, half.z}));
+    for (int i = 0; i < count; ++i)
+        box.parts.push_back({hull, {-half.x + width * static_cast<float>(2 * i + 1), 0.0f, 0.0f}});
+    return box;
 }
 
 inline BodyId must_add(World& world, const BodyDesc& desc) {

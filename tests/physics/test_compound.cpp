@@ -17,15 +17,8 @@ using namespace brittle::physics::test_bodies;
 
 namespace {
 
-// The same box put together from count slabs along x.
 BodyDesc slabs(const glm::vec3& half, int count, float mass, const glm::vec3& position) {
-    BodyDesc desc = box(half, mass, position);
-    desc.hull = {};
-    const float width = half.x / static_cast<float>(count);
-    const auto hull = std::make_shared<const CollisionHull>(box_hull({width, half.y, half.z}));
-    for (int i = 0; i < count; ++i)
-        desc.parts.push_back({hull, {-half.x + width * static_cast<float>(2 * i + 1), 0.0f, 0.0f}});
-    return desc;
+    return in_slabs(box(half, mass, position), half, count);
 }
 
 } // namespace

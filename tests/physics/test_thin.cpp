@@ -24,14 +24,8 @@ namespace {
 
 // A box of 1000 kg/m^3, of one hull or of slabs along x.
 BodyDesc made_of(const glm::vec3& half, int parts) {
-    BodyDesc desc = box(half, 8000.0f * half.x * half.y * half.z, {});
-    if (parts == 1) return desc;
-    desc.hull = {};
-    const float width = half.x / static_cast<float>(parts);
-    const auto hull = std::make_shared<const CollisionHull>(box_hull({width, half.y, half.z}));
-    for (int i = 0; i < parts; ++i)
-        desc.parts.push_back({hull, {-half.x + width * static_cast<float>(2 * i + 1), 0.0f, 0.0f}});
-    return desc;
+    const BodyDesc desc = box(half, 8000.0f * half.x * half.y * half.z, {});
+    return parts == 1 ? desc : in_slabs(desc, half, parts);
 }
 
 glm::vec3 any(test::Random& random, float length) {

@@ -1,7 +1,6 @@
 // A step on several threads is the step on one, bit for bit.
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -34,10 +33,8 @@ void add_cloud(World& world, test::Random& random, int count) {
 // A table of two hulls, fixed, and one that can be pushed.
 void add_tables(World& world) {
     for (const bool fixed : {true, false}) {
-        BodyDesc table = box({0.6f, 0.02f, 0.4f}, 20.0f, {fixed ? -0.4f : 0.5f, 0.5f, 0.0f});
-        const auto half = std::make_shared<const CollisionHull>(box_hull({0.3f, 0.02f, 0.4f}));
-        table.hull = {};
-        table.parts = {{half, {-0.3f, 0.0f, 0.0f}}, {half, {0.3f, 0.0f, 0.0f}}};
+        const glm::vec3 half(0.6f, 0.02f, 0.4f);
+        BodyDesc table = in_slabs(box(half, 20.0f, {fixed ? -0.4f : 0.5f, 0.5f, 0.0f}), half, 2);
         table.fixed = fixed;
         must_add(world, table);
     }

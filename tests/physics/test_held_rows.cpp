@@ -1,0 +1,104 @@
+// Rows of contacts with what never moves: four bodies at a time are what one at a time is, bit for bit.
+#include "physics/bullet/held_rows.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "convex_pieces.h"
+
+using namespace brittle;
+using namespace brittle::physics;
+
+namespace {
+
+struct Contact {
+    Row row, friction;
+    float coefficient;
+};
+
+Row random_row(test::Random& random, uint32_t mover, float light) {
+    const auto number = [&] { return static_cast<float>(random.uniform(-1.0, 1.0)); };
+    Row row{};
+    for (float* vector : {row.normal, row.arm_a, row.turn_a})
+        for (int axis = 0; axis < 3; ++axis) vector[axis] = number();
+    row.wanted = number();
+    row.gain = 0.2f + 0.1f * number();
+    row.impulse = 0.5f + 0.5f * number();
+    row.a = mover;
+    row.light_a = light;
+    return row;
+}
+
+// One row, as Gauss and Seidel have it.
+void push(const Row& row, float impulse, Motion& motion) {
+    for (int axis = 0; axis < 3; ++axis) {
+        motion.linear[axis] += row.normal[axis] * (impulse * row.light_a);
+        motion.angular[axis] += row.turn_a[axis] * impulse;
+    }
+}
+void solve(Row& row, float low, float high, Motion& motion) {
+    float along[3];
+    for (int axis = 0; axis < 3; ++axis)
+        along[axis] = row.normal[axis] * motion.linear[axis] + row.arm_a[axis] * motion.angular[axis];
+    const float apart = (along[0] + along[1]) + along[2], before = row.impulse;
+    row.impulse = std::clamp(before + row.wanted - apart * row.gain, low, high);
+    push(row, row.impulse - before, motion);
+}
+
+void check(uint64_t seed, uint32_t mover_count, size_t contact_count) {
+    INFO("seed ", seed, ", ", mover_count, " movers, ", contact_count, " contacts");
+    test::Random random(seed);
+    std::vector<float> lights;
+    for (uint32_t i = 0; i < mover_count; ++i) // some rest
+        lights.push_back(i % 7 == 3 ? 0.0f : static_cast<float>(random.uniform(0.1, 2.0)));
+    std::vector<Contact> contacts;
+    std::vector<uint32_t> movers;
+    for (size_t i = 0; i < contact_count; ++i) { // the first ones have most
+        const double u = random.uniform(0.0, 1.0);
+        movers.push_back(std::min(static_cast<uint32_t>(u * u * mover_count), mover_count - 1));
+        contacts.push_back({random_row(random, movers[i], lights[movers[i]]),
+                            random_row(random, movers[i], lights[movers[i]]), static_cast<float>(random.uniform(0.0, 1.0))});
+    }
+    HeldRows rows;
+    rows.arrange(movers, lights);
+    for (size_t i = contact_count; i-- > 0;) rows.put(i, contacts[i].row, contacts[i].friction, contacts[i].coefficient);
+
+    std::vector<Motion> expected(mover_count), found(mover_count);
+    for (const Contact& contact : contacts) push(contact.row, contact.row.impulse, expected[contact.row.a]);
+    rows.give(found.data());
+    for (int sweep = 0; sweep < 5; ++sweep) {
+        for (Contact& contact : contacts)
+            solve(contact.row, 0.0f, std::numeric_limits<float>::max(), expected[contact.row.a]);
+        rows.press(found.data());
+        for (Contact& contact : contacts) {
+            const float most = contact.coefficient * contact.row.impulse;
+            solve(contact.friction, -most, most, expected[contact.row.a]);
+        }
+        rows.rub(found.data());
+    }
+    for (uint32_t i = 0; i < mover_count; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            CHECK(found[i].linear[axis] == expected[i].linear[axis]);
+            CHECK(found[i].angular[axis] == expected[i].angular[axis]);
+        }
+    for (size_t i = 0; i < contact_count; ++i) {
+        CHECK(rows.impulses(i).contact == contacts[i].row.impulse);
+        CHECK(rows.impulses(i).friction == contacts[i].friction.impulse);
+        const Row back = rows.row(i);
+        CHECK(std::memcmp(&back, &contacts[i].row, sizeof back) == 0);
+    }
+}
+
+} // namespace
+
+TEST_CASE("rows of four bodies at a time are solved as one after the other, bit for bit") {
+    check(1, 1, 0);
+    check(2, 1, 1);
+    check(3, 3, 9);  // fewer than four
+    check(4, 5, 40); // one left over
+    for (uint64_t seed = 10; seed < 30; ++seed) check(seed, 37, 150);
+}
