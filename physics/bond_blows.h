@@ -11,7 +11,8 @@
 //                for (each contact that is too slow) load += book.load_of(piece, other, impulse);
 //
 // The step's blows are contacts that came in fast, so weight at rest never adds up to one. What of a blow comes slower, at its
-// end, is judged already: it is no load either, which would wear bonds. N s, J, m/s. Deterministic: those of before that end without a contact come first, then in the order of the step's blows.
+// end, is judged already: it is no load either, which would wear bonds. N s, J, m/s. Deterministic: those of before that end
+// without a contact come first, then in the order of the step's blows.
 #pragma once
 
 #include <cstdint>

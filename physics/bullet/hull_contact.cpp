@@ -30,7 +30,7 @@ constexpr btScalar together_part = 1e-4f;
 // Contacts of what is much lighter are made ahead when the heavier body moves in a step by this part of the smaller one's radius.
 // Not while both fly on together, and move against each other by less than the second part of it.
 constexpr btScalar passing_part = 0.5f, apart_part = 0.05f;
-// Contacts of two of like mass when they move by this part of the thinner one's thickness against each other in a step.
+// Contacts of two of like mass when they come closer by this part of the thinner one's thickness in a step.
 constexpr btScalar sinking_part = 0.25f;
 // Contacts begin at this part of the smaller one's radius, as in Bullet.
 constexpr btScalar near_part = 0.02f;

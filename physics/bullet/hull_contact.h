@@ -13,9 +13,9 @@
 // - Pieces of one cut that fly as one are taken to have a gap without a look (siblings.h).
 // - On a hull three times as large, a floor or a wall, what moves has all its lower corners as contacts at once: one a step, and
 //   it turns on that, comes down on the next, and goes in corner by corner.
-// - Contacts of debris, of what is much lighter than a body that may pass over it in a step (step_stops.h), and of two of like
-//   mass that move by a quarter of the thinner one's thickness against each other, are made ahead: as far apart as the two can
-//   come closer in that step. But for debris they are made for how the hulls will stand when they touch, turning left out, at
+// - Contacts of debris, of what is much lighter than a body that may pass over it in a step (step_stops.h) while they move
+//   against each other, and of two of like mass that come closer by a quarter of the thinner one's thickness, are made ahead: as far
+//   apart as the two can come closer in that step. But for debris they are made for how the hulls will stand when they touch, turning left out, at
 //   several points: the middle of the smaller one's lower corners, the point of touch, and corners far from those, each with its
 //   own way to the other hull. Pushed at one point only, what is light would spin, with a third of the speed.
 #pragma once

@@ -4,6 +4,7 @@
 // world/alone/N            the same on one thread
 // world/default/N          the same with the world's defaults: what is smaller than WorldSettings::debris_size is debris
 // world/debris/N           the same as debris: pieces meet the ground only
+// world/vacuum/1000        as meet, without air
 // world/.../1000_of_3000   a thousand pieces fall beside two thousand that lie on the ground and sleep
 // world/add/KIND/...       a thousand pieces (KIND: meet or debris) come in one frame into a world of a thousand falling ones
 //                          and two thousand that sleep
