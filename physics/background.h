@@ -5,7 +5,7 @@
 //     if (background.ready(7)) Pieces pieces = background.take(7);    // take() waits where it is not ready
 //
 // All calls come from one thread, the owner's. The destructor calls off what is left and waits for what runs. A job must
-// not throw.
+// not throw. On Linux the threads work only while a core is idle (background.cpp): frames do not wait for them.
 #pragma once
 
 #include <algorithm>
@@ -24,6 +24,9 @@
 #include <vector>
 
 namespace brittle::physics {
+
+// Lets this thread work only where no other has work for the core, where the system can do that.
+void yield_to_frames();
 
 template<class Value> class Background {
   public:
@@ -58,13 +61,12 @@ template<class Value> class Background {
         work_came_.notify_one();
     }
     [[nodiscard]] bool ready(uint32_t id) {
-        const std::scoped_lock lock(mutex_);
-        return jobs_.at(id)->value.has_value();
+        return jobs_.at(id)->done;
     }
     Value take(uint32_t id) {
         std::unique_lock lock(mutex_);
         const std::shared_ptr<Job> job = jobs_.at(id);
-        work_done_.wait(lock, [&] { return job->value.has_value(); });
+        work_done_.wait(lock, [&] { return job->done.load(); });
         jobs_.erase(id);
         return std::move(*job->value);
     }
@@ -81,10 +83,12 @@ template<class Value> class Background {
     struct Job {
         Work work;
         std::atomic<bool> cancelled = false;
-        std::optional<Value> value;
+        std::optional<Value> value; // the worker's until done
+        std::atomic<bool> done = false;
     };
 
     void run() {
+        yield_to_frames();
         for (;;) {
             std::shared_ptr<Job> job;
             {
@@ -99,6 +103,7 @@ template<class Value> class Background {
             {
                 const std::scoped_lock lock(mutex_);
                 job->value = std::move(value);
+                job->done = true;
             }
             work_done_.notify_all();
         }

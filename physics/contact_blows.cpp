@@ -46,7 +46,7 @@ std::vector<BodyBlow> BlowBook::take_up(const World& world, float speed,
 std::vector<BlowBook::Running> BlowBook::of_step(const World& world, float speed,
                                                  const std::function<bool(BodyId)>& wanted) {
     std::vector<Running> blows;
-    for (const Contact& contact : world.contacts()) {
+    for (const Contact& contact : world.solved_contacts()) {
         if (!(contact.speed > speed && contact.impulse > 0.0f)) continue;
         for (const bool first : {true, false}) {
             const BodyId own = first ? contact.a : contact.b, other = first ? contact.b : contact.a;

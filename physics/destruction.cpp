@@ -24,6 +24,12 @@ uint64_t steps_of(double seconds, const World& world) {
     return steps < 1.0 ? 1 : steps > 1e15 ? uint64_t{1'000'000'000'000'000} : static_cast<uint64_t>(steps);
 }
 
+// Jobs cut on one thread each, as threads that such a one started would also work only while a core is idle, for good.
+std::shared_ptr<const BreakableDesc> for_jobs(BreakableDesc desc) {
+    desc.solid.threads = 1;
+    return std::make_shared<const BreakableDesc>(std::move(desc));
+}
+
 } // namespace
 
 std::ostream& operator<<(std::ostream& stream, PieceId id) {
@@ -40,7 +46,7 @@ Result<ObjectId> Destruction::add(World& world, const fracture::TriangleMesh& me
 
 Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc) {
     const ObjectId id{next_object_};
-    objects_.emplace(id, Object{std::make_shared<const BreakableDesc>(desc), nullptr, {}, 0});
+    objects_.emplace(id, Object{for_jobs(desc), nullptr, {}, 0});
     Live piece{.object = id, .solid = std::move(whole), .seed = seed_of(desc.pattern.seed, id.value),
                .born = world.steps_taken()};
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
@@ -71,7 +77,7 @@ Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragm
     if (!made) return made.error();
     const ObjectId id{next_object_++};
     Object& object = objects_[id];
-    object.desc = std::make_shared<const BreakableDesc>(pieces);
+    object.desc = for_jobs(pieces);
     object.structure = std::make_unique<Structure>(std::move(*made));
     const uint64_t seed = seed_of(pieces.pattern.seed, id.value);
     for (uint32_t i = 0; i < fragments.pieces.size(); ++i)
@@ -188,6 +194,8 @@ void Destruction::forget_piece(PieceId id) {
 
 // Bodies that someone else took out of the world.
 void Destruction::remove_lost(const World& world) {
+    if (world.removed_count() == removed_seen_) return;
+    removed_seen_ = world.removed_count();
     std::vector<PieceId> lost;
     for (const auto& [id, piece] : pieces_)
         if (!world.contains(body_of(piece))) lost.push_back(id);
@@ -222,14 +230,19 @@ void Destruction::see_debris(const World& world, std::span<Debris> candidates, s
     }
 }
 
+bool Destruction::is_debris(const Live& piece) const {
+    return piece.depth > 0 && piece.bonded == none && piece.job == none && piece.fading == 0 && !piece.solid->anchored;
+}
+
 void Destruction::update_debris(World& world) {
     const double step = world.settings().step;
+    const DebrisLimits& limits = settings_.debris;
     std::vector<PieceId> gone;
-    std::vector<Debris> candidates;
     size_t count = 0, vertices = 0;
+    bool slept_too_long = false;
     for (auto& [id, piece] : pieces_) {
         if (piece.fading > 0) {
-            const auto all = static_cast<float>(steps_of(settings_.debris.fade_seconds, world));
+            const auto all = static_cast<float>(steps_of(limits.fade_seconds, world));
             if (--piece.fading == 0)
                 gone.push_back(id);
             else
@@ -238,19 +251,32 @@ void Destruction::update_debris(World& world) {
         }
         ++count;
         vertices += piece.solid->positions.size();
-        const BodyId body = body_of(piece);
-        if (piece.depth == 0 || piece.bonded != none || piece.job != none || !world.contains(body) || world.fixed(body))
-            continue;
-        piece.slept = world.awake(body) ? 0 : piece.slept + 1;
-        candidates.push_back({.id = id,
-                              .volume = piece.solid->mass.volume,
-                              .age = static_cast<double>(world.steps_taken() - piece.born) * step,
-                              .slept = static_cast<double>(piece.slept) * step,
-                              .vertices = piece.solid->positions.size(),
-                              .visible = true});
+        if (!is_debris(piece)) continue;
+        piece.slept = world.awake(piece.own) ? 0 : piece.slept + 1;
+        slept_too_long = slept_too_long || static_cast<double>(piece.slept) * step > limits.sleep_seconds;
     }
+    if (slept_too_long || count > limits.most_pieces || vertices > limits.most_vertices)
+        retire_debris(world, count, vertices, gone);
+    for (const PieceId id : gone) {
+        world.remove_body(pieces_.at(id).own);
+        forget_piece(id);
+    }
+}
+
+// What is seen fades, the rest is added to `gone`.
+void Destruction::retire_debris(const World& world, size_t count, size_t vertices, std::vector<PieceId>& gone) {
+    const double step = world.settings().step;
+    std::vector<Debris> candidates;
+    for (const auto& [id, piece] : pieces_)
+        if (is_debris(piece))
+            candidates.push_back({.id = id,
+                                  .volume = piece.solid->mass.volume,
+                                  .age = static_cast<double>(world.steps_taken() - piece.born) * step,
+                                  .slept = static_cast<double>(piece.slept) * step,
+                                  .vertices = piece.solid->positions.size(),
+                                  .visible = true});
     see_debris(world, candidates, count, vertices);
-    for (const PieceId id : retire_debris(candidates, count, vertices, settings_.debris)) {
+    for (const PieceId id : physics::retire_debris(candidates, count, vertices, settings_.debris)) {
         Live& piece = pieces_.at(id);
         ++statistics_.retired;
         const auto seen = std::ranges::lower_bound(candidates, id, {}, &Debris::id);
@@ -258,10 +284,6 @@ void Destruction::update_debris(World& world) {
             piece.fading = steps_of(settings_.debris.fade_seconds, world);
         else
             gone.push_back(id);
-    }
-    for (const PieceId id : gone) {
-        world.remove_body(pieces_.at(id).own);
-        forget_piece(id);
     }
 }
 

@@ -81,7 +81,7 @@ struct DestructionSettings {
     Timing timing = Timing::fixed_latency;
     uint32_t latency = 2;           // steps from blow to commit, at least 1; for fixed_latency
     uint32_t commits_a_step = 0;    // for fixed_latency, at most so many; 0: all that are due
-    uint32_t workers = 1;           // threads
+    uint32_t workers = 1;           // threads, each with a job of its own; they work only while a core is idle (background.h)
     DebrisLimits debris{};
 };
 
@@ -284,7 +284,9 @@ class Destruction {
     void exchange(World& world, const Live& piece, double cracks, Hit& hit) const;
     PieceId solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const;
     void see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const;
+    [[nodiscard]] bool is_debris(const Live& piece) const;
     void update_debris(World& world);
+    void retire_debris(const World& world, size_t count, size_t vertices, std::vector<PieceId>& gone);
 
     DestructionSettings settings_;
     std::map<ObjectId, Object> objects_;
@@ -293,7 +295,7 @@ class Destruction {
     std::map<uint32_t, Job> jobs_;
     std::set<uint32_t> free_slots_;
     uint32_t slot_count_ = 0, next_object_ = 0, next_piece_ = 0, next_job_ = 0;
-    uint64_t steps_seen_ = 0;
+    uint64_t steps_seen_ = 0, removed_seen_ = 0;
     BlowBook blows_;
     std::vector<Commit> commits_, script_;
     size_t script_at_ = 0;

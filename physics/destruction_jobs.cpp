@@ -215,22 +215,25 @@ void Destruction::knock(const World& world, PieceId id, const Hit& hit) {
 
 // What rests on held things: their blocks are looked at again where it has become more.
 void Destruction::update_loads(const World& world) {
+    std::map<BodyId, PieceId> held; // in the order of either
+    for (const auto& [id, piece] : pieces_)
+        if (piece.solid->blocks && piece.bonded == none) held.emplace(piece.own, id);
+    if (held.empty()) return;
     std::map<PieceId, std::vector<PointLoad>> loads;
     const double step = world.settings().step;
     for (const Contact& contact : world.contacts())
         for (const bool first : {true, false}) {
-            const BodyId body = first ? contact.a : contact.b;
-            const auto at = piece_of_body_.find(body.value);
-            if (at == piece_of_body_.end() || !world.contains(body)) continue;
+            const auto at = held.find(first ? contact.a : contact.b);
+            if (at == held.end()) continue;
             const Live& piece = pieces_.at(at->second);
-            if (!piece.solid->blocks || contact.speed > desc_of(piece).impact_speed) continue;
-            const Pose pose = world.pose(body);
+            if (contact.speed > desc_of(piece).impact_speed) continue;
+            const Pose pose = world.pose(at->first);
             const glm::vec3 impulse = (first ? 1.0f : -1.0f) * (contact.impulse * contact.normal + contact.friction);
             loads[at->second].push_back({turned_back(pose, contact.point - pose.position) + piece.solid->mass.centre_of_mass,
                                          turned_back(pose, impulse) / step});
         }
-    for (auto& [id, piece] : pieces_) {
-        if (!piece.solid->blocks) continue;
+    for (const auto& [body, id] : held) {
+        Live& piece = pieces_.at(id);
         const auto found = loads.find(id);
         double sum = 0.0;
         if (found != loads.end())

@@ -202,7 +202,7 @@ void Structure::release_anchors(std::span<const uint32_t> pieces) {
 // All that one body did to one piece in the step counts as one.
 std::vector<BondBlows::OfStep> Structure::find_blows(const World& world) const {
     std::vector<BondBlows::OfStep> blows;
-    for (const Contact& contact : world.contacts()) {
+    for (const Contact& contact : world.solved_contacts()) {
         if (!(contact.speed > desc_.impact_speed && contact.blow > 0.0f)) continue;
         for (const bool first : {true, false}) {
             const uint32_t piece =

@@ -125,7 +125,7 @@ uint32_t World::new_siblings() {
 bool World::remove_body(BodyId id) {
     BodyRecord* body = impl_->find(id);
     if (!body) return false;
-    (void)impl_->contacts(); // they still name it
+    (void)impl_->engine->solver.solved_contacts(); // they still name it
     impl_->engine->world->siblings().remove(*body->rigid);
     for (int i = 0; i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);
@@ -144,6 +144,7 @@ bool World::remove_body(BodyId id) {
     impl_->ids.erase(impl_->ids.begin() + static_cast<std::ptrdiff_t>(order));
     impl_->moved_steps.erase(impl_->moved_steps.begin() + static_cast<std::ptrdiff_t>(order));
     for (size_t i = order; i < impl_->bodies.size(); ++i) impl_->bodies[i]->rigid->setUserIndex(static_cast<int>(i));
+    ++impl_->removed;
     return true;
 }
 
@@ -163,6 +164,9 @@ void World::clear(const WorldSettings& settings) {
 
 size_t World::body_count() const {
     return impl_->bodies.size();
+}
+uint64_t World::removed_count() const {
+    return impl_->removed;
 }
 bool World::contains(BodyId id) const {
     return impl_->find(id) != nullptr;
@@ -285,7 +289,7 @@ void World::move_on(BodyId id, float seconds) {
 }
 
 void World::amend_contact(size_t index, const Contact& contact) {
-    impl_->contacts()[index] = contact;
+    impl_->engine->solver.amend_contact(index, contact);
 }
 
 float World::response(BodyId id, glm::vec3 point, glm::vec3 direction) const {
@@ -295,7 +299,10 @@ float World::response(BodyId id, glm::vec3 point, glm::vec3 direction) const {
 }
 
 std::span<const Contact> World::contacts() const {
-    return impl_->contacts();
+    return impl_->engine->solver.contacts(impl_->engine->dispatcher);
+}
+std::span<const Contact> World::solved_contacts() const {
+    return impl_->engine->solver.solved_contacts();
 }
 
 void World::wake_all() {

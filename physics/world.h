@@ -187,6 +187,7 @@ class World {
     void clear(const WorldSettings& settings);
 
     [[nodiscard]] size_t body_count() const;
+    [[nodiscard]] uint64_t removed_count() const; // bodies that were removed so far, cleared ones among them
     [[nodiscard]] bool contains(BodyId id) const;
     [[nodiscard]] std::span<const BodyId> bodies() const; // in body order
 
@@ -230,7 +231,7 @@ class World {
     float rewind(BodyId id);
     // Moves a body at its velocity, as though it touched nothing, for what rewind() returned or the body it came of.
     void move_on(BodyId id, float seconds);
-    // Replaces one of contacts() by what became of it.
+    // Replaces one of contacts(), which was asked for since the step, by what became of it.
     void amend_contact(size_t index, const Contact& contact);
 
     // How fast a point (world coordinates) would move along a unit direction after an impulse of 1 N s there along it, in
@@ -239,9 +240,12 @@ class World {
     void wake_all();
 
     // Who pressed on whom in the last step, in a fixed order. Sleeping bodies press as they did when they fell
-    // asleep. The velocities of the bodies have these impulses in them already. Bodies that were removed since are
-    // still named. Valid until the next step.
+    // asleep; what a body that was removed woke is told of again after the next step. The velocities of the bodies have these
+    // impulses in them already. Bodies that were removed since are still named. Valid until the next step.
     [[nodiscard]] std::span<const Contact> contacts() const;
+    // The first of them: those in which someone who was awake took part. All that is new; where thousands sleep, it is had for
+    // a tenth of the time. Valid until contacts() is called, or the next step.
+    [[nodiscard]] std::span<const Contact> solved_contacts() const;
 
     [[nodiscard]] Mechanics mechanics() const;
     [[nodiscard]] size_t awake_count() const;

@@ -29,14 +29,23 @@ void PieceSolver::solve(std::span<BodyRecord* const> awake, std::span<btPersiste
                 threads);
     awake_.assign(awake.begin(), awake.end());
     contacts_.clear();
-    told_ = false;
+    told_ = Told::none;
 }
 
-std::vector<Contact>& PieceSolver::contacts(btDispatcher& dispatcher) {
-    if (!told_) {
+std::span<const Contact> PieceSolver::solved_contacts() {
+    if (told_ == Told::none) {
         report_solved();
+        solved_count_ = contacts_.size();
+        told_ = Told::solved;
+    }
+    return std::span(contacts_).first(solved_count_);
+}
+
+std::span<const Contact> PieceSolver::contacts(btDispatcher& dispatcher) {
+    if (told_ != Told::all) {
+        (void)solved_contacts();
         report_sleeping(dispatcher);
-        told_ = true;
+        told_ = Told::all;
     }
     return contacts_;
 }

@@ -26,10 +26,13 @@ class PieceSolver {
     // Of bodies that are awake, and all contacts that any of them has.
     void solve(std::span<BodyRecord* const> awake, std::span<btPersistentManifold* const> manifolds,
                fracture::Threads& threads);
-    // Of the last step: first those that were solved, in the order of manifolds, then those of bodies that sleep, as they
-    // pressed when they last were awake. They are told when they are first asked for, as not everybody wants them: that must
-    // be before a body goes.
-    [[nodiscard]] std::vector<Contact>& contacts(btDispatcher& dispatcher);
+    // Those of the last step that were solved, in the order of manifolds. They are told when they are first asked for, as not
+    // everybody wants them: that must be before a body goes.
+    [[nodiscard]] std::span<const Contact> solved_contacts();
+    // The same, and behind them those of bodies that sleep now, as they pressed when they last were awake; as they were
+    // when first asked for since the step.
+    [[nodiscard]] std::span<const Contact> contacts(btDispatcher& dispatcher);
+    void amend_contact(size_t index, const Contact& contact) { contacts_[index] = contact; }
     // A body came or goes.
     void forget_sleeping() { resting_known_ = false; }
 
@@ -42,7 +45,8 @@ class PieceSolver {
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
     std::vector<Contact> contacts_;
-    bool told_ = true; // contacts_ are of the last step
+    size_t solved_count_ = 0; // of contacts_: they come first
+    enum class Told { none, solved, all } told_ = Told::all; // what of the last step contacts_ has
     std::vector<BodyRecord*> awake_;
     // What presses among those that sleep, and who did not sleep then.
     bool resting_known_ = false;

@@ -56,6 +56,7 @@ struct World::Impl {
     std::vector<uint64_t> moved_steps;
     uint32_t last_siblings = 0;        // the last number given
     uint32_t next_id = 0;              // never goes back
+    uint64_t removed = 0;              // nor does the number of those removed
     std::unique_ptr<Engine> engine;
     // Hulls that bodies share, by address: an entry holds its hull, so an address in here names one hull.
     std::unordered_map<const CollisionHull*, std::shared_ptr<SharedShape>> shared_shapes;
@@ -72,6 +73,7 @@ struct World::Impl {
     // Bullet must let go of a body before the body goes.
     void drop_bodies() {
         for (size_t i = bodies.size(); i-- > 0;) engine->world->removeRigidBody(bodies[i]->rigid.get());
+        removed += bodies.size();
         bodies.clear();
         ids.clear();
         moved_steps.clear();
@@ -91,7 +93,6 @@ struct World::Impl {
         assert(body && "no such body in this world");
         return *body;
     }
-    [[nodiscard]] std::vector<Contact>& contacts() { return engine->solver.contacts(engine->dispatcher); }
     [[nodiscard]] uint64_t& moved_step(const BodyRecord& body) {
         return moved_steps[static_cast<size_t>(body.rigid->getUserIndex())];
     }

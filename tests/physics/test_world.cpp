@@ -460,6 +460,53 @@ TEST_CASE("what sleeps presses as before, while others wake, come and go") {
     for (const BodyId id : {woken.first, left.first, left.second}) check(id);
 }
 
+TEST_CASE("contacts that were solved come first, and are had without the others") {
+    const auto same = [](const Contact& a, const Contact& b) {
+        return a.a == b.a && a.b == b.b && a.point == b.point && a.normal == b.normal && a.impulse == b.impulse;
+    };
+    World world;
+    const BodyId first = must_add(world, box({0.2f, 0.1f, 0.2f}, 8.0f, {0.0f, 0.1f, 0.0f}));
+    must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.0f, 0.3f, 0.0f}));
+    CHECK(world.solved_contacts().empty());
+    run(world, 3.0f);
+    REQUIRE(world.awake_count() == 0);
+    CHECK(world.solved_contacts().empty());
+    CHECK(world.contacts().size() >= 8); // two boxes on four corners each
+    const size_t asleep = world.contacts().size();
+
+    const BodyId late = must_add(world, box({0.2f, 0.1f, 0.2f}, 8.0f, {2.0f, 0.1f, 0.0f}));
+    world.step();
+    const std::vector<Contact> solved(world.solved_contacts().begin(), world.solved_contacts().end());
+    REQUIRE(!solved.empty());
+    for (const Contact& contact : solved) CHECK((contact.a == late || contact.b == late));
+    CHECK(world.contacts().size() == solved.size() + asleep);
+    CHECK(std::ranges::equal(solved, world.contacts().first(solved.size()), same));
+    CHECK(std::ranges::equal(solved, world.solved_contacts(), same));
+
+    // A body that goes is still named by what was solved; what it carried is awake, and told of after the next step.
+    world.step();
+    CHECK(world.remove_body(late));
+    CHECK(!world.solved_contacts().empty());
+    CHECK(world.contacts().size() == world.solved_contacts().size() + asleep);
+    world.step();
+    CHECK(world.solved_contacts().empty());
+    CHECK(world.remove_body(first));
+    CHECK(world.contacts().empty());
+}
+
+TEST_CASE("bodies that were removed are counted") {
+    World world;
+    CHECK(world.removed_count() == 0);
+    const BodyId one = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {}));
+    must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {1.0f, 0.0f, 0.0f}));
+    CHECK(world.remove_body(one));
+    CHECK(!world.remove_body(one));
+    CHECK(world.removed_count() == 1);
+    world.clear();
+    world.clear();
+    CHECK(world.removed_count() == 2);
+}
+
 TEST_CASE("a body that touches nothing never sleeps, however slow") {
     World world({.gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt});
     BodyDesc desc = box({0.1f, 0.1f, 0.1f}, 1.0f, {});
