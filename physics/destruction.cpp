@@ -51,7 +51,7 @@ Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableD
                .born = world.steps_taken()};
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity};
-    const Result<PieceId> added = add_piece(world, std::move(piece), motion, glm::dvec3(0.0));
+    const Result<PieceId> added = add_piece(world, std::move(piece), motion, glm::dvec3(0.0), false);
     if (!added) {
         objects_.erase(id);
         return added.error();
@@ -137,7 +137,7 @@ std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece, 
 }
 
 // The motion is of the point `from`, in the coordinates of the object.
-Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from) {
+Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris) {
     const BreakableDesc& desc = desc_of(piece);
     const SolidPiece& solid = *piece.solid;
     const glm::dvec3 arm = solid.mass.centre_of_mass - from;
@@ -147,6 +147,7 @@ Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& m
     else
         body.parts = solid.parts;
     body.fixed = solid.anchored;
+    body.debris = debris;
     body.mass = static_cast<float>(solid.body.mass);
     body.inertia = glm::mat3(solid.body.inertia);
     body.pose = moved(motion.pose, arm);

@@ -27,7 +27,8 @@
 // - Deterministic with Timing::fixed_latency (commits in the step they are due, waiting where a job is late) and with
 //   Timing::scripted (commits as a log says). Timing::when_ready looks at the clock; commits() is the log to keep.
 // - A slot is an index that the piece's pose is written to; it is used again once the piece is gone.
-// - Debris: retire_debris() in debris.h says what goes when there is too much.
+// - Debris: retire_debris() in debris.h says what goes when there is too much; crowd.h which parts of what breaks do not meet
+//   each other when more than enough do. What is added whole always collides.
 //
 // World coordinates where nothing else is said; metres, kilograms, seconds. Every call gets the same world. Not thread-safe.
 #pragma once
@@ -255,7 +256,7 @@ class Destruction {
     [[nodiscard]] BodyId body_of(const Live& piece) const;
     [[nodiscard]] std::optional<Motion> motion_of(const World& world, const Live& piece) const;
     [[nodiscard]] std::optional<Pose> pose_of(const World& world, const Live& piece, float alpha) const;
-    Result<PieceId> add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from);
+    Result<PieceId> add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris);
     PieceId register_piece(Live piece);
     void forget_piece(PieceId id);
     void remove_lost(const World& world);

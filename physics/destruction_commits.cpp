@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "physics/body_motion.h"
+#include "physics/crowd.h"
 #include "physics/destruction_seeds.h"
 #include "physics/nearest.h"
 
@@ -110,12 +111,16 @@ bool Destruction::commit(World& world, uint32_t number) {
 std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broken& broken) {
     const Live parent = pieces_.at(old);
     const Motion motion = *motion_of(world, parent);
+    const bool was_debris = world.debris(body_of(parent));
     Object& object = objects_.at(parent.object);
     if (parent.bonded != none)
         object.structure->take_piece(world, parent.bonded);
     else
         world.remove_body(parent.own);
     forget_piece(old);
+    std::vector<Newcomer> batch;
+    for (const SolidPtr& solid : broken.pieces) batch.push_back({.size = solid->mass.volume, .fixed = solid->anchored});
+    const std::vector<uint8_t> debris = crowded_out(batch, room_in(world), was_debris);
     std::vector<PieceId> made;
     for (size_t i = 0; i < broken.pieces.size(); ++i) {
         const Result<PieceId> added = add_piece(world,
@@ -125,7 +130,7 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broke
                                                  .of = old,
                                                  .seed = seed_of(parent.seed, i),
                                                  .born = world.steps_taken()},
-                                                motion, parent.solid->mass.centre_of_mass);
+                                                motion, parent.solid->mass.centre_of_mass, debris[i]);
         if (added)
             made.push_back(*added);
         else // a speck whose mass single precision cannot hold

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "physics/crowd.h"
 #include "physics/piece_mass.h"
 
 namespace brittle::physics {
@@ -18,7 +19,7 @@ using fracture::Status;
 
 Result<BodyId> add_piece(World& world, const Fragments& fragments, const Piece& piece,
                          const Material& material, const PlacedMotion& motion,
-                         const std::shared_ptr<const CollisionHull>& hull, uint32_t siblings) {
+                         const std::shared_ptr<const CollisionHull>& hull, uint32_t siblings, bool debris) {
     const glm::dvec3 arm = glm::dquat(motion.placement.orientation) * piece.mass.centre_of_mass;
     BodyDesc desc;
     desc.parts = {{hull, glm::vec3(0.0f)}};
@@ -26,6 +27,7 @@ Result<BodyId> add_piece(World& world, const Fragments& fragments, const Piece& 
     desc.linear_velocity = motion.linear_velocity + glm::cross(motion.angular_velocity, glm::vec3(arm));
     desc.angular_velocity = motion.angular_velocity;
     desc.siblings = siblings;
+    desc.debris = debris;
     desc.friction = material.friction;
     desc.restitution = material.restitution;
     // A sliver's integrals can round to a volume or a tensor that no body has; the world is the judge of
@@ -38,6 +40,13 @@ Result<BodyId> add_piece(World& world, const Fragments& fragments, const Piece& 
     desc.mass = static_cast<float>(box.mass);
     desc.inertia = glm::mat3(box.inertia);
     return world.add_body(desc);
+}
+
+std::vector<Newcomer> newcomers(const Fragments& fragments) {
+    std::vector<Newcomer> batch;
+    batch.reserve(fragments.pieces.size());
+    for (const Piece& piece : fragments.pieces) batch.push_back({.size = piece.mass.volume});
+    return batch;
 }
 
 } // namespace
@@ -57,9 +66,10 @@ Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments,
     std::vector<BodyId> bodies;
     bodies.reserve(fragments.pieces.size());
     const uint32_t siblings = world.new_siblings();
+    const std::vector<uint8_t> debris = crowded_out(newcomers(fragments), room_in(world));
     for (size_t i = 0; i < fragments.pieces.size(); ++i) {
         const Result<BodyId> body =
-            add_piece(world, fragments, fragments.pieces[i], material, motion, hulls[i], siblings);
+            add_piece(world, fragments, fragments.pieces[i], material, motion, hulls[i], siblings, debris[i]);
         if (!body) {
             for (const BodyId added : bodies) world.remove_body(added);
             return Error{body.error().status, "piece " + std::to_string(i) + ": " + body.error().message};

@@ -27,7 +27,7 @@ struct PlacedMotion {
 // One body a piece, in the order of fragments.pieces. Fails (invalid_mesh, invalid_setting) on non-finite
 // positions, vertex ranges outside the arena, or a density that is not positive, naming the piece; then no
 // body is added. A piece without volume (a sliver, an open or inside-out shell) gets the mass properties of a
-// thin box around it.
+// thin box around it. Where the world has no room for all, the smaller ones are debris (crowd.h).
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments,
                                        const Material& material = {}, const PlacedMotion& motion = {},
                                        const HullSettings& hull = {});

@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 
 #include "physics/body_motion.h"
+#include "physics/crowd.h"
 #include "physics/piece_mass.h"
 
 namespace brittle::physics {
@@ -71,7 +72,7 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity, glm::dvec3(0.0)};
     for (const std::vector<uint32_t>& island : structure.graph_.islands(all)) {
-        const Result<void> added = structure.add_island(world, island, motion);
+        const Result<void> added = structure.add_island(world, island, motion, false);
         if (added) continue;
         structure.remove(world);
         return added.error();
@@ -85,7 +86,20 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     return structure;
 }
 
-Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion) {
+std::vector<uint8_t> Structure::debris_of(const World& world, std::span<const std::vector<uint32_t>> islands) const {
+    std::vector<Newcomer> batch;
+    for (const std::vector<uint32_t>& island : islands) {
+        Newcomer& one = batch.emplace_back();
+        one.bonded = island.size() > 1;
+        for (const uint32_t piece : island) {
+            one.size += pieces_[piece].mass;
+            one.fixed = one.fixed || pieces_[piece].anchored;
+        }
+    }
+    return crowded_out(batch, room_in(world));
+}
+
+Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion, bool debris) {
     BodyState body;
     double mass = 0.0;
     for (const uint32_t piece : island) {
@@ -104,6 +118,7 @@ Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& is
     }
     const glm::dvec3 arm = body.centre - motion.centre;
     desc.fixed = body.fixed;
+    desc.debris = debris;
     desc.mass = static_cast<float>(mass);
     desc.inertia = glm::mat3(inertia);
     desc.pose = moved(motion.pose, arm);
@@ -322,8 +337,9 @@ void Structure::split(World& world) {
         body_of_id_.erase(old.value);
         bodies_[index].id = {};
         for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
-        for (const std::vector<uint32_t>& island : islands) {
-            [[maybe_unused]] const Result<void> added = add_island(world, island, motion);
+        const std::vector<uint8_t> debris = debris_of(world, islands);
+        for (size_t i = 0; i < islands.size(); ++i) {
+            [[maybe_unused]] const Result<void> added = add_island(world, islands[i], motion, debris[i]);
             assert(added && "parts of a body that the world took are bodies, too");
             if (const auto parent = rewound.find(old); parent != rewound.end())
                 rewound.emplace(bodies_.back().id, parent->second);

@@ -20,6 +20,7 @@
 //   before the contacts. These are solved anew, as dead blows, for the islands, and all move on by a step: a ball goes
 //   through a pane that would have held it, momentum is kept and no energy comes of it. World::contacts() then tells
 //   what became of them. Where more than some hundred contacts hang together, the islands share what the body got.
+// - A single piece that comes off while more than enough collide is debris (crowd.h); several that are bonded never are.
 // - Weight of what is anchored, and contacts slower than that, are loads: bonds that carry too much wear (wear.h).
 //
 // Bonded convex pieces, compounds and islands: Mueller, Chentanez and Kim, "Real Time Dynamic Fracture with Volumetric
@@ -144,7 +145,9 @@ class Structure {
     static constexpr uint32_t none = UINT32_MAX;
 
     [[nodiscard]] Motion motion_of(const World& world, const BodyState& body) const;
-    Result<void> add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion);
+    Result<void> add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion, bool debris);
+    // Which of the islands that a body comes apart into are debris by number.
+    [[nodiscard]] std::vector<uint8_t> debris_of(const World& world, std::span<const std::vector<uint32_t>> islands) const;
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;
     [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
     // The piece of ours that a contact's side names, or none.

@@ -107,10 +107,12 @@ Result<BodyId> World::add_body(const BodyDesc& desc) {
     if (desc.previous) body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
 
     body->debris =
-        !desc.fixed && longest_extent(*body->collision_shape()) < impl_->settings.debris_size * bullet_units;
+        !desc.fixed
+        && (desc.debris || longest_extent(*body->collision_shape()) < impl_->settings.debris_size * bullet_units);
     impl_->engine->world->addRigidBody(body->rigid.get(), group_of(desc.fixed, body->debris),
                                        partners_of(desc.fixed, body->debris));
     impl_->engine->solver.forget_sleeping();
+    if (body->collides()) ++impl_->colliding;
     ++impl_->next_id;
     impl_->ids.push_back(body->id);
     impl_->bodies.push_back(std::move(body));
@@ -138,6 +140,7 @@ bool World::remove_body(BodyId id) {
             impl_->wake(*impl_->bodies[static_cast<size_t>(other->getUserIndex())]);
     }
     impl_->engine->world->removeRigidBody(body->rigid.get());
+    if (body->collides()) --impl_->colliding;
     impl_->engine->solver.forget_sleeping();
     const auto order = static_cast<size_t>(body->rigid->getUserIndex());
     impl_->bodies.erase(impl_->bodies.begin() + static_cast<std::ptrdiff_t>(order));
@@ -183,8 +186,11 @@ void World::step() {
         if (impl_->moved_steps[i] >= impl_->steps) impl_->bodies[i]->previous = impl_->bodies[i]->pose(); // else they are the same
     impl_->engine->world->step(impl_->settings.step);
     ++impl_->steps;
-    for (const BodyRecord* body : impl_->engine->world->stepped())
+    impl_->colliding = 0; // nobody is awake who was not at any time of the step
+    for (const BodyRecord* body : impl_->engine->world->stepped()) {
         if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
+        if (body->collides()) ++impl_->colliding;
+    }
 }
 
 float World::advance(double seconds, const std::function<void()>& after_step) {
@@ -239,6 +245,9 @@ float World::mass(BodyId id) const {
 }
 bool World::fixed(BodyId id) const {
     return impl_->get(id).fixed;
+}
+bool World::debris(BodyId id) const {
+    return impl_->get(id).debris;
 }
 bool World::awake(BodyId id) const {
     return impl_->get(id).awake();
@@ -324,6 +333,10 @@ Mechanics World::mechanics() const {
 size_t World::awake_count() const {
     return static_cast<size_t>(
         std::ranges::count_if(impl_->bodies, [](const auto& body) { return body->awake(); }));
+}
+
+size_t World::colliding_count() const {
+    return impl_->colliding;
 }
 
 size_t World::contact_count() const {

@@ -71,6 +71,12 @@ struct WorldSettings {
     // Bodies whose longest extent is below this, m, are debris: they collide with the ground, with fixed bodies and with
     // all that is larger, but not with each other. What a blow leaves by the hundred then costs a tenth. 0: no debris.
     float debris_size = 0.02f;
+    // Awake bodies that collide with each other, at most, as far as pieces of what breaks add to them: where there would be
+    // more, the smaller ones of those that come are debris, too, however large (crowd.h). It keeps a step from growing with
+    // every break: a thousand more that meet cost two to three times what the step had, as debris a fifth. What it costs is
+    // that such pieces lie in each other. Decided when a piece comes, and it stays so; results repeat as ever. 0: no limit,
+    // for who bakes what nobody waits for.
+    uint32_t most_colliding = 1000;
     // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of
     // the time its remaining jitter is damped away, after the whole time it sleeps, together with all it
     // touches, until something disturbs it. What only rocks in place, or trembles in a heap of which nine tenths of the
@@ -112,6 +118,7 @@ struct BodyDesc {
     // Held by the world: never moves, whatever pushes it. Fixed bodies do not collide with each other and the ground, and
     // are never awake; velocities and inertia are not looked at, and mechanics() counts them as nothing.
     bool fixed = false;
+    bool debris = false; // also if it is not small (WorldSettings::debris_size); a fixed body never is
     // Bodies that come between the same two steps with the same number, if it is one of World::new_siblings(), do not overlap:
     // pieces of one cut. While they fly as one, nobody looks for contacts between them.
     uint32_t siblings = 0;
@@ -214,6 +221,7 @@ class World {
     [[nodiscard]] glm::vec3 angular_velocity(BodyId id) const;
     [[nodiscard]] float mass(BodyId id) const; // as given, also of a fixed body
     [[nodiscard]] bool fixed(BodyId id) const;
+    [[nodiscard]] bool debris(BodyId id) const;
     [[nodiscard]] bool awake(BodyId id) const;
     [[nodiscard]] Mechanics mechanics(BodyId id) const;
 
@@ -249,6 +257,7 @@ class World {
 
     [[nodiscard]] Mechanics mechanics() const;
     [[nodiscard]] size_t awake_count() const;
+    [[nodiscard]] size_t colliding_count() const; // awake, and no debris; kept, so asking costs nothing
     [[nodiscard]] size_t contact_count() const; // points that touch (not those that are merely near)
 
     // Of all poses and velocities in body order (FNV-1a over their bits).

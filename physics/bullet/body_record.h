@@ -74,6 +74,7 @@ struct BodyRecord {
     [[nodiscard]] bool has_moved() const { return was_repaired || !(rigid->getWorldTransform() == stepped_from); }
     [[nodiscard]] Velocity velocity() const { return {rigid->getLinearVelocity(), rigid->getAngularVelocity()}; }
     [[nodiscard]] bool awake() const { return !fixed && rigid->isActive(); }
+    [[nodiscard]] bool collides() const { return awake() && !debris; } // with others that are awake
     [[nodiscard]] Pose pose() const {
         const btTransform& frame = rigid->getWorldTransform();
         return {metres_from_bullet(frame.getOrigin()),

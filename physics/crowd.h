@@ -1,0 +1,45 @@
+// Who is debris because there are too many, whatever its size (WorldSettings::most_colliding).
+//
+// A thousand awake pieces that all meet are what a step has time for; a thousand more would make it more than twice as long,
+// as debris they add a fifth. So where pieces come, the largest collide with each other as long as there is room, and the
+// rest are debris: they meet the ground, what is fixed and whatever collides, but not each other. What it costs is that they
+// overlap.
+//
+// - Decided when pieces come, from the state of the world alone, and never again: a run repeats, and nothing begins or
+//   ceases to collide while someone looks.
+// - The largest of a batch collides in any case, as do several pieces that are bonded: they are what is left of what broke.
+//   A body that comes alone is such a largest one. Of debris that breaks, which took no room itself, all parts may be debris.
+//   So where there is no room a break adds nothing to those that collide, but the largest part of what was held.
+//
+//     std::vector<Newcomer> batch;
+//     for (const Piece& piece : fragments.pieces) batch.push_back({.size = piece.mass.volume});
+//     const std::vector<uint8_t> debris = crowded_out(batch, room_in(world));
+//     for each piece: desc.debris = debris[i];
+//
+// Pure functions of their arguments; add_pieces(), Structure and Destruction ask them, World::add_body() does not.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "physics/world.h"
+
+namespace brittle::physics {
+
+// A body that is about to come, with others at once.
+struct Newcomer {
+    double size = 0.0;   // volume or mass, the same of all of a batch; what is no number counts as 0
+    bool fixed = false;  // takes no room and is no debris
+    bool bonded = false; // of several pieces: collides in any case, and takes its room before others
+};
+
+// How many more awake bodies may collide with each other; SIZE_MAX without a limit.
+[[nodiscard]] size_t room_in(const World& world);
+
+// 1 for each of the batch that is debris, otherwise 0. Of equal sizes the first collide. of_debris: they come of a piece that
+// was debris.
+[[nodiscard]] std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, bool of_debris = false);
+
+} // namespace brittle::physics
