@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "fracture/principal_axes.h"
 #include "physics/bullet/world_impl.h"
 #include "physics/world_check.h"
 
@@ -16,8 +15,11 @@ namespace brittle::physics {
 
 namespace {
 
-fracture::Error bad_setting(std::string message) {
-    return {fracture::Status::invalid_setting, std::move(message)};
+// Fewer bodies than this are not worth waking another thread for.
+constexpr uint32_t least_bodies = 32;
+
+fracture::Error refused(uint32_t id, const fracture::Error& fault) {
+    return {fault.status, text("body ", id, " cannot be added: ", fault.message)};
 }
 
 class Hash {
@@ -55,69 +57,32 @@ const WorldSettings& World::settings() const {
 }
 
 Result<BodyId> World::add_body(const BodyDesc& desc) {
-    const auto refused = [this](const std::string& fault) {
-        return bad_setting(text("body ", impl_->next_id, " cannot be added: ", fault));
-    };
-    if (const std::string fault = fault_of(desc); !fault.empty()) return refused(fault);
-    fracture::PrincipalAxes principal;
-    if (!desc.fixed) {
-        principal = fracture::principal_axes(glm::dmat3(desc.inertia));
-        if (const std::string fault = settle_moments(principal.moments); !fault.empty())
-            return refused(fault);
-    }
+    Result<std::unique_ptr<BodyRecord>> record = make_record(desc);
+    if (!record) return refused(impl_->next_id, record.error());
+    return impl_->put_in(std::move(*record), desc);
+}
 
-    auto body = std::make_unique<BodyRecord>();
-    body->id = {impl_->next_id};
-    body->to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
-    body->moments = principal.moments;
-    body->mass = desc.mass;
-    body->fixed = desc.fixed;
-    if (desc.parts.size() > 1)
-        impl_->make_compound(*body, desc.parts);
-    else if (desc.parts.size() == 1)
-        make_single(*body, *desc.parts[0].hull, desc.parts[0].offset);
-    else
-        make_single(*body, desc.hull, glm::vec3(0.0f));
-    measure(*body);
-    if (!desc.fixed) find_drag(*body, desc);
-
-    const glm::quat orientation = glm::normalize(desc.pose.orientation);
-    const btTransform frame(to_bullet(orientation * body->to_principal),
-                            metres_to_bullet(desc.pose.position));
-    btRigidBody::btRigidBodyConstructionInfo info(
-        desc.fixed ? 0.0f : desc.mass, nullptr, body->collision_shape(),
-        desc.fixed ? btVector3(0, 0, 0) : metres_to_bullet(glm::vec3(principal.moments) * bullet_units));
-    info.m_startWorldTransform = frame;
-    info.m_friction = desc.friction;
-    info.m_restitution = desc.restitution;
-    info.m_linearDamping = impl_->settings.linear_damping;
-    info.m_angularDamping = impl_->settings.angular_damping;
-    body->rigid = std::make_unique<btRigidBody>(info);
-    if (!desc.fixed) {
-        body->rigid->setLinearVelocity(metres_to_bullet(desc.linear_velocity));
-        body->rigid->setAngularVelocity(to_bullet(desc.angular_velocity));
-    }
-    body->rigid->setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
-    body->rigid->setUserIndex(static_cast<int>(impl_->bodies.size()));
-    if (desc.siblings != 0) impl_->engine->world->siblings().add(*body->rigid, desc.siblings);
-    if (!impl_->settings.sleeping) body->rigid->setActivationState(DISABLE_DEACTIVATION);
-    body->blow_frame = frame;
-    body->unhindered = body->solved = body->velocity();
-    body->previous = body->pose();
-    if (desc.previous) body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
-
-    body->debris =
-        !desc.fixed
-        && (desc.debris || longest_extent(*body->collision_shape()) < impl_->settings.debris_size * bullet_units);
-    impl_->engine->world->addRigidBody(body->rigid.get(), group_of(desc.fixed, body->debris),
-                                       partners_of(desc.fixed, body->debris));
-    impl_->engine->solver.forget_sleeping();
-    if (body->collides()) ++impl_->colliding;
-    ++impl_->next_id;
-    impl_->ids.push_back(body->id);
-    impl_->bodies.push_back(std::move(body));
-    impl_->moved_steps.push_back(impl_->steps);
-    return impl_->ids.back();
+Result<std::vector<BodyId>> World::add_bodies(std::span<const BodyDesc> descs) {
+    const auto count = static_cast<uint32_t>(descs.size());
+    fracture::Threads& threads = impl_->engine->threads;
+    std::vector<std::unique_ptr<BodyRecord>> records(count);
+    std::vector<std::optional<fracture::Error>> faults(threads.chunks(count, least_bodies)); // the first of each chunk
+    threads.for_chunks(count, least_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            Result<std::unique_ptr<BodyRecord>> record = make_record(descs[i]);
+            if (!record) {
+                faults[chunk] = refused(impl_->next_id + i, record.error());
+                return;
+            }
+            records[i] = std::move(*record);
+        }
+    });
+    for (const std::optional<fracture::Error>& fault : faults)
+        if (fault) return *fault;
+    std::vector<BodyId> added;
+    added.reserve(count);
+    for (uint32_t i = 0; i < count; ++i) added.push_back(impl_->put_in(std::move(records[i]), descs[i]));
+    return added;
 }
 
 uint32_t World::new_siblings() {

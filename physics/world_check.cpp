@@ -40,9 +40,22 @@ std::string fault_of(std::span<const BodyPart> parts) {
     return {};
 }
 
+// Raises those too small for the solver.
+std::string settle_moments(glm::dvec3& moments) {
+    const double largest = std::max({moments.x, moments.y, moments.z});
+    const double smallest = std::min({moments.x, moments.y, moments.z});
+    const double sum = moments.x + moments.y + moments.z;
+    if (!(largest >= least_moment && largest <= greatest_moment) || smallest < -moment_slack * largest
+        || 2.0 * largest > sum * (1.0 + moment_slack))
+        return text("no body has the principal moments of inertia ", moments.x, ", ", moments.y, ", ",
+                    moments.z, " kg m^2");
+    moments = glm::max(moments, glm::dvec3(largest * least_moment_ratio));
+    return {};
+}
+
 } // namespace
 
-std::string fault_of(const BodyDesc& desc) {
+std::string fault_of(const BodyDesc& desc, fracture::PrincipalAxes& principal) {
     if (std::string fault = desc.parts.empty() ? fault_of(desc.hull) : fault_of(desc.parts); !fault.empty())
         return fault;
     if (!(desc.mass >= least_mass && desc.mass <= greatest_mass))
@@ -61,19 +74,9 @@ std::string fault_of(const BodyDesc& desc) {
         || !std::isfinite(desc.friction))
         return text("its friction ", desc.friction, " or restitution ", desc.restitution,
                     " is out of range (0 or more; 0 to 1)");
-    return {};
-}
-
-std::string settle_moments(glm::dvec3& moments) {
-    const double largest = std::max({moments.x, moments.y, moments.z});
-    const double smallest = std::min({moments.x, moments.y, moments.z});
-    const double sum = moments.x + moments.y + moments.z;
-    if (!(largest >= least_moment && largest <= greatest_moment) || smallest < -moment_slack * largest
-        || 2.0 * largest > sum * (1.0 + moment_slack))
-        return text("no body has the principal moments of inertia ", moments.x, ", ", moments.y, ", ",
-                    moments.z, " kg m^2");
-    moments = glm::max(moments, glm::dvec3(largest * least_moment_ratio));
-    return {};
+    if (desc.fixed) return {};
+    principal = fracture::principal_axes(glm::dmat3(desc.inertia));
+    return settle_moments(principal.moments);
 }
 
 Result<void> validate(const WorldSettings& settings) {

@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "fracture/principal_axes.h"
 #include "physics/world.h"
 
 namespace brittle::physics {
@@ -23,10 +24,8 @@ std::string text(const Parts&... parts) {
     return stream.str();
 }
 
-// Reasons why no body can be made of a description; an empty string where there is none.
-[[nodiscard]] std::string fault_of(const BodyDesc& desc);
-
-// Fault of principal moments, or an empty string; raises those too small for the solver.
-[[nodiscard]] std::string settle_moments(glm::dvec3& moments);
+// Why no body can be made of a description; an empty string where one can. Its principal axes are then known, with moments that
+// the solver can bear; those of a fixed body are not looked for.
+[[nodiscard]] std::string fault_of(const BodyDesc& desc, fracture::PrincipalAxes& principal);
 
 } // namespace brittle::physics

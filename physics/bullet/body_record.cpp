@@ -4,10 +4,14 @@
 #include <utility>
 
 #include "physics/bullet/first_touch.h"
+#include "physics/world_check.h"
 
 namespace brittle::physics {
 
-// Bullet's frame has the principal axes, so the hull is turned into them.
+namespace {
+
+// The shape of a body with one hull; to_principal must be known. Bullet's frame has the principal axes, so the hull is turned
+// into them.
 void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset) {
     body.shape = std::make_unique<HullShape>();
     const glm::quat from_body = glm::conjugate(body.to_principal);
@@ -17,16 +21,7 @@ void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& o
     body.shape->finish();
 }
 
-void BodyRecord::start_step() {
-    was_repaired = std::exchange(repaired, false) && awake();
-    if (was_repaired) {
-        const btTransform& frame = rigid->getWorldTransform();
-        rigid->setCenterOfMassTransform(
-            btTransform(repair.getRotation() * frame.getRotation(), frame.getOrigin() + repair.getOrigin()));
-    }
-    stepped_from = rigid->getWorldTransform();
-}
-
+// Reach and thickness.
 void measure(BodyRecord& body) {
     body.reach = 0.0f;
     body.thickness = BT_LARGE_FLOAT;
@@ -57,6 +52,66 @@ void find_drag(BodyRecord& body, const BodyDesc& desc) {
         if (around.mean() < section.mean()) section = around;
     }
     body.drag = AirDrag(section.sides, body.mass, body.moments);
+}
+
+} // namespace
+
+Result<std::unique_ptr<BodyRecord>> make_record(const BodyDesc& desc) {
+    fracture::PrincipalAxes principal;
+    if (std::string fault = fault_of(desc, principal); !fault.empty())
+        return fracture::Error{fracture::Status::invalid_setting, std::move(fault)};
+    auto body = std::make_unique<BodyRecord>();
+    body->to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
+    body->moments = principal.moments;
+    body->mass = desc.mass;
+    body->fixed = desc.fixed;
+    const glm::quat orientation = glm::normalize(desc.pose.orientation);
+    body->blow_frame = btTransform(to_bullet(orientation * body->to_principal), metres_to_bullet(desc.pose.position));
+    if (!desc.fixed)
+        body->solved = {metres_to_bullet(desc.linear_velocity), to_bullet(desc.angular_velocity)};
+    body->unhindered = body->solved;
+    if (desc.previous)
+        body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
+    else
+        body->previous = body->pose_in(body->blow_frame);
+    if (desc.parts.size() > 1) return body;
+    if (desc.parts.empty())
+        make_single(*body, desc.hull, glm::vec3(0.0f));
+    else
+        make_single(*body, *desc.parts[0].hull, desc.parts[0].offset);
+    finish_shape(*body, desc);
+    return body;
+}
+
+void finish_shape(BodyRecord& body, const BodyDesc& desc) {
+    measure(body);
+    if (!desc.fixed) find_drag(body, desc);
+}
+
+void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings) {
+    btRigidBody::btRigidBodyConstructionInfo info(
+        desc.fixed ? 0.0f : desc.mass, nullptr, body.collision_shape(),
+        desc.fixed ? btVector3(0, 0, 0) : metres_to_bullet(glm::vec3(body.moments) * bullet_units));
+    info.m_startWorldTransform = body.blow_frame;
+    info.m_friction = desc.friction;
+    info.m_restitution = desc.restitution;
+    info.m_linearDamping = settings.linear_damping;
+    info.m_angularDamping = settings.angular_damping;
+    body.rigid = std::make_unique<btRigidBody>(info);
+    body.rigid->setLinearVelocity(body.solved.linear);
+    body.rigid->setAngularVelocity(body.solved.angular);
+    body.rigid->setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
+    if (!settings.sleeping) body.rigid->setActivationState(DISABLE_DEACTIVATION);
+}
+
+void BodyRecord::start_step() {
+    was_repaired = std::exchange(repaired, false) && awake();
+    if (was_repaired) {
+        const btTransform& frame = rigid->getWorldTransform();
+        rigid->setCenterOfMassTransform(
+            btTransform(repair.getRotation() * frame.getRotation(), frame.getOrigin() + repair.getOrigin()));
+    }
+    stepped_from = rigid->getWorldTransform();
 }
 
 float longest_extent(const btCollisionShape& shape) {

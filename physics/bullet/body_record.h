@@ -75,21 +75,24 @@ struct BodyRecord {
     [[nodiscard]] Velocity velocity() const { return {rigid->getLinearVelocity(), rigid->getAngularVelocity()}; }
     [[nodiscard]] bool awake() const { return !fixed && rigid->isActive(); }
     [[nodiscard]] bool collides() const { return awake() && !debris; } // with others that are awake
-    [[nodiscard]] Pose pose() const {
-        const btTransform& frame = rigid->getWorldTransform();
+    [[nodiscard]] Pose pose() const { return pose_in(rigid->getWorldTransform()); }
+    // With Bullet's frame there.
+    [[nodiscard]] Pose pose_in(const btTransform& frame) const {
         return {metres_from_bullet(frame.getOrigin()),
                 to_glm(frame.getRotation()) * glm::conjugate(to_principal)};
     }
 };
 
-// The shape of a body with one hull; to_principal must be known.
-void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset);
+// What can be made of a description without a world, on any thread: all but its place there, the rigid body, as Bullet counts
+// those, and for several hulls the shape, as bodies share hulls, and what follows from it (finish_shape()). The error says
+// what is wrong, but not of whom.
+[[nodiscard]] Result<std::unique_ptr<BodyRecord>> make_record(const BodyDesc& desc);
 
-// Reach and thickness; the shape must be known.
-void measure(BodyRecord& body);
+// Reach, thickness and what the air does to it; all else that make_record() makes and the shape must be known.
+void finish_shape(BodyRecord& body, const BodyDesc& desc);
 
-// What the air does to it; the shape, moments and mass must be known.
-void find_drag(BodyRecord& body, const BodyDesc& desc);
+// Bullet's rigid body with the pose and velocity that the record begins with; the shape must be known. On one thread only.
+void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings);
 
 // The longest side of the shape's box in its own axes, in Bullet's units.
 [[nodiscard]] float longest_extent(const btCollisionShape& shape);

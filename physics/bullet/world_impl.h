@@ -82,6 +82,8 @@ struct World::Impl {
     }
     std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
     void make_compound(BodyRecord& body, std::span<const BodyPart> parts);
+    // Behind all others; the record is what make_record() makes of the description.
+    BodyId put_in(std::unique_ptr<BodyRecord> record, const BodyDesc& desc);
     // By halving: a table by number would grow for ever where things break again and again.
     [[nodiscard]] const BodyRecord* find(BodyId id) const {
         const auto at = std::ranges::lower_bound(ids, id);
