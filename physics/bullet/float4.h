@@ -40,6 +40,10 @@ struct Float4 {
         return static_cast<uint32_t>(_mm_movemask_ps(
             _mm_and_ps(_mm_and_ps(_mm_cmple_ps(a.v, b.v), _mm_cmple_ps(c.v, d.v)), _mm_cmple_ps(e.v, f.v))));
     }
+    // Bit i is set where a < b in lane i.
+    friend uint32_t less(Float4 a, Float4 b) {
+        return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)));
+    }
     // yes where a < b, no elsewhere.
     friend Float4 where_less(Float4 a, Float4 b, Float4 yes, Float4 no) {
         const __m128 less = _mm_cmplt_ps(a.v, b.v);
@@ -90,6 +94,9 @@ struct Float4 {
     friend uint32_t all_less_equal(Float4 a, Float4 b, Float4 c, Float4 d, Float4 e, Float4 f) {
         const auto below = [](float x, float y) { return x <= y; };
         return mask(a, b, below) & mask(c, d, below) & mask(e, f, below);
+    }
+    friend uint32_t less(Float4 a, Float4 b) {
+        return mask(a, b, [](float x, float y) { return x < y; });
     }
     friend Float4 where_less(Float4 a, Float4 b, Float4 yes, Float4 no) {
         Float4 chosen = no;

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -10,6 +14,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/convert.h"
+#include "physics/bullet/float4.h"
 #include "physics/bullet/hull_shape.h"
 #include "physics/bullet/narrow_phase.h"
 
@@ -37,15 +42,22 @@ struct Corner {
     btVector3 position; // of the point on the hull, margin included
     btScalar distance;  // above the ground
     btScalar ahead;     // distance at the end of the step if nothing stops it
+    btScalar apart;     // squared, from the nearest of those that are kept
     int index;
 };
 
-// Moves the corner of the highest score to a place, from among those at and behind it.
+// Moves the corner of the highest score to a place, from among those at and behind it; the first of several.
 void take(std::vector<Corner>& corners, size_t place, const auto& score) {
-    const auto begin = corners.begin() + static_cast<std::ptrdiff_t>(place);
-    const auto best = std::max_element(begin, corners.end(),
-                                       [&](const Corner& a, const Corner& b) { return score(a) < score(b); });
-    std::iter_swap(begin, best);
+    size_t best = place;
+    btScalar most = score(corners[place]);
+    for (size_t i = place + 1; i < corners.size(); ++i) {
+        const btScalar own = score(corners[i]);
+        if (most < own) {
+            most = own;
+            best = i;
+        }
+    }
+    std::swap(corners[place], corners[best]);
 }
 
 // Those that carry a body best, in front: the one that comes down deepest, the one farthest from it, the one
@@ -69,17 +81,26 @@ void keep_best(std::vector<Corner>& corners) {
     corners.erase(std::remove_if(others, corners.end(),
                                  [](const Corner& c) { return c.ahead > -sunk_depth * bullet_units; }),
                   corners.end());
-    const auto apart = [&](const Corner& corner, size_t kept) {
-        btScalar nearest = BT_LARGE_FLOAT;
-        for (size_t i = 0; i < kept; ++i)
-            nearest = std::min(nearest, (corner.position - corners[i].position).length2());
-        return nearest;
+    for (size_t i = carrying_corners; i < corners.size(); ++i) corners[i].apart = BT_LARGE_FLOAT;
+    const auto keep_away = [&](const btVector3& from, size_t behind) {
+        for (size_t i = behind; i < corners.size(); ++i)
+            corners[i].apart = std::min(corners[i].apart, (corners[i].position - from).length2());
     };
-    size_t kept = carrying_corners;
-    for (; kept < std::min(corners.size(), most_corners); ++kept)
-        take(corners, kept, [&](const Corner& c) { return apart(c, kept); });
+    for (size_t i = 0; i < carrying_corners; ++i) keep_away(corners[i].position, carrying_corners);
+    const size_t kept = std::min(corners.size(), most_corners);
+    for (size_t place = carrying_corners; place < kept; ++place) {
+        take(corners, place, [](const Corner& c) { return c.apart; });
+        keep_away(corners[place].position, place + 1);
+    }
     corners.resize(kept);
 }
+
+// What a contact keeps for the next step.
+struct Memory {
+    int index;
+    btScalar impulse, friction;
+    btVector3 direction; // of friction
+};
 
 class HullOnPlane final : public FollowedContacts {
   public:
@@ -133,14 +154,31 @@ class HullOnPlane final : public FollowedContacts {
         const btScalar fastest =
             std::abs(velocity.y()) + body->getAngularVelocity().length() * (origin.length() + shape.radius());
         if (lowest > resting + turned_approach * fastest * seconds) return corners;
-        for (int i = 0; i < shape.getNumPoints(); ++i) {
-            const btVector3 arm =
-                frame.getBasis() * shape.getUnscaledPoints()[i] - btVector3(0, shape.getMargin(), 0);
-            const btVector3 position = frame.getOrigin() + arm;
-            const btScalar approach = -(velocity + body->getAngularVelocity().cross(origin + arm)).y();
-            const btScalar distance = position.y() - height;
-            if (distance < resting + turned_approach * std::max<btScalar>(approach, 0.0f) * seconds)
-                corners.push_back({position, distance, distance - approach * seconds, i});
+        const btVector3 &at = frame.getOrigin(), &spin = body->getAngularVelocity();
+        const std::span<const btScalar> groups = shape.groups();
+        for (size_t i = 0; i < groups.size(); i += HullShape::group_size) {
+            const auto turned = [&](int axis) { return HullShape::along(&groups[i], frame.getBasis()[axis]); };
+            const Float4 x = turned(0), y = turned(1) - Float4::all(shape.getMargin()), z = turned(2);
+            const Float4 distance = (Float4::all(at.y()) + y) - Float4::all(height);
+            const Float4 turning = Float4::all(spin.z()) * (Float4::all(origin.x()) + x)
+                                   - Float4::all(spin.x()) * (Float4::all(origin.z()) + z);
+            const Float4 none = Float4::all(0.0f), approach = none - (Float4::all(velocity.y()) + turning);
+            const Float4 reached = Float4::all(resting)
+                                   + Float4::all(turned_approach) * max(none, approach) * Float4::all(seconds);
+            const auto first = static_cast<int>(i / HullShape::group_size) * 4;
+            const uint32_t points = 0xfu >> std::max(first + 4 - shape.getNumPoints(), 0); // that are no repetitions
+            uint32_t low = less(distance, reached) & points;
+            if (low == 0) continue;
+            std::array<std::array<float, 4>, 5> lanes;
+            for (const auto& [to, from] : {std::pair(&lanes[0], Float4::all(at.x()) + x), {&lanes[1], Float4::all(at.y()) + y},
+                                           {&lanes[2], Float4::all(at.z()) + z}, {&lanes[3], distance},
+                                           {&lanes[4], distance - approach * Float4::all(seconds)}})
+                from.store(to->data());
+            for (; low != 0; low &= low - 1) {
+                const auto k = static_cast<size_t>(std::countr_zero(low));
+                corners.push_back({{lanes[0][k], lanes[1][k], lanes[2][k]}, lanes[3][k], lanes[4][k], 0.0f,
+                                   first + static_cast<int>(k)});
+            }
         }
         return corners;
     }
@@ -151,40 +189,50 @@ class HullOnPlane final : public FollowedContacts {
 
     // A corner that was a contact before keeps the impulses that the solver starts from.
     void replace_contacts(const std::vector<Corner>& corners, int part) {
-        thread_local std::vector<btManifoldPoint> old;
-        old.clear();
-        for (size_t m = 0; m < manifold_count_; ++m) {
-            for (int i = 0; i < manifolds_[m]->getNumContacts(); ++i)
-                old.push_back(manifolds_[m]->getContactPoint(i));
-            manifolds_[m]->clearManifold();
-        }
+        std::array<Memory, most_corners> old;
+        size_t count = 0;
+        for (size_t m = 0; m < manifold_count_; ++m)
+            for (int i = 0; i < manifolds_[m]->getNumContacts(); ++i) {
+                const btManifoldPoint& point = manifolds_[m]->getContactPoint(i);
+                old[count++] = {point.m_index0, point.m_appliedImpulse, point.m_appliedImpulseLateral1,
+                                point.m_lateralFrictionDir1};
+            }
         keep_manifolds(manifolds_for(corners));
-        for (size_t i = 0; i < corners.size(); ++i)
-            manifolds_[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(contact_at(corners[i], old, part));
+        for (size_t m = 0; m < manifold_count_; ++m) {
+            const size_t left = corners.size() - m * MANIFOLD_CACHE_SIZE;
+            manifolds_[m]->setNumContacts(static_cast<int>(std::min<size_t>(left, MANIFOLD_CACHE_SIZE)));
+        }
+        put_contacts(corners, std::span(old).first(count), part);
     }
 
-    [[nodiscard]] btManifoldPoint contact_at(const Corner& corner, const std::vector<btManifoldPoint>& old, int part) const {
-        const btVector3 below = corner.position - btVector3(0, corner.distance, 0);
-        btManifoldPoint point(hull_->getWorldTransform().invXform(corner.position),
-                              plane_->getWorldTransform().invXform(below), btVector3(0, 1, 0),
-                              corner.distance);
-        point.m_positionWorldOnA = corner.position;
-        point.m_positionWorldOnB = below;
-        point.m_combinedFriction = btManifoldResult::calculateCombinedFriction(hull_, plane_);
-        point.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(hull_, plane_);
-        point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
-        point.m_contactERP = undone_part;
-        point.m_index0 = corner.index;
-        point.m_partId0 = part;
-        for (const btManifoldPoint& before : old) {
-            if (before.m_index0 != corner.index) continue;
-            point.m_appliedImpulse = before.m_appliedImpulse;
-            point.m_appliedImpulseLateral1 = before.m_appliedImpulseLateral1;
-            point.m_lateralFrictionDir1 = before.m_lateralFrictionDir1;
-            point.m_appliedImpulseLateral2 = before.m_appliedImpulseLateral2;
-            point.m_lifeTime = before.m_lifeTime + 1;
+    // Written where they are to be: a point has 200 bytes.
+    void put_contacts(const std::vector<Corner>& corners, std::span<const Memory> old, int part) {
+        const btVector3 &hull_at = hull_->getWorldTransform().getOrigin(), &plane_at = plane_->getWorldTransform().getOrigin();
+        const btMatrix3x3 to_hull = hull_->getWorldTransform().getBasis().transpose();
+        const btMatrix3x3 to_plane = plane_->getWorldTransform().getBasis().transpose();
+        const btScalar friction = btManifoldResult::calculateCombinedFriction(hull_, plane_);
+        const btScalar restitution = btManifoldResult::calculateCombinedRestitution(hull_, plane_);
+        for (size_t i = 0; i < corners.size(); ++i) {
+            const Corner& corner = corners[i];
+            const btVector3 below = corner.position - btVector3(0, corner.distance, 0);
+            btManifoldPoint& point = *std::construct_at(
+                &manifolds_[i / MANIFOLD_CACHE_SIZE]->getContactPoint(static_cast<int>(i % MANIFOLD_CACHE_SIZE)),
+                to_hull * (corner.position - hull_at), to_plane * (below - plane_at), btVector3(0, 1, 0), corner.distance);
+            point.m_positionWorldOnA = corner.position;
+            point.m_positionWorldOnB = below;
+            point.m_combinedFriction = friction;
+            point.m_combinedRestitution = restitution;
+            point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+            point.m_contactERP = undone_part;
+            point.m_index0 = corner.index;
+            point.m_partId0 = part;
+            for (const Memory& before : old) {
+                if (before.index != corner.index) continue;
+                point.m_appliedImpulse = before.impulse;
+                point.m_appliedImpulseLateral1 = before.friction;
+                point.m_lateralFrictionDir1 = before.direction;
+            }
         }
-        return point;
     }
 
     void keep_manifolds(size_t count) {

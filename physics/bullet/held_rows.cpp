@@ -10,6 +10,11 @@ namespace brittle::physics {
 namespace {
 
 constexpr float no_limit = std::numeric_limits<float>::max();
+// Blocks that are solved in all sweeps at once come in groups of so many: each row waits for the one before, and in between those
+// of the other blocks are worked on.
+constexpr uint32_t group_size = 4;
+// Added to the keys by which such bodies are sorted; nobody has so many rows.
+constexpr uint32_t first_lone = 1u << 31;
 
 } // namespace
 
@@ -17,6 +22,7 @@ struct HeldRows::Moving {
     std::array<Float4, 3> linear, angular; // x, y, z of four bodies
     Float4 light;
 
+    Moving() = default;
     Moving(const Block& block, const Motion* motions) : light(Float4::load(block.light.data())) {
         const auto motion = [&](size_t lane) -> const Motion& { return motions[block.movers[lane]]; };
         linear = columns(motion(0).linear, motion(1).linear, motion(2).linear, motion(3).linear);
@@ -45,21 +51,25 @@ struct HeldRows::Moving {
     }
 };
 
-void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> lights) {
+void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> lights, std::span<const uint8_t> coupled) {
     movers_.assign(movers.begin(), movers.end());
     counts_.assign(lights.size(), 0);
     for (const uint32_t mover : movers) ++counts_[mover];
-    order_.clear(); // those with most rows first
-    for (uint32_t mover = 0; mover < lights.size(); ++mover)
-        if (counts_[mover] > 0) order_.push_back(static_cast<uint64_t>(UINT32_MAX - counts_[mover]) << 32 | mover);
+    order_.clear(); // those with rows elsewhere first, of each kind those with most rows
+    for (uint32_t mover = 0; mover < lights.size(); ++mover) {
+        const uint32_t lone = coupled[mover] != 0 ? 0 : first_lone;
+        if (counts_[mover] > 0) order_.push_back(uint64_t{lone + (first_lone - 1 - counts_[mover])} << 32 | mover);
+    }
     std::ranges::sort(order_);
 
     blocks_.clear();
     lanes_.resize(lights.size());
+    lone_ = 0;
     uint32_t end = 0;
     for (const uint64_t key : order_) {
         const auto mover = static_cast<uint32_t>(key);
-        if (blocks_.empty() || blocks_.back().count == 4) {
+        if (blocks_.empty() || blocks_.back().count == 4 || (coupled[mover] == 0 && lone_ == blocks_.size())) {
+            if (coupled[mover] != 0) ++lone_;
             blocks_.push_back({.begin = end, .end = end + counts_[mover]});
             blocks_.back().movers.fill(mover); // lanes that stay empty read something
             end = blocks_.back().end;
@@ -140,8 +150,17 @@ inline void HeldRows::solve(Rows& rows, const auto& low, const auto& high, Movin
     act(rows, impulse - before, moving);
 }
 
+inline void HeldRows::press(size_t at, Moving& moving) {
+    solve(contacts_[at], Float4::all(0.0f), Float4::all(no_limit), moving);
+}
+
+inline void HeldRows::rub(size_t at, Moving& moving) {
+    const Float4 most = Float4::load(coefficients_[at].data()) * Float4::load(contacts_[at].impulse.data());
+    solve(frictions_[at], Float4::all(0.0f) - most, most, moving);
+}
+
 void HeldRows::give(Motion* motions) const {
-    for (const Block& block : blocks_) {
+    for (const Block& block : coupled()) {
         Moving moving(block, motions);
         for (size_t at = block.begin; at < block.end; ++at)
             act(contacts_[at], Float4::load(contacts_[at].impulse.data()), moving);
@@ -150,24 +169,48 @@ void HeldRows::give(Motion* motions) const {
 }
 
 void HeldRows::press(Motion* motions) {
-    const Float4 low = Float4::all(0.0f), high = Float4::all(no_limit);
-    for (const Block& block : blocks_) {
+    for (const Block& block : coupled()) {
         Moving moving(block, motions);
-        for (size_t at = block.begin; at < block.end; ++at) solve(contacts_[at], low, high, moving);
+        for (size_t at = block.begin; at < block.end; ++at) press(at, moving);
         moving.store(block, motions);
     }
 }
 
 void HeldRows::rub(Motion* motions) {
-    const Float4 none = Float4::all(0.0f);
-    for (const Block& block : blocks_) {
+    for (const Block& block : coupled()) {
         Moving moving(block, motions);
-        for (size_t at = block.begin; at < block.end; ++at) {
-            const Float4 most = Float4::load(coefficients_[at].data()) * Float4::load(contacts_[at].impulse.data());
-            solve(frictions_[at], none - most, most, moving);
-        }
+        for (size_t at = block.begin; at < block.end; ++at) rub(at, moving);
         moving.store(block, motions);
     }
+}
+
+uint32_t HeldRows::lone_groups() const {
+    return (static_cast<uint32_t>(blocks_.size()) - lone_ + group_size - 1) / group_size;
+}
+
+void HeldRows::settle(uint32_t begin, uint32_t end, int sweeps, Motion* motions) {
+    const std::span<const Block> lone = std::span<const Block>(blocks_).subspan(lone_);
+    for (size_t group = begin; group < end; ++group) {
+        const size_t first = group * group_size;
+        settle(lone.subspan(first, std::min<size_t>(group_size, lone.size() - first)), sweeps, motions);
+    }
+}
+
+void HeldRows::settle(std::span<const Block> group, int sweeps, Motion* motions) {
+    std::array<Moving, group_size> moving;
+    for (size_t i = 0; i < group.size(); ++i) moving[i] = Moving(group[i], motions);
+    // The first row of each, then the second ones; the first block has most.
+    const auto for_rows = [&](const auto& visit) {
+        for (uint32_t row = 0; row < group[0].end - group[0].begin; ++row)
+            for (size_t i = 0; i < group.size() && row < group[i].end - group[i].begin; ++i)
+                visit(group[i].begin + row, moving[i]);
+    };
+    for_rows([this](size_t at, Moving& of) { act(contacts_[at], Float4::load(contacts_[at].impulse.data()), of); });
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        for_rows([this](size_t at, Moving& of) { press(at, of); });
+        for_rows([this](size_t at, Moving& of) { rub(at, of); });
+    }
+    for (size_t i = 0; i < group.size(); ++i) moving[i].store(group[i], motions);
 }
 
 } // namespace brittle::physics

@@ -4,6 +4,9 @@
 // then their second ones, while the velocities of the four stay in registers; bodies with about as many rows come together.
 // In a heap half of all contacts are with the ground. Each body's rows are solved in their order, with the same operations as
 // one at a time: not a bit is different.
+//
+// A body that has no other rows, as debris, waits for nobody between two sweeps: its rows are solved in all sweeps at once, while
+// they are at hand, on any thread. Bodies with other rows too are solved in sweeps.
 #pragma once
 
 #include <array>
@@ -18,16 +21,20 @@ namespace brittle::physics {
 
 class HeldRows {
   public:
-    // Makes place for contacts, by their movers, those of one mover in the order in which they are to be solved. Inverse masses by
-    // mover.
-    void arrange(std::span<const uint32_t> movers, std::span<const float> lights);
+    // Makes place for contacts, by their movers, those of one mover in the order in which they are to be solved. By mover: inverse
+    // masses, and whether it has rows elsewhere.
+    void arrange(std::span<const uint32_t> movers, std::span<const float> lights, std::span<const uint8_t> coupled);
     // Of the contact that was given in that place, and of its friction. For different contacts, on any threads.
     void put(size_t contact, const Row& row, const Row& friction, float coefficient);
 
-    // Lets the impulses act from which contacts start.
+    // Of bodies with rows elsewhere. Lets the impulses act from which contacts start.
     void give(Motion* motions) const;
     void press(Motion* motions); // one sweep over contacts
     void rub(Motion* motions);   // and one over their friction
+
+    // All of that, and so many sweeps, for the others: those of some groups of bodies. For different groups, on any threads.
+    [[nodiscard]] uint32_t lone_groups() const;
+    void settle(uint32_t begin, uint32_t end, int sweeps, Motion* motions);
 
     // As it was put, with the impulse that it has now.
     [[nodiscard]] Row row(size_t contact) const;
@@ -53,8 +60,13 @@ class HeldRows {
     static void put(Rows& rows, size_t lane, const Row& row);
     static void act(const Rows& rows, const auto& impulse, Moving& moving);
     static void solve(Rows& rows, const auto& low, const auto& high, Moving& moving);
+    void press(size_t at, Moving& moving);
+    void rub(size_t at, Moving& moving);
+    void settle(std::span<const Block> group, int sweeps, Motion* motions);
+    [[nodiscard]] std::span<const Block> coupled() const { return std::span(blocks_).first(lone_); }
 
     std::vector<Block> blocks_;
+    uint32_t lone_ = 0; // blocks from here on are of bodies without rows elsewhere
     std::vector<Rows> contacts_, frictions_; // side by side
     std::vector<Four> coefficients_;         // of friction, beside them
     std::vector<uint32_t> movers_, slots_;   // by contact; its row, times four, and lane

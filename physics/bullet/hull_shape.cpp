@@ -6,20 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "physics/bullet/float4.h"
-
 namespace brittle::physics {
-
-namespace {
-
-constexpr size_t group_size = 12; // floats of four points
-
-Float4 along(const btScalar* group, const btVector3& direction) {
-    return Float4::load(group) * Float4::all(direction.x()) + Float4::load(group + 4) * Float4::all(direction.y())
-           + Float4::load(group + 8) * Float4::all(direction.z());
-}
-
-} // namespace
 
 void HullShape::finish() {
     recalcLocalAabb();

@@ -5,9 +5,13 @@
 // of boxes overlap. Add all points, set the margin, then call finish() once. Bullet's units.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
+
+#include "physics/bullet/float4.h"
 
 namespace brittle::physics {
 
@@ -16,6 +20,15 @@ class HullShape final : public btConvexHullShape {
     BT_DECLARE_ALIGNED_ALLOCATOR();
 
     void finish();
+
+    // The points by groups of four, each four x, four y, four z; the last point fills up.
+    static constexpr size_t group_size = 12;
+    [[nodiscard]] std::span<const btScalar> groups() const { return lanes_; }
+    // How far the four of a group reach in a direction.
+    static Float4 along(const btScalar* group, const btVector3& direction) {
+        return Float4::load(group) * Float4::all(direction.x()) + Float4::load(group + 4) * Float4::all(direction.y())
+               + Float4::load(group + 8) * Float4::all(direction.z());
+    }
 
     void getAabb(const btTransform& frame, btVector3& low, btVector3& high) const override;
 
@@ -29,7 +42,7 @@ class HullShape final : public btConvexHullShape {
     [[nodiscard]] btScalar getAngularMotionDisc() const override { return motion_disc_; }
 
   private:
-    std::vector<btScalar> lanes_; // by groups of four points: four x, four y, four z; the last point fills up
+    std::vector<btScalar> lanes_; // groups()
     btScalar radius_ = 0.0f, motion_disc_ = 0.0f;
 };
 

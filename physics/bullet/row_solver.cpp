@@ -35,7 +35,7 @@ bool never_moves(const btCollisionObject* object) {
     return object->isStaticObject();
 }
 // Fewer than this are not worth waking another thread for.
-constexpr uint32_t least_manifolds = 128;
+constexpr uint32_t least_contacts = 128, least_manifolds = 128, least_bodies = 128, least_groups = 4;
 
 } // namespace
 
@@ -45,16 +45,28 @@ void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<btPersisten
     order(manifolds);
     make_rows(manifolds, step, threads);
     take_deep();
-    // Neither looks at what the other changes; side by side where that is worth it.
-    threads.for_chunks(2, places_.size() < least_manifolds ? 2 : 1, [&](uint32_t, uint32_t begin, uint32_t end) {
-        if (begin == 0) sweep(step.sweeps);
-        if (end == 2) move_apart(bodies, step);
-    });
+    solve_rows(bodies, step, threads);
     hand_back(bodies, threads);
 }
 
-void RowSolver::sweep(int count) {
+// None of the tasks looks at what another one changes; side by side where that is worth it, the longest one first.
+void RowSolver::solve_rows(std::span<BodyRecord* const> bodies, const Step& step, fracture::Threads& threads) {
     motions_.assign(movers_.size(), {});
+    const bool few = places_.size() < least_contacts;
+    const uint32_t groups = held_rows_.lone_groups(), parts = few ? 1 : threads.chunks(groups, least_groups);
+    const auto solve_some = [&](uint32_t task) {
+        if (task == 0) return sweep(step.sweeps);
+        if (task == 1) return move_apart(bodies, step);
+        const auto bound = [&](uint32_t part) { return groups * part / parts; };
+        held_rows_.settle(bound(task - 2), bound(task - 1), step.sweeps, motions_.data());
+    };
+    if (few)
+        for (uint32_t task = 0; task < 2 + parts; ++task) solve_some(task);
+    else
+        threads.for_each(2 + parts, solve_some);
+}
+
+void RowSolver::sweep(int count) {
     for (const Row& row : contacts_) give(row, row.impulse, motions_.data());
     held_rows_.give(motions_.data());
     for (int sweep = 0; sweep < count; ++sweep) {
@@ -111,14 +123,19 @@ void RowSolver::order(std::span<btPersistentManifold* const> manifolds) {
     for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
 
     held_movers_.resize(keys_.size() - held_);
+    coupled_.assign(movers_.size(), 0);
     for (size_t i = 0; i < manifolds.size(); ++i) {
         const btCollisionObject *a = manifolds[i]->getBody0(), *b = manifolds[i]->getBody1();
-        if (!never_moves(a) && !never_moves(b)) continue;
+        if (!never_moves(a) && !never_moves(b)) {
+            if (manifolds[i]->getNumContacts() == 0) continue;
+            for (const btCollisionObject* object : {a, b}) coupled_[indices_[static_cast<size_t>(object->getUserIndex())]] = 1;
+            continue;
+        }
         const uint32_t mover = indices_[static_cast<size_t>((never_moves(a) ? b : a)->getUserIndex())];
         for (uint32_t k = 0; k < static_cast<uint32_t>(manifolds[i]->getNumContacts()); ++k)
             held_movers_[places_[firsts_[i] + k] - held_] = mover;
     }
-    held_rows_.arrange(held_movers_, lights_);
+    held_rows_.arrange(held_movers_, lights_, coupled_);
 }
 
 void RowSolver::make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step, fracture::Threads& threads) {
@@ -310,10 +327,12 @@ void RowSolver::move_apart(std::span<BodyRecord* const> bodies, const Step& step
 }
 
 void RowSolver::hand_back(std::span<BodyRecord* const> bodies, fracture::Threads& threads) {
-    for (size_t i = 0; i < bodies.size(); ++i) {
-        bodies[i]->rigid->setLinearVelocity(movers_[i].linear + vector(motions_[i].linear));
-        bodies[i]->rigid->setAngularVelocity(movers_[i].angular + vector(motions_[i].angular));
-    }
+    threads.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            bodies[i]->rigid->setLinearVelocity(movers_[i].linear + vector(motions_[i].linear));
+            bodies[i]->rigid->setAngularVelocity(movers_[i].angular + vector(motions_[i].angular));
+        }
+    });
     threads.for_chunks(static_cast<uint32_t>(solved_.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) hand_back(solved_[i], places_[i]);
     });

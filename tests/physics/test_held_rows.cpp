@@ -49,8 +49,9 @@ void solve(Row& row, float low, float high, Motion& motion) {
     push(row, row.impulse - before, motion);
 }
 
-void check(uint64_t seed, uint32_t mover_count, size_t contact_count) {
-    INFO("seed ", seed, ", ", mover_count, " movers, ", contact_count, " contacts");
+// Every so many movers have rows elsewhere, the others are solved at once; 0: none of them has.
+void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t coupled_step) {
+    INFO("seed ", seed, ", ", mover_count, " movers, ", contact_count, " contacts, rows elsewhere ", coupled_step);
     test::Random random(seed);
     std::vector<float> lights;
     for (uint32_t i = 0; i < mover_count; ++i) // some rest
@@ -63,14 +64,21 @@ void check(uint64_t seed, uint32_t mover_count, size_t contact_count) {
         contacts.push_back({random_row(random, movers[i], lights[movers[i]]),
                             random_row(random, movers[i], lights[movers[i]]), static_cast<float>(random.uniform(0.0, 1.0))});
     }
+    std::vector<uint8_t> coupled(mover_count);
+    for (uint32_t i = 0; i < mover_count; ++i) coupled[i] = coupled_step > 0 && i % coupled_step == 0;
     HeldRows rows;
-    rows.arrange(movers, lights);
+    rows.arrange(movers, lights, coupled);
     for (size_t i = contact_count; i-- > 0;) rows.put(i, contacts[i].row, contacts[i].friction, contacts[i].coefficient);
 
     std::vector<Motion> expected(mover_count), found(mover_count);
     for (const Contact& contact : contacts) push(contact.row, contact.row.impulse, expected[contact.row.a]);
     rows.give(found.data());
-    for (int sweep = 0; sweep < 5; ++sweep) {
+    const int sweeps = 5;
+    const uint32_t groups = rows.lone_groups();
+    CHECK((groups > 0) == std::ranges::any_of(movers, [&](uint32_t mover) { return coupled[mover] == 0; }));
+    rows.settle(groups / 2, groups, sweeps, found.data());
+    rows.settle(0, groups / 2, sweeps, found.data());
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (Contact& contact : contacts)
             solve(contact.row, 0.0f, std::numeric_limits<float>::max(), expected[contact.row.a]);
         rows.press(found.data());
@@ -96,9 +104,12 @@ void check(uint64_t seed, uint32_t mover_count, size_t contact_count) {
 } // namespace
 
 TEST_CASE("rows of four bodies at a time are solved as one after the other, bit for bit") {
-    check(1, 1, 0);
-    check(2, 1, 1);
-    check(3, 3, 9);  // fewer than four
-    check(4, 5, 40); // one left over
-    for (uint64_t seed = 10; seed < 30; ++seed) check(seed, 37, 150);
+    for (const uint32_t coupled_step : {1u, 0u, 2u, 5u}) {
+        check(1, 1, 0, coupled_step);
+        check(2, 1, 1, coupled_step);
+        check(3, 3, 9, coupled_step);  // fewer than four
+        check(4, 5, 40, coupled_step); // one left over
+        for (uint64_t seed = 10; seed < 30; ++seed) check(seed, 37, 150, coupled_step);
+        check(30, 83, 600, coupled_step);
+    }
 }
