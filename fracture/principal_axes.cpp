@@ -7,8 +7,8 @@ namespace brittle::fracture {
 
 namespace {
 
-// One Jacobi rotation that zeroes tensor[p][q]; axes collects the rotations.
-void rotate_away(glm::dmat3& tensor, glm::dmat3& axes, int p, int q) {
+// One Jacobi rotation that zeroes tensor[p][q]; axes collects the rotations. For known p and q all of it stays in registers.
+template<int p, int q> void rotate_away(glm::dmat3& tensor, glm::dmat3& axes) {
     const double off = tensor[q][p];
     if (off == 0.0) return;
     const double theta = (tensor[q][q] - tensor[p][p]) / (2.0 * off);
@@ -48,9 +48,9 @@ PrincipalAxes principal_axes(const glm::dmat3& tensor) {
     for (int sweep = 0; sweep < 12; ++sweep) {
         const double off = std::abs(work[1][0]) + std::abs(work[2][0]) + std::abs(work[2][1]);
         if (off < 1e-15) break;
-        rotate_away(work, axes, 0, 1);
-        rotate_away(work, axes, 0, 2);
-        rotate_away(work, axes, 1, 2);
+        rotate_away<0, 1>(work, axes);
+        rotate_away<0, 2>(work, axes);
+        rotate_away<1, 2>(work, axes);
     }
     return {axes, glm::dvec3(work[0][0], work[1][1], work[2][2]) * scale};
 }

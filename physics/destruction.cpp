@@ -142,10 +142,7 @@ Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& m
     const SolidPiece& solid = *piece.solid;
     const glm::dvec3 arm = solid.mass.centre_of_mass - from;
     BodyDesc body;
-    if (solid.parts.size() == 1 && solid.parts[0].offset == glm::vec3(0.0f))
-        body.hull = *solid.parts[0].hull;
-    else
-        body.parts = solid.parts;
+    body.parts = solid.parts;
     body.fixed = solid.anchored;
     body.debris = debris;
     body.mass = static_cast<float>(solid.body.mass);

@@ -31,8 +31,8 @@ struct PlacedMotion {
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments,
                                        const Material& material = {}, const PlacedMotion& motion = {},
                                        const HullSettings& hull = {});
-// The same with hulls made ahead, one a piece (collision_hulls()): a few microseconds a body are left. Too few of them, or
-// a missing one, is invalid_setting.
+// The same with hulls made ahead, one a piece (collision_hulls()): a microsecond or two a body are left, two thirds of that
+// shared by the world's threads. Too few of them, or a missing one, is invalid_setting.
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments, const Material& material,
                                        const PlacedMotion& motion, const PieceHulls& hulls);
 

@@ -184,8 +184,8 @@ class World {
     // raised to it, for the solver's sake.
     Result<BodyId> add_body(const BodyDesc& desc);
     // Adds them one behind the other, all or none: the same state, bit for bit, as add_body() for each in turn, and the error
-    // that it would give for the first that is refused. Bodies of one hull are made side by side (WorldSettings::threads): a
-    // thousand of them cost a few microseconds each, divided by the cores.
+    // that it would give for the first that is refused. Bodies of one hull are made side by side (WorldSettings::threads), which
+    // is two thirds of what they cost.
     Result<std::vector<BodyId>> add_bodies(std::span<const BodyDesc> descs);
     // A number for BodyDesc::siblings that was not given before.
     uint32_t new_siblings();

@@ -23,7 +23,9 @@ fracture::Error bad_setting(std::string message) {
 std::string fault_of(const CollisionHull& hull) {
     if (hull.points.size() < 4)
         return text("its hull has ", hull.points.size(), " points, at least 4 are needed");
-    for (size_t i = 0; i < hull.points.size(); ++i)
+    glm::vec3 none(0.0f); // not a number where a point is not finite; without a branch for each, as they nearly always are
+    for (const glm::vec3& point : hull.points) none += point - point;
+    for (size_t i = 0; none != glm::vec3(0.0f) && i < hull.points.size(); ++i)
         if (!finite(hull.points[i])) return text("point ", i, " of its hull is not finite");
     if (!(hull.margin > 0.0f) || !std::isfinite(hull.margin))
         return text("its hull's margin is ", hull.margin, " m, it must be positive");

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
 namespace brittle::physics {
@@ -27,8 +28,9 @@ inline constexpr float drag_coefficient = 1.0f;
 class AirDrag {
   public:
     AirDrag() = default; // as in a vacuum
-    // Sides of the shadow (CrossSection::sides) and moments in principal axes; kg, m^2, kg m^2.
-    AirDrag(std::span<const glm::vec3> sides, float mass, const glm::dvec3& moments);
+    // Sides of the shadow (CrossSection::sides), the turn from their axes to the principal ones, moments in those; m^2, kg,
+    // kg m^2.
+    AirDrag(std::span<const glm::vec3> sides, const glm::quat& turn, float mass, const glm::dvec3& moments);
 
     // Takes from the velocities of a body with these principal axes what air of a density, kg/m^3, takes in a time, s; nothing
     // where that is less than `unfelt`, m/s.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "physics/bullet/first_touch.h"
+#include "physics/bullet/turn.h"
 #include "physics/world_check.h"
 
 namespace brittle::physics {
@@ -14,15 +15,31 @@ namespace {
 // into them.
 void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset) {
     body.shape = std::make_unique<HullShape>();
+    body.shape->reserve(hull.points.size());
     const glm::quat from_body = glm::conjugate(body.to_principal);
-    for (const glm::vec3& point : hull.points)
-        body.shape->addPoint(metres_to_bullet(from_body * (point + offset)), false);
+    const size_t count = hull.points.size();
+    const auto at = [&](size_t i) { return hull.points[std::min(i, count - 1)] + offset; };
+    for (size_t first = 0; first < count; first += 4) {
+        const Vector4 four = turned(from_body, Vector4::of(at(first), at(first + 1), at(first + 2), at(first + 3)));
+        float x[4], y[4], z[4];
+        four.x.store(x), four.y.store(y), four.z.store(z);
+        for (size_t i = 0; i < std::min<size_t>(count - first, 4); ++i)
+            body.shape->add(metres_to_bullet(glm::vec3(x[i], y[i], z[i])));
+    }
     body.shape->setMargin(hull.margin * bullet_units);
     body.shape->finish();
 }
 
-// Reach and thickness.
+float longest_extent(const btCollisionShape& shape) {
+    btVector3 low, high;
+    shape.getAabb(btTransform::getIdentity(), low, high);
+    const btVector3 size = high - low;
+    return size[size.maxAxis()];
+}
+
+// Reach, thickness, longest.
 void measure(BodyRecord& body) {
+    body.longest = body.compound ? longest_extent(*body.compound) : body.shape->longest();
     body.reach = 0.0f;
     body.thickness = BT_LARGE_FLOAT;
     const auto add = [&](const HullShape& hull, const btVector3& origin) {
@@ -34,24 +51,27 @@ void measure(BodyRecord& body) {
         add(static_cast<const HullShape&>(*body.compound->getChildShape(i)), body.compound->getChildTransform(i).getOrigin());
 }
 
-void find_drag(BodyRecord& body, const BodyDesc& desc) {
-    CrossSection section;
-    const auto add = [&section](const CollisionHull& hull) {
-        const CrossSection own = hull.section.sides.empty() ? cross_section(hull.points) : hull.section;
-        section.sides.insert(section.sides.end(), own.sides.begin(), own.sides.end());
-    };
-    if (desc.parts.empty()) add(desc.hull);
-    for (const BodyPart& part : desc.parts) add(*part.hull);
-    if (desc.parts.size() > 1) section = bundled(section.sides);
-    for (glm::vec3& side : section.sides) side = glm::conjugate(body.to_principal) * side;
-    if (desc.parts.size() > 1) {
-        btVector3 low, high;
-        body.collision_shape()->getAabb(btTransform::getIdentity(), low, high);
-        const CrossSection around = section_of_box(glm::dvec3(metres_from_bullet(high - low)) * 0.5,
-                                                   {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)});
-        if (around.mean() < section.mean()) section = around;
+// Of the hull in its own axes; most know it.
+AirDrag drag_of_single(const BodyRecord& body, const CollisionHull& hull) {
+    const glm::quat from_body = glm::conjugate(body.to_principal);
+    if (!hull.section.sides.empty()) return {hull.section.sides, from_body, body.mass, body.moments};
+    return {cross_section(hull.points).sides, from_body, body.mass, body.moments};
+}
+
+AirDrag drag_of_compound(const BodyRecord& body, std::span<const BodyPart> parts) {
+    std::vector<glm::vec3> all;
+    for (const BodyPart& part : parts) {
+        const CrossSection own = part.hull->section.sides.empty() ? cross_section(part.hull->points) : part.hull->section;
+        all.insert(all.end(), own.sides.begin(), own.sides.end());
     }
-    body.drag = AirDrag(section.sides, body.mass, body.moments);
+    CrossSection section = bundled(all);
+    for (glm::vec3& side : section.sides) side = glm::conjugate(body.to_principal) * side;
+    btVector3 low, high;
+    body.compound->getAabb(btTransform::getIdentity(), low, high);
+    const CrossSection around = section_of_box(glm::dvec3(metres_from_bullet(high - low)) * 0.5,
+                                               {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)});
+    if (around.mean() < section.mean()) section = around;
+    return {section.sides, glm::quat(1.0f, 0.0f, 0.0f, 0.0f), body.mass, body.moments};
 }
 
 } // namespace
@@ -85,7 +105,11 @@ Result<std::unique_ptr<BodyRecord>> make_record(const BodyDesc& desc) {
 
 void finish_shape(BodyRecord& body, const BodyDesc& desc) {
     measure(body);
-    if (!desc.fixed) find_drag(body, desc);
+    if (desc.fixed) return;
+    if (desc.parts.size() > 1)
+        body.drag = drag_of_compound(body, desc.parts);
+    else
+        body.drag = drag_of_single(body, desc.parts.empty() ? desc.hull : *desc.parts[0].hull);
 }
 
 void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings) {
@@ -112,13 +136,6 @@ void BodyRecord::start_step() {
             btTransform(repair.getRotation() * frame.getRotation(), frame.getOrigin() + repair.getOrigin()));
     }
     stepped_from = rigid->getWorldTransform();
-}
-
-float longest_extent(const btCollisionShape& shape) {
-    btVector3 low, high;
-    shape.getAabb(btTransform::getIdentity(), low, high);
-    const btVector3 size = high - low;
-    return size[size.maxAxis()];
 }
 
 int group_of(bool fixed, bool debris) {

@@ -38,7 +38,8 @@ struct BodyRecord {
     float mass = 0.0f;                              // kg, as given
     bool fixed = false, debris = false;
     AirDrag drag;
-    float reach = 0.0f, thickness = 0.0f; // Bullet's units: from the centre of mass; of the thinnest of its hulls
+    // Bullet's units: from the centre of mass; of the thinnest of its hulls; the longest side of the box in its own axes.
+    float reach = 0.0f, thickness = 0.0f, longest = 0.0f;
     Pose previous;
     btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame as the step began, after the repair
     bool was_repaired = false;                             // as the step began
@@ -88,14 +89,11 @@ struct BodyRecord {
 // what is wrong, but not of whom.
 [[nodiscard]] Result<std::unique_ptr<BodyRecord>> make_record(const BodyDesc& desc);
 
-// Reach, thickness and what the air does to it; all else that make_record() makes and the shape must be known.
+// Its lengths and what the air does to it; all else that make_record() makes and the shape must be known.
 void finish_shape(BodyRecord& body, const BodyDesc& desc);
 
 // Bullet's rigid body with the pose and velocity that the record begins with; the shape must be known. On one thread only.
 void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings);
-
-// The longest side of the shape's box in its own axes, in Bullet's units.
-[[nodiscard]] float longest_extent(const btCollisionShape& shape);
 
 // Who meets whom, for Bullet's filter: fixed bodies do not meet each other, debris does not either.
 [[nodiscard]] int group_of(bool fixed, bool debris);

@@ -2,6 +2,7 @@
 // plain loops elsewhere. Both give the same bits: there is no multiply-add.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #if defined(__SSE2__)
@@ -22,6 +23,8 @@ struct Float4 {
         return {_mm_and_ps(_mm_loadu_ps(from), _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1)))};
     }
     static Float4 all(float value) { return {_mm_set1_ps(value)}; }
+    // Faster than load() of numbers that were just written one by one, which waits for them to leave the core.
+    static Float4 of(float a, float b, float c, float d) { return {_mm_setr_ps(a, b, c, d)}; }
     void store(float* to) const { _mm_storeu_ps(to, v); }
 
     friend Float4 operator+(Float4 a, Float4 b) { return {_mm_add_ps(a.v, b.v)}; }
@@ -29,6 +32,7 @@ struct Float4 {
     friend Float4 operator*(Float4 a, Float4 b) { return {_mm_mul_ps(a.v, b.v)}; }
     friend Float4 min(Float4 a, Float4 b) { return {_mm_min_ps(a.v, b.v)}; }
     friend Float4 max(Float4 a, Float4 b) { return {_mm_max_ps(a.v, b.v)}; }
+    friend Float4 sqrt(Float4 a) { return {_mm_sqrt_ps(a.v)}; }
     // Of the first three: (0 + 1) + 2.
     friend float sum3(Float4 a) {
         const __m128 second = _mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(1, 1, 1, 1));
@@ -63,6 +67,7 @@ struct Float4 {
     static Float4 load(const float* from) { return {{from[0], from[1], from[2], from[3]}}; }
     static Float4 load3(const float* from) { return {{from[0], from[1], from[2], 0.0f}}; }
     static Float4 all(float value) { return {{value, value, value, value}}; }
+    static Float4 of(float a, float b, float c, float d) { return {{a, b, c, d}}; }
     void store(float* to) const {
         for (int i = 0; i < 4; ++i) to[i] = v[i];
     }
@@ -89,6 +94,9 @@ struct Float4 {
     }
     friend Float4 max(Float4 a, Float4 b) {
         return each(a, b, [](float x, float y) { return x > y ? x : y; });
+    }
+    friend Float4 sqrt(Float4 a) {
+        return each(a, a, [](float x, float) { return std::sqrt(x); });
     }
     friend float sum3(Float4 a) { return a.v[0] + a.v[1] + a.v[2]; }
     friend uint32_t all_less_equal(Float4 a, Float4 b, Float4 c, Float4 d, Float4 e, Float4 f) {

@@ -9,7 +9,6 @@
 namespace brittle::physics {
 
 void HullShape::finish() {
-    recalcLocalAabb();
     const int count = getNumPoints();
     assert(count > 0);
     lanes_.assign(static_cast<size_t>((count + 3) / 4) * group_size, 0.0f);
@@ -21,7 +20,11 @@ void HullShape::finish() {
         square = std::max(square, point.length2());
     }
     radius_ = std::sqrt(square) + getMargin();
-    motion_disc_ = btConvexHullShape::getAngularMotionDisc();
+    btVector3 low, high;
+    getAabb(btTransform::getIdentity(), low, high);
+    const btVector3 size = high - low;
+    longest_ = size[size.maxAxis()];
+    motion_disc_ = size.length() * 0.5f + ((low + high) * 0.5f).length(); // as Bullet does
 }
 
 void HullShape::getAabb(const btTransform& frame, btVector3& low, btVector3& high) const {

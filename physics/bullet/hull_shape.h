@@ -2,7 +2,8 @@
 // reaches in a direction, and its box.
 //
 // The box is that of the points where they are, not, as Bullet's, that of a turned box: in a heap of pieces half as many pairs
-// of boxes overlap. Add all points, set the margin, then call finish() once. Bullet's units.
+// of boxes overlap. Bullet's box of the shape in its own axes is not kept. Reserve, add all points, set the margin, then call
+// finish() once. Bullet's units.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +20,10 @@ class HullShape final : public btConvexHullShape {
   public:
     BT_DECLARE_ALIGNED_ALLOCATOR();
 
+    // Bullet's array of points grows by doubling.
+    void reserve(size_t points) { m_unscaledPoints.reserve(static_cast<int>(points)); }
+    // As addPoint() without a new box, but here.
+    void add(const btVector3& point) { m_unscaledPoints.push_back(point); }
     void finish();
 
     // The points by groups of four, each four x, four y, four z; the last point fills up.
@@ -38,12 +43,14 @@ class HullShape final : public btConvexHullShape {
     [[nodiscard]] int farthest(const btVector3& direction) const;
     // Radius of the ball around the shape's origin that holds it, margin included.
     [[nodiscard]] btScalar radius() const { return radius_; }
+    // The longest side of the box in the shape's own axes.
+    [[nodiscard]] btScalar longest() const { return longest_; }
     // Bullet finds it from the box each time it is asked.
     [[nodiscard]] btScalar getAngularMotionDisc() const override { return motion_disc_; }
 
   private:
     std::vector<btScalar> lanes_; // groups()
-    btScalar radius_ = 0.0f, motion_disc_ = 0.0f;
+    btScalar radius_ = 0.0f, longest_ = 0.0f, motion_disc_ = 0.0f;
 };
 
 } // namespace brittle::physics

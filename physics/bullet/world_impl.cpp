@@ -44,6 +44,7 @@ std::shared_ptr<SharedShape> World::Impl::shared_shape(const std::shared_ptr<con
     }
     auto made = std::make_shared<SharedShape>();
     made->hull = hull;
+    made->shape.reserve(hull->points.size());
     for (const glm::vec3& point : hull->points) made->shape.addPoint(metres_to_bullet(point), false);
     made->shape.setMargin(hull->margin * bullet_units);
     made->shape.finish();
@@ -71,8 +72,7 @@ BodyId World::Impl::put_in(std::unique_ptr<BodyRecord> record, const BodyDesc& d
     make_rigid(body, desc, settings);
     body.rigid->setUserIndex(static_cast<int>(bodies.size()));
     if (desc.siblings != 0) engine->world->siblings().add(*body.rigid, desc.siblings);
-    body.debris =
-        !desc.fixed && (desc.debris || longest_extent(*body.collision_shape()) < settings.debris_size * bullet_units);
+    body.debris = !desc.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
     engine->world->addRigidBody(body.rigid.get(), group_of(desc.fixed, body.debris), partners_of(desc.fixed, body.debris));
     engine->solver.forget_sleeping();
     if (body.collides()) ++colliding;

@@ -53,6 +53,9 @@ TEST_CASE("reach, farthest point, box and radius are those of the points, for an
             CHECK(close(high[axis], expected_high[axis] + 0.25f, 10.0f));
         }
         CHECK(close(made.shape.radius(), radius + 0.25f, 4.0f));
+        CHECK(made.shape.getAngularMotionDisc() == made.shape.btConvexHullShape::getAngularMotionDisc());
+        made.shape.getAabb(btTransform::getIdentity(), low, high);
+        CHECK(made.shape.longest() == std::max({high.x() - low.x(), high.y() - low.y(), high.z() - low.z()}));
         for (int i = 0; i < 20; ++i) {
             const btVector3 direction = Made(1, 1.0f, 0.0f, random).points[0];
             float most = -1e9f;

@@ -2,7 +2,10 @@
 #include "physics/rotation.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 
 #include <doctest/doctest.h>
@@ -60,6 +63,46 @@ TEST_CASE("axes and moments give back any symmetric tensor, however small") {
                   < 1e-14);
             CHECK(glm::determinant(principal.axes) == doctest::Approx(1.0));
         }
+    }
+}
+
+TEST_CASE("axes and moments are bit for bit those of rotations written as products of matrices") {
+    // Cyclic Jacobi as in the books; also for zeros of either sign, equal moments and needles.
+    const auto by_products = [](glm::dmat3 work) {
+        work[0][1] = work[1][0], work[0][2] = work[2][0], work[1][2] = work[2][1];
+        double scale = 0.0;
+        for (int i = 0; i < 9; ++i) scale = std::max(scale, std::abs(work[i / 3][i % 3]));
+        work /= scale;
+        glm::dmat3 axes(1.0);
+        for (int turn = 0; turn < 36; ++turn) {
+            if (turn % 3 == 0 && std::abs(work[1][0]) + std::abs(work[2][0]) + std::abs(work[2][1]) < 1e-15) break;
+            const int p = turn % 3 == 2 ? 1 : 0, q = turn % 3 == 0 ? 1 : 2;
+            if (work[q][p] == 0.0) continue;
+            const double theta = (work[q][q] - work[p][p]) / (2.0 * work[q][p]);
+            const double tangent = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
+            glm::dmat3 rotation(1.0);
+            rotation[p][p] = rotation[q][q] = 1.0 / std::sqrt(tangent * tangent + 1.0);
+            rotation[q][p] = tangent * rotation[p][p];
+            rotation[p][q] = -rotation[q][p];
+            work = glm::transpose(rotation) * work * rotation;
+            work[p][q] = work[q][p] = 0.0;
+            axes = axes * rotation;
+        }
+        return brittle::fracture::PrincipalAxes{axes, glm::dvec3(work[0][0], work[1][1], work[2][2]) * scale};
+    };
+    const auto bits = [](const brittle::fracture::PrincipalAxes& found) {
+        return std::bit_cast<std::array<uint64_t, 12>>(found);
+    };
+    for (int i = 0; i < 3000; ++i) {
+        const auto at = [&](int k) { return std::sin(78.233 * (i * 6 + k + 1)); };
+        glm::dmat3 tensor(0.0);
+        for (int axis = 0; axis < 3; ++axis) tensor[axis][axis] = 2.0 + (i % 4 == 0 ? 0.0 : at(axis));
+        tensor[1][0] = i % 3 == 0 ? 0.0 : at(3);
+        tensor[2][0] = i % 5 == 0 ? -0.0 : at(4) * (i % 7 == 0 ? 1e-12 : 1.0);
+        tensor[2][1] = i % 2 == 0 ? at(5) : 0.5 * at(5);
+        if (i % 11 == 0) tensor[0][0] = 1e-9;
+        tensor *= std::pow(10.0, i % 41 - 20);
+        CHECK(bits(brittle::fracture::principal_axes(tensor)) == bits(by_products(tensor)));
     }
 }
 
