@@ -1,7 +1,7 @@
 // Who is debris because there are too many, whatever its size (WorldSettings::most_colliding).
 //
-// A thousand awake pieces that all meet are what a step has time for; a thousand more would make it more than twice as long,
-// as debris they add a fifth. So where pieces come, the largest collide with each other as long as there is room, and the
+// A thousand awake pieces that all meet are what a step has time for; a thousand more would make it more than twice as
+// long, as debris a third. So where pieces come, the largest collide with each other as long as there is room, and the
 // rest are debris: they meet the ground, what is fixed and whatever collides, but not each other. What it costs is that they
 // overlap.
 //

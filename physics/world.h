@@ -73,8 +73,8 @@ struct WorldSettings {
     float debris_size = 0.02f;
     // Awake bodies that collide with each other, at most, as far as pieces of what breaks add to them: where there would be
     // more, the smaller ones of those that come are debris, too, however large (crowd.h). It keeps a step from growing with
-    // every break: a thousand more that meet cost two to three times what the step had, as debris a fifth. What it costs is
-    // that such pieces lie in each other. Decided when a piece comes, and it stays so; results repeat as ever. 0: no limit,
+    // every break: with a thousand more that meet it takes two to three times as long, with as much debris a third more. What it
+    // costs is that such pieces lie in each other. Decided when a piece comes, and it stays so; results repeat as ever. 0: no limit,
     // for who bakes what nobody waits for.
     uint32_t most_colliding = 1000;
     // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of

@@ -61,7 +61,7 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
-    options.world = {.bonded = true, .anchored = true, .height = 1.5, .air_density = 0.3, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+    options.world = {.bonded = true, .anchored = true, .height = 1.5, .air_density = 0.3, .most_colliding = 700, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
     options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
     options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
                        .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
@@ -260,6 +260,8 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "strikes": [{"at": [0, 0, 0]}, {"radius": -1}]})", "/strikes/1/radius: expected a number");
     says(R"({"brittle": 1, "strikes": [{"where": 1}]})", "/strikes/0/where: unknown key");
     says(R"({"brittle": 1, "strikes": {}})", "/strikes: expected a list");
+    says(R"({"brittle": 1, "world": {"most_colliding": -1}})", "/world/most_colliding: expected a whole number from 0 to 1000000, found -1");
+    says(R"({"brittle": 1, "world": {"most_colliding": 1000001}})", "/world/most_colliding: expected a whole number");
     says(R"({"brittle": 1, "world": {"anchors": 1}})", "/world/anchors: expected a list");
     says(R"({"brittle": 1, "world": {"anchors": [{"radius": 0}]}})", "/world/anchors/0/radius: expected a number");
     says(R"({"brittle": 1, "world": {"anchors": [{"at": [0, 0, 0], "size": 1}]}})", "/world/anchors/0");

@@ -193,6 +193,20 @@ TEST_CASE("replay: where someone looks while debris is in excess is part of the 
     CHECK(hashes(front) == hashes(recorded_view({})));
 }
 
+TEST_CASE("replay: who may collide no more as there are too many is the same again") {
+    const Folder folder;
+    FractureOptions options = breakable_options(false);
+    const ReplayLog free = recorded(options, started(options), 120, blows(), folder.path / "free.log");
+    options.world.most_colliding = 3;
+    const ReplayLog crowd = recorded(options, started(options), 120, blows(), folder.path / "crowd.log");
+    CHECK(crowd.recipe.world.most_colliding == 3);
+    CHECK(hashes(crowd) != hashes(free));
+    for (const uint32_t threads : {1u, 3u}) {
+        const FractureOptions again = with_threads(crowd.recipe, threads);
+        CHECK_FALSE(replayed(crowd, started(again)));
+    }
+}
+
 TEST_CASE("replay: a view is nothing where debris is not in excess, and where nothing breaks") {
     const Folder folder;
     const FractureOptions options = breakable_options(false), wall = wall_options();

@@ -65,6 +65,20 @@ TEST_CASE("simulation: a breakable thing stays whole, is cut where it is hit, an
     simulation.step();
 }
 
+TEST_CASE("simulation: more pieces than may collide are debris, as each start says") {
+    FractureOptions options = wall_options();
+    options.world = {.height = 0.5};
+    const fracture::Fragments pieces = started(options);
+    REQUIRE(pieces.pieces.size() > 20);
+    Simulation simulation(options.material);
+    for (const uint32_t most : {10u, 0u, 20u}) {
+        options.world.most_colliding = most;
+        simulation.start(pieces, options.world);
+        CHECK(simulation.world().settings().most_colliding == most);
+        CHECK(simulation.world().colliding_count() == (most == 0 ? pieces.pieces.size() : most));
+    }
+}
+
 TEST_CASE("simulation: poses since a step are those that changed") {
     FractureOptions options = wall_options();
     for (const bool breakable : {false, true}) {

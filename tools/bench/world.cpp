@@ -134,12 +134,12 @@ void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& sett
 }
 
 // A thousand more pieces come in one frame.
-void run_add(benchmark::State& state, float height) {
+void run_add(benchmark::State& state, const WorldSettings& settings, float height) {
     const Broken there(sites_for_1000), coming(sites_for_1000, height);
     std::vector<double> before, worst, after;
-    size_t asleep = 0;
+    size_t asleep = 0, colliding = 0;
     for (auto _ : state) {
-        World world;
+        World world(settings);
         asleep = add_sleepers(world);
         if (!there.add_to(world, {0.0f, 0.3f, 0.0f})) return state.SkipWithError("no bodies");
         steps_of(world, 60);
@@ -147,6 +147,7 @@ void run_add(benchmark::State& state, float height) {
         bool added = false;
         const double adding = milliseconds_of([&] { added = coming.add_to(world, {-3.0f, 0.3f, 0.0f}); });
         if (!added) return state.SkipWithError("no bodies");
+        colliding = world.colliding_count();
         std::vector<double> frames = steps_of(world, 60);
         frames.front() += adding;
         worst.push_back(longest(frames));
@@ -155,6 +156,7 @@ void run_add(benchmark::State& state, float height) {
     }
     state.counters["coming_pieces"] = static_cast<double>(coming.pieces.pieces.size());
     state.counters["asleep"] = static_cast<double>(asleep);
+    state.counters["colliding"] = static_cast<double>(colliding);
     state.counters["before"] = median(before);
     state.counters["longest"] = median(worst);
     state.counters["after"] = median(after);
@@ -211,9 +213,10 @@ void add_world_benchmarks() {
             ->UseManualTime()
             ->Iterations(runs);
     };
+    static const WorldSettings all_meet{.debris_size = 0.0f, .most_colliding = 0};
     const std::pair<const char*, WorldSettings> kinds[] = {
-        {"meet", {.debris_size = 0.0f}},
-        {"alone", {.threads = 1, .debris_size = 0.0f}},
+        {"meet", all_meet},
+        {"alone", {.threads = 1, .debris_size = 0.0f, .most_colliding = 0}},
         {"default", {}},
         {"debris", {.debris_size = 1.0f}}};
     for (const auto& [kind, settings] : kinds) {
@@ -228,10 +231,12 @@ void add_world_benchmarks() {
         drop("1000_of_3000", sites_for_1000, 1, true);
     }
     add("world/vacuum/1000", 3, [](benchmark::State& state) {
-        run_drop(state, sites_for_1000, {.air_density = 0.0f, .debris_size = 0.0f}, false);
+        run_drop(state, sites_for_1000, {.air_density = 0.0f, .debris_size = 0.0f, .most_colliding = 0}, false);
     });
-    add("world/add/meet/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, 1.0f); });
-    add("world/add/debris/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, little_bunny); });
+    add("world/add/meet/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, all_meet, 1.0f); });
+    add("world/add/default/1000_to_3000", 1, [](benchmark::State& state) { run_add(state, {}, 1.0f); });
+    add("world/add/small/1000_to_3000", 1,
+        [](benchmark::State& state) { run_add(state, {.most_colliding = 0}, little_bunny); });
     add("world/tower", 1, run_tower);
 }
 

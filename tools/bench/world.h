@@ -2,12 +2,14 @@
 //
 // world/meet/N             about N pieces, all of which meet
 // world/alone/N            the same on one thread
-// world/default/N          the same with the world's defaults: what is smaller than WorldSettings::debris_size is debris
+// world/default/N          the same with the world's defaults: what is smaller than WorldSettings::debris_size is debris, and
+//                          what comes when most_colliding do collide
 // world/debris/N           the same as debris: pieces meet the ground only
 // world/vacuum/1000        as meet, without air
 // world/.../1000_of_3000   a thousand pieces fall beside two thousand that lie on the ground and sleep
-// world/add/KIND/...       a thousand pieces (KIND: meet or debris) come in one frame into a world of a thousand falling ones
-//                          and two thousand that sleep
+// world/add/KIND/...       a thousand pieces come in one frame into a world of a thousand falling ones and two thousand that
+//                          sleep. meet: all meet. default: the world's defaults, so most that come are debris as there is no
+//                          room. small: no limit, but what comes is 15 cm in all, and most of it debris for its size
 //
 // The time is the median of the 180 steps of a second and a half: fall, impact, and the heap that is left. `low` and `high`
 // are the lowest and the highest of that median over the runs; `fall`, `impact` and `heap` the medians of those parts
@@ -17,7 +19,7 @@
 //
 // For world/add the time is the longest frame of the half second after: adding the bodies and the step, where `before` is the
 // median of the quarter of a second before and `after` that of the half second after, `ratio` the longest over `before`,
-// `coming` the longest over `after`: what coming costs beside being there.
+// `coming` the longest over `after`: what coming costs beside being there; `colliding` counts who is awake and no debris then.
 //
 // Milliseconds on the clock, as a step works on all cores: on a machine by itself.
 #pragma once

@@ -269,6 +269,11 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
     command.add_option("--air-density", world.air_density, "Of the air that brakes what moves, kg/m^3; 0 is a vacuum")
         ->check(CLI::Range(0.0, 1e4))
         ->capture_default_str();
+    command.add_option("--most-colliding", world.most_colliding,
+                       "Awake pieces that collide with each other, at most; what comes off beyond meets only the ground and these, and lies "
+                       "in each other. Keeps frames short; 0: no limit, for pictures that may take their time")
+        ->check(CLI::Range(0u, 1'000'000u))
+        ->capture_default_str();
     command.add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")
         ->check(CLI::Range(0.0, 100.0))
         ->capture_default_str();

@@ -147,6 +147,7 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
     clear();
     physics::WorldSettings settings = world_.settings();
     settings.air_density = static_cast<float>(options.air_density);
+    settings.most_colliding = options.most_colliding;
     world_.clear(settings);
     if (options.breakable) {
         start_breakable(fragments, options, ahead);
