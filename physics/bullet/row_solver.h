@@ -5,8 +5,8 @@
 // rows beside each other have at most one body in common, and the processor works on several at a time. What has a body
 // that never moves comes behind all others, so that each sweep ends with nothing going into the ground: otherwise a heavy
 // piece presses a light one beneath it millimetres deep and holds it there. A sweep over contacts is followed by one over
-// their friction; beside all of them, on another thread, overlap is undone by moving (split impulses), and bodies that touch nothing
-// that moves, as debris, have all their sweeps.
+// their friction; beside all of them, on another thread, overlap is undone by moving (split impulses), and bodies that touch
+// nothing that moves, as debris, have all their sweeps.
 //
 // - One friction direction a point: that in which it slides; where it does not, points beside each other take turns between
 //   two. No joints, no rolling friction.
@@ -98,8 +98,8 @@ class RowSolver {
     static void give(const Row& row, float impulse, Motion* motions);
     static void resolve(Row& row, Motion* motions, float low, float high);
     static void resolve_held(Row& row, Motion* motions);
-    // Sweeps over all contacts and their friction, but for bodies that touch nothing that moves; these two over those of bodies that
-    // both move.
+    // Sweeps over all contacts and their friction, but for bodies that touch nothing that moves; these two over those of bodies
+    // that both move.
     void sweep(int count);
     static void press(std::vector<Row>& rows, Motion* motions);
     void rub();
