@@ -150,10 +150,13 @@ class HullOnPlane final : public FollowedContacts {
         const btVector3 origin = frame.getOrigin() - body->getCenterOfMassPosition();
         const btScalar resting = resting_distance * shape.getAngularMotionDisc();
         // Most bodies that are in the air are so high that none of their corners can come down in the step.
-        const btScalar lowest = frame.getOrigin().y() - shape.reach(-frame.getBasis()[1]) - shape.getMargin() - height;
+        const btScalar above = frame.getOrigin().y() - height;
         const btScalar fastest =
             std::abs(velocity.y()) + body->getAngularVelocity().length() * (origin.length() + shape.radius());
-        if (lowest > resting + turned_approach * fastest * seconds) return corners;
+        const btScalar reached_at_most = resting + turned_approach * fastest * seconds;
+        if (above - shape.radius() > reached_at_most
+            || above - shape.reach(-frame.getBasis()[1]) - shape.getMargin() > reached_at_most)
+            return corners;
         const btVector3 &at = frame.getOrigin(), &spin = body->getAngularVelocity();
         const std::span<const btScalar> groups = shape.groups();
         for (size_t i = 0; i < groups.size(); i += HullShape::group_size) {

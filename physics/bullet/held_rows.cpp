@@ -79,9 +79,16 @@ void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> 
         block.movers[block.count] = mover;
         block.light[block.count++] = lights[mover];
     }
-    contacts_.assign(end, {});
-    frictions_.assign(end, {});
-    coefficients_.assign(end, {});
+    contacts_.resize(end);
+    frictions_.resize(end);
+    coefficients_.resize(end);
+    for (const Block& block : blocks_) { // what nobody puts is without effect
+        const uint32_t full = block.count < 4 ? 0 : counts_[block.movers.back()];
+        for (uint32_t at = block.begin + full; at < block.end; ++at) {
+            contacts_[at] = frictions_[at] = {};
+            coefficients_[at] = {};
+        }
+    }
 
     std::ranges::fill(counts_, 0);
     slots_.clear();

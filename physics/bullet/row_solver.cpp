@@ -42,7 +42,7 @@ constexpr uint32_t least_contacts = 128, least_manifolds = 128, least_bodies = 1
 void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<btPersistentManifold* const> manifolds,
                       const Step& step, fracture::Threads& threads) {
     take_bodies(bodies, step);
-    order(manifolds);
+    order(manifolds, threads);
     make_rows(manifolds, step, threads);
     take_deep();
     solve_rows(bodies, step, threads);
@@ -99,20 +99,31 @@ void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& ste
     }
 }
 
+RowSolver::Between RowSolver::between(const btPersistentManifold& manifold) const {
+    const auto mover = [this](const btCollisionObject* object) {
+        return never_moves(object) ? nobody : indices_[static_cast<size_t>(object->getUserIndex())];
+    };
+    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+    return {a, b, mover(a), mover(b), static_cast<uint32_t>(manifold.getNumContacts())};
+}
+
 // A sort by counting.
-void RowSolver::order(std::span<btPersistentManifold* const> manifolds) {
+void RowSolver::order(std::span<btPersistentManifold* const> manifolds, fracture::Threads& threads) {
+    betweens_.resize(manifolds.size());
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) betweens_[i] = between(*manifolds[i]);
+    });
     keys_.clear();
     firsts_.clear();
     starts_.assign(2 * most_points + 1, 0);
-    const btPersistentManifold* before = nullptr;
+    const Between* before = nullptr;
     uint32_t place = 0; // among the points of the same two bodies
-    for (const btPersistentManifold* manifold : manifolds) {
-        const btCollisionObject *a = manifold->getBody0(), *b = manifold->getBody1();
-        if (!before || before->getBody0() != a || before->getBody1() != b) place = 0;
-        before = manifold;
+    for (const Between& two : betweens_) {
+        if (!before || before->a != two.a || before->b != two.b) place = 0;
+        before = &two;
         firsts_.push_back(static_cast<uint32_t>(keys_.size()));
-        const uint32_t first_key = never_moves(a) || never_moves(b) ? most_points : 0;
-        for (int i = 0; i < manifold->getNumContacts(); ++i, ++place) {
+        const uint32_t first_key = two.held() ? most_points : 0;
+        for (uint32_t i = 0; i < two.count; ++i, ++place) {
             keys_.push_back(first_key + std::min(place, most_points - 1));
             ++starts_[keys_.back() + 1];
         }
@@ -121,19 +132,21 @@ void RowSolver::order(std::span<btPersistentManifold* const> manifolds) {
     held_ = starts_[most_points];
     places_.resize(keys_.size());
     for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
+    order_held();
+}
 
-    held_movers_.resize(keys_.size() - held_);
+void RowSolver::order_held() {
+    held_movers_.resize(places_.size() - held_);
     coupled_.assign(movers_.size(), 0);
-    for (size_t i = 0; i < manifolds.size(); ++i) {
-        const btCollisionObject *a = manifolds[i]->getBody0(), *b = manifolds[i]->getBody1();
-        if (!never_moves(a) && !never_moves(b)) {
-            if (manifolds[i]->getNumContacts() == 0) continue;
-            for (const btCollisionObject* object : {a, b}) coupled_[indices_[static_cast<size_t>(object->getUserIndex())]] = 1;
+    for (size_t i = 0; i < betweens_.size(); ++i) {
+        const Between& two = betweens_[i];
+        if (two.count == 0) continue;
+        if (!two.held()) {
+            coupled_[two.mover_a] = coupled_[two.mover_b] = 1;
             continue;
         }
-        const uint32_t mover = indices_[static_cast<size_t>((never_moves(a) ? b : a)->getUserIndex())];
-        for (uint32_t k = 0; k < static_cast<uint32_t>(manifolds[i]->getNumContacts()); ++k)
-            held_movers_[places_[firsts_[i] + k] - held_] = mover;
+        for (uint32_t k = 0; k < two.count; ++k)
+            held_movers_[places_[firsts_[i] + k] - held_] = std::min(two.mover_a, two.mover_b); // one is nobody
     }
     held_rows_.arrange(held_movers_, lights_, coupled_);
 }

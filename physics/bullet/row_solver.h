@@ -5,8 +5,8 @@
 // rows beside each other have at most one body in common, and the processor works on several at a time. What has a body
 // that never moves comes behind all others, so that each sweep ends with nothing going into the ground: otherwise a heavy
 // piece presses a light one beneath it millimetres deep and holds it there. A sweep over contacts is followed by one over
-// their friction; beside all of them, on another thread, overlap is undone by moving (split impulses), and bodies that touch nothing
-// that moves, as debris, have all their sweeps.
+// their friction; beside all of them, on another thread, overlap is undone by moving (split impulses), and bodies that touch
+// nothing that moves, as debris, have all their sweeps.
 //
 // - One friction direction a point: that in which it slides; where it does not, points beside each other take turns between
 //   two. No joints, no rolling friction.
@@ -66,6 +66,14 @@ class RowSolver {
         btVector3 centre, linear, angular; // gravity is in
         float light; // inverse mass
     };
+    // A manifold in short.
+    static constexpr uint32_t nobody = UINT32_MAX;
+    struct Between {
+        const btCollisionObject *a, *b;
+        uint32_t mover_a, mover_b; // nobody where it never moves
+        uint32_t count;            // points
+        [[nodiscard]] bool held() const { return mover_a == nobody || mover_b == nobody; }
+    };
     // One side of a contact: a mover, or nothing where it never moves.
     struct Side {
         const Mover* mover;
@@ -75,7 +83,9 @@ class RowSolver {
 
     void take_bodies(std::span<BodyRecord* const> bodies, const Step& step);
     // Where each point is solved: first points of pairs first, contacts with what never moves last.
-    void order(std::span<btPersistentManifold* const> manifolds);
+    void order(std::span<btPersistentManifold* const> manifolds, fracture::Threads& threads);
+    void order_held();
+    [[nodiscard]] Between between(const btPersistentManifold& manifold) const;
     void make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step, fracture::Threads& threads);
     // Of the manifold's points, the first of which is that one of all.
     void make_rows(btPersistentManifold& manifold, uint32_t first, const Step& step);
@@ -88,8 +98,8 @@ class RowSolver {
     static void give(const Row& row, float impulse, Motion* motions);
     static void resolve(Row& row, Motion* motions, float low, float high);
     static void resolve_held(Row& row, Motion* motions);
-    // Sweeps over all contacts and their friction, but for bodies that touch nothing that moves; these two over those of bodies that
-    // both move.
+    // Sweeps over all contacts and their friction, but for bodies that touch nothing that moves; these two over those of bodies
+    // that both move.
     void sweep(int count);
     static void press(std::vector<Row>& rows, Motion* motions);
     void rub();
@@ -105,7 +115,8 @@ class RowSolver {
     std::vector<uint32_t> indices_; // of movers, by the user index of their bodies
     std::vector<Solved> solved_;
     std::vector<uint32_t> keys_, starts_, places_; // of order()
-    std::vector<uint32_t> firsts_;                 // by manifold: its first point among all
+    std::vector<Between> betweens_;                // by manifold
+    std::vector<uint32_t> firsts_;                 // likewise: its first point among all
     std::vector<Row> contacts_, frictions_;        // side by side, where both bodies move
     std::vector<float> coefficients_;              // of friction, beside them
     std::vector<float> depths_;                    // by place: wanted where overlap is undone; 0: there is none

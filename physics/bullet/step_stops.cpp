@@ -171,7 +171,7 @@ btVector3 StepStops::common_velocity() const {
     btVector3 sum(0, 0, 0);
     btScalar moving = 0.0f, resting = 0.0f;
     for (const auto& body : bodies_) {
-        if (body->fixed) continue;
+        if (body->fixed || body->debris) continue;
         if (body->awake())
             sum += body->rigid->getLinearVelocity(), moving += 1.0f;
         else

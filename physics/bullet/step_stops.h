@@ -83,7 +83,7 @@ class StepStops {
     [[nodiscard]] static bool is_fast(const BodyRecord& body, btScalar seconds); // for its thickness
     void find_stops(btScalar seconds, btDispatcher& dispatcher);
     void find_fast(btScalar seconds, btDispatcher& dispatcher);
-    [[nodiscard]] btVector3 common_velocity() const; // of most that can move
+    [[nodiscard]] btVector3 common_velocity() const; // of most that can move, without debris
     // What holds a body on its way.
     [[nodiscard]] Box swept(uint32_t body) const;
     // These keep whom a body may touch, from a time on: of those that are fixed; of the others.

@@ -1,6 +1,7 @@
 #include "physics/bullet/stepped_world.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "physics/bullet/narrow_phase.h"
@@ -41,19 +42,32 @@ constexpr float longest_way = 1e5f;
 // contacts would have to be looked for.
 constexpr float unfelt_part = 0.03f;
 
-// Fewer bodies than this are not worth waking another thread for.
-constexpr uint32_t least_bodies = 64;
+// Fewer than this are not worth waking another thread for.
+constexpr uint32_t least_bodies = 64, least_manifolds = 128;
 
 // What is deeper than this in the ground, in metres, does not fall asleep before it has come up, or has been where it is for
 // this multiple of the sleeping time: a crumb under what is hundreds of times as heavy never comes up.
 constexpr float sunk_depth = 1e-3f;
 constexpr float sunk_factor = 8.0f;
 
+// Of something that several threads may note.
+void note(bool& true_now) {
+    std::atomic_ref(true_now).store(true, std::memory_order_relaxed);
+}
+
 } // namespace
 
 void SteppedWorld::for_each_body(std::span<BodyRecord* const> bodies, const auto& visit) {
     threads_.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) visit(*bodies[i]);
+    });
+}
+
+void SteppedWorld::for_each_contact(const auto& visit) {
+    const std::vector<btPersistentManifold*>& all = islands_.manifolds();
+    threads_.for_chunks(static_cast<uint32_t>(all.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i)
+            if (all[i]->getNumContacts() > 0) visit(*all[i]);
     });
 }
 
@@ -139,22 +153,21 @@ void SteppedWorld::find_resting(btScalar seconds) {
     const auto ready = [](const btRigidBody& rigid) { return rigid.getActivationState() == WANTS_DEACTIVATION; };
     for (const BodyRecord* body : islands_.awake())
         if (is_fast(*body) || (rises(*body) && waited(*body) >= settings_.sleep_seconds)) company_[islands_.of(*body)].busy = true;
-    for (const btPersistentManifold* manifold : islands_.manifolds()) {
-        if (manifold->getNumContacts() == 0) continue;
+    for_each_contact([&](const btPersistentManifold& manifold) {
         bool pressed = false;
-        for (int p = 0; p < manifold->getNumContacts(); ++p)
-            pressed = pressed || manifold->getContactPoint(p).m_appliedImpulse > 0.0f;
-        for (const auto& [one, other] : {std::pair(manifold->getBody0(), manifold->getBody1()),
-                                         std::pair(manifold->getBody1(), manifold->getBody0())}) {
+        for (int p = 0; p < manifold.getNumContacts(); ++p)
+            pressed = pressed || manifold.getContactPoint(p).m_appliedImpulse > 0.0f;
+        for (const auto& [one, other] :
+             {std::pair(manifold.getBody0(), manifold.getBody1()), std::pair(manifold.getBody1(), manifold.getBody0())}) {
             if (one->isStaticObject()) continue;
             Company& company = company_[static_cast<size_t>(one->getUserIndex())];
-            ++company.manifolds;
-            company.pressed = company.pressed || pressed;
+            std::atomic_ref(company.manifolds).fetch_add(1, std::memory_order_relaxed);
+            if (pressed) note(company.pressed);
             if (other->isStaticObject()) continue;
             const btRigidBody& touched = *btRigidBody::upcast(other);
-            company.disturbed = company.disturbed || (!ready(touched) && speed_of(touched) > 1.0f);
+            if (!ready(touched) && speed_of(touched) > 1.0f) note(company.disturbed);
         }
-    }
+    });
     for (BodyRecord* body : islands_.awake()) {
         const Company& company = company_[static_cast<size_t>(body->rigid->getUserIndex())];
         const bool left = company.manifolds < body->resting_on;
@@ -233,28 +246,30 @@ float SteppedWorld::speed_of(const btRigidBody& body) const {
 
 void SteppedWorld::find_who_settles(btScalar seconds) {
     find_touching(seconds);
-    for (BodyRecord* body : islands_.awake()) {
-        const float speed = speed_of(*body->rigid);
-        const bool in_place = rocks_in_place(*body, seconds);
-        // One tremble that is soon over does not start the wait anew.
-        if (!in_place && (!body->touching || speed > tremble_factor))
-            body->still_seconds = 0.0f;
-        else
-            body->still_seconds =
-                std::clamp(body->still_seconds + (in_place || speed < 1.0f ? seconds : -seconds), 0.0f,
-                           patience * settings_.sleep_seconds);
-    }
-    find_quiet(seconds);
+    for_each_body(islands_.awake(), [&](BodyRecord& body) { count_still(body, seconds); });
+    find_calm();
     const float kept = std::pow(settling_kept_per_second, seconds);
-    for (BodyRecord* body : islands_.awake()) {
-        btRigidBody& rigid = *body->rigid;
-        if (waited(*body) > 0.5f * settings_.sleep_seconds) {
+    for_each_body(islands_.awake(), [&](BodyRecord& body) {
+        count_quiet(body, seconds);
+        btRigidBody& rigid = *body.rigid;
+        if (waited(body) > 0.5f * settings_.sleep_seconds) {
             rigid.setLinearVelocity(rigid.getLinearVelocity() * kept);
             rigid.setAngularVelocity(rigid.getAngularVelocity() * kept);
         }
-        const bool ready = waited(*body) >= settings_.sleep_seconds && body->touching && !rises(*body);
+        const bool ready = waited(body) >= settings_.sleep_seconds && body.touching && !rises(body);
         rigid.setActivationState(ready ? WANTS_DEACTIVATION : ACTIVE_TAG);
-    }
+    });
+}
+
+void SteppedWorld::count_still(BodyRecord& body, btScalar seconds) {
+    const float speed = speed_of(*body.rigid);
+    const bool in_place = rocks_in_place(body, seconds);
+    // One tremble that is soon over does not start the wait anew.
+    if (!in_place && (!body.touching || speed > tremble_factor))
+        body.still_seconds = 0.0f;
+    else
+        body.still_seconds = std::clamp(body.still_seconds + (in_place || speed < 1.0f ? seconds : -seconds), 0.0f,
+                                        patience * settings_.sleep_seconds);
 }
 
 bool SteppedWorld::rocks_in_place(BodyRecord& body, btScalar seconds) {
@@ -271,8 +286,7 @@ bool SteppedWorld::rocks_in_place(BodyRecord& body, btScalar seconds) {
     return body.rest_seconds > place_factor * settings_.sleep_seconds;
 }
 
-// Counts how long the islands have been quiet, in their bodies, as islands come and go.
-void SteppedWorld::find_quiet(btScalar seconds) {
+void SteppedWorld::find_calm() {
     calm_.assign(bodies_.size(), {});
     for (const BodyRecord* body : islands_.awake()) {
         Calm& island = calm_[islands_.of(*body)];
@@ -280,33 +294,32 @@ void SteppedWorld::find_quiet(btScalar seconds) {
         if (body->still_seconds >= 0.5f * settings_.sleep_seconds) island.calm_mass += body->mass;
         island.fast = island.fast || is_fast(*body);
     }
-    for (BodyRecord* body : islands_.awake()) {
-        const Calm& island = calm_[islands_.of(*body)];
-        const bool quiet = !island.fast && island.calm_mass >= calm_part * island.mass;
-        body->quiet_seconds =
-            quiet ? std::min(body->quiet_seconds + seconds, patience * quiet_factor * settings_.sleep_seconds)
-                  : 0.0f;
-    }
+}
+
+// How long its island has been quiet is counted in the body, as islands come and go.
+void SteppedWorld::count_quiet(BodyRecord& body, btScalar seconds) const {
+    const Calm& island = calm_[islands_.of(body)];
+    const bool quiet = !island.fast && island.calm_mass >= calm_part * island.mass;
+    body.quiet_seconds =
+        quiet ? std::min(body.quiet_seconds + seconds, patience * quiet_factor * settings_.sleep_seconds) : 0.0f;
 }
 
 void SteppedWorld::find_touching(btScalar seconds) {
-    for (BodyRecord* body : islands_.awake()) body->touching = body->sunk = false;
-    for (const btPersistentManifold* manifold : islands_.manifolds()) {
-        if (manifold->getNumContacts() == 0) continue;
-        for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
-            if (object->getUserIndex() >= 0)
-                bodies_[static_cast<size_t>(object->getUserIndex())]->touching = true;
-        if (manifold->getBody1()->getUserIndex() >= 0) continue;
+    for_each_body(islands_.awake(), [](BodyRecord& body) { body.touching = body.sunk = false; });
+    for_each_contact([&](const btPersistentManifold& manifold) {
+        for (const btCollisionObject* object : {manifold.getBody0(), manifold.getBody1()})
+            if (object->getUserIndex() >= 0) note(bodies_[static_cast<size_t>(object->getUserIndex())]->touching);
+        if (manifold.getBody1()->getUserIndex() >= 0) return;
         // Contacts with the ground have the body first.
-        BodyRecord& body = *bodies_[static_cast<size_t>(manifold->getBody0()->getUserIndex())];
+        BodyRecord& body = *bodies_[static_cast<size_t>(manifold.getBody0()->getUserIndex())];
         // After the step, which may have turned a corner down.
-        for (int p = 0; p < manifold->getNumContacts(); ++p) {
-            const btManifoldPoint& point = manifold->getContactPoint(p);
+        for (int p = 0; p < manifold.getNumContacts(); ++p) {
+            const btManifoldPoint& point = manifold.getContactPoint(p);
             const btVector3 arm = point.getPositionWorldOnA() - body.blow_frame.getOrigin();
             const btScalar rise = body.rigid->getVelocityInLocalPoint(arm).dot(point.m_normalWorldOnB) * seconds;
-            body.sunk = body.sunk || point.getDistance() + rise < -sunk_depth * bullet_units;
+            if (point.getDistance() + rise < -sunk_depth * bullet_units) note(body.sunk);
         }
-    }
+    });
 }
 
 } // namespace brittle::physics

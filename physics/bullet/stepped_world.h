@@ -44,6 +44,8 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
   private:
     // Side by side, in no order.
     void for_each_body(std::span<BodyRecord* const> bodies, const auto& visit);
+    // Manifolds with contacts, likewise; what a body keeps of them is written by several threads.
+    void for_each_contact(const auto& visit);
     void find_pairs(btScalar seconds);
     // Around the body for all of the step.
     void set_box(BodyRecord& body, btScalar seconds);
@@ -67,7 +69,9 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     [[nodiscard]] bool is_fast(const BodyRecord& body) const; // too fast for a tremble
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
-    void find_quiet(btScalar seconds);
+    void count_still(BodyRecord& body, btScalar seconds);
+    void find_calm(); // by island
+    void count_quiet(BodyRecord& body, btScalar seconds) const;
 
     SweepBroadphase& broadphase_;
     PieceSolver& solver_;

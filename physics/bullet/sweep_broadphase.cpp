@@ -227,7 +227,9 @@ void SweepBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher) {
     find_moving();
     found_.clear();
     sweep(moving_);
-    sweep(moving_, still_);
+    sweep(moving_, debris_, false);
+    sweep(moving_, still_, true);
+    sweep(debris_, still_, true);
     sort_found();
     pairs_.update(found_, proxies_, changes_, dispatcher);
     std::ranges::fill(changes_, SweptPairs::Change::none);
@@ -268,11 +270,12 @@ int SweepBroadphase::widest_axis() const {
     std::array<float, 3> spread{};
     for (size_t axis = 0; axis < 3; ++axis) {
         float low = infinite, high = -infinite; // twice the middles
-        for (const uint32_t rank : moving_.ranks) {
-            const float middle = boxes_.low[axis][rank] + boxes_.high[axis][rank];
-            low = std::min(low, middle);
-            high = std::max(high, middle);
-        }
+        for (const Sorted* boxes : {&moving_, &debris_})
+            for (const uint32_t rank : boxes->ranks) {
+                const float middle = boxes_.low[axis][rank] + boxes_.high[axis][rank];
+                low = std::min(low, middle);
+                high = std::max(high, middle);
+            }
         spread[axis] = high - low;
     }
     const auto widest = std::ranges::max_element(spread);
@@ -295,15 +298,20 @@ void SweepBroadphase::sort(Sorted& sorted) {
     }
 }
 
+bool SweepBroadphase::is_debris(uint32_t rank) const {
+    const Filter own = filters_[rank];
+    return own.group == btBroadphaseProxy::DebrisFilter && (own.group & own.partners) == 0;
+}
+
 void SweepBroadphase::find_moving() {
-    moving_.ranks.clear();
-    ranks_.clear();
+    for (std::vector<uint32_t>* ranks : {&moving_.ranks, &debris_.ranks, &ranks_}) ranks->clear();
     for (uint32_t rank = 0; rank < proxies_.size(); ++rank)
-        (is_set(rank) ? moving_.ranks : ranks_).push_back(rank);
+        (!is_set(rank) ? ranks_ : is_debris(rank) ? debris_.ranks : moving_.ranks).push_back(rank);
     const int axis = widest_axis();
     const bool same = axis == axis_ && ranks_ == still_ranks_;
     axis_ = axis;
     sort(moving_);
+    sort(debris_);
     if (same) return;
     std::swap(still_ranks_, ranks_);
     still_.ranks = still_ranks_;
@@ -317,8 +325,7 @@ std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
     sort(set_);
     found_.clear();
     sweep(set_);
-    sweep(set_, moving_);
-    sweep(set_, still_);
+    for (const Sorted* others : {&moving_, &debris_, &still_}) sweep(set_, *others, true);
     sort_found();
     return found_;
 }
@@ -338,28 +345,27 @@ void SweepBroadphase::sweep(const Sorted& boxes) {
     });
 }
 
-// One of the others that begins where a box that was set is, or the other way round.
-void SweepBroadphase::sweep(const Sorted& set, const Sorted& others) {
+// One of the others that begins where a box is, or the other way round.
+void SweepBroadphase::sweep(const Sorted& boxes, const Sorted& others, bool skip_set) {
+    if (boxes.ranks.empty() || others.ranks.empty()) return;
     const auto axis = static_cast<size_t>(axis_);
-    const auto begins_of = [axis](const Sorted& boxes) {
-        return std::span(boxes.boxes.low[axis]).first(boxes.ranks.size());
-    };
-    const std::span<const float> set_begins = begins_of(set), other_begins = begins_of(others);
-    sweep_parts(set.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
-        if (begin == end) return;
-        auto from = std::ranges::lower_bound(other_begins, set_begins[begin]);
+    const auto begins_of = [axis](const Sorted& of) { return std::span(of.boxes.low[axis]).first(of.ranks.size()); };
+    const std::span<const float> begins = begins_of(boxes), other_begins = begins_of(others);
+    sweep_parts(boxes.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
+        auto from = std::ranges::lower_bound(other_begins, begins[begin]);
         for (size_t i = begin; i < end; ++i) {
-            while (from != other_begins.end() && *from < set_begins[i]) ++from;
-            sweep_one(set.ranks[i], others, static_cast<size_t>(from - other_begins.begin()), true, found);
+            while (from != other_begins.end() && *from < begins[i]) ++from;
+            if (from == other_begins.end()) return; // so do those that follow
+            sweep_one(boxes.ranks[i], others, static_cast<size_t>(from - other_begins.begin()), skip_set, found);
         }
     });
     sweep_parts(others.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
-        if (begin == end) return;
-        auto from = std::ranges::upper_bound(set_begins, other_begins[begin]);
+        auto from = std::ranges::upper_bound(begins, other_begins[begin]);
         for (size_t i = begin; i < end; ++i) {
-            while (from != set_begins.end() && *from <= other_begins[i]) ++from;
-            if (!is_set(others.ranks[i]))
-                sweep_one(others.ranks[i], set, static_cast<size_t>(from - set_begins.begin()), false, found);
+            while (from != begins.end() && *from <= other_begins[i]) ++from;
+            if (from == begins.end()) return;
+            if (!skip_set || !is_set(others.ranks[i]))
+                sweep_one(others.ranks[i], boxes, static_cast<size_t>(from - begins.begin()), false, found);
         }
     });
 }

@@ -4,7 +4,8 @@
 // heap of pieces that are as small as their slack, that is three times as many pairs as there are overlaps, and while things
 // fall, every box leaves its slack in every step. Here boxes are as tight as they are given. Those whose box was set since the
 // last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
-// other and with those that were not, four at a time; pairs of two that were not stay as they are.
+// other and with those that were not, four at a time; pairs of two that were not stay as they are. Debris, which meets no debris,
+// has a list of its own and is not compared with itself.
 //
 // - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
 //   on what happened before.
@@ -131,16 +132,18 @@ class SweepBroadphase final : public btBroadphaseInterface {
     };
 
     void forget_gone(); // boxes that were destroyed
-    // The axis on which boxes that move spread most; one that is about as good is kept.
+    // The axis on which boxes that were set spread most; one that is about as good is kept.
     [[nodiscard]] int widest_axis() const;
     void sort(Sorted& sorted);
     // Sorts boxes that were set, and the others where they are not the same ones as the last time.
     void find_moving();
     [[nodiscard]] bool is_set(uint32_t rank) const { return changes_[rank] == SweptPairs::Change::set; }
-    // These find pairs: within a list; of one of each, the second one not set; of a box with others from a place on that begin
-    // before it ends.
+    // One of those that do not meet each other.
+    [[nodiscard]] bool is_debris(uint32_t rank) const;
+    // These find pairs: within a list; of one of each, where so wanted the second one not set; of a box with others from a place on
+    // that begin before it ends.
     void sweep(const Sorted& boxes);
-    void sweep(const Sorted& set, const Sorted& others);
+    void sweep(const Sorted& boxes, const Sorted& others, bool skip_set);
     void sweep_one(uint32_t rank, const Sorted& others, size_t from, bool skip_set, std::vector<SweptPairs::Key>& found) const;
     // On several threads: sweep(begin, end, found) for parts of so many boxes.
     void sweep_parts(size_t count, const auto& sweep);
@@ -155,7 +158,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     int next_uid_ = 0;
     bool some_gone_ = false;
     int axis_ = 0; // along which boxes are sorted
-    Sorted moving_, still_; // when pairs were last found: boxes that were set, and the others
+    Sorted moving_, debris_, still_; // when pairs were last found: boxes that were set, of debris and not, and the others
     Sorted set_;            // since then
     std::vector<uint32_t> still_ranks_; // of still_, ascending
     std::vector<std::vector<SweptPairs::Key>> parts_;      // of one call, as are the next

@@ -165,6 +165,26 @@ TEST_CASE("boxes meet as their groups say") {
     boxes.check();
 }
 
+TEST_CASE("debris meets all but debris, whoever of them moves, rests, comes or goes") {
+    Boxes boxes;
+    const int group = btBroadphaseProxy::DebrisFilter;
+    boxes.add({-1e18f, -1e18f, -1e18f}, {1e18f, 1e18f, 1e18f});
+    for (int i = 0; i < 40; ++i) boxes.add_random(2.0f, 1.5f, group, ~group);
+    boxes.check(); // nobody else
+    for (int i = 0; i < 80; ++i) boxes.add_random(2.0f, 1.5f, i % 2 ? group : 1, i % 2 ? ~group : -1);
+    for (int i = 0; i < 5; ++i) boxes.add_random(2.0f, 1.5f, group); // that meets its like
+    for (int round = 0; round < 30; ++round) {
+        for (size_t i = 1; i < boxes.boxes.size(); ++i) // all, only debris, only the others, some
+            if (round % 4 == 0 || (round % 4 == 3 ? boxes.random() % 5 == 0 : (boxes.boxes[i].group == group) == (round % 4 == 1)))
+                boxes.move(i, 0.3f);
+        if (round % 3 == 1)
+            for (int i = 0; i < 4; ++i) boxes.remove(1 + boxes.random() % (boxes.boxes.size() - 1));
+        if (round % 5 == 2)
+            for (int i = 0; i < 6; ++i) boxes.add_random(2.0f, 1.5f, i % 2 ? group : 1, i % 2 ? ~group : -1);
+        boxes.check();
+    }
+}
+
 TEST_CASE("only pairs with a box that was set are looked at") {
     Boxes boxes;
     for (int i = 0; i < 40; ++i) boxes.add_random(1.0f, 1.0f);
@@ -182,7 +202,8 @@ TEST_CASE("only pairs with a box that was set are looked at") {
 
 TEST_CASE("boxes that are set after pairs were found are found with all that they overlap") {
     Boxes boxes;
-    for (int i = 0; i < 200; ++i) boxes.add_random(1.0f, 0.5f);
+    const int debris = btBroadphaseProxy::DebrisFilter;
+    for (int i = 0; i < 200; ++i) boxes.add_random(1.0f, 0.5f, i % 3 ? 1 : debris, i % 3 ? -1 : ~debris);
     boxes.check();
     boxes.remove(31); // its place is taken by others
     for (size_t i = 0; i < 120; ++i) boxes.move(i, 0.3f);
