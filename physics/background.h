@@ -5,7 +5,7 @@
 //     if (background.ready(7)) Pieces pieces = background.take(7);    // take() waits where it is not ready
 //
 // All calls come from one thread, the owner's. The destructor calls off what is left and waits for what runs. A job must
-// not throw. On Linux the threads work only while a core is idle (background.cpp): frames do not wait for them.
+// not throw. On Linux the threads give way to others (background.cpp): frames do not wait for them.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 
 namespace brittle::physics {
 
-// Lets this thread work only where no other has work for the core, where the system can do that.
+// Lets this thread, and those that it begins, give way to others, where the system can do that.
 void yield_to_frames();
 
 template<class Value> class Background {

@@ -24,7 +24,7 @@ uint64_t steps_of(double seconds, const World& world) {
     return steps < 1.0 ? 1 : steps > 1e15 ? uint64_t{1'000'000'000'000'000} : static_cast<uint64_t>(steps);
 }
 
-// Jobs cut on one thread each, as threads that such a one started would also work only while a core is idle, for good.
+// Jobs cut on one thread each, as threads that such a one began would give way to others for good.
 std::shared_ptr<const BreakableDesc> for_jobs(BreakableDesc desc) {
     desc.solid.threads = 1;
     return std::make_shared<const BreakableDesc>(std::move(desc));

@@ -82,7 +82,7 @@ struct DestructionSettings {
     Timing timing = Timing::fixed_latency;
     uint32_t latency = 2;           // steps from blow to commit, at least 1; for fixed_latency
     uint32_t commits_a_step = 0;    // for fixed_latency, at most so many; 0: all that are due
-    uint32_t workers = 1;           // threads, each with a job of its own; they work only while a core is idle (background.h)
+    uint32_t workers = 1;           // threads, each with a job of its own; they give way to frames (background.h)
     DebrisLimits debris{};
 };
 

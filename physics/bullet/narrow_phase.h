@@ -2,10 +2,11 @@
 //
 // Most pairs were there in the last step, and what is found of them changes only what they keep themselves: those are
 // followed side by side. What asks for something of the dispatcher's, which is not thread-safe, comes one by one
-// in the order of pairs: algorithms of new pairs before, first contacts and last ones, and compounds, behind. So nothing
-// depends on the number of threads.
+// in the order of pairs: algorithms of new pairs before, first contacts and last ones, and pairs of two compounds, behind. So
+// nothing depends on the number of threads.
 #pragma once
 
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
 #include "fracture/parallel.h"
@@ -20,7 +21,7 @@ class FollowedContacts : public btCollisionAlgorithm {
 
     // Does what processCollision() does, without the dispatcher. False where it is needed: then processCollision() must follow.
     virtual bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                        const btDispatcherInfo& info) = 0;
+                        const btDispatcherInfo& info, btManifoldResult& result) = 0;
 };
 
 // Of the pairs of which a box was set when they were last found.
