@@ -1,13 +1,13 @@
 #include "physics/background.h"
 
 #if defined(__linux__)
-#include <linux/sched/types.h>
 #include <sched.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #endif
 
 namespace brittle::physics {
@@ -21,17 +21,25 @@ namespace {
 constexpr int lower = 10;
 constexpr uint64_t at_a_time = 100'000;
 constexpr int lowest = 19;
+
+// As sched_setattr(2) has it: the kernel's header and glibc's cannot both be included.
+struct SchedAttributes {
+    uint32_t size = sizeof(SchedAttributes);
+    uint32_t policy = SCHED_OTHER;
+    uint64_t flags = 0;
+    int32_t nice = 0;
+    uint32_t priority = 0;
+    uint64_t runtime = 0, deadline = 0, period = 0; // ns
+};
 #endif
 
 } // namespace
 
 void yield_to_frames() {
 #if defined(__linux__)
-    sched_attr attributes{};
-    attributes.size = sizeof(attributes);
-    attributes.sched_policy = SCHED_OTHER;
-    attributes.sched_nice = std::min(getpriority(PRIO_PROCESS, 0) + lower, lowest);
-    attributes.sched_runtime = at_a_time;
+    SchedAttributes attributes;
+    attributes.nice = std::min(getpriority(PRIO_PROCESS, 0) + lower, lowest);
+    attributes.runtime = at_a_time;
     (void)syscall(SYS_sched_setattr, 0, &attributes, 0); // 0: this thread; who may not stays as he is
 #endif
 }
