@@ -32,8 +32,10 @@
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
 #include "fracture/topology.h"
+#include "tools/bench/broken_bunny.h"
 #include "tools/bench/impacts.h"
 #include "tools/bench/memory_meter.h"
+#include "tools/bench/samples.h"
 #include "tools/bench/world.h"
 
 namespace brittle::tools {
@@ -41,8 +43,6 @@ namespace brittle::tools {
 namespace {
 
 using namespace brittle::fracture;
-
-constexpr const char* bunny_file = "/usr/share/glmark2/models/bunny.obj"; // assets/SOURCES.md
 
 TriangleMesh make_mesh(const std::string& name) {
     if (name == "bunny") return *import_mesh(bunny_file);
@@ -87,12 +87,6 @@ uint64_t bytes_of(const TriangleMesh& mesh) {
 uint64_t bytes_of(const Fragments& f) {
     return bytes_of(f.positions) + bytes_of(f.triangles) + bytes_of(f.triangle_source)
            + bytes_of(f.vertex_point) + bytes_of(f.pieces) + bytes_of(f.bonds);
-}
-
-double median(std::vector<double> samples) {
-    const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-    std::nth_element(samples.begin(), middle, samples.end());
-    return *middle;
 }
 
 template<class Body>

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <time.h>
@@ -18,7 +19,9 @@
 #include "fracture/sites.h"
 #include "physics/destruction.h"
 #include "physics/pieces.h"
+#include "tools/bench/broken_bunny.h"
 #include "tools/bench/memory_meter.h"
+#include "tools/bench/samples.h"
 
 namespace brittle::tools {
 
@@ -27,7 +30,6 @@ namespace {
 using namespace brittle::physics;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* bunny_file = "/usr/share/glmark2/models/bunny.obj"; // assets/SOURCES.md
 constexpr auto frame_length = std::chrono::microseconds(8333);
 
 double milliseconds(Clock::duration duration) {
@@ -39,17 +41,6 @@ double thread_milliseconds() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
-}
-
-double median(std::vector<double> samples) {
-    if (samples.empty()) return 0.0;
-    const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-    std::nth_element(samples.begin(), middle, samples.end());
-    return *middle;
-}
-
-double longest(const std::vector<double>& samples) {
-    return samples.empty() ? 0.0 : *std::ranges::max_element(samples);
 }
 
 // Scaled to a longest side of 2 m.
@@ -134,24 +125,37 @@ void run_impact(benchmark::State& state, const std::string& name) {
     state.counters["frame_after"] = median(after_all);
 }
 
-void run_thousand(benchmark::State& state) {
+// A pile of 300 awake pieces.
+bool add_pile(World& world) {
+    const fracture::TriangleMesh heap = fracture::cube(1.0);
+    const auto pieces = fracture::fracture(heap, fracture::uniform_sites(fracture::bounds(heap), 300, 1));
+    return add_pieces(world, *pieces, {}, {.placement = {{0.0f, 0.6f, 0.0f}, {1, 0, 0, 0}}}).has_value();
+}
+
+// A thousand awake ones, beside two thousand that sleep.
+bool add_crowd(World& world) {
+    static const BrokenBunny broken(sites_for_1000);
+    (void)add_sleepers(world);
+    return broken.add_to(world, {0.0f, 0.3f, 0.0f});
+}
+
+void run_thousand(benchmark::State& state, bool (*add_others)(World&)) {
     BreakableDesc desc;
     desc.solid = {.material = material_preset("stone")->material, .min_size = 0.01};
     desc.most_pieces = 34;
     const Result<SolidPtr> ball = make_solid(fracture::icosphere(3, 0.3), desc.solid);
+    std::vector<double> before_all, longest_all, share_all, after_all;
     for (auto _ : state) {
         World world;
-        const fracture::TriangleMesh heap = fracture::cube(1.0);
-        const auto pieces = fracture::fracture(heap, fracture::uniform_sites(fracture::bounds(heap), 300, 1));
-        (void)add_pieces(world, *pieces, desc.solid.material, {.placement = {{0.0f, 0.6f, 0.0f}, {1, 0, 0, 0}}});
+        if (!add_others(world)) return state.SkipWithError("no bodies");
         Destruction destruction({.timing = Timing::when_ready});
         for (int i = 0; i < 30; ++i) {
-            desc.motion.placement.position = {-5.0f + static_cast<float>(i % 6), 50.0f, 3.0f + static_cast<float>(i / 6)};
+            desc.motion.placement.position = {-9.0f + 0.8f * static_cast<float>(i % 6), 0.31f, 3.0f + 0.8f * static_cast<float>(i / 6)};
             if (!destruction.add(world, *ball, desc)) return state.SkipWithError("no body");
         }
         Frames settle, before, during, after;
-        for (int i = 0; i < 40; ++i) settle.run(world, destruction);
-        for (int i = 0; i < 40; ++i) before.run(world, destruction);
+        for (int i = 0; i < 60; ++i) settle.run(world, destruction);
+        for (int i = 0; i < 30; ++i) before.run(world, destruction);
         for (const PieceId piece : destruction.pieces()) {
             const glm::vec3 top = world.pose(destruction.body(piece)).position + glm::vec3(0.0f, 0.3f, 0.0f);
             destruction.strike(world, piece, top, {0.0f, -1.0f, 0.0f}, 1e4);
@@ -160,13 +164,17 @@ void run_thousand(benchmark::State& state) {
         while (destruction.jobs_in_flight() > 0) during.run(world, destruction);
         state.SetIterationTime(milliseconds(Clock::now() - blow) * 1e-3);
         for (int i = 0; i < 40; ++i) after.run(world, destruction);
+        before_all.push_back(median(before.frame));
+        longest_all.push_back(longest(during.frame));
+        share_all.push_back(longest(during.update));
+        after_all.push_back(median(after.frame));
         state.counters["bodies"] = static_cast<double>(destruction.pieces().size());
-        state.counters["before"] = median(before.frame);
-        state.counters["longest"] = longest(during.frame);
-        state.counters["share"] = longest(during.update);
         state.counters["frames"] = static_cast<double>(during.frame.size());
-        state.counters["after"] = median(after.frame);
     }
+    state.counters["before"] = median(before_all);
+    state.counters["longest"] = median(longest_all);
+    state.counters["share"] = median(share_all);
+    state.counters["after"] = median(after_all);
 }
 
 void run_cycles(benchmark::State& state) {
@@ -204,10 +212,12 @@ void add_impact_benchmarks() {
             ->Unit(benchmark::kMillisecond)
             ->UseManualTime()
             ->Iterations(9);
-    benchmark::RegisterBenchmark("impact/1000_bodies", run_thousand)
-        ->Unit(benchmark::kMillisecond)
-        ->UseManualTime()
-        ->Iterations(3);
+    const std::pair<const char*, bool (*)(World&)> scenes[] = {{"impact/1000_bodies", add_pile}, {"impact/1000_in_crowd", add_crowd}};
+    for (const auto& [name, add_others] : scenes)
+        benchmark::RegisterBenchmark(name, [add_others = add_others](benchmark::State& state) { run_thousand(state, add_others); })
+            ->Unit(benchmark::kMillisecond)
+            ->UseManualTime()
+            ->Iterations(3);
     benchmark::RegisterBenchmark("cycles/10000", run_cycles)->Unit(benchmark::kSecond)->Iterations(1);
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,13 +12,13 @@
 #include <benchmark/benchmark.h>
 
 #include "fracture/fracture.h"
-#include "fracture/io/import.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
 #include "physics/anchor.h"
 #include "physics/material.h"
-#include "physics/pieces.h"
 #include "physics/structure.h"
+#include "tools/bench/broken_bunny.h"
+#include "tools/bench/samples.h"
 
 namespace brittle::tools {
 
@@ -28,51 +27,7 @@ namespace {
 using namespace brittle::fracture;
 using namespace brittle::physics;
 
-constexpr const char* bunny_file = "/usr/share/glmark2/models/bunny.obj"; // assets/SOURCES.md
-constexpr uint32_t sites_for_1000 = 2400, sites_for_2000 = 5000; // of the bunny
-constexpr int longest_to_sleep = 2400;                           // steps that a heap may take to come to rest
 constexpr float little_bunny = 0.15f; // m: a thousand pieces of it are debris by the world's default
-
-// A metre high, standing on the ground.
-TriangleMesh bunny() {
-    TriangleMesh mesh = std::ifstream(bunny_file).good() ? *import_mesh(bunny_file) : icosphere(6);
-    const Box box = bounds(mesh);
-    const double longest = std::max({box.size().x, box.size().y, box.size().z});
-    for (glm::dvec3& p : mesh.positions)
-        p = (p - glm::dvec3(box.centre().x, box.min.y, box.centre().z)) / longest;
-    return mesh;
-}
-
-// In pieces that are ready to become bodies.
-struct Broken {
-    Fragments pieces;
-    PieceHulls hulls;
-    double hull_milliseconds = 0.0; // of all threads together, on the clock
-
-    explicit Broken(uint32_t sites, float height = 1.0f) {
-        static const TriangleMesh mesh = bunny();
-        TriangleMesh scaled = mesh;
-        for (glm::dvec3& p : scaled.positions) p *= static_cast<double>(height);
-        pieces = *fracture::fracture(scaled, uniform_sites(bounds(scaled), sites, 1));
-        const auto start = std::chrono::steady_clock::now();
-        hulls = collision_hulls(pieces);
-        hull_milliseconds =
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    }
-    // False if there is no room.
-    [[nodiscard]] bool add_to(World& world, glm::vec3 at) const {
-        return add_pieces(world, pieces, {}, {.placement = {at, {1.0f, 0.0f, 0.0f, 0.0f}}}, hulls).has_value();
-    }
-};
-
-double median(std::vector<double> samples) {
-    const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-    std::nth_element(samples.begin(), middle, samples.end());
-    return *middle;
-}
-double longest(std::span<const double> samples) {
-    return *std::ranges::max_element(samples);
-}
 
 double milliseconds_of(const auto& body) {
     const auto start = std::chrono::steady_clock::now();
@@ -86,17 +41,9 @@ std::vector<double> steps_of(World& world, int count) {
     return steps;
 }
 
-// Two thousand pieces that have come to rest five metres away; how many do sleep.
-size_t add_sleepers(World& world) {
-    static const Broken others(sites_for_2000);
-    if (!others.add_to(world, {5.0f, 0.0f, 0.0f})) return 0;
-    for (int step = 0; step < longest_to_sleep && world.awake_count() > 0; ++step) world.step();
-    return world.body_count() - world.awake_count();
-}
-
 // The steps of the first second and a half after the break: the fall of 30 cm, the impact and the spreading.
 void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& settings, bool among_sleepers) {
-    const Broken broken(sites);
+    const BrokenBunny broken(sites);
     std::vector<double> medians, first, fall, impact, heap, most;
     double add = 0.0;
     size_t asleep = 0, awake = 0;
@@ -135,7 +82,7 @@ void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& sett
 
 // A thousand more pieces come in one frame.
 void run_add(benchmark::State& state, const WorldSettings& settings, float height) {
-    const Broken there(sites_for_1000), coming(sites_for_1000, height);
+    const BrokenBunny there(sites_for_1000), coming(sites_for_1000, height);
     std::vector<double> before, worst, after;
     size_t asleep = 0, colliding = 0;
     for (auto _ : state) {

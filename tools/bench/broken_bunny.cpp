@@ -1,0 +1,53 @@
+#include "tools/bench/broken_bunny.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+
+#include "fracture/fracture.h"
+#include "fracture/io/import.h"
+#include "fracture/shapes.h"
+#include "fracture/sites.h"
+#include "physics/pieces.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr int longest_to_sleep = 2400; // steps that a heap may take to come to rest
+
+// A metre high, standing on the ground.
+fracture::TriangleMesh bunny() {
+    fracture::TriangleMesh mesh =
+        std::ifstream(bunny_file).good() ? *fracture::import_mesh(bunny_file) : fracture::icosphere(6);
+    const fracture::Box box = fracture::bounds(mesh);
+    const double longest = std::max({box.size().x, box.size().y, box.size().z});
+    for (glm::dvec3& p : mesh.positions)
+        p = (p - glm::dvec3(box.centre().x, box.min.y, box.centre().z)) / longest;
+    return mesh;
+}
+
+} // namespace
+
+BrokenBunny::BrokenBunny(uint32_t sites, float height) {
+    static const fracture::TriangleMesh mesh = bunny();
+    fracture::TriangleMesh scaled = mesh;
+    for (glm::dvec3& p : scaled.positions) p *= static_cast<double>(height);
+    pieces = *fracture::fracture(scaled, fracture::uniform_sites(fracture::bounds(scaled), sites, 1));
+    const auto start = std::chrono::steady_clock::now();
+    hulls = physics::collision_hulls(pieces);
+    hull_milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool BrokenBunny::add_to(physics::World& world, glm::vec3 at) const {
+    return physics::add_pieces(world, pieces, {}, {.placement = {at, {1.0f, 0.0f, 0.0f, 0.0f}}}, hulls).has_value();
+}
+
+size_t add_sleepers(physics::World& world) {
+    static const BrokenBunny others(sites_for_2000);
+    if (!others.add_to(world, {5.0f, 0.0f, 0.0f})) return 0;
+    for (int step = 0; step < longest_to_sleep && world.awake_count() > 0; ++step) world.step();
+    return world.body_count() - world.awake_count();
+}
+
+} // namespace brittle::tools
