@@ -136,17 +136,32 @@ std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece, 
     return moved(pose, glm::dvec3(objects_.at(piece.object).structure->offset(piece.bonded)));
 }
 
-// The motion is of the point `from`, in the coordinates of the object.
-Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris) {
-    const BreakableDesc& desc = desc_of(piece);
-    const SolidPiece& solid = *piece.solid;
-    const glm::dvec3 arm = solid.mass.centre_of_mass - from;
+// Without where it is.
+BodyDesc Destruction::body_of(const SolidPiece& solid) {
     BodyDesc body;
     body.parts = solid.parts;
     body.fixed = solid.anchored;
-    body.debris = debris;
     body.mass = static_cast<float>(solid.body.mass);
     body.inertia = glm::mat3(solid.body.inertia);
+    return body;
+}
+
+// On the job's thread. What cannot become a body is told by who adds it.
+void Destruction::make_forms(Broken& broken) {
+    for (const SolidPtr& solid : broken.pieces) {
+        const Result<std::shared_ptr<const BodyForm>> form = make_form(body_of(*solid));
+        broken.forms.push_back(form ? *form : nullptr);
+    }
+}
+
+// The motion is of the point `from`, in the coordinates of the object.
+Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris,
+                                       const std::shared_ptr<const BodyForm>& form) {
+    const BreakableDesc& desc = desc_of(piece);
+    const SolidPiece& solid = *piece.solid;
+    const glm::dvec3 arm = solid.mass.centre_of_mass - from;
+    BodyDesc body = form ? BodyDesc{.form = form} : body_of(solid);
+    body.debris = debris;
     body.pose = moved(motion.pose, arm);
     body.previous = moved(motion.previous, arm);
     body.linear_velocity = glm::vec3(glm::dvec3(motion.linear)

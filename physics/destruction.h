@@ -245,6 +245,7 @@ class Destruction {
     };
     struct Broken {
         std::vector<SolidPtr> pieces;
+        std::vector<std::shared_ptr<const BodyForm>> forms; // of each of them; null where it has several hulls
         std::string failure; // empty: none
     };
     struct Motion { // of a piece, in the world
@@ -256,7 +257,10 @@ class Destruction {
     [[nodiscard]] BodyId body_of(const Live& piece) const;
     [[nodiscard]] std::optional<Motion> motion_of(const World& world, const Live& piece) const;
     [[nodiscard]] std::optional<Pose> pose_of(const World& world, const Live& piece, float alpha) const;
-    Result<PieceId> add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris);
+    Result<PieceId> add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris,
+                              const std::shared_ptr<const BodyForm>& form = {});
+    static BodyDesc body_of(const SolidPiece& solid);
+    static void make_forms(Broken& broken);
     PieceId register_piece(Live piece);
     void forget_piece(PieceId id);
     void remove_lost(const World& world);

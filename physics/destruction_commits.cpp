@@ -130,7 +130,7 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broke
                                                  .of = old,
                                                  .seed = seed_of(parent.seed, i),
                                                  .born = world.steps_taken()},
-                                                motion, parent.solid->mass.centre_of_mass, debris[i]);
+                                                motion, parent.solid->mass.centre_of_mass, debris[i], broken.forms[i]);
         if (added)
             made.push_back(*added);
         else // a speck whose mass single precision cannot hold

@@ -189,6 +189,7 @@ void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
             broken.pieces = std::move(*pieces);
         else
             broken.failure = pieces.error().message;
+        make_forms(broken);
         return broken;
     });
 }
@@ -267,6 +268,7 @@ void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, 
             broken.pieces = std::move(*pieces);
         else
             broken.failure = pieces.error().message;
+        make_forms(broken);
         return broken;
     });
 }

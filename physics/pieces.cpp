@@ -1,13 +1,15 @@
 #include "physics/pieces.h"
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
+#include "fracture/parallel.h"
 #include "physics/crowd.h"
 #include "physics/piece_mass.h"
-#include "physics/world_check.h"
 
 namespace brittle::physics {
 
@@ -18,31 +20,23 @@ using fracture::Fragments;
 using fracture::Piece;
 using fracture::Status;
 
+// Fewer than this are not worth waking another thread for.
+constexpr uint32_t least_pieces = 64;
+
 void give(BodyDesc& body, const BodyMass& mass) {
     body.mass = static_cast<float>(mass.mass);
     body.inertia = glm::mat3(mass.inertia);
 }
 
-void describe(BodyDesc& body, const Piece& piece, const Material& material, const PlacedMotion& motion) {
-    const glm::dvec3 arm = glm::dquat(motion.placement.orientation) * piece.mass.centre_of_mass;
-    body.pose = {glm::vec3(glm::dvec3(motion.placement.position) + arm), motion.placement.orientation};
-    body.linear_velocity = motion.linear_velocity + glm::cross(motion.angular_velocity, glm::vec3(arm));
-    body.angular_velocity = motion.angular_velocity;
-    body.friction = material.friction;
-    body.restitution = material.restitution;
-    give(body, true_mass(piece, material.density));
-}
-
 // A sliver's integrals can round to a volume or a tensor that no body has: it gets those of a box.
-Result<void> replace_impossible_masses(std::span<BodyDesc> bodies, const Fragments& fragments, const Material& material) {
-    fracture::PrincipalAxes principal;
-    for (size_t i = 0; i < bodies.size(); ++i) {
-        if (fault_of(bodies[i], principal).empty()) continue;
-        give(bodies[i], box_mass(fragments.positions_of(fragments.pieces[i]), material.density));
-        if (const std::string fault = fault_of(bodies[i], principal); !fault.empty())
-            return Error{Status::invalid_setting, "piece " + std::to_string(i) + " cannot become a body: " + fault};
-    }
-    return {};
+Result<std::shared_ptr<const BodyForm>> form_of(const Fragments& fragments, const Piece& piece, const Material& material,
+                                                const std::shared_ptr<const CollisionHull>& hull) {
+    BodyDesc body;
+    body.parts = {{hull, glm::vec3(0.0f)}};
+    give(body, true_mass(piece, material.density));
+    if (Result<std::shared_ptr<const BodyForm>> form = make_form(body)) return form;
+    give(body, box_mass(fragments.positions_of(piece), material.density));
+    return make_form(body);
 }
 
 std::vector<Newcomer> newcomers(const Fragments& fragments) {
@@ -60,24 +54,56 @@ Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments,
     return add_pieces(world, fragments, material, motion, collision_hulls(fragments, hull));
 }
 
+Result<PieceForms> piece_forms(const Fragments& fragments, const Material& material, const PieceHulls& hulls, uint32_t threads) {
+    if (const Result<void> checked = check_pieces(fragments, material); !checked) return checked.error();
+    const auto count = static_cast<uint32_t>(fragments.pieces.size());
+    if (hulls.size() != count)
+        return Error{Status::invalid_setting,
+                     std::to_string(hulls.size()) + " hulls were given for " + std::to_string(count) + " pieces"};
+    PieceForms forms(count);
+    fracture::Threads pool(threads);
+    std::vector<std::optional<Error>> faults(pool.chunks(count, least_pieces)); // the first of each chunk
+    pool.for_chunks(count, least_pieces, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end && !faults[chunk]; ++i) {
+            Result<std::shared_ptr<const BodyForm>> form = form_of(fragments, fragments.pieces[i], material, hulls[i]);
+            if (form)
+                forms[i] = std::move(*form);
+            else
+                faults[chunk] = Error{form.error().status,
+                                      "piece " + std::to_string(i) + " cannot become a body: " + form.error().message};
+        }
+    });
+    for (const std::optional<Error>& fault : faults)
+        if (fault) return *fault;
+    return forms;
+}
+
 Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments, const Material& material,
                                        const PlacedMotion& motion, const PieceHulls& hulls) {
-    if (const Result<void> checked = check_pieces(fragments, material); !checked) return checked.error();
-    if (hulls.size() != fragments.pieces.size())
-        return Error{Status::invalid_setting, std::to_string(hulls.size()) + " hulls were given for "
-                                                  + std::to_string(fragments.pieces.size()) + " pieces"};
-    std::vector<BodyDesc> bodies(fragments.pieces.size());
-    const uint32_t siblings = world.new_siblings();
+    const Result<PieceForms> forms = piece_forms(fragments, material, hulls, world.settings().threads);
+    if (!forms) return forms.error();
+    return add_pieces(world, fragments, material, motion, *forms);
+}
+
+Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments, const Material& material,
+                                       const PlacedMotion& motion, const PieceForms& forms) {
+    if (forms.size() != fragments.pieces.size() || std::ranges::count(forms, nullptr) > 0)
+        return Error{Status::invalid_setting, "the forms given for " + std::to_string(fragments.pieces.size())
+                                                  + " pieces are " + std::to_string(forms.size()) + ", or null is among them"};
+    BodyDesc body;
+    body.siblings = world.new_siblings();
+    body.friction = material.friction;
+    body.restitution = material.restitution;
+    body.angular_velocity = motion.angular_velocity;
     const std::vector<uint8_t> debris = crowded_out(newcomers(fragments), room_in(world));
+    std::vector<BodyDesc> bodies(forms.size(), body);
     for (size_t i = 0; i < bodies.size(); ++i) {
-        bodies[i].parts = {{hulls[i], glm::vec3(0.0f)}};
-        bodies[i].siblings = siblings;
+        const glm::dvec3 arm = glm::dquat(motion.placement.orientation) * fragments.pieces[i].mass.centre_of_mass;
+        bodies[i].form = forms[i];
         bodies[i].debris = debris[i] != 0;
-        describe(bodies[i], fragments.pieces[i], material, motion);
+        bodies[i].pose = {glm::vec3(glm::dvec3(motion.placement.position) + arm), motion.placement.orientation};
+        bodies[i].linear_velocity = motion.linear_velocity + glm::cross(motion.angular_velocity, glm::vec3(arm));
     }
-    // The world is the judge of masses, and nearly always takes them as they are.
-    if (Result<std::vector<BodyId>> added = world.add_bodies(bodies)) return added;
-    if (const Result<void> replaced = replace_impossible_masses(bodies, fragments, material); !replaced) return replaced.error();
     return world.add_bodies(bodies);
 }
 

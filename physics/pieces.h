@@ -8,6 +8,8 @@
 //     Result<std::vector<BodyId>> bodies = add_pieces(world, fragments, {.density = 2400.0f});
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "fracture/fragments.h"
@@ -31,9 +33,17 @@ struct PlacedMotion {
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments,
                                        const Material& material = {}, const PlacedMotion& motion = {},
                                        const HullSettings& hull = {});
-// The same with hulls made ahead, one a piece (collision_hulls()): a microsecond or two a body are left, two thirds of that
-// shared by the world's threads. Too few of them, or a missing one, is invalid_setting.
+// The same with hulls made ahead, one a piece (collision_hulls()). Too few of them, or a missing one, is invalid_setting.
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments, const Material& material,
                                        const PlacedMotion& motion, const PieceHulls& hulls);
+
+// All of the bodies but where they will be, one a piece, side by side on so many threads (0: one a core): what can be made
+// ahead of the frame in which they come, on any thread. Fails as add_pieces() does.
+using PieceForms = std::vector<std::shared_ptr<const BodyForm>>;
+[[nodiscard]] Result<PieceForms> piece_forms(const fracture::Fragments& fragments, const Material& material,
+                                             const PieceHulls& hulls, uint32_t threads = 0);
+// The same with those: less than a microsecond a body is left.
+Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments, const Material& material,
+                                       const PlacedMotion& motion, const PieceForms& forms);
 
 } // namespace brittle::physics

@@ -112,9 +112,13 @@ struct BodyPart {
     glm::vec3 offset{0.0f};                      // of that origin from the centre of mass, in body axes, m
 };
 
+struct BodyForm; // see make_form()
+
 struct BodyDesc {
     CollisionHull hull{};          // relative to the centre of mass, in body axes
     std::vector<BodyPart> parts{}; // if any, these are the body's hulls, in place of hull
+    // If any, made of the hull or part, fixed, mass and inertia, which are then not looked at again; bodies may share it.
+    std::shared_ptr<const BodyForm> form{};
     // Held by the world: never moves, whatever pushes it. Fixed bodies do not collide with each other and the ground, and
     // are never awake; velocities and inertia are not looked at, and mechanics() counts them as nothing.
     bool fixed = false;
@@ -131,6 +135,10 @@ struct BodyDesc {
     float friction = 0.6f;            // Coulomb coefficients of two bodies are multiplied
     float restitution = 0.3f;         // 0: dead, 1: elastic; multiplied likewise; fast falls bounce less
 };
+
+// All of a body of one hull that does not depend on where and in which world it is, the greater part of what adding it costs: made
+// ahead, on any thread. Of several hulls it is null, as their bodies share hulls in the world. Fails as add_body() does.
+[[nodiscard]] Result<std::shared_ptr<const BodyForm>> make_form(const BodyDesc& desc);
 
 // Two bodies that pressed on each other in the last step, at one point.
 struct Contact {

@@ -57,7 +57,7 @@ std::string settle_moments(glm::dvec3& moments) {
 
 } // namespace
 
-std::string fault_of(const BodyDesc& desc, fracture::PrincipalAxes& principal) {
+std::string fault_of_form(const BodyDesc& desc, fracture::PrincipalAxes& principal) {
     if (std::string fault = desc.parts.empty() ? fault_of(desc.hull) : fault_of(desc.parts); !fault.empty())
         return fault;
     if (!(desc.mass >= least_mass && desc.mass <= greatest_mass))
@@ -65,6 +65,12 @@ std::string fault_of(const BodyDesc& desc, fracture::PrincipalAxes& principal) {
                     " kg");
     for (int column = 0; column < 3 && !desc.fixed; ++column)
         if (!finite(desc.inertia[column])) return "its inertia tensor is not finite";
+    if (desc.fixed) return {};
+    principal = fracture::principal_axes(glm::dmat3(desc.inertia));
+    return settle_moments(principal.moments);
+}
+
+std::string fault_of_place(const BodyDesc& desc) {
     if (!finite(desc.pose.position) || !finite(desc.linear_velocity) || !finite(desc.angular_velocity))
         return "its position or velocity is not finite";
     const Pose previous = desc.previous.value_or(desc.pose);
@@ -76,9 +82,7 @@ std::string fault_of(const BodyDesc& desc, fracture::PrincipalAxes& principal) {
         || !std::isfinite(desc.friction))
         return text("its friction ", desc.friction, " or restitution ", desc.restitution,
                     " is out of range (0 or more; 0 to 1)");
-    if (desc.fixed) return {};
-    principal = fracture::principal_axes(glm::dmat3(desc.inertia));
-    return settle_moments(principal.moments);
+    return {};
 }
 
 Result<void> validate(const WorldSettings& settings) {

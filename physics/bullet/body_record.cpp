@@ -13,8 +13,8 @@ namespace {
 
 // The shape of a body with one hull; to_principal must be known. Bullet's frame has the principal axes, so the hull is turned
 // into them.
-void make_single(BodyRecord& body, const CollisionHull& hull, const glm::vec3& offset) {
-    body.shape = std::make_unique<HullShape>();
+void make_single(BodyForm& body, const CollisionHull& hull, const glm::vec3& offset) {
+    body.shape = std::make_shared<HullShape>();
     body.shape->reserve(hull.points.size());
     const glm::quat from_body = glm::conjugate(body.to_principal);
     const size_t count = hull.points.size();
@@ -38,21 +38,21 @@ float longest_extent(const btCollisionShape& shape) {
 }
 
 // Reach, thickness, longest.
-void measure(BodyRecord& body) {
-    body.longest = body.compound ? longest_extent(*body.compound) : body.shape->longest();
+void measure(BodyForm& body, const btCompoundShape* compound) {
+    body.longest = compound ? longest_extent(*compound) : body.shape->longest();
     body.reach = 0.0f;
     body.thickness = BT_LARGE_FLOAT;
     const auto add = [&](const HullShape& hull, const btVector3& origin) {
         body.reach = std::max(body.reach, origin.length() + hull.radius());
         body.thickness = std::min(body.thickness, thickness(hull));
     };
-    if (!body.compound) return add(*body.shape, {0, 0, 0});
-    for (int i = 0; i < body.compound->getNumChildShapes(); ++i)
-        add(static_cast<const HullShape&>(*body.compound->getChildShape(i)), body.compound->getChildTransform(i).getOrigin());
+    if (!compound) return add(*body.shape, {0, 0, 0});
+    for (int i = 0; i < compound->getNumChildShapes(); ++i)
+        add(static_cast<const HullShape&>(*compound->getChildShape(i)), compound->getChildTransform(i).getOrigin());
 }
 
 // Of the hull in its own axes; most know it.
-AirDrag drag_of_single(const BodyRecord& body, const CollisionHull& hull) {
+AirDrag drag_of_single(const BodyForm& body, const CollisionHull& hull) {
     const glm::quat from_body = glm::conjugate(body.to_principal);
     if (!hull.section.sides.empty()) return {hull.section.sides, from_body, body.mass, body.moments};
     return {cross_section(hull.points).sides, from_body, body.mass, body.moments};
@@ -74,48 +74,62 @@ AirDrag drag_of_compound(const BodyRecord& body, std::span<const BodyPart> parts
     return {section.sides, glm::quat(1.0f, 0.0f, 0.0f, 0.0f), body.mass, body.moments};
 }
 
+fracture::Error refused(std::string fault) {
+    return {fracture::Status::invalid_setting, std::move(fault)};
+}
+
+// What is wrong, or nothing. Of several hulls the shape is left out, and what follows from it.
+std::string describe(BodyForm& form, const BodyDesc& desc) {
+    fracture::PrincipalAxes principal;
+    if (std::string fault = fault_of_form(desc, principal); !fault.empty()) return fault;
+    form.to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
+    form.moments = principal.moments;
+    form.mass = desc.mass;
+    form.fixed = desc.fixed;
+    if (desc.parts.size() > 1) return {};
+    const CollisionHull& hull = desc.parts.empty() ? desc.hull : *desc.parts[0].hull;
+    make_single(form, hull, desc.parts.empty() ? glm::vec3(0.0f) : desc.parts[0].offset);
+    measure(form, nullptr);
+    if (!form.fixed) form.drag = std::make_shared<AirDrag>(drag_of_single(form, hull));
+    return {};
+}
+
 } // namespace
 
+Result<std::shared_ptr<const BodyForm>> make_form(const BodyDesc& desc) {
+    auto form = std::make_shared<BodyForm>();
+    if (std::string fault = describe(*form, desc); !fault.empty()) return refused(std::move(fault));
+    return desc.parts.size() > 1 ? nullptr : std::shared_ptr<const BodyForm>(std::move(form));
+}
+
 Result<std::unique_ptr<BodyRecord>> make_record(const BodyDesc& desc) {
-    fracture::PrincipalAxes principal;
-    if (std::string fault = fault_of(desc, principal); !fault.empty())
-        return fracture::Error{fracture::Status::invalid_setting, std::move(fault)};
     auto body = std::make_unique<BodyRecord>();
-    body->to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
-    body->moments = principal.moments;
-    body->mass = desc.mass;
-    body->fixed = desc.fixed;
+    if (desc.form)
+        static_cast<BodyForm&>(*body) = *desc.form;
+    else if (std::string fault = describe(*body, desc); !fault.empty())
+        return refused(std::move(fault));
+    if (std::string fault = fault_of_place(desc); !fault.empty()) return refused(std::move(fault));
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
     body->blow_frame = btTransform(to_bullet(orientation * body->to_principal), metres_to_bullet(desc.pose.position));
-    if (!desc.fixed)
+    if (!body->fixed)
         body->solved = {metres_to_bullet(desc.linear_velocity), to_bullet(desc.angular_velocity)};
     body->unhindered = body->solved;
     if (desc.previous)
         body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
     else
         body->previous = body->pose_in(body->blow_frame);
-    if (desc.parts.size() > 1) return body;
-    if (desc.parts.empty())
-        make_single(*body, desc.hull, glm::vec3(0.0f));
-    else
-        make_single(*body, *desc.parts[0].hull, desc.parts[0].offset);
-    finish_shape(*body, desc);
     return body;
 }
 
-void finish_shape(BodyRecord& body, const BodyDesc& desc) {
-    measure(body);
-    if (desc.fixed) return;
-    if (desc.parts.size() > 1)
-        body.drag = drag_of_compound(body, desc.parts);
-    else
-        body.drag = drag_of_single(body, desc.parts.empty() ? desc.hull : *desc.parts[0].hull);
+void finish_compound(BodyRecord& body, std::span<const BodyPart> parts) {
+    measure(body, body.compound.get());
+    if (!body.fixed) body.drag = std::make_shared<AirDrag>(drag_of_compound(body, parts));
 }
 
 void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings) {
     btRigidBody::btRigidBodyConstructionInfo info(
-        desc.fixed ? 0.0f : desc.mass, nullptr, body.collision_shape(),
-        desc.fixed ? btVector3(0, 0, 0) : metres_to_bullet(glm::vec3(body.moments) * bullet_units));
+        body.fixed ? 0.0f : body.mass, nullptr, body.collision_shape(),
+        body.fixed ? btVector3(0, 0, 0) : metres_to_bullet(glm::vec3(body.moments) * bullet_units));
     info.m_startWorldTransform = body.blow_frame;
     info.m_friction = desc.friction;
     info.m_restitution = desc.restitution;

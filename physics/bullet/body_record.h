@@ -30,16 +30,23 @@ struct Velocity {
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
 };
 
-// One body. Bullet's frame has the same origin as ours and the principal axes as its own.
-struct BodyRecord {
-    BodyId id;
+// What does not depend on where and in which world a body is. Bullet's frame has the same origin as ours and the principal axes
+// as its own.
+struct BodyForm {
     glm::quat to_principal{1.0f, 0.0f, 0.0f, 0.0f}; // body axes = to_principal * principal axes
     glm::dvec3 moments{1.0};                        // principal, kg m^2
     float mass = 0.0f;                              // kg, as given
-    bool fixed = false, debris = false;
-    AirDrag drag;
+    bool fixed = false;
+    std::shared_ptr<const AirDrag> drag; // null for a fixed body
     // Bullet's units: from the centre of mass; of the thinnest of its hulls; the longest side of the box in its own axes.
     float reach = 0.0f, thickness = 0.0f, longest = 0.0f;
+    std::shared_ptr<HullShape> shape; // of a body with one hull; null for a compound
+};
+
+// One body.
+struct BodyRecord : BodyForm {
+    BodyId id;
+    bool debris = false;
     Pose previous;
     btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame as the step began, after the repair
     bool was_repaired = false;                             // as the step began
@@ -61,7 +68,6 @@ struct BodyRecord {
     uint32_t resting_on = 0;   // manifolds that it had when it came to rest, or in the last step
     std::vector<HullEdge>
         edges; // for debug lines, indices into the points of shape; filled when first asked for
-    std::unique_ptr<HullShape> shape;                 // of a body with one hull; null for a compound
     std::vector<std::shared_ptr<SharedShape>> shared; // of a compound, in the order of its parts
     std::unique_ptr<btCompoundShape> compound;        // null for a body with one hull
     std::unique_ptr<btRigidBody> rigid;
@@ -85,12 +91,12 @@ struct BodyRecord {
 };
 
 // What can be made of a description without a world, on any thread: all but its place there, the rigid body, as Bullet counts
-// those, and for several hulls the shape, as bodies share hulls, and what follows from it (finish_shape()). The error says
+// those, and for several hulls the shape, as bodies share hulls, and what follows from it (finish_compound()). The error says
 // what is wrong, but not of whom.
 [[nodiscard]] Result<std::unique_ptr<BodyRecord>> make_record(const BodyDesc& desc);
 
-// Its lengths and what the air does to it; all else that make_record() makes and the shape must be known.
-void finish_shape(BodyRecord& body, const BodyDesc& desc);
+// Its lengths and what the air does to it; the shape must be known.
+void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 
 // Bullet's rigid body with the pose and velocity that the record begins with; the shape must be known. On one thread only.
 void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings);

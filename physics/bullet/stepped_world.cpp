@@ -101,7 +101,7 @@ void SteppedWorld::find_pairs(btScalar seconds) {
     // After that, as the air meets each piece of a cut alone: at once they would not fly as one any more.
     const float unfelt = unfelt_part * glm::length(settings_.gravity) * seconds;
     if (settings_.air_density > 0.0f)
-        for_each_body(stepped_, [&](BodyRecord& body) { body.drag.brake(*body.rigid, settings_.air_density, seconds, unfelt); });
+        for_each_body(stepped_, [&](BodyRecord& body) { body.drag->brake(*body.rigid, settings_.air_density, seconds, unfelt); });
     find_contacts(broadphase_.pairs(), static_cast<btCollisionDispatcher&>(*getDispatcher()), info, threads_);
 }
 

@@ -65,15 +65,15 @@ void World::Impl::make_compound(BodyRecord& body, std::span<const BodyPart> part
 BodyId World::Impl::put_in(std::unique_ptr<BodyRecord> record, const BodyDesc& desc) {
     BodyRecord& body = *record;
     body.id = {next_id};
-    if (desc.parts.size() > 1) {
+    if (!body.shape) {
         make_compound(body, desc.parts);
-        finish_shape(body, desc);
+        finish_compound(body, desc.parts);
     }
     make_rigid(body, desc, settings);
     body.rigid->setUserIndex(static_cast<int>(bodies.size()));
     if (desc.siblings != 0) engine->world->siblings().add(*body.rigid, desc.siblings);
-    body.debris = !desc.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
-    engine->world->addRigidBody(body.rigid.get(), group_of(desc.fixed, body.debris), partners_of(desc.fixed, body.debris));
+    body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
+    engine->world->addRigidBody(body.rigid.get(), group_of(body.fixed, body.debris), partners_of(body.fixed, body.debris));
     engine->solver.forget_sleeping();
     if (body.collides()) ++colliding;
     ++next_id;

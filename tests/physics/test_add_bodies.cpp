@@ -202,3 +202,60 @@ TEST_CASE("a piece that is none even with the mass of a box is named, and no pie
     CHECK(bodies.error().message.find("its mass") != std::string::npos);
     CHECK(world.body_count() == 0);
 }
+
+TEST_CASE("bodies of forms made ahead are those that are made when they come") {
+    int with_form = 0;
+    const auto of_forms = [&](World& world, std::span<const BodyDesc> bodies) {
+        std::vector<BodyDesc> ahead(bodies.begin(), bodies.end());
+        for (BodyDesc& body : ahead) {
+            const auto form = make_form(body);
+            REQUIRE(form);
+            CHECK((*form == nullptr) == (body.parts.size() > 1));
+            if (!*form) continue;
+            ++with_form;
+            body.form = *form;
+            body.hull = {};
+            body.parts = {};
+            body.mass = no_number; // not looked at
+            body.inertia = glm::mat3(no_number);
+            body.fixed = !body.fixed;
+        }
+        return at_once(world, ahead);
+    };
+    const Story expected = story(2, at_once);
+    CHECK(story(2, of_forms) == expected);
+    CHECK(with_form > 200);
+}
+
+TEST_CASE("a form may be shared and outlives what it was made of") {
+    std::shared_ptr<const BodyForm> form = *make_form(box(glm::vec3(0.1f), 2.0f, {}));
+    World world, one_by_one;
+    for (const float x : {-1.0f, 0.0f, 1.0f}) {
+        must_add(world, {.form = form, .pose = {{x, 0.5f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}});
+        must_add(one_by_one, box(glm::vec3(0.1f), 2.0f, {x, 0.5f, 0.0f}));
+    }
+    form.reset();
+    for (World* each : {&world, &one_by_one}) each->remove_body(each->bodies()[1]);
+    for (int i = 0; i < 120; ++i) world.step(), one_by_one.step();
+    CHECK(world.state_hash() == one_by_one.state_hash());
+}
+
+TEST_CASE("no form is made of what is no body, and a form does not excuse a place that is none") {
+    BodyDesc body = box(glm::vec3(0.1f), 2.0f, {});
+    const auto form = make_form(body);
+    REQUIRE(form);
+    for (const auto& spoil : std::vector<std::function<void(BodyDesc&)>>{[](BodyDesc& b) { b.mass = 0.0f; },
+                                                                         [](BodyDesc& b) { b.hull.points.resize(3); },
+                                                                         [](BodyDesc& b) { b.inertia[0][0] = no_number; },
+                                                                         [](BodyDesc& b) { b.inertia = glm::mat3(0.0f); }}) {
+        BodyDesc spoilt = body;
+        spoil(spoilt);
+        CHECK(!make_form(spoilt));
+    }
+    body.pose.position.x = no_number;
+    CHECK(make_form(body));
+    World world;
+    CHECK(!world.add_body({.form = *form, .pose = body.pose}));
+    CHECK(!world.add_body({.form = *form, .friction = -1.0f}));
+    CHECK(world.body_count() == 0);
+}

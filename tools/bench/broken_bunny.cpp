@@ -35,12 +35,12 @@ BrokenBunny::BrokenBunny(uint32_t sites, float height) {
     for (glm::dvec3& p : scaled.positions) p *= static_cast<double>(height);
     pieces = *fracture::fracture(scaled, fracture::uniform_sites(fracture::bounds(scaled), sites, 1));
     const auto start = std::chrono::steady_clock::now();
-    hulls = physics::collision_hulls(pieces);
-    hull_milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    forms = *physics::piece_forms(pieces, {}, physics::collision_hulls(pieces));
+    form_milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 bool BrokenBunny::add_to(physics::World& world, glm::vec3 at) const {
-    return physics::add_pieces(world, pieces, {}, {.placement = {at, {1.0f, 0.0f, 0.0f, 0.0f}}}, hulls).has_value();
+    return physics::add_pieces(world, pieces, {}, {.placement = {at, {1.0f, 0.0f, 0.0f, 0.0f}}}, forms).has_value();
 }
 
 size_t add_sleepers(physics::World& world) {

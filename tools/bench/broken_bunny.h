@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/fragments.h"
-#include "physics/hull.h"
+#include "physics/pieces.h"
 #include "physics/world.h"
 
 namespace brittle::tools {
@@ -17,8 +17,8 @@ inline constexpr uint32_t sites_for_1000 = 2400, sites_for_2000 = 5000;         
 
 struct BrokenBunny {
     fracture::Fragments pieces;
-    physics::PieceHulls hulls;
-    double hull_milliseconds = 0.0; // of all threads together, on the clock
+    physics::PieceForms forms;
+    double form_milliseconds = 0.0; // of hulls and what else can be made ahead, by all threads together, on the clock
 
     // So high, in m, standing on the ground.
     explicit BrokenBunny(uint32_t sites, float height = 1.0f);

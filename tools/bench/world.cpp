@@ -76,7 +76,7 @@ void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& sett
     state.counters["impact"] = median(impact);
     state.counters["heap"] = median(heap);
     state.counters["most"] = median(most);
-    state.counters["hulls"] = broken.hull_milliseconds;
+    state.counters["forms"] = broken.form_milliseconds;
     state.counters["add"] = add;
 }
 

@@ -14,7 +14,7 @@
 // The time is the median of the 180 steps of a second and a half: fall, impact, and the heap that is left. `low` and `high`
 // are the lowest and the highest of that median over the runs; `fall`, `impact` and `heap` the medians of those parts
 // (steps 2 to 30, 31 to 90, 91 to 180), `first` the step in which all pairs are new, `most` the worst of the others, in the median run.
-// `hulls` and `add` are what making the bodies takes, `awake` how many still are in the end, `asleep` how many slept at the
+// `forms` is what making the bodies takes ahead, `add` what is left then, `awake` how many still are in the end, `asleep` how many slept at the
 // start.
 //
 // For world/add the time is the longest frame of the half second after: adding the bodies and the step, where `before` is the
