@@ -27,7 +27,7 @@ Box box_of(const btCollisionShape& shape, const btTransform& frame) {
 
 class CompoundPair final : public FollowedContacts {
   public:
-    CompoundPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* compound)
+    CompoundPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* compound, const btCollisionObject*)
         : FollowedContacts(info), compound_(compound) {}
     ~CompoundPair() override {
         for (const Child& child : children_) free(child);
@@ -180,22 +180,10 @@ class CompoundPair final : public FollowedContacts {
     bool refreshed_ = false;      // in this step, in which a child could not be followed
 };
 
-struct CreateCompoundPair final : btCollisionAlgorithmCreateFunc {
-    explicit CreateCompoundPair(bool other_first) { m_swapped = other_first; }
-
-    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
-                                                   const btCollisionObjectWrapper* first,
-                                                   const btCollisionObjectWrapper* second) override {
-        void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(CompoundPair));
-        return new (place) CompoundPair(info, (m_swapped ? second : first)->getCollisionObject());
-    }
-};
-
 } // namespace
 
 struct CompoundContacts::Impl {
-    CreateCompoundPair compound_first{false};
-    CreateCompoundPair other_first{true};
+    CreateContacts<CompoundPair> compound_first{false}, other_first{true};
 };
 
 CompoundContacts::CompoundContacts(btCollisionDispatcher& dispatcher) : impl_(std::make_unique<Impl>()) {

@@ -6,6 +6,10 @@
 // nothing depends on the number of threads.
 #pragma once
 
+#include <new>
+#include <utility>
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
@@ -22,6 +26,19 @@ class FollowedContacts : public btCollisionAlgorithm {
     // Does what processCollision() does, without the dispatcher. False where it is needed: then processCollision() must follow.
     virtual bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                         const btDispatcherInfo& info, btManifoldResult& result) = 0;
+};
+
+// Makes an Algorithm(info, first, second) of two objects, the other way round where they come swapped.
+template<class Algorithm> struct CreateContacts final : btCollisionAlgorithmCreateFunc {
+    explicit CreateContacts(bool swapped) { m_swapped = swapped; }
+
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* first,
+                                                   const btCollisionObjectWrapper* second) override {
+        if (m_swapped) std::swap(first, second);
+        void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(Algorithm));
+        return new (place) Algorithm(info, first->getCollisionObject(), second->getCollisionObject());
+    }
 };
 
 // Of the pairs of which a box was set when they were last found.
