@@ -110,7 +110,8 @@ class HullPair final : public FollowedContacts {
         (void)update(*first, *second, info, *result, true);
     }
     bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                const btDispatcherInfo& info, btManifoldResult& result) override {
+                const btDispatcherInfo& info) override {
+        btManifoldResult result(&first, &second);
         return update(first, second, info, result, false);
     }
 

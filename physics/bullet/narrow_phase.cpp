@@ -24,14 +24,14 @@ void fetch(const btBroadphasePair& pair) {
             __builtin_prefetch(static_cast<const char*>(at) + byte);
 }
 
-bool both_compound(const btCollisionObject& first, const btCollisionObject& second) {
-    return first.getCollisionShape()->isCompound() && second.getCollisionShape()->isCompound();
+bool hulls_or_ground(const btCollisionObject& first, const btCollisionObject& second) {
+    return !first.getCollisionShape()->isCompound() && !second.getCollisionShape()->isCompound();
 }
 
 // Makes the algorithm of a pair that is new, where it can be followed.
 void prepare(btBroadphasePair& pair, btCollisionDispatcher& dispatcher) {
     const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
-    if (both_compound(first, second) || !dispatcher.needsCollision(&first, &second)) return;
+    if (!hulls_or_ground(first, second) || !dispatcher.needsCollision(&first, &second)) return;
     const btCollisionObjectWrapper a(nullptr, first.getCollisionShape(), &first, first.getWorldTransform(), -1, -1);
     const btCollisionObjectWrapper b(nullptr, second.getCollisionShape(), &second, second.getWorldTransform(), -1, -1);
     pair.m_algorithm = dispatcher.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
@@ -44,10 +44,8 @@ bool follow(btBroadphasePair& pair, const btDispatcherInfo& info) {
     if (!contacts) return false;
     const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
     if (!first.isActive() && !second.isActive()) return true;
-    const btCollisionObjectWrapper a(nullptr, first.getCollisionShape(), &first, first.getWorldTransform(), -1, -1);
-    const btCollisionObjectWrapper b(nullptr, second.getCollisionShape(), &second, second.getWorldTransform(), -1, -1);
-    btManifoldResult result(&a, &b);
-    return contacts->follow(a, b, info, result);
+    return contacts->follow({nullptr, first.getCollisionShape(), &first, first.getWorldTransform(), -1, -1},
+                            {nullptr, second.getCollisionShape(), &second, second.getWorldTransform(), -1, -1}, info);
 }
 
 } // namespace
