@@ -39,6 +39,11 @@ Result<std::shared_ptr<const BodyForm>> form_of(const Fragments& fragments, cons
     return make_form(body);
 }
 
+Error wrong_count(size_t given, const std::string& what, const Fragments& fragments) {
+    return {Status::invalid_setting,
+            std::to_string(given) + " " + what + " were given for " + std::to_string(fragments.pieces.size()) + " pieces"};
+}
+
 std::vector<Newcomer> newcomers(const Fragments& fragments) {
     std::vector<Newcomer> batch;
     batch.reserve(fragments.pieces.size());
@@ -57,9 +62,7 @@ Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments,
 Result<PieceForms> piece_forms(const Fragments& fragments, const Material& material, const PieceHulls& hulls, uint32_t threads) {
     if (const Result<void> checked = check_pieces(fragments, material); !checked) return checked.error();
     const auto count = static_cast<uint32_t>(fragments.pieces.size());
-    if (hulls.size() != count)
-        return Error{Status::invalid_setting,
-                     std::to_string(hulls.size()) + " hulls were given for " + std::to_string(count) + " pieces"};
+    if (hulls.size() != count) return wrong_count(hulls.size(), "hulls", fragments);
     PieceForms forms(count);
     fracture::Threads pool(threads);
     std::vector<std::optional<Error>> faults(pool.chunks(count, least_pieces)); // the first of each chunk
@@ -87,9 +90,9 @@ Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments,
 
 Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments, const Material& material,
                                        const PlacedMotion& motion, const PieceForms& forms) {
-    if (forms.size() != fragments.pieces.size() || std::ranges::count(forms, nullptr) > 0)
-        return Error{Status::invalid_setting, "the forms given for " + std::to_string(fragments.pieces.size())
-                                                  + " pieces are " + std::to_string(forms.size()) + ", or null is among them"};
+    if (forms.size() != fragments.pieces.size()) return wrong_count(forms.size(), "forms", fragments);
+    if (const auto missing = std::ranges::find(forms, nullptr); missing != forms.end())
+        return Error{Status::invalid_setting, "piece " + std::to_string(missing - forms.begin()) + " has no form"};
     BodyDesc body;
     body.siblings = world.new_siblings();
     body.friction = material.friction;

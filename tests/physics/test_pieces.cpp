@@ -321,6 +321,28 @@ TEST_CASE("hulls made ahead give the same world, and a wrong number of them none
     CHECK(empty.body_count() == 0);
 }
 
+TEST_CASE("forms made ahead give the same world, and a wrong number of them none") {
+    const auto fragments = test::voronoi_pieces({-0.25, 0.5, -0.25}, {0.25, 1.0, 0.25}, 150, 8); // on several threads
+    const PieceHulls hulls = collision_hulls(fragments, {}, 1);
+    World now, ahead, empty;
+    Result<PieceForms> forms = piece_forms(fragments, {}, hulls, 2);
+    REQUIRE(forms.has_value());
+    REQUIRE(add_pieces(now, fragments, {}, {}, hulls).has_value());
+    REQUIRE(add_pieces(ahead, fragments, {}, {}, *forms).has_value());
+    run(now, 0.5f), run(ahead, 0.5f);
+    CHECK(now.state_hash() == ahead.state_hash());
+
+    const auto fault_of = [&] {
+        const Result<std::vector<BodyId>> added = add_pieces(empty, fragments, {}, {}, *forms);
+        return added ? std::string() : added.error().message;
+    };
+    forms->at(7) = nullptr;
+    CHECK(fault_of() == "piece 7 has no form");
+    forms->pop_back();
+    CHECK(fault_of() == std::to_string(forms->size()) + " forms were given for " + std::to_string(forms->size() + 1) + " pieces");
+    CHECK(empty.body_count() == 0);
+}
+
 TEST_CASE("a thousand fresh pieces in empty space stay where they are") {
     World world(empty_space);
     must_add(world, test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 1000, 6));
