@@ -13,8 +13,13 @@ constexpr float no_limit = std::numeric_limits<float>::max();
 // Blocks that are solved in all sweeps at once come in groups of so many: each row waits for the one before, and in between those
 // of the other blocks are worked on.
 constexpr uint32_t group_size = 4;
-// Added to the keys by which such bodies are sorted; nobody has so many rows.
-constexpr uint32_t first_lone = 1u << 31;
+// Bodies by bundle, those without one behind, of each those with most rows first, as one number to sort by.
+constexpr uint32_t mover_bits = 24, count_bits = 24;
+constexpr uint64_t no_bundle = (uint64_t{1} << (64 - mover_bits - count_bits)) - 1;
+uint64_t key_of(uint32_t bundle, uint32_t count, uint32_t mover) {
+    const uint64_t fewer = (uint64_t{1} << count_bits) - 1 - count;
+    return (bundle == Bundles::none ? no_bundle : bundle) << (mover_bits + count_bits) | fewer << mover_bits | mover;
+}
 
 } // namespace
 
@@ -51,25 +56,25 @@ struct HeldRows::Moving {
     }
 };
 
-void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> lights, std::span<const uint8_t> coupled) {
+void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> lights, const Bundles& bundles) {
     movers_.assign(movers.begin(), movers.end());
     counts_.assign(lights.size(), 0);
     for (const uint32_t mover : movers) ++counts_[mover];
-    order_.clear(); // those with rows elsewhere first, of each kind those with most rows
-    for (uint32_t mover = 0; mover < lights.size(); ++mover) {
-        const uint32_t lone = coupled[mover] != 0 ? 0 : first_lone;
-        if (counts_[mover] > 0) order_.push_back(uint64_t{lone + (first_lone - 1 - counts_[mover])} << 32 | mover);
-    }
+    order_.clear();
+    for (uint32_t mover = 0; mover < lights.size(); ++mover)
+        if (counts_[mover] > 0) order_.push_back(key_of(bundles.of(mover), counts_[mover], mover));
     std::ranges::sort(order_);
 
     blocks_.clear();
     lanes_.resize(lights.size());
-    lone_ = 0;
+    firsts_.clear();
     uint32_t end = 0;
     for (const uint64_t key : order_) {
-        const auto mover = static_cast<uint32_t>(key);
-        if (blocks_.empty() || blocks_.back().count == 4 || (coupled[mover] == 0 && lone_ == blocks_.size())) {
-            if (coupled[mover] != 0) ++lone_;
+        const auto mover = static_cast<uint32_t>(key & ((uint64_t{1} << mover_bits) - 1));
+        const uint32_t bundle = std::min(bundles.of(mover), bundles.count());
+        const bool another = firsts_.size() <= bundle;
+        while (firsts_.size() <= bundle) firsts_.push_back(static_cast<uint32_t>(blocks_.size()));
+        if (another || blocks_.back().count == 4) {
             blocks_.push_back({.begin = end, .end = end + counts_[mover]});
             blocks_.back().movers.fill(mover); // lanes that stay empty read something
             end = blocks_.back().end;
@@ -79,6 +84,7 @@ void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> 
         block.movers[block.count] = mover;
         block.light[block.count++] = lights[mover];
     }
+    firsts_.resize(bundles.count() + 1, static_cast<uint32_t>(blocks_.size()));
     contacts_.resize(end);
     frictions_.resize(end);
     coefficients_.resize(end);
@@ -166,8 +172,8 @@ inline void HeldRows::rub(size_t at, Moving& moving) {
     solve(frictions_[at], Float4::all(0.0f) - most, most, moving);
 }
 
-void HeldRows::give(Motion* motions) const {
-    for (const Block& block : coupled()) {
+void HeldRows::give(uint32_t bundle, Motion* motions) const {
+    for (const Block& block : of(bundle)) {
         Moving moving(block, motions);
         for (size_t at = block.begin; at < block.end; ++at)
             act(contacts_[at], Float4::load(contacts_[at].impulse.data()), moving);
@@ -175,16 +181,16 @@ void HeldRows::give(Motion* motions) const {
     }
 }
 
-void HeldRows::press(Motion* motions) {
-    for (const Block& block : coupled()) {
+void HeldRows::press(uint32_t bundle, Motion* motions) {
+    for (const Block& block : of(bundle)) {
         Moving moving(block, motions);
         for (size_t at = block.begin; at < block.end; ++at) press(at, moving);
         moving.store(block, motions);
     }
 }
 
-void HeldRows::rub(Motion* motions) {
-    for (const Block& block : coupled()) {
+void HeldRows::rub(uint32_t bundle, Motion* motions) {
+    for (const Block& block : of(bundle)) {
         Moving moving(block, motions);
         for (size_t at = block.begin; at < block.end; ++at) rub(at, moving);
         moving.store(block, motions);
@@ -192,14 +198,14 @@ void HeldRows::rub(Motion* motions) {
 }
 
 uint32_t HeldRows::lone_groups() const {
-    return (static_cast<uint32_t>(blocks_.size()) - lone_ + group_size - 1) / group_size;
+    return (static_cast<uint32_t>(blocks_.size()) - lone() + group_size - 1) / group_size;
 }
 
 void HeldRows::settle(uint32_t begin, uint32_t end, int sweeps, Motion* motions) {
-    const std::span<const Block> lone = std::span<const Block>(blocks_).subspan(lone_);
+    const std::span<const Block> blocks = std::span<const Block>(blocks_).subspan(lone());
     for (size_t group = begin; group < end; ++group) {
         const size_t first = group * group_size;
-        settle(lone.subspan(first, std::min<size_t>(group_size, lone.size() - first)), sweeps, motions);
+        settle(blocks.subspan(first, std::min<size_t>(group_size, blocks.size() - first)), sweeps, motions);
     }
 }
 

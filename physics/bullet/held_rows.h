@@ -6,7 +6,7 @@
 // one at a time: not a bit is different.
 //
 // A body that has no other rows, as debris, waits for nobody between two sweeps: its rows are solved in all sweeps at once, while
-// they are at hand, on any thread. Bodies with other rows too are solved in sweeps.
+// they are at hand, on any thread. Bodies with other rows too are solved in sweeps, with their bundle.
 #pragma once
 
 #include <array>
@@ -15,22 +15,23 @@
 #include <span>
 #include <vector>
 
+#include "physics/bullet/bundles.h"
 #include "physics/bullet/row.h"
 
 namespace brittle::physics {
 
 class HeldRows {
   public:
-    // Makes place for contacts, by their movers, those of one mover in the order in which they are to be solved. By mover: inverse
-    // masses, and whether it has rows elsewhere.
-    void arrange(std::span<const uint32_t> movers, std::span<const float> lights, std::span<const uint8_t> coupled);
+    // Makes place for contacts, by their movers, those of one mover in the order in which they are to be solved. Inverse masses are by
+    // mover; who has rows elsewhere is in a bundle.
+    void arrange(std::span<const uint32_t> movers, std::span<const float> lights, const Bundles& bundles);
     // Of the contact that was given in that place, and of its friction. For different contacts, on any threads.
     void put(size_t contact, const Row& row, const Row& friction, float coefficient);
 
-    // Of bodies with rows elsewhere. Lets the impulses act from which contacts start.
-    void give(Motion* motions) const;
-    void press(Motion* motions); // one sweep over contacts
-    void rub(Motion* motions);   // and one over their friction
+    // Of the bodies of a bundle; for different ones, on any threads. Lets the impulses act from which contacts start.
+    void give(uint32_t bundle, Motion* motions) const;
+    void press(uint32_t bundle, Motion* motions); // one sweep over contacts
+    void rub(uint32_t bundle, Motion* motions);   // and one over their friction
 
     // All of that, and so many sweeps, for the others: those of some groups of bodies. For different groups, on any threads.
     [[nodiscard]] uint32_t lone_groups() const;
@@ -63,10 +64,13 @@ class HeldRows {
     void press(size_t at, Moving& moving);
     void rub(size_t at, Moving& moving);
     void settle(std::span<const Block> group, int sweeps, Motion* motions);
-    [[nodiscard]] std::span<const Block> coupled() const { return std::span(blocks_).first(lone_); }
+    [[nodiscard]] std::span<const Block> of(uint32_t bundle) const {
+        return std::span(blocks_).subspan(firsts_[bundle], firsts_[bundle + 1] - firsts_[bundle]);
+    }
+    [[nodiscard]] uint32_t lone() const { return firsts_.back(); }
 
     std::vector<Block> blocks_;
-    uint32_t lone_ = 0; // blocks from here on are of bodies without rows elsewhere
+    std::vector<uint32_t> firsts_{0}; // blocks of bundles; from the last one on, of bodies without rows elsewhere
     std::vector<Rows> contacts_, frictions_; // side by side
     std::vector<Four> coefficients_;         // of friction, beside them
     std::vector<uint32_t> movers_, slots_;   // by contact; its row, times four, and lane

@@ -36,6 +36,8 @@ bool never_moves(const btCollisionObject* object) {
 }
 // Fewer than this are not worth waking another thread for.
 constexpr uint32_t least_contacts = 128, least_manifolds = 128, least_bodies = 128, least_groups = 4;
+// Contacts of a bundle, likewise: it is a task, and with their friction they are 50 KB.
+constexpr uint32_t least_bundle = 256;
 
 } // namespace
 
@@ -45,35 +47,41 @@ void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<btPersisten
     order(manifolds, threads);
     make_rows(manifolds, step, threads);
     take_deep();
-    solve_rows(bodies, step, threads);
-    hand_back(bodies, threads);
+    solve_rows(step.sweeps, threads);
+    hand_back(bodies, step.seconds, threads);
 }
 
-// None of the tasks looks at what another one changes; side by side where that is worth it, the longest one first.
-void RowSolver::solve_rows(std::span<BodyRecord* const> bodies, const Step& step, fracture::Threads& threads) {
+// None of the tasks looks at what another one changes; side by side where that is worth it, the longest ones first.
+void RowSolver::solve_rows(int sweeps, fracture::Threads& threads) {
     motions_.assign(movers_.size(), {});
+    parting_.assign(movers_.size(), {});
     const bool few = places_.size() < least_contacts;
     const uint32_t groups = held_rows_.lone_groups(), parts = few ? 1 : threads.chunks(groups, least_groups);
+    const uint32_t bundles = bundles_.count(), in_bundles = 2 * bundles;
     const auto solve_some = [&](uint32_t task) {
-        if (task == 0) return sweep(step.sweeps);
-        if (task == 1) return move_apart(bodies, step);
+        if (task < in_bundles && task % 2 == 0) return sweep(task / 2, sweeps);
+        if (task <= in_bundles) return move_apart(deep_[task / 2], sweeps);
         const auto bound = [&](uint32_t part) { return groups * part / parts; };
-        held_rows_.settle(bound(task - 2), bound(task - 1), step.sweeps, motions_.data());
+        held_rows_.settle(bound(task - in_bundles - 1), bound(task - in_bundles), sweeps, motions_.data());
     };
+    const uint32_t tasks = in_bundles + 1 + parts;
     if (few)
-        for (uint32_t task = 0; task < 2 + parts; ++task) solve_some(task);
+        for (uint32_t task = 0; task < tasks; ++task) solve_some(task);
     else
-        threads.for_each(2 + parts, solve_some);
+        threads.for_each(tasks, solve_some);
 }
 
-void RowSolver::sweep(int count) {
-    for (const Row& row : contacts_) give(row, row.impulse, motions_.data());
-    held_rows_.give(motions_.data());
+void RowSolver::sweep(uint32_t bundle, int count) {
+    const size_t begin = begins_[bundle], end = begins_[bundle + 1];
+    const std::span<Row> contacts = std::span(contacts_).subspan(begin, end - begin);
+    Motion* const motions = motions_.data();
+    for (const Row& row : contacts) give(row, row.impulse, motions);
+    held_rows_.give(bundle, motions);
     for (int sweep = 0; sweep < count; ++sweep) {
-        press(contacts_, motions_.data());
-        held_rows_.press(motions_.data());
-        rub();
-        held_rows_.rub(motions_.data());
+        press(contacts, motions);
+        held_rows_.press(bundle, motions);
+        rub(begin, end);
+        held_rows_.rub(bundle, motions);
     }
 }
 
@@ -113,23 +121,30 @@ void RowSolver::order(std::span<btPersistentManifold* const> manifolds, fracture
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) betweens_[i] = between(*manifolds[i]);
     });
+    bundles_.start(movers_.size());
+    for (const Between& two : betweens_)
+        if (!two.held() && two.count > 0) bundles_.join(two.mover_a, two.mover_b, two.count);
+    bundles_.finish(least_bundle);
     keys_.clear();
     firsts_.clear();
-    starts_.assign(2 * most_points + 1, 0);
+    starts_.assign((bundles_.count() + 1) * most_points + 1, 0);
     const Between* before = nullptr;
     uint32_t place = 0; // among the points of the same two bodies
     for (const Between& two : betweens_) {
         if (!before || before->a != two.a || before->b != two.b) place = 0;
         before = &two;
         firsts_.push_back(static_cast<uint32_t>(keys_.size()));
-        const uint32_t first_key = two.held() ? most_points : 0;
+        if (two.count == 0) continue;
+        const uint32_t first_key = (two.held() ? bundles_.count() : bundles_.of(two.mover_a)) * most_points;
         for (uint32_t i = 0; i < two.count; ++i, ++place) {
             keys_.push_back(first_key + std::min(place, most_points - 1));
             ++starts_[keys_.back() + 1];
         }
     }
     for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
-    held_ = starts_[most_points];
+    begins_.clear();
+    for (size_t key = 0; key < starts_.size() - 1; key += most_points) begins_.push_back(starts_[key]);
+    held_ = begins_.back();
     places_.resize(keys_.size());
     for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
     order_held();
@@ -137,18 +152,13 @@ void RowSolver::order(std::span<btPersistentManifold* const> manifolds, fracture
 
 void RowSolver::order_held() {
     held_movers_.resize(places_.size() - held_);
-    coupled_.assign(movers_.size(), 0);
     for (size_t i = 0; i < betweens_.size(); ++i) {
         const Between& two = betweens_[i];
-        if (two.count == 0) continue;
-        if (!two.held()) {
-            coupled_[two.mover_a] = coupled_[two.mover_b] = 1;
-            continue;
-        }
+        if (!two.held()) continue;
         for (uint32_t k = 0; k < two.count; ++k)
             held_movers_[places_[firsts_[i] + k] - held_] = std::min(two.mover_a, two.mover_b); // one is nobody
     }
-    held_rows_.arrange(held_movers_, lights_, coupled_);
+    held_rows_.arrange(held_movers_, lights_, bundles_);
 }
 
 void RowSolver::make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step, fracture::Threads& threads) {
@@ -262,13 +272,13 @@ void RowSolver::make_rows(Solved& contact, size_t place, const Step& step) {
     coefficients_[place] = point.m_combinedFriction;
 }
 
-void RowSolver::press(std::vector<Row>& rows, Motion* motions) {
+void RowSolver::press(std::span<Row> rows, Motion* motions) {
     for (Row& row : rows) resolve(row, motions, 0.0f, no_limit);
 }
 
-void RowSolver::rub() {
+void RowSolver::rub(size_t begin, size_t end) {
     Motion* const motions = motions_.data();
-    for (size_t i = 0; i < frictions_.size(); ++i) {
+    for (size_t i = begin; i < end; ++i) {
         const float most = coefficients_[i] * contacts_[i].impulse;
         if (most <= 0.0f && frictions_[i].impulse == 0.0f) continue;
         resolve(frictions_[i], motions, -most, most);
@@ -309,46 +319,48 @@ inline void RowSolver::resolve_held(Row& row, Motion* motions) {
 }
 
 void RowSolver::take_deep() {
-    deep_.clear();
-    deep_held_.clear();
+    deep_.resize(std::max<size_t>(deep_.size(), bundles_.count() + 1));
+    for (Deep& deep : deep_) {
+        deep.between.clear();
+        deep.held.clear();
+    }
     for (size_t place = 0; place < depths_.size(); ++place) {
         if (depths_[place] == 0.0f) continue;
         Row row = place < held_ ? contacts_[place] : held_rows_.row(place - held_);
         row.wanted = depths_[place];
         row.impulse = 0.0f;
-        (place < held_ ? deep_ : deep_held_).push_back(row);
+        Deep& deep = deep_[std::min(bundles_.of(row.a), bundles_.count())];
+        (place < held_ ? deep.between : deep.held).push_back(row);
     }
 }
 
 // With velocities of their own that only move the bodies and are then forgotten.
-void RowSolver::move_apart(std::span<BodyRecord* const> bodies, const Step& step) {
-    for (BodyRecord* body : bodies) body->repaired = false;
-    if (deep_.empty() && deep_held_.empty()) return;
-    parting_.assign(movers_.size(), {});
-    for (int sweep = 0; sweep < step.sweeps; ++sweep) {
-        press(deep_, parting_.data());
-        for (Row& row : deep_held_) resolve_held(row, parting_.data());
-    }
-    for (size_t i = 0; i < bodies.size(); ++i) {
-        const btVector3 way = vector(parting_[i].linear) * step.seconds;
-        const btVector3 turn = vector(parting_[i].angular) * (undone_by_turning * step.seconds);
-        const float angle = turn.length();
-        bodies[i]->repaired = angle > 0.0f || way.length2() > 0.0f;
-        bodies[i]->repair.setOrigin(way);
-        bodies[i]->repair.setRotation(angle > 0.0f ? btQuaternion(turn / angle, angle) : btQuaternion::getIdentity());
+void RowSolver::move_apart(Deep& deep, int sweeps) {
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        press(deep.between, parting_.data());
+        for (Row& row : deep.held) resolve_held(row, parting_.data());
     }
 }
 
-void RowSolver::hand_back(std::span<BodyRecord* const> bodies, fracture::Threads& threads) {
+void RowSolver::hand_back(std::span<BodyRecord* const> bodies, float seconds, fracture::Threads& threads) {
     threads.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) {
-            bodies[i]->rigid->setLinearVelocity(movers_[i].linear + vector(motions_[i].linear));
-            bodies[i]->rigid->setAngularVelocity(movers_[i].angular + vector(motions_[i].angular));
-        }
+        for (uint32_t i = begin; i < end; ++i) hand_back(*bodies[i], i, seconds);
     });
     threads.for_chunks(static_cast<uint32_t>(solved_.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) hand_back(solved_[i], places_[i]);
     });
+}
+
+void RowSolver::hand_back(BodyRecord& body, size_t mover, float seconds) const {
+    body.rigid->setLinearVelocity(movers_[mover].linear + vector(motions_[mover].linear));
+    body.rigid->setAngularVelocity(movers_[mover].angular + vector(motions_[mover].angular));
+    const btVector3 way = vector(parting_[mover].linear) * seconds;
+    const btVector3 turn = vector(parting_[mover].angular) * (undone_by_turning * seconds);
+    const float angle = turn.length();
+    body.repaired = angle > 0.0f || way.length2() > 0.0f;
+    if (!body.repaired) return;
+    body.repair.setOrigin(way);
+    body.repair.setRotation(angle > 0.0f ? btQuaternion(turn / angle, angle) : btQuaternion::getIdentity());
 }
 
 void RowSolver::hand_back(Solved& contact, size_t place) const {

@@ -5,8 +5,8 @@
 // rows beside each other have at most one body in common, and the processor works on several at a time. What has a body
 // that never moves comes behind all others, so that each sweep ends with nothing going into the ground: otherwise a heavy
 // piece presses a light one beneath it millimetres deep and holds it there. A sweep over contacts is followed by one over
-// their friction; beside all of them, on another thread, overlap is undone by moving (split impulses), and bodies that touch
-// nothing that moves, as debris, have all their sweeps.
+// their friction. Bodies that have nothing to do with each other have their sweeps on different threads (bundles.h), those that touch
+// nothing that moves, as debris, all of them at once; and beside them overlap is undone by moving (split impulses).
 //
 // - One friction direction a point: that in which it slides; where it does not, points beside each other take turns between
 //   two. No joints, no rolling friction.
@@ -27,6 +27,7 @@
 
 #include "fracture/parallel.h"
 #include "physics/bullet/body_record.h"
+#include "physics/bullet/bundles.h"
 #include "physics/bullet/held_rows.h"
 #include "physics/bullet/row.h"
 
@@ -82,7 +83,7 @@ class RowSolver {
     };
 
     void take_bodies(std::span<BodyRecord* const> bodies, const Step& step);
-    // Where each point is solved: first points of pairs first, contacts with what never moves last.
+    // Where each point is solved: by bundles, of each first points of pairs first; contacts with what never moves last.
     void order(std::span<btPersistentManifold* const> manifolds, fracture::Threads& threads);
     void order_held();
     [[nodiscard]] Between between(const btPersistentManifold& manifold) const;
@@ -98,20 +99,25 @@ class RowSolver {
     static void give(const Row& row, float impulse, Motion* motions);
     static void resolve(Row& row, Motion* motions, float low, float high);
     static void resolve_held(Row& row, Motion* motions);
-    // Sweeps over all contacts and their friction, but for bodies that touch nothing that moves; these two over those of bodies
-    // that both move.
-    void sweep(int count);
-    static void press(std::vector<Row>& rows, Motion* motions);
-    void rub();
-    void take_deep(); // rows for move_apart()
-    void move_apart(std::span<BodyRecord* const> bodies, const Step& step);
-    void solve_rows(std::span<BodyRecord* const> bodies, const Step& step, fracture::Threads& threads);
-    void hand_back(std::span<BodyRecord* const> bodies, fracture::Threads& threads);
+    // Sweeps over all contacts of a bundle and their friction; these two over those of bodies that both move.
+    void sweep(uint32_t bundle, int count);
+    static void press(std::span<Row> rows, Motion* motions);
+    void rub(size_t begin, size_t end);
+    // Contacts with overlap that is to be undone: of bodies that both move, and with what never moves.
+    struct Deep {
+        std::vector<Row> between, held;
+    };
+    void take_deep();
+    void move_apart(Deep& deep, int sweeps);
+    void solve_rows(int sweeps, fracture::Threads& threads);
+    void hand_back(std::span<BodyRecord* const> bodies, float seconds, fracture::Threads& threads);
+    void hand_back(BodyRecord& body, size_t mover, float seconds) const;
     void hand_back(Solved& contact, size_t place) const;
 
     std::vector<Mover> movers_;
     std::vector<float> lights_;     // of the movers
-    std::vector<uint8_t> coupled_;  // whether the mover touches another one
+    Bundles bundles_;               // of movers
+    std::vector<uint32_t> begins_;  // of bundles: their first places
     std::vector<uint32_t> indices_; // of movers, by the user index of their bodies
     std::vector<Solved> solved_;
     std::vector<uint32_t> keys_, starts_, places_; // of order()
@@ -122,7 +128,7 @@ class RowSolver {
     std::vector<float> depths_;                    // by place: wanted where overlap is undone; 0: there is none
     HeldRows held_rows_;                           // the others
     std::vector<uint32_t> held_movers_;            // of them
-    std::vector<Row> deep_, deep_held_; // contacts with overlap that is to be undone; those with what never moves
+    std::vector<Deep> deep_; // by bundle, and behind them of movers without one
     size_t held_ = 0; // places from here on are those of contacts with what never moves
     std::vector<Motion> motions_, parting_; // of velocities, and of moving apart
 };

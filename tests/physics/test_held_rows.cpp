@@ -50,8 +50,9 @@ void solve(Row& row, float low, float high, Motion& motion) {
 }
 
 // Every so many movers have rows elsewhere, the others are solved at once; 0: none of them has.
-void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t coupled_step) {
-    INFO("seed ", seed, ", ", mover_count, " movers, ", contact_count, " contacts, rows elsewhere ", coupled_step);
+void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t coupled_step, uint32_t bundle_points) {
+    INFO("seed ", seed, ", ", mover_count, " movers, ", contact_count, " contacts, rows elsewhere ", coupled_step, ", bundles of ",
+         bundle_points);
     test::Random random(seed);
     std::vector<float> lights;
     for (uint32_t i = 0; i < mover_count; ++i) // some rest
@@ -64,29 +65,33 @@ void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t c
         contacts.push_back({random_row(random, movers[i], lights[movers[i]]),
                             random_row(random, movers[i], lights[movers[i]]), static_cast<float>(random.uniform(0.0, 1.0))});
     }
-    std::vector<uint8_t> coupled(mover_count);
-    for (uint32_t i = 0; i < mover_count; ++i) coupled[i] = coupled_step > 0 && i % coupled_step == 0;
+    Bundles bundles; // of two bodies that touch, but for the last one
+    bundles.start(mover_count);
+    const auto coupled = [&](uint32_t mover) { return coupled_step > 0 && mover % coupled_step == 0; };
+    for (uint32_t i = 0; coupled_step > 0 && i < mover_count; i += 2 * coupled_step)
+        bundles.join(i, i + coupled_step < mover_count ? i + coupled_step : i, 1);
+    bundles.finish(bundle_points);
     HeldRows rows;
-    rows.arrange(movers, lights, coupled);
+    rows.arrange(movers, lights, bundles);
     for (size_t i = contact_count; i-- > 0;) rows.put(i, contacts[i].row, contacts[i].friction, contacts[i].coefficient);
 
     std::vector<Motion> expected(mover_count), found(mover_count);
     for (const Contact& contact : contacts) push(contact.row, contact.row.impulse, expected[contact.row.a]);
-    rows.give(found.data());
+    for (uint32_t bundle = bundles.count(); bundle-- > 0;) rows.give(bundle, found.data());
     const int sweeps = 5;
     const uint32_t groups = rows.lone_groups();
-    CHECK((groups > 0) == std::ranges::any_of(movers, [&](uint32_t mover) { return coupled[mover] == 0; }));
+    CHECK((groups > 0) == std::ranges::any_of(movers, [&](uint32_t mover) { return !coupled(mover); }));
     rows.settle(groups / 2, groups, sweeps, found.data());
     rows.settle(0, groups / 2, sweeps, found.data());
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (Contact& contact : contacts)
             solve(contact.row, 0.0f, std::numeric_limits<float>::max(), expected[contact.row.a]);
-        rows.press(found.data());
+        for (uint32_t bundle = 0; bundle < bundles.count(); ++bundle) rows.press(bundle, found.data());
         for (Contact& contact : contacts) {
             const float most = contact.coefficient * contact.row.impulse;
             solve(contact.friction, -most, most, expected[contact.row.a]);
         }
-        rows.rub(found.data());
+        for (uint32_t bundle = 0; bundle < bundles.count(); ++bundle) rows.rub(bundle, found.data());
     }
     for (uint32_t i = 0; i < mover_count; ++i)
         for (int axis = 0; axis < 3; ++axis) {
@@ -104,12 +109,13 @@ void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t c
 } // namespace
 
 TEST_CASE("rows of four bodies at a time are solved as one after the other, bit for bit") {
-    for (const uint32_t coupled_step : {1u, 0u, 2u, 5u}) {
-        check(1, 1, 0, coupled_step);
-        check(2, 1, 1, coupled_step);
-        check(3, 3, 9, coupled_step);  // fewer than four
-        check(4, 5, 40, coupled_step); // one left over
-        for (uint64_t seed = 10; seed < 30; ++seed) check(seed, 37, 150, coupled_step);
-        check(30, 83, 600, coupled_step);
-    }
+    for (const uint32_t coupled_step : {1u, 0u, 2u, 5u})
+        for (const uint32_t bundle_points : {1u, 6u, 1000u}) {
+            check(1, 1, 0, coupled_step, bundle_points);
+            check(2, 1, 1, coupled_step, bundle_points);
+            check(3, 3, 9, coupled_step, bundle_points);  // fewer than four
+            check(4, 5, 40, coupled_step, bundle_points); // one left over
+            for (uint64_t seed = 10; seed < 30; ++seed) check(seed, 37, 150, coupled_step, bundle_points);
+            check(30, 83, 600, coupled_step, bundle_points);
+        }
 }
