@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace brittle::tools {
@@ -14,6 +15,16 @@ inline double median(std::vector<double> samples) {
     const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
     std::nth_element(samples.begin(), middle, samples.end());
     return *middle;
+}
+// Of the same steps in several runs, as many in each: by step, so that what disturbs one run does not count.
+inline std::vector<double> medians(std::span<const std::vector<double>> runs) {
+    std::vector<double> result;
+    for (size_t step = 0; step < runs[0].size(); ++step) {
+        std::vector<double> same;
+        for (const std::vector<double>& run : runs) same.push_back(run[step]);
+        result.push_back(median(std::move(same)));
+    }
+    return result;
 }
 inline double longest(std::span<const double> samples) {
     return samples.empty() ? 0.0 : *std::ranges::max_element(samples);
