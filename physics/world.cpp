@@ -1,6 +1,7 @@
 #include "physics/world.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -16,7 +17,7 @@ namespace brittle::physics {
 namespace {
 
 // Fewer bodies than this are not worth waking another thread for.
-constexpr uint32_t least_bodies = 32;
+constexpr uint32_t least_new_bodies = 32, least_bodies = 256;
 
 fracture::Error refused(uint32_t id, const fracture::Error& fault) {
     return {fault.status, text("body ", id, " cannot be added: ", fault.message)};
@@ -66,8 +67,8 @@ Result<std::vector<BodyId>> World::add_bodies(std::span<const BodyDesc> descs) {
     const auto count = static_cast<uint32_t>(descs.size());
     fracture::Threads& threads = impl_->engine->threads;
     std::vector<std::unique_ptr<BodyRecord>> records(count);
-    std::vector<std::optional<fracture::Error>> faults(threads.chunks(count, least_bodies)); // the first of each chunk
-    threads.for_chunks(count, least_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    std::vector<std::optional<fracture::Error>> faults(threads.chunks(count, least_new_bodies)); // the first of each chunk
+    threads.for_chunks(count, least_new_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             Result<std::unique_ptr<BodyRecord>> record = make_record(descs[i]);
             if (!record) {
@@ -147,15 +148,24 @@ uint64_t World::steps_taken() const {
 }
 
 void World::step() {
-    for (size_t i = 0; i < impl_->bodies.size(); ++i)
-        if (impl_->moved_steps[i] >= impl_->steps) impl_->bodies[i]->previous = impl_->bodies[i]->pose(); // else they are the same
+    fracture::Threads& threads = impl_->engine->threads;
+    threads.for_chunks(static_cast<uint32_t>(impl_->bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (size_t i = begin; i < end; ++i)
+            if (impl_->moved_steps[i] >= impl_->steps) impl_->bodies[i]->previous = impl_->bodies[i]->pose(); // else they are the same
+    });
     impl_->engine->world->step(impl_->settings.step);
     ++impl_->steps;
-    impl_->colliding = 0; // nobody is awake who was not at any time of the step
-    for (const BodyRecord* body : impl_->engine->world->stepped()) {
-        if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
-        if (body->collides()) ++impl_->colliding;
-    }
+    const std::span<BodyRecord* const> stepped = impl_->engine->world->stepped(); // nobody else is awake
+    std::atomic<size_t> colliding = 0;
+    threads.for_chunks(static_cast<uint32_t>(stepped.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        size_t count = 0;
+        for (const BodyRecord* body : stepped.subspan(begin, end - begin)) {
+            if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
+            if (body->collides()) ++count;
+        }
+        colliding += count;
+    });
+    impl_->colliding = colliding;
 }
 
 float World::advance(double seconds, const std::function<void()>& after_step) {

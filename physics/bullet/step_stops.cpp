@@ -18,8 +18,8 @@ constexpr btScalar half = 0.5f;
 constexpr btScalar least_way = 0.0033f * bullet_units;
 // What reaches no farther than this part of a body's thickness does not stop it.
 constexpr btScalar crumb_part = 0.25f;
-// Fewer pairs than this, that may touch or are only near, are not worth waking another thread for.
-constexpr uint32_t least_pairs = 8, least_near = 256;
+// Fewer pairs than this, that may touch or are only near, and fewer bodies are not worth waking another thread for.
+constexpr uint32_t least_pairs = 8, least_near = 256, least_bodies = 256;
 
 using Box = StepStops::Box;
 
@@ -136,30 +136,27 @@ bool StepStops::is_fast(const BodyRecord& body, btScalar seconds) {
 void StepStops::find_fast(btScalar seconds, btDispatcher& dispatcher) {
     end_ = seconds;
     slow_way_ = 0.0f;
-    is_fast_.assign(bodies_.size(), 0);
-    is_wild_.assign(bodies_.size(), 0);
+    const auto count = static_cast<uint32_t>(bodies_.size());
+    glances_.resize(count);
+    flights_.resize(count);
+    threads_.for_chunks(count, least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) look_at(i, seconds);
+    });
+    is_fast_.assign(count, 0);
+    is_wild_.assign(count, 0);
     for (std::vector<uint32_t>* list : {&fast_, &wild_, &fixed_}) list->clear();
     const btVector3 common = common_velocity();
-    for (uint32_t i = 0; i < bodies_.size(); ++i) {
-        const BodyRecord& body = *bodies_[i];
-        if (body.fixed) {
+    for (uint32_t i = 0; i < count; ++i) {
+        const Glance& glance = glances_[i];
+        if (glance.fixed) {
             fixed_.push_back(i);
             continue;
         }
-        const btVector3 linear = body.awake() ? body.rigid->getLinearVelocity() : btVector3(0, 0, 0);
-        is_wild_[i] = !body.debris && (linear - common).length() * seconds > std::max(half * body.thickness, half * least_way);
+        is_wild_[i] = !glance.debris && (glance.linear - common).length() * seconds > glance.wild_way;
         if (is_wild_[i]) wild_.push_back(i);
-        if (!body.awake()) continue;
-        is_fast_[i] = is_fast(body, seconds);
+        is_fast_[i] = glance.fast;
         if (is_fast_[i]) fast_.push_back(i);
-        if (!is_wild_[i] && !body.debris) slow_way_ = std::max(slow_way_, way_of(body, seconds));
-    }
-    flights_.resize(bodies_.size());
-    for (uint32_t i = 0; i < bodies_.size(); ++i) {
-        const BodyRecord& body = *bodies_[i];
-        const Velocity velocity = body.awake() ? body.velocity() : Velocity{};
-        flights_[i] = {body.rigid->getWorldTransform(), velocity.linear, velocity.angular, body.moments,
-                       body.awake() ? seconds : 0.0f};
+        if (!is_wild_[i] && !glance.debris) slow_way_ = std::max(slow_way_, glance.way);
     }
     for (const uint32_t i : wild_) {
         const Box box = grown(swept(i), {0, 0, 0}, slow_way_);
@@ -167,13 +164,27 @@ void StepStops::find_fast(btScalar seconds, btDispatcher& dispatcher) {
     }
 }
 
+void StepStops::look_at(uint32_t index, btScalar seconds) {
+    const BodyRecord& body = *bodies_[index];
+    const bool awake = body.awake();
+    const Velocity velocity = awake ? body.velocity() : Velocity{};
+    glances_[index] = {.linear = velocity.linear,
+                       .way = awake ? way_of(body, seconds) : 0.0f,
+                       .wild_way = std::max(half * body.thickness, half * least_way),
+                       .fixed = body.fixed,
+                       .awake = awake,
+                       .debris = body.debris,
+                       .fast = awake && is_fast(body, seconds)};
+    flights_[index] = {body.rigid->getWorldTransform(), velocity.linear, velocity.angular, body.moments, awake ? seconds : 0.0f};
+}
+
 btVector3 StepStops::common_velocity() const {
     btVector3 sum(0, 0, 0);
     btScalar moving = 0.0f, resting = 0.0f;
-    for (const auto& body : bodies_) {
-        if (body->fixed || body->debris) continue;
-        if (body->awake())
-            sum += body->rigid->getLinearVelocity(), moving += 1.0f;
+    for (const Glance& glance : glances_) {
+        if (glance.fixed || glance.debris) continue;
+        if (glance.awake)
+            sum += glance.linear, moving += 1.0f;
         else
             resting += 1.0f;
     }

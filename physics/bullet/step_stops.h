@@ -80,9 +80,18 @@ class StepStops {
         }
     };
 
+    // What is asked of every body.
+    struct Glance {
+        btVector3 linear;   // 0 of one that does not move
+        btScalar way;       // the longest of any of its points
+        btScalar wild_way;  // from which on it is wild
+        bool fixed, awake, debris, fast;
+    };
+
     [[nodiscard]] static bool is_fast(const BodyRecord& body, btScalar seconds); // for its thickness
     void find_stops(btScalar seconds, btDispatcher& dispatcher);
     void find_fast(btScalar seconds, btDispatcher& dispatcher);
+    void look_at(uint32_t index, btScalar seconds);
     [[nodiscard]] btVector3 common_velocity() const; // of most that can move, without debris
     // What holds a body on its way.
     [[nodiscard]] Box swept(uint32_t body) const;
@@ -104,6 +113,7 @@ class StepStops {
     fracture::Threads& threads_;
     // Scratch of one call; bodies by index.
     btScalar end_ = 0.0f;
+    std::vector<Glance> glances_;
     std::vector<uint8_t> is_fast_, is_wild_;
     std::vector<uint32_t> fast_, wild_; // in body order; those that move fast, and those that move fast against most others
     std::vector<uint32_t> fixed_, near_;
