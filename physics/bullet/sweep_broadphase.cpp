@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include <LinearMath/btAabbUtil2.h>
 
@@ -74,17 +76,16 @@ void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::un
 }
 
 void SweptPairs::forget_gone(const std::vector<Change>& changes, const std::vector<uint32_t>& ranks) {
-    next_.resizeNoInitialize(0);
-    next_keys_.clear();
+    int left = 0;
     for (int i = 0; i < pairs_.size(); ++i) {
         const Key key = keys_[static_cast<size_t>(i)];
         const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
         if (changes[first] == Change::gone || changes[second] == Change::gone) continue;
-        next_.push_back(pairs_[i]);
-        next_keys_.push_back(key_of(ranks[first], ranks[second]));
+        pairs_[left] = pairs_[i];
+        keys_[static_cast<size_t>(left++)] = key_of(ranks[first], ranks[second]);
     }
-    std::swap(pairs_, next_);
-    std::swap(keys_, next_keys_);
+    pairs_.resize(left);
+    keys_.resize(static_cast<size_t>(left));
 }
 
 void SweptPairs::cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* dispatcher) {
@@ -115,10 +116,24 @@ btBroadphasePair* SweptPairs::findPair(btBroadphaseProxy* first, btBroadphasePro
 }
 
 void SweepBroadphase::Boxes::resize(size_t count) {
-    for (int axis = 0; axis < 3; ++axis) {
-        low[static_cast<size_t>(axis)].assign(count + 3, infinite);
-        high[static_cast<size_t>(axis)].assign(count + 3, -infinite);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        low[axis].resize(count);
+        high[axis].resize(count);
+        low[axis].resize(count + 3, infinite);
+        high[axis].resize(count + 3, -infinite);
     }
+}
+
+void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) const {
+    for (size_t axis = 0; axis < 3; ++axis) {
+        to.low[axis][to_place] = low[axis][place];
+        to.high[axis][to_place] = high[axis][place];
+    }
+}
+
+void SweepBroadphase::Sorted::resize(size_t count) {
+    ranks.resize(count);
+    boxes.resize(count);
 }
 
 void SweepBroadphase::Boxes::set(size_t place, const btVector3& from, const btVector3& to) {
@@ -246,23 +261,34 @@ void SweepBroadphase::getBroadphaseAabb(btVector3& low, btVector3& high) const {
 }
 
 void SweepBroadphase::forget_gone() {
+    const auto gone = [this](uint32_t rank) { return changes_[rank] == SweptPairs::Change::gone; };
     std::vector<uint32_t> ranks; // by the old ones
     uint32_t left = 0;
     for (uint32_t rank = 0; rank < proxies_.size(); ++rank) {
         ranks.push_back(left);
-        if (changes_[rank] == SweptPairs::Change::gone) continue;
-        proxies_[left] = std::move(proxies_[rank]);
-        proxies_[left]->rank = left;
-        filters_[left++] = filters_[rank];
+        if (gone(rank)) continue;
+        if (left != rank) {
+            proxies_[left] = std::move(proxies_[rank]);
+            proxies_[left]->rank = left;
+            filters_[left] = filters_[rank];
+            boxes_.copy(rank, boxes_, left);
+        }
+        ++left;
     }
+    uint32_t still = 0; // the same ones in the same order
+    for (uint32_t place = 0; place < still_.ranks.size(); ++place) {
+        if (gone(still_.ranks[place])) continue;
+        still_.boxes.copy(place, still_.boxes, still);
+        still_.ranks[still++] = ranks[still_.ranks[place]];
+    }
+    still_.resize(still);
+    std::erase_if(still_ranks_, gone);
+    for (uint32_t& rank : still_ranks_) rank = ranks[rank];
     pairs_.forget_gone(changes_, ranks);
     std::erase(changes_, SweptPairs::Change::gone);
     proxies_.resize(left);
     filters_.resize(left);
     boxes_.resize(left);
-    for (const auto& proxy : proxies_) boxes_.set(proxy->rank, proxy->m_aabbMin, proxy->m_aabbMax);
-    still_ranks_.clear(); // they are named anew
-    still_.ranks.clear();
     some_gone_ = false;
 }
 
@@ -288,14 +314,32 @@ void SweepBroadphase::sort(Sorted& sorted) {
     for (const uint32_t rank : sorted.ranks)
         order_.push_back(static_cast<uint64_t>(ascending_bits(begin[rank])) << 32 | rank);
     std::ranges::sort(order_);
-    sorted.boxes.resize(sorted.ranks.size());
-    for (size_t place = 0; place < sorted.ranks.size(); ++place) {
-        const uint32_t rank = sorted.ranks[place] = static_cast<uint32_t>(order_[place]);
-        for (size_t axis = 0; axis < 3; ++axis) {
-            sorted.boxes.low[axis][place] = boxes_.low[axis][rank];
-            sorted.boxes.high[axis][place] = boxes_.high[axis][rank];
-        }
+    sorted.resize(order_.size());
+    for (size_t place = 0; place < order_.size(); ++place) {
+        sorted.ranks[place] = static_cast<uint32_t>(order_[place]);
+        boxes_.copy(sorted.ranks[place], sorted.boxes, place);
     }
+}
+
+// Of those that were there before, but for the ones that were set, the order is known.
+void SweepBroadphase::merge_still() {
+    come_.ranks.clear();
+    std::ranges::set_difference(ranks_, still_ranks_, std::back_inserter(come_.ranks));
+    sort(come_);
+    merged_.resize(ranks_.size());
+    const auto axis = static_cast<size_t>(axis_);
+    size_t merged = 0, come = 0;
+    const auto take = [&](const Sorted& from, size_t place) {
+        merged_.ranks[merged] = from.ranks[place];
+        from.boxes.copy(place, merged_.boxes, merged++);
+    };
+    for (size_t place = 0; place < still_.ranks.size(); ++place) {
+        if (is_set(still_.ranks[place])) continue;
+        while (come < come_.ranks.size() && come_.boxes.low[axis][come] < still_.boxes.low[axis][place]) take(come_, come++);
+        take(still_, place);
+    }
+    while (come < come_.ranks.size()) take(come_, come++);
+    std::swap(still_, merged_);
 }
 
 bool SweepBroadphase::is_debris(uint32_t rank) const {
@@ -308,14 +352,16 @@ void SweepBroadphase::find_moving() {
     for (uint32_t rank = 0; rank < proxies_.size(); ++rank)
         (!is_set(rank) ? ranks_ : is_debris(rank) ? debris_.ranks : moving_.ranks).push_back(rank);
     const int axis = widest_axis();
-    const bool same = axis == axis_ && ranks_ == still_ranks_;
-    axis_ = axis;
+    const bool turned = std::exchange(axis_, axis) != axis;
     sort(moving_);
     sort(debris_);
-    if (same) return;
+    if (turned) {
+        still_.ranks = ranks_;
+        sort(still_);
+    } else if (ranks_ != still_ranks_) {
+        merge_still();
+    }
     std::swap(still_ranks_, ranks_);
-    still_.ranks = still_ranks_;
-    sort(still_);
 }
 
 std::span<const SweptPairs::Key> SweepBroadphase::find_set() {

@@ -118,6 +118,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
         std::array<std::vector<float>, 3> low, high;
         void resize(size_t count);
         void set(size_t place, const btVector3& from, const btVector3& to);
+        void copy(size_t place, Boxes& to, size_t to_place) const;
         [[nodiscard]] Box4 four_times(size_t place) const;
         // Bit i of the result: whether the box at first + i overlaps the given one.
         [[nodiscard]] uint32_t overlaps(size_t first, const Box4& box) const;
@@ -126,6 +127,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     struct Sorted {
         std::vector<uint32_t> ranks;
         Boxes boxes;
+        void resize(size_t count);
     };
     struct Filter {
         int group, partners;
@@ -135,8 +137,9 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // The axis on which boxes that were set spread most; one that is about as good is kept.
     [[nodiscard]] int widest_axis() const;
     void sort(Sorted& sorted);
-    // Sorts boxes that were set, and the others where they are not the same ones as the last time.
+    // Sorts boxes that were set, and of the others those that were the last time.
     void find_moving();
+    void merge_still();
     [[nodiscard]] bool is_set(uint32_t rank) const { return changes_[rank] == SweptPairs::Change::set; }
     // One of those that do not meet each other.
     [[nodiscard]] bool is_debris(uint32_t rank) const;
@@ -161,6 +164,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     Sorted moving_, debris_, still_; // when pairs were last found: boxes that were set, of debris and not, and the others
     Sorted set_;            // since then
     std::vector<uint32_t> still_ranks_; // of still_, ascending
+    Sorted come_, merged_;              // of one call: those of still_ that were set before, and what becomes of it
     std::vector<std::vector<SweptPairs::Key>> parts_;      // of one call, as are the next
     std::vector<SweptPairs::Key> found_, scratch_, order_;
     std::vector<uint32_t> ranks_, starts_;
