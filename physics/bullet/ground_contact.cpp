@@ -117,7 +117,7 @@ class HullOnPlane final : public FollowedContacts {
         replace_contacts(corners, hull.m_index);
     }
     bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                const btDispatcherInfo& info) override {
+                const btDispatcherInfo& info, btManifoldResult&) override {
         const btCollisionObjectWrapper& hull = first.getCollisionObject() == hull_ ? first : second;
         std::vector<Corner>& corners = find_corners(hull, info.m_timeStep);
         keep_best(corners);

@@ -110,8 +110,7 @@ class HullPair final : public FollowedContacts {
         (void)update(*first, *second, info, *result, true);
     }
     bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                const btDispatcherInfo& info) override {
-        btManifoldResult result(&first, &second);
+                const btDispatcherInfo& info, btManifoldResult& result) override {
         return update(first, second, info, result, false);
     }
 

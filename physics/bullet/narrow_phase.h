@@ -6,6 +6,7 @@
 // depends on the number of threads.
 #pragma once
 
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
 #include "fracture/parallel.h"
@@ -20,7 +21,7 @@ class FollowedContacts : public btCollisionAlgorithm {
 
     // Does what processCollision() does, without the dispatcher. False where it is needed: then processCollision() must follow.
     virtual bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                        const btDispatcherInfo& info) = 0;
+                        const btDispatcherInfo& info, btManifoldResult& result) = 0;
 };
 
 // Of the pairs of which a box was set when they were last found.
