@@ -24,8 +24,8 @@ void fetch(const btBroadphasePair& pair) {
             __builtin_prefetch(static_cast<const char*>(at) + byte);
 }
 
-// The bodies of a pair, and what takes their contacts. In those a hull of a compound has its index and the only hull of a body -1:
-// Bullet sets it for compounds only.
+// The bodies of a pair, and what takes their contacts. There a hull of a compound has its index, and the only hull of a body
+// -1, which Bullet leaves out.
 struct Meeting {
     const btCollisionObject &a, &b;
     const btCollisionObjectWrapper first{nullptr, a.getCollisionShape(), &a, a.getWorldTransform(), -1, -1};
@@ -38,14 +38,14 @@ struct Meeting {
     }
 };
 
-bool hulls_or_ground(const btCollisionObject& first, const btCollisionObject& second) {
-    return !first.getCollisionShape()->isCompound() && !second.getCollisionShape()->isCompound();
+bool both_compound(const btCollisionObject& first, const btCollisionObject& second) {
+    return first.getCollisionShape()->isCompound() && second.getCollisionShape()->isCompound();
 }
 
 // Makes the algorithm of a pair that is new, where it can be followed.
 void prepare(btBroadphasePair& pair, btCollisionDispatcher& dispatcher) {
     const Meeting met(pair);
-    if (!hulls_or_ground(met.a, met.b) || !dispatcher.needsCollision(&met.a, &met.b)) return;
+    if (both_compound(met.a, met.b) || !dispatcher.needsCollision(&met.a, &met.b)) return;
     pair.m_algorithm = dispatcher.findAlgorithm(&met.first, &met.second, nullptr, BT_CONTACT_POINT_ALGORITHMS);
     pair.m_internalInfo1 = static_cast<FollowedContacts*>(pair.m_algorithm);
 }
