@@ -117,7 +117,7 @@ class HullOnPlane final : public FollowedContacts {
         replace_contacts(corners, hull.m_index);
     }
     bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                const btDispatcherInfo& info) override {
+                const btDispatcherInfo& info, btManifoldResult&) override {
         const btCollisionObjectWrapper& hull = first.getCollisionObject() == hull_ ? first : second;
         std::vector<Corner>& corners = find_corners(hull, info.m_timeStep);
         keep_best(corners);
@@ -250,23 +250,10 @@ class HullOnPlane final : public FollowedContacts {
     size_t manifold_count_ = 0;
 };
 
-struct CreateHullOnPlane final : btCollisionAlgorithmCreateFunc {
-    explicit CreateHullOnPlane(bool plane_first) { m_swapped = plane_first; }
-
-    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
-                                                   const btCollisionObjectWrapper* first,
-                                                   const btCollisionObjectWrapper* second) override {
-        void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(HullOnPlane));
-        return new (place) HullOnPlane(info, (m_swapped ? second : first)->getCollisionObject(),
-                                       (m_swapped ? first : second)->getCollisionObject());
-    }
-};
-
 } // namespace
 
 struct GroundContacts::Impl {
-    CreateHullOnPlane hull_first{false};
-    CreateHullOnPlane plane_first{true};
+    CreateContacts<HullOnPlane> hull_first{false}, plane_first{true};
 };
 
 GroundContacts::GroundContacts(btCollisionDispatcher& dispatcher) : impl_(std::make_unique<Impl>()) {

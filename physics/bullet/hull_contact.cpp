@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -83,6 +84,7 @@ class HullPair final : public FollowedContacts {
         const HullShape& a = hull_of(*first);
         const HullShape& b = hull_of(*second);
         const btScalar radius_a = a.radius(), radius_b = b.radius();
+        in_compound_ = first->m_index >= 0;
         first_moves_ = radius_a < radius_b;
         radius_ = std::min(radius_a, radius_b);
         margins_ = a.getMargin() + b.getMargin();
@@ -110,8 +112,7 @@ class HullPair final : public FollowedContacts {
         (void)update(*first, *second, info, *result, true);
     }
     bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                const btDispatcherInfo& info) override {
-        btManifoldResult result(&first, &second);
+                const btDispatcherInfo& info, btManifoldResult& result) override {
         return update(first, second, info, result, false);
     }
 
@@ -125,14 +126,24 @@ class HullPair final : public FollowedContacts {
     }
 
   private:
+    // What following found when the manifold must come or go. A compound's hull goes on from there, as if it had been allowed to;
+    // two bodies are judged anew, now along the axis that was found, and looked at anew where their contacts have gone.
+    struct Left {
+        std::optional<HullDistance> touch; // none: no contact is left
+        bool pushed;
+    };
+
     // False, and to be done again, where the manifold must come or go and that is not allowed.
     bool update(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, const btDispatcherInfo& info,
                 btManifoldResult& result, bool may_come_and_go) {
         const btTransform relative = relative_of(first, second);
-        const bool pushed = may_be_pushed(first, second, info.m_timeStep);
+        const std::optional<Left> left = std::exchange(left_, std::nullopt);
+        const bool pushed = left && in_compound_ ? left->pushed : may_be_pushed(first, second, info.m_timeStep);
         const btScalar ahead = looks_ahead_ || pushed ? approach(first, second) * info.m_timeStep : 0.0f;
         const btScalar near = near_ + ahead;
-        if (!first_touch_ && !(moved_since(relative) + ahead < free_)) {
+        if (left) {
+            if (left->touch) add_contact(first, second, *left->touch, near, result);
+        } else if (!(moved_since(relative) + ahead < free_)) {
             seen_ = relative;
             const std::optional<HullDistance> touch = look(first, second, near);
             if (touch && !manifold_ && pushed && !touch_ahead(first, second, info.m_timeStep)) {
@@ -140,13 +151,11 @@ class HullPair final : public FollowedContacts {
                 return true;
             }
             if (touch && !manifold_ && !may_come_and_go) {
-                first_touch_ = touch;
+                left_ = {touch, pushed};
                 return false;
             }
             if (touch) add_contact(first, second, *touch, near, result);
         }
-        if (first_touch_) add_contact(first, second, *first_touch_, near, result);
-        first_touch_.reset();
         if (!own_ || !manifold_) return true;
         result.setPersistentManifold(manifold_);
         result.refreshContactPoints();
@@ -157,7 +166,10 @@ class HullPair final : public FollowedContacts {
                 add_corners(first, second, info.m_timeStep, result);
         }
         if (manifold_->getNumContacts() > 0) return true;
-        if (!may_come_and_go) return false;
+        if (!may_come_and_go) {
+            if (in_compound_) left_ = {std::nullopt, pushed};
+            return false;
+        }
         release();
         return true;
     }
@@ -421,6 +433,7 @@ class HullPair final : public FollowedContacts {
 
     btPersistentManifold* manifold_; // of our own: only while there are contacts
     bool own_;
+    bool in_compound_;      // the first is one of several hulls
     bool first_moves_;      // what is looked at as moving: the smaller one
     btScalar radius_;       // of it
     btScalar margins_;      // of both
@@ -434,7 +447,7 @@ class HullPair final : public FollowedContacts {
     btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look
     btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame
     NearCorners corners_;
-    std::optional<HullDistance> first_touch_; // found when there could be no manifold for it
+    std::optional<Left> left_;
     btVector3 axis_; // unit, from second to first, in the first's frame: separated them last
 };
 

@@ -24,28 +24,47 @@ void fetch(const btBroadphasePair& pair) {
             __builtin_prefetch(static_cast<const char*>(at) + byte);
 }
 
-bool hulls_or_ground(const btCollisionObject& first, const btCollisionObject& second) {
-    return !first.getCollisionShape()->isCompound() && !second.getCollisionShape()->isCompound();
+// The bodies of a pair, and what takes their contacts. There a hull of a compound has its index, and the only hull of a body
+// -1, which Bullet leaves out.
+struct Meeting {
+    const btCollisionObject &a, &b;
+    const btCollisionObjectWrapper first{nullptr, a.getCollisionShape(), &a, a.getWorldTransform(), -1, -1};
+    const btCollisionObjectWrapper second{nullptr, b.getCollisionShape(), &b, b.getWorldTransform(), -1, -1};
+    btManifoldResult contacts{&first, &second};
+
+    explicit Meeting(const btBroadphasePair& pair) : a(object_of(pair.m_pProxy0)), b(object_of(pair.m_pProxy1)) {
+        contacts.setShapeIdentifiersA(-1, -1);
+        contacts.setShapeIdentifiersB(-1, -1);
+    }
+};
+
+bool both_compound(const btCollisionObject& first, const btCollisionObject& second) {
+    return first.getCollisionShape()->isCompound() && second.getCollisionShape()->isCompound();
 }
 
 // Makes the algorithm of a pair that is new, where it can be followed.
 void prepare(btBroadphasePair& pair, btCollisionDispatcher& dispatcher) {
-    const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
-    if (!hulls_or_ground(first, second) || !dispatcher.needsCollision(&first, &second)) return;
-    const btCollisionObjectWrapper a(nullptr, first.getCollisionShape(), &first, first.getWorldTransform(), -1, -1);
-    const btCollisionObjectWrapper b(nullptr, second.getCollisionShape(), &second, second.getWorldTransform(), -1, -1);
-    pair.m_algorithm = dispatcher.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+    const Meeting met(pair);
+    if (both_compound(met.a, met.b) || !dispatcher.needsCollision(&met.a, &met.b)) return;
+    pair.m_algorithm = dispatcher.findAlgorithm(&met.first, &met.second, nullptr, BT_CONTACT_POINT_ALGORITHMS);
     pair.m_internalInfo1 = static_cast<FollowedContacts*>(pair.m_algorithm);
 }
 
 // False where the dispatcher is needed.
 bool follow(btBroadphasePair& pair, const btDispatcherInfo& info) {
-    auto* const contacts = static_cast<FollowedContacts*>(pair.m_internalInfo1);
-    if (!contacts) return false;
-    const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
-    if (!first.isActive() && !second.isActive()) return true;
-    return contacts->follow({nullptr, first.getCollisionShape(), &first, first.getWorldTransform(), -1, -1},
-                            {nullptr, second.getCollisionShape(), &second, second.getWorldTransform(), -1, -1}, info);
+    auto* const followed = static_cast<FollowedContacts*>(pair.m_internalInfo1);
+    if (!followed) return false;
+    Meeting met(pair);
+    if (!met.a.isActive() && !met.b.isActive()) return true;
+    return followed->follow(met.first, met.second, info, met.contacts);
+}
+
+void process(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info) {
+    Meeting met(pair);
+    if (!dispatcher.needsCollision(&met.a, &met.b)) return;
+    if (!pair.m_algorithm)
+        pair.m_algorithm = dispatcher.findAlgorithm(&met.first, &met.second, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+    pair.m_algorithm->processCollision(&met.first, &met.second, info, &met.contacts);
 }
 
 } // namespace
@@ -65,7 +84,7 @@ void find_contacts(SweptPairs& pairs, btCollisionDispatcher& dispatcher, const b
         }
     });
     for (const std::vector<int>& some : left)
-        for (const int index : some) dispatcher.getNearCallback()(array[index], dispatcher, info);
+        for (const int index : some) process(array[index], dispatcher, info);
 }
 
 } // namespace brittle::physics

@@ -2,10 +2,15 @@
 //
 // Most pairs were there in the last step, and what is found of them changes only what they keep themselves: those are
 // followed side by side. What asks for something of the dispatcher's, which is not thread-safe, comes one by one
-// in the order of pairs: algorithms of new pairs before, first contacts and last ones, and compounds, behind. So nothing
-// depends on the number of threads.
+// in the order of pairs: algorithms of new pairs before, first contacts and last ones, and pairs of two compounds, behind. So
+// nothing depends on the number of threads.
 #pragma once
 
+#include <new>
+#include <utility>
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
 #include "fracture/parallel.h"
@@ -20,7 +25,20 @@ class FollowedContacts : public btCollisionAlgorithm {
 
     // Does what processCollision() does, without the dispatcher. False where it is needed: then processCollision() must follow.
     virtual bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                        const btDispatcherInfo& info) = 0;
+                        const btDispatcherInfo& info, btManifoldResult& result) = 0;
+};
+
+// Makes an Algorithm(info, first, second) of two objects, the other way round where they come swapped.
+template<class Algorithm> struct CreateContacts final : btCollisionAlgorithmCreateFunc {
+    explicit CreateContacts(bool swapped) { m_swapped = swapped; }
+
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* first,
+                                                   const btCollisionObjectWrapper* second) override {
+        if (m_swapped) std::swap(first, second);
+        void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(Algorithm));
+        return new (place) Algorithm(info, first->getCollisionObject(), second->getCollisionObject());
+    }
 };
 
 // Of the pairs of which a box was set when they were last found.

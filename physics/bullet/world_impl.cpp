@@ -24,7 +24,7 @@ Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<
 btDefaultCollisionConstructionInfo Engine::pool_sizes() {
     btDefaultCollisionConstructionInfo info;
     info.m_customCollisionAlgorithmMaxElementSize =
-        std::max(HullContacts::pair_size(), GroundContacts::pair_size());
+        std::max({HullContacts::pair_size(), GroundContacts::pair_size(), CompoundContacts::pair_size()});
     return info;
 }
 

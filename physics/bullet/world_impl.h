@@ -13,6 +13,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/body_record.h"
+#include "physics/bullet/compound_contact.h"
 #include "physics/bullet/ground_contact.h"
 #include "physics/bullet/hull_contact.h"
 #include "physics/bullet/piece_solver.h"
@@ -31,6 +32,7 @@ struct Engine {
     btCollisionDispatcher dispatcher{&configuration};
     GroundContacts ground_contacts{dispatcher};
     HullContacts hull_contacts{dispatcher};
+    CompoundContacts compound_contacts{dispatcher};
     fracture::Threads threads;
     SweepBroadphase broadphase{threads};
     PieceSolver solver;

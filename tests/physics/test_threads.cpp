@@ -40,6 +40,18 @@ void add_tables(World& world) {
     }
 }
 
+// What is left of things that broke: bodies of several hulls amidst the others.
+void add_rests(World& world, test::Random& random, int count) {
+    for (int i = 0; i < count; ++i) {
+        const glm::vec3 half(0.2f, 0.03f, 0.1f);
+        const glm::vec3 place = point_in(random, {-0.7f, 0.1f, -0.7f}, {0.7f, 1.6f, 0.7f});
+        BodyDesc rest = in_slabs(box(half, i % 2 == 0 ? 1.0f : 20.0f, place), half, 5);
+        rest.linear_velocity = point_in(random, glm::vec3(-4.0f), glm::vec3(4.0f));
+        rest.angular_velocity = point_in(random, glm::vec3(-5.0f), glm::vec3(5.0f));
+        must_add(world, rest);
+    }
+}
+
 // Fast ones, light and heavy, from all sides.
 void shoot(World& world, test::Random& random, int count) {
     for (int i = 0; i < count; ++i) {
@@ -56,6 +68,7 @@ std::vector<uint64_t> story(uint32_t threads) {
     test::Random random(5);
     add_tables(world);
     add_cloud(world, random, 400);
+    add_rests(world, random, 16);
     std::vector<uint64_t> hashes;
     for (int i = 0; i < 150; ++i) {
         if (i == 30) shoot(world, random, 60);
