@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace brittle::tools {
@@ -16,18 +15,21 @@ inline double median(std::vector<double> samples) {
     std::nth_element(samples.begin(), middle, samples.end());
     return *middle;
 }
-// Of the same steps in several runs, as many in each: by step, so that what disturbs one run does not count.
-inline std::vector<double> medians(std::span<const std::vector<double>> runs) {
+// Of the same steps in several runs, as many in each: statistic(times) of each step.
+std::vector<double> by_step(std::span<const std::vector<double>> runs, const auto& statistic) {
     std::vector<double> result;
     for (size_t step = 0; step < runs[0].size(); ++step) {
         std::vector<double> same;
         for (const std::vector<double>& run : runs) same.push_back(run[step]);
-        result.push_back(median(std::move(same)));
+        result.push_back(statistic(same));
     }
     return result;
 }
 inline double longest(std::span<const double> samples) {
     return samples.empty() ? 0.0 : *std::ranges::max_element(samples);
+}
+inline double least(std::span<const double> samples) {
+    return samples.empty() ? 0.0 : *std::ranges::min_element(samples);
 }
 
 } // namespace brittle::tools
