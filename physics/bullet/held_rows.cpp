@@ -13,7 +13,8 @@ constexpr float no_limit = std::numeric_limits<float>::max();
 // Blocks that are solved in all sweeps at once come in groups of so many: each row waits for the one before, and in between those
 // of the other blocks are worked on.
 constexpr uint32_t group_size = 4;
-// Bodies by bundle, those without one behind, of each those with most rows first, as one number to sort by.
+// Bodies by bundle, those without one behind, of each those with most rows first, as one number to sort by: up to 16 million bodies
+// and rows of each, and 65,534 bundles, which have 16 million contacts at least.
 constexpr uint32_t mover_bits = 24, count_bits = 24;
 constexpr uint64_t no_bundle = (uint64_t{1} << (64 - mover_bits - count_bits)) - 1;
 uint64_t key_of(uint32_t bundle, uint32_t count, uint32_t mover) {

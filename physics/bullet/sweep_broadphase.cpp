@@ -321,7 +321,7 @@ void SweepBroadphase::sort(Sorted& sorted) {
     }
 }
 
-// Of those that were there before, but for the ones that were set, the order is known.
+// Of who was there before the order is known.
 void SweepBroadphase::merge_still() {
     come_.ranks.clear();
     std::ranges::set_difference(ranks_, still_ranks_, std::back_inserter(come_.ranks));

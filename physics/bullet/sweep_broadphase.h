@@ -137,8 +137,9 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // The axis on which boxes that were set spread most; one that is about as good is kept.
     [[nodiscard]] int widest_axis() const;
     void sort(Sorted& sorted);
-    // Sorts boxes that were set, and of the others those that were the last time.
+    // Sorts boxes that were set, and puts the others in order.
     void find_moving();
+    // Those that were not set now, from those of the last time and who has come to rest since.
     void merge_still();
     [[nodiscard]] bool is_set(uint32_t rank) const { return changes_[rank] == SweptPairs::Change::set; }
     // One of those that do not meet each other.
@@ -164,7 +165,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     Sorted moving_, debris_, still_; // when pairs were last found: boxes that were set, of debris and not, and the others
     Sorted set_;            // since then
     std::vector<uint32_t> still_ranks_; // of still_, ascending
-    Sorted come_, merged_;              // of one call: those of still_ that were set before, and what becomes of it
+    Sorted come_, merged_;              // of merge_still(): who is new in still_, and what becomes of it
     std::vector<std::vector<SweptPairs::Key>> parts_;      // of one call, as are the next
     std::vector<SweptPairs::Key> found_, scratch_, order_;
     std::vector<uint32_t> ranks_, starts_;
