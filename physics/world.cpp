@@ -322,6 +322,8 @@ size_t World::contact_count() const {
             count +=
                 manifold->getContactPoint(point).getDistance() < touching_distance * bullet_units ? 1u : 0u;
     }
+    for (const GroundManifold* manifold : impl_->engine->ground_contacts.manifolds())
+        for (const GroundPoint& point : manifold->points()) count += point.distance < touching_distance * bullet_units ? 1u : 0u;
     return count;
 }
 

@@ -35,16 +35,22 @@ void World::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) cons
             draw_hull(body.shared[part]->shape, body.shared[part]->edges,
                       frame * body.compound->getChildTransform(static_cast<int>(part)), colour);
     }
+    const auto draw_contact = [&](const btVector3& at, const btVector3& normal, float distance) {
+        if (distance >= touching_distance * bullet_units) return;
+        const glm::vec3 from = metres_from_bullet(at);
+        out.push_back({from, from + to_glm(normal) * contact_line_length, contact_colour});
+    };
     for (int i = 0; draw.contacts && i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);
         for (int p = 0; p < manifold->getNumContacts(); ++p) {
             const btManifoldPoint& point = manifold->getContactPoint(p);
-            if (point.getDistance() >= touching_distance * bullet_units) continue;
-            const glm::vec3 from = metres_from_bullet(point.getPositionWorldOnB());
-            const glm::vec3 normal = to_glm(point.m_normalWorldOnB);
-            out.push_back({from, from + normal * contact_line_length, contact_colour});
+            draw_contact(point.getPositionWorldOnB(), point.m_normalWorldOnB, point.getDistance());
         }
     }
+    if (!draw.contacts) return;
+    for (const GroundManifold* manifold : impl_->engine->ground_contacts.manifolds())
+        for (const GroundPoint& point : manifold->points())
+            draw_contact(unpacked(point.position) - btVector3(0, point.distance, 0), {0, 1, 0}, point.distance);
 }
 
 } // namespace brittle::physics

@@ -65,7 +65,7 @@ struct BodyRecord : BodyForm {
     bool sunk = false;                             // likewise: in the ground, too deep to sleep
     bool resting = false;      // in this step: held where it is, see SteppedWorld::find_resting()
     float unmoved_seconds = 0.0f; // how long nothing has kept it from that
-    uint32_t resting_on = 0;   // manifolds that it had when it came to rest, or in the last step
+    uint32_t resting_on = 0;   // fours of contacts that it had when it came to rest, or in the last step
     std::vector<HullEdge>
         edges; // for debug lines, indices into the points of shape; filled when first asked for
     std::vector<std::shared_ptr<SharedShape>> shared; // of a compound, in the order of its parts

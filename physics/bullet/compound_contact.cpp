@@ -80,6 +80,12 @@ class CompoundPair final : public FollowedContacts {
                                    btManifoldResult*) override {
         return 1.0f;
     }
+    void refresh(btManifoldResult& result) override {
+        for (const Child& child : children_) child.contacts->refresh(result);
+    }
+    void collect(std::vector<AnyManifold>& to) override {
+        for (const Child& child : children_) child.contacts->collect(to);
+    }
     void getAllContactManifolds(btManifoldArray& manifolds) override {
         for (const Child& child : children_) child.contacts->getAllContactManifolds(manifolds);
     }
@@ -138,18 +144,6 @@ class CompoundPair final : public FollowedContacts {
         tree.collideTVNoStackAlloc(tree.m_root, btDbvtVolume::FromMM(box.low, box.high), stack, leaves);
         std::erase_if(near, [&](int index) { return !is_near(sides, index); });
         return near;
-    }
-
-    // Contacts follow the bodies, and those that have come apart go, before new ones are looked for.
-    void refresh(btManifoldResult& result) const {
-        thread_local btManifoldArray manifolds;
-        manifolds.resize(0);
-        for (const Child& child : children_) child.contacts->getAllContactManifolds(manifolds);
-        for (int i = 0; i < manifolds.size(); ++i) {
-            result.setPersistentManifold(manifolds[i]);
-            result.refreshContactPoints();
-        }
-        result.setPersistentManifold(nullptr);
     }
 
     // Calls with a hull of the compound; contacts that are found meanwhile are of that one.

@@ -34,5 +34,12 @@ inline glm::vec3 metres_from_bullet(const btVector3& v) {
 inline glm::quat to_glm(const btQuaternion& q) {
     return {q.w(), q.x(), q.y(), q.z()};
 }
+// Three floats where a btVector3's fourth would be in the way.
+inline std::array<float, 3> packed(const btVector3& v) {
+    return {v.x(), v.y(), v.z()};
+}
+inline btVector3 unpacked(const std::array<float, 3>& v) {
+    return {v[0], v[1], v[2]};
+}
 
 } // namespace brittle::physics

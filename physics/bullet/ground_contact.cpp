@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <deque>
 #include <memory>
 #include <span>
 #include <utility>
@@ -27,16 +28,13 @@ namespace {
 constexpr btScalar resting_distance = 0.02f;
 
 // Contacts of one hull: so many corners carry it, and so many more may be kept from sinking.
-constexpr size_t most_corners = 12;
+constexpr size_t most_corners = GroundManifold::most_points;
 constexpr size_t carrying_corners = 4;
 // A corner that would be deeper than this at the end of the step, in metres, has a contact of its own even where
 // four others carry the body. Left out, it sinks while the body rocks on them.
 constexpr btScalar sunk_depth = 1e-4f;
 // The impact of one corner turns the body, and another comes down faster than it did: a rod's other end by half.
 constexpr btScalar turned_approach = 2.0f;
-// This part of a corner's depth is undone in a step. The ground yields to nobody, so it may be more than between
-// bodies, where each piece that is lifted lifts others.
-constexpr btScalar undone_part = 0.6f;
 
 struct Corner {
     btVector3 position; // of the point on the hull, margin included
@@ -95,35 +93,78 @@ void keep_best(std::vector<Corner>& corners) {
     corners.resize(kept);
 }
 
+// Manifolds stay where they are. Not thread-safe.
+class Manifolds {
+  public:
+    GroundManifold* take() {
+        if (free_.empty()) free_.push_back(&store_.emplace_back());
+        GroundManifold* const taken = free_.back();
+        free_.pop_back();
+        taken->place = static_cast<uint32_t>(used_.size());
+        taken->count = 0;
+        used_.push_back(taken);
+        return taken;
+    }
+    void give_back(GroundManifold* manifold) {
+        used_[manifold->place] = used_.back();
+        used_[manifold->place]->place = manifold->place;
+        used_.pop_back();
+        free_.push_back(manifold);
+    }
+    [[nodiscard]] std::span<GroundManifold* const> used() const { return used_; }
+
+  private:
+    std::deque<GroundManifold> store_;
+    std::vector<GroundManifold*> used_, free_;
+};
+
 // What a contact keeps for the next step.
 struct Memory {
-    int index;
-    btScalar impulse, friction;
-    btVector3 direction; // of friction
+    int corner;
+    float impulse, friction;
+    std::array<float, 3> along;
 };
 
 class HullOnPlane final : public FollowedContacts {
   public:
     HullOnPlane(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* hull,
-                const btCollisionObject* plane)
-        : FollowedContacts(info), hull_(hull), plane_(plane) {}
-    ~HullOnPlane() override { keep_manifolds(0); }
+                const btCollisionObject* plane, Manifolds& manifolds)
+        : FollowedContacts(info), hull_(hull), plane_(plane), manifolds_(manifolds),
+          threshold_(hull->getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold)) {}
+    ~HullOnPlane() override {
+        if (manifold_) manifolds_.give_back(manifold_);
+    }
 
     void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
-                          const btDispatcherInfo& info, btManifoldResult*) override {
-        const btCollisionObjectWrapper& hull = *(first->getCollisionObject() == hull_ ? first : second);
-        std::vector<Corner>& corners = find_corners(hull, info.m_timeStep);
-        keep_best(corners);
-        replace_contacts(corners, hull.m_index);
+                          const btDispatcherInfo& info, btManifoldResult* result) override {
+        if (!manifold_) manifold_ = manifolds_.take();
+        (void)follow(*first, *second, info, *result);
     }
     bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                 const btDispatcherInfo& info, btManifoldResult&) override {
         const btCollisionObjectWrapper& hull = first.getCollisionObject() == hull_ ? first : second;
         std::vector<Corner>& corners = find_corners(hull, info.m_timeStep);
         keep_best(corners);
-        if (manifolds_for(corners) != manifold_count_) return false;
-        replace_contacts(corners, hull.m_index);
+        if (!manifold_ && !corners.empty()) return false;
+        if (manifold_) replace_contacts(corners, hull.m_index);
         return true;
+    }
+    // As Bullet does with manifolds: what has come too far from where it was is no contact any more.
+    void refresh(btManifoldResult&) override {
+        if (!manifold_) return;
+        const btTransform& frame = hull_->getWorldTransform();
+        const auto gone = [&](const GroundPoint& point) {
+            const btVector3 now = frame * unpacked(point.local);
+            const btVector3 below = unpacked(point.position) - btVector3(0, point.distance, 0);
+            const btScalar distance = now.y() - below.y();
+            const btVector3 aside = below - (now - btVector3(0, distance, 0));
+            return distance > threshold_ || aside.length2() > threshold_ * threshold_;
+        };
+        const std::span<GroundPoint> points = manifold_->points();
+        manifold_->count = static_cast<uint32_t>(std::remove_if(points.begin(), points.end(), gone) - points.begin());
+    }
+    void collect(std::vector<AnyManifold>& to) override {
+        if (manifold_ && manifold_->count > 0) to.push_back({.ground = manifold_});
     }
 
     // Only asked for objects that sweep; ours do not.
@@ -131,9 +172,7 @@ class HullOnPlane final : public FollowedContacts {
                                    btManifoldResult*) override {
         return 1.0f;
     }
-    void getAllContactManifolds(btManifoldArray& manifolds) override {
-        for (size_t i = 0; i < manifold_count_; ++i) manifolds.push_back(manifolds_[i]);
-    }
+    void getAllContactManifolds(btManifoldArray&) override {} // none of Bullet's
 
   private:
     // The hull is the body's own or, with a frame of its own, one of a compound's. Valid until the thread's next call.
@@ -186,74 +225,64 @@ class HullOnPlane final : public FollowedContacts {
         return corners;
     }
 
-    static size_t manifolds_for(const std::vector<Corner>& corners) {
-        return (corners.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
-    }
-
     // A corner that was a contact before keeps the impulses that the solver starts from.
-    void replace_contacts(const std::vector<Corner>& corners, int part) {
+    void replace_contacts(const std::vector<Corner>& corners, int hull) {
+        GroundManifold& manifold = *manifold_;
         std::array<Memory, most_corners> old;
-        size_t count = 0;
-        for (size_t m = 0; m < manifold_count_; ++m)
-            for (int i = 0; i < manifolds_[m]->getNumContacts(); ++i) {
-                const btManifoldPoint& point = manifolds_[m]->getContactPoint(i);
-                old[count++] = {point.m_index0, point.m_appliedImpulse, point.m_appliedImpulseLateral1,
-                                point.m_lateralFrictionDir1};
-            }
-        keep_manifolds(manifolds_for(corners));
-        for (size_t m = 0; m < manifold_count_; ++m) {
-            const size_t left = corners.size() - m * MANIFOLD_CACHE_SIZE;
-            manifolds_[m]->setNumContacts(static_cast<int>(std::min<size_t>(left, MANIFOLD_CACHE_SIZE)));
-        }
-        put_contacts(corners, std::span(old).first(count), part);
-    }
-
-    // Written where they are to be: a point has 200 bytes.
-    void put_contacts(const std::vector<Corner>& corners, std::span<const Memory> old, int part) {
-        const btVector3 &hull_at = hull_->getWorldTransform().getOrigin(), &plane_at = plane_->getWorldTransform().getOrigin();
+        const size_t known = manifold.count;
+        std::ranges::transform(manifold.points(), old.begin(), [](const GroundPoint& point) {
+            return Memory{point.corner, point.kept_impulse(), point.kept_friction(), point.along};
+        });
+        manifold.body = btRigidBody::upcast(hull_);
+        manifold.hull = hull;
+        manifold.friction = btManifoldResult::calculateCombinedFriction(hull_, plane_);
+        manifold.restitution = btManifoldResult::calculateCombinedRestitution(hull_, plane_);
+        manifold.count = static_cast<uint32_t>(corners.size());
+        const btVector3& at = hull_->getWorldTransform().getOrigin();
         const btMatrix3x3 to_hull = hull_->getWorldTransform().getBasis().transpose();
-        const btMatrix3x3 to_plane = plane_->getWorldTransform().getBasis().transpose();
-        const btScalar friction = btManifoldResult::calculateCombinedFriction(hull_, plane_);
-        const btScalar restitution = btManifoldResult::calculateCombinedRestitution(hull_, plane_);
         for (size_t i = 0; i < corners.size(); ++i) {
             const Corner& corner = corners[i];
-            const btVector3 below = corner.position - btVector3(0, corner.distance, 0);
-            btManifoldPoint& point = *std::construct_at(
-                &manifolds_[i / MANIFOLD_CACHE_SIZE]->getContactPoint(static_cast<int>(i % MANIFOLD_CACHE_SIZE)),
-                to_hull * (corner.position - hull_at), to_plane * (below - plane_at), btVector3(0, 1, 0), corner.distance);
-            point.m_positionWorldOnA = corner.position;
-            point.m_positionWorldOnB = below;
-            point.m_combinedFriction = friction;
-            point.m_combinedRestitution = restitution;
-            point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
-            point.m_contactERP = undone_part;
-            point.m_index0 = corner.index;
-            point.m_partId0 = part;
-            for (const Memory& before : old) {
-                if (before.index != corner.index) continue;
-                point.m_appliedImpulse = before.impulse;
-                point.m_appliedImpulseLateral1 = before.friction;
-                point.m_lateralFrictionDir1 = before.direction;
+            GroundPoint& point = manifold.all[i];
+            point = {.local = packed(to_hull * (corner.position - at)),
+                     .position = packed(corner.position),
+                     .distance = corner.distance,
+                     .corner = corner.index};
+            for (const Memory& before : std::span(old).first(known)) {
+                if (before.corner != corner.index) continue;
+                point.impulse = before.impulse;
+                point.friction = before.friction;
+                point.along = before.along;
             }
         }
-    }
-
-    void keep_manifolds(size_t count) {
-        while (manifold_count_ > count) m_dispatcher->releaseManifold(manifolds_[--manifold_count_]);
-        while (manifold_count_ < count)
-            manifolds_[manifold_count_++] = m_dispatcher->getNewManifold(hull_, plane_);
     }
 
     const btCollisionObject* hull_;
     const btCollisionObject* plane_;
-    std::array<btPersistentManifold*, most_corners / MANIFOLD_CACHE_SIZE> manifolds_{}; // four contacts each
-    size_t manifold_count_ = 0;
+    Manifolds& manifolds_;
+    GroundManifold* manifold_ = nullptr; // from the first contact on
+    btScalar threshold_;                 // of what counts as one contact from step to step
+};
+
+struct CreateHullOnPlane final : btCollisionAlgorithmCreateFunc {
+    explicit CreateHullOnPlane(Manifolds& manifolds, bool swapped) : manifolds_(manifolds) { m_swapped = swapped; }
+
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* first,
+                                                   const btCollisionObjectWrapper* second) override {
+        if (m_swapped) std::swap(first, second);
+        void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(HullOnPlane));
+        return new (place) HullOnPlane(info, first->getCollisionObject(), second->getCollisionObject(), manifolds_);
+    }
+
+  private:
+    Manifolds& manifolds_;
 };
 
 } // namespace
 
 struct GroundContacts::Impl {
-    CreateContacts<HullOnPlane> hull_first{false}, plane_first{true};
+    Manifolds manifolds;
+    CreateHullOnPlane hull_first{manifolds, false}, plane_first{manifolds, true};
 };
 
 GroundContacts::GroundContacts(btCollisionDispatcher& dispatcher) : impl_(std::make_unique<Impl>()) {
@@ -263,6 +292,10 @@ GroundContacts::GroundContacts(btCollisionDispatcher& dispatcher) : impl_(std::m
                                            &impl_->plane_first);
 }
 GroundContacts::~GroundContacts() = default;
+
+std::span<GroundManifold* const> GroundContacts::manifolds() const {
+    return impl_->manifolds.used();
+}
 
 int GroundContacts::pair_size() {
     return static_cast<int>(sizeof(HullOnPlane));

@@ -5,19 +5,56 @@
 // every corner of the hull is looked at, each with the distance it can travel in the coming step: a corner
 // that would reach the ground gets its contact before it does, and the solver lets it come just as far.
 //
-// Four corners carry a hull. Up to eight more that would sink have contacts too, in manifolds of their own: with four,
-// the deepest one and those far from it, a piece with two low corners rocks between two choices of four, and each
-// corner sinks while it is not chosen, millimetres deep and for ever.
+// Four corners carry a hull. Up to eight more that would sink have contacts too: with four, the deepest one and those far from
+// it, a piece with two low corners rocks between two choices of four, and each corner sinks while it is not chosen, millimetres
+// deep and for ever.
+//
+// Half of all contacts are with the ground, so they are kept apart from Bullet's, which have three times the size, and four
+// at most: what a step goes through again and again should fit into the processor's cache.
 //
 // A limit: the step that ends on the ground does so without a bounce from full speed, so fast impacts on the
 // ground bounce less than their restitution says.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
+#include <span>
 
 class btCollisionDispatcher;
+class btRigidBody;
 
 namespace brittle::physics {
+
+// A corner that touches the ground or may come to it in this step. Bullet's units.
+struct alignas(64) GroundPoint {
+    std::array<float, 3> local{};    // on the hull, margin included: in the body's frame
+    std::array<float, 3> position{}; // the same in the world, when contacts were found
+    float distance = 0.0f;           // above the ground, likewise
+    int corner = 0;                  // of the hull
+    // Of the last solution: the speed at which it came down, the impulse on the hull along +Y, and that of friction in a direction.
+    float speed = 0.0f, impulse = 0.0f, friction = 0.0f;
+    std::array<float, 3> along{};
+    bool blow = false; // so hard that the next solution does not start from it
+
+    [[nodiscard]] float kept_impulse() const { return blow ? 0.0f : impulse; }
+    [[nodiscard]] float kept_friction() const { return blow ? 0.0f : friction; }
+};
+
+// All of a hull's contacts with the ground.
+struct GroundManifold {
+    static constexpr uint32_t most_points = 12;
+
+    const btRigidBody* body = nullptr;
+    int hull = -1; // of a compound; -1 for the only one
+    uint32_t count = 0;
+    float friction = 0.0f, restitution = 0.0f; // combined with the ground's
+    std::array<GroundPoint, most_points> all{};
+    uint32_t place = 0; // among all manifolds
+
+    [[nodiscard]] std::span<GroundPoint> points() { return std::span(all).first(count); }
+    [[nodiscard]] std::span<const GroundPoint> points() const { return std::span(all).first(count); }
+};
 
 class GroundContacts {
   public:
@@ -25,6 +62,9 @@ class GroundContacts {
     // a frame without rotation. Must outlive the dispatcher's pairs.
     explicit GroundContacts(btCollisionDispatcher& dispatcher);
     ~GroundContacts();
+
+    // Of all pairs, also of bodies that sleep; some may have no points.
+    [[nodiscard]] std::span<GroundManifold* const> manifolds() const;
 
     // Bytes that the dispatcher's pool must have for a pair.
     static int pair_size();

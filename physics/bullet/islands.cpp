@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "physics/bullet/narrow_phase.h"
+
 namespace brittle::physics {
 
 namespace {
@@ -92,17 +94,16 @@ void Islands::unite(const btBroadphasePair& pair) {
 
 void Islands::collect(const SweptPairs& pairs, bool all, fracture::Threads& threads) {
     const uint32_t count = count_of(pairs, all);
-    std::vector<btManifoldArray> parts(threads.chunks(count, least_pairs));
+    std::vector<std::vector<AnyManifold>> parts(threads.chunks(count, least_pairs));
     threads.for_chunks(count, least_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for_each(pairs, all, begin, end, [&](const btBroadphasePair& pair) {
             const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
             const bool rest = (!moves(first) || sleeps(first)) && (!moves(second) || sleeps(second));
-            if (!rest && pair.m_algorithm) pair.m_algorithm->getAllContactManifolds(parts[chunk]);
+            if (!rest) collect_manifolds(pair, parts[chunk]);
         });
     });
     manifolds_.clear();
-    for (const btManifoldArray& part : parts)
-        for (int i = 0; i < part.size(); ++i) manifolds_.push_back(part[i]);
+    for (const std::vector<AnyManifold>& part : parts) manifolds_.insert(manifolds_.end(), part.begin(), part.end());
 }
 
 } // namespace brittle::physics

@@ -16,6 +16,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "fracture/parallel.h"
+#include "physics/bullet/any_manifold.h"
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/sweep_broadphase.h"
 
@@ -31,7 +32,7 @@ class Islands {
     [[nodiscard]] const std::vector<BodyRecord*>& woken() const { return woken_; }           // slept until now
     [[nodiscard]] const std::vector<BodyRecord*>& fallen_asleep() const { return asleep_; } // were awake until now
     // With at least one body that is awake.
-    [[nodiscard]] const std::vector<btPersistentManifold*>& manifolds() const { return manifolds_; }
+    [[nodiscard]] const std::vector<AnyManifold>& manifolds() const { return manifolds_; }
     // The user index of one of the bodies of the island, the same for all of them. Of bodies that are awake.
     [[nodiscard]] uint32_t of(const BodyRecord& body) const {
         return parents_[static_cast<size_t>(body.rigid->getUserIndex())];
@@ -48,7 +49,7 @@ class Islands {
     std::vector<uint8_t> lively_;   // by root: whether one of the island wants to be awake
     std::vector<uint32_t> members_; // bodies that are looked at
     std::vector<BodyRecord*> awake_, woken_, asleep_;
-    std::vector<btPersistentManifold*> manifolds_;
+    std::vector<AnyManifold> manifolds_;
 };
 
 } // namespace brittle::physics

@@ -67,7 +67,40 @@ void process(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const bt
     pair.m_algorithm->processCollision(&met.first, &met.second, info, &met.contacts);
 }
 
+// Valid until the thread's next call.
+btManifoldArray& manifolds_of(btCollisionAlgorithm& algorithm) {
+    thread_local btManifoldArray manifolds;
+    manifolds.resize(0);
+    algorithm.getAllContactManifolds(manifolds);
+    return manifolds;
+}
+
+void add_manifolds(btCollisionAlgorithm& algorithm, std::vector<AnyManifold>& to) {
+    const btManifoldArray& manifolds = manifolds_of(algorithm);
+    for (int i = 0; i < manifolds.size(); ++i) to.push_back({.bodies = manifolds[i]});
+}
+
 } // namespace
+
+void FollowedContacts::refresh(btManifoldResult& result) {
+    const btManifoldArray& manifolds = manifolds_of(*this);
+    for (int i = 0; i < manifolds.size(); ++i) {
+        result.setPersistentManifold(manifolds[i]);
+        result.refreshContactPoints();
+    }
+    result.setPersistentManifold(nullptr);
+}
+
+void FollowedContacts::collect(std::vector<AnyManifold>& to) {
+    add_manifolds(*this, to);
+}
+
+void collect_manifolds(const btBroadphasePair& pair, std::vector<AnyManifold>& to) {
+    if (auto* const followed = static_cast<FollowedContacts*>(pair.m_internalInfo1))
+        followed->collect(to);
+    else if (pair.m_algorithm)
+        add_manifolds(*pair.m_algorithm, to);
+}
 
 void find_contacts(SweptPairs& pairs, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info,
                    fracture::Threads& threads) {

@@ -8,12 +8,14 @@
 
 #include <new>
 #include <utility>
+#include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
 #include "fracture/parallel.h"
+#include "physics/bullet/any_manifold.h"
 #include "physics/bullet/sweep_broadphase.h"
 
 namespace brittle::physics {
@@ -26,7 +28,14 @@ class FollowedContacts : public btCollisionAlgorithm {
     // Does what processCollision() does, without the dispatcher. False where it is needed: then processCollision() must follow.
     virtual bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                         const btDispatcherInfo& info, btManifoldResult& result) = 0;
+    // Contacts that it has follow the bodies, and those that have come apart go. Of a hull of a compound, before others are looked for.
+    virtual void refresh(btManifoldResult& result);
+    // Adds what it has.
+    virtual void collect(std::vector<AnyManifold>& to);
 };
+
+// Of any algorithm of the dispatcher's; adds its manifolds.
+void collect_manifolds(const btBroadphasePair& pair, std::vector<AnyManifold>& to);
 
 // Makes an Algorithm(info, first, second) of two objects, the other way round where they come swapped.
 template<class Algorithm> struct CreateContacts final : btCollisionAlgorithmCreateFunc {

@@ -7,6 +7,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include "physics/bullet/any_manifold.h"
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/row_solver.h"
 #include "physics/world.h"
@@ -20,11 +21,11 @@ namespace brittle::physics {
 // moved apart: with the velocities of before, so that in between, where things break, angular momentum is that of the impulses.
 class PieceSolver {
   public:
-    PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
-        : settings_(settings), bodies_(bodies) {}
+    PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies, const GroundContacts& ground)
+        : settings_(settings), bodies_(bodies), ground_(ground) {}
 
-    // Of bodies that are awake, and all contacts that any of them has.
-    void solve(std::span<BodyRecord* const> awake, std::span<btPersistentManifold* const> manifolds,
+    // Of bodies that are awake, and all contacts that any of them has; those must stay until they are told or a body goes.
+    void solve(std::span<BodyRecord* const> awake, std::span<const AnyManifold> manifolds,
                fracture::Threads& threads);
     // Those of the last step that were solved, in the order of manifolds. They are told when they are first asked for, as not
     // everybody wants them: that must be before a body goes.
@@ -40,10 +41,13 @@ class PieceSolver {
     void report_solved();
     void report_sleeping(btDispatcher& dispatcher);
     [[nodiscard]] Contact contact_between(const btPersistentManifold& manifold, const btManifoldPoint& point) const;
+    [[nodiscard]] Contact contact_on_ground(const GroundManifold& manifold, const GroundPoint& point, float impulse, float friction) const;
 
     RowSolver rows_;
     const WorldSettings& settings_;
     const std::vector<std::unique_ptr<BodyRecord>>& bodies_;
+    const GroundContacts& ground_;
+    std::span<const AnyManifold> manifolds_; // of the last step
     std::vector<Contact> contacts_;
     size_t solved_count_ = 0; // of contacts_: they come first
     enum class Told { none, solved, all } told_ = Told::all; // what of the last step contacts_ has

@@ -20,6 +20,8 @@ constexpr float kept_impulse = 0.85f;
 // The part of an overlap that is undone in a step, and by how much less by turning than by moving.
 constexpr float undone_part = 0.2f;
 constexpr float undone_by_turning = 0.1f;
+// The ground yields to nobody, so it may be more there than between bodies, where each piece that is lifted lifts others.
+constexpr float undone_part_on_ground = 0.6f;
 // Contacts that were closing faster than this, in m/s, are blows. The next step's solution starts from the impulses of the
 // last one's, and what stopped a blow is a hundred times what will be needed: what the sweeps do not get rid of
 // would be energy from nothing.
@@ -41,14 +43,14 @@ constexpr uint32_t least_bundle = 256;
 
 } // namespace
 
-void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<btPersistentManifold* const> manifolds,
+void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds,
                       const Step& step, fracture::Threads& threads) {
     take_bodies(bodies, step);
     order(manifolds, threads);
     make_rows(manifolds, step, threads);
     take_deep();
     solve_rows(step.sweeps, threads);
-    hand_back(bodies, step.seconds, threads);
+    hand_back(bodies, manifolds, step.seconds, threads);
 }
 
 // None of the tasks looks at what another one changes; side by side where that is worth it, the longest ones first.
@@ -107,19 +109,20 @@ void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& ste
     }
 }
 
-RowSolver::Between RowSolver::between(const btPersistentManifold& manifold) const {
+RowSolver::Between RowSolver::between(const AnyManifold& manifold) const {
     const auto mover = [this](const btCollisionObject* object) {
         return never_moves(object) ? nobody : indices_[static_cast<size_t>(object->getUserIndex())];
     };
-    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
-    return {a, b, mover(a), mover(b), static_cast<uint32_t>(manifold.getNumContacts())};
+    if (manifold.ground) return {manifold.ground->body, nullptr, mover(manifold.ground->body), nobody, manifold.count()};
+    const btCollisionObject *a = manifold.bodies->getBody0(), *b = manifold.bodies->getBody1();
+    return {a, b, mover(a), mover(b), manifold.count()};
 }
 
 // A sort by counting.
-void RowSolver::order(std::span<btPersistentManifold* const> manifolds, fracture::Threads& threads) {
+void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads& threads) {
     betweens_.resize(manifolds.size());
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) betweens_[i] = between(*manifolds[i]);
+        for (uint32_t i = begin; i < end; ++i) betweens_[i] = between(manifolds[i]);
     });
     bundles_.start(movers_.size());
     for (const Between& two : betweens_)
@@ -127,13 +130,17 @@ void RowSolver::order(std::span<btPersistentManifold* const> manifolds, fracture
     bundles_.finish(least_bundle);
     keys_.clear();
     firsts_.clear();
+    solved_firsts_.clear();
     starts_.assign((bundles_.count() + 1) * most_points + 1, 0);
     const Between* before = nullptr;
     uint32_t place = 0; // among the points of the same two bodies
+    uint32_t solved = 0;
     for (const Between& two : betweens_) {
         if (!before || before->a != two.a || before->b != two.b) place = 0;
         before = &two;
         firsts_.push_back(static_cast<uint32_t>(keys_.size()));
+        solved_firsts_.push_back(solved);
+        if (two.b) solved += two.count;
         if (two.count == 0) continue;
         const uint32_t first_key = (two.held() ? bundles_.count() : bundles_.of(two.mover_a)) * most_points;
         for (uint32_t i = 0; i < two.count; ++i, ++place) {
@@ -141,6 +148,7 @@ void RowSolver::order(std::span<btPersistentManifold* const> manifolds, fracture
             ++starts_[keys_.back() + 1];
         }
     }
+    solved_.resize(solved);
     for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     begins_.clear();
     for (size_t key = 0; key < starts_.size() - 1; key += most_points) begins_.push_back(starts_[key]);
@@ -161,34 +169,79 @@ void RowSolver::order_held() {
     held_rows_.arrange(held_movers_, lights_, bundles_);
 }
 
-void RowSolver::make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step, fracture::Threads& threads) {
+void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& step, fracture::Threads& threads) {
     contacts_.resize(held_);
     frictions_.resize(held_);
     coefficients_.resize(held_);
     depths_.resize(places_.size());
-    solved_.resize(places_.size());
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) make_rows(*manifolds[i], firsts_[i], step);
+        for (uint32_t i = begin; i < end; ++i)
+            if (manifolds[i].ground)
+                make_rows(*manifolds[i].ground, places_of(i), step);
+            else
+                make_rows(*manifolds[i].bodies, places_of(i), solved_of(i), step);
     });
 }
 
-void RowSolver::make_rows(btPersistentManifold& manifold, uint32_t first, const Step& step) {
+std::span<const uint32_t> RowSolver::places_of(size_t manifold) const {
+    return std::span(places_).subspan(firsts_[manifold], betweens_[manifold].count);
+}
+
+std::span<RowSolver::Solved> RowSolver::solved_of(size_t manifold) {
+    return std::span(solved_).subspan(solved_firsts_[manifold], betweens_[manifold].count);
+}
+
+void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved,
+                          const Step& step) {
     // What is deeper than a step may undo counts as that deep.
     const float deepest = step.separation_speed * step.seconds / undone_part;
     const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
-    const bool held = never_moves(a) || never_moves(b), ground = a->getUserIndex() < 0 || b->getUserIndex() < 0;
-    for (int i = 0; i < manifold.getNumContacts(); ++i) {
-        btManifoldPoint& point = manifold.getContactPoint(i);
+    const bool turned = never_moves(a), held = turned || never_moves(b);
+    for (size_t i = 0; i < places.size(); ++i) {
+        btManifoldPoint& point = manifold.getContactPoint(static_cast<int>(i));
         const btVector3 &on_a = point.getPositionWorldOnA(), &on_b = point.getPositionWorldOnB();
-        Solved& contact = solved_[first + static_cast<uint32_t>(i)];
-        contact = {.manifold = &manifold,
-                   .point = &point,
-                   .position = !held ? 0.5f * (on_a + on_b) : never_moves(b) ? on_a : on_b,
-                   .distance = ground ? point.getDistance() : std::max(point.getDistance(), -deepest),
-                   .speed = 0.0f,
-                   .impulse = 0.0f,
-                   .friction = {0, 0, 0}};
-        make_rows(contact, places_[first + static_cast<uint32_t>(i)], step);
+        const btVector3 position = !held ? 0.5f * (on_a + on_b) : turned ? on_b : on_a;
+        const float distance = std::max(point.getDistance(), -deepest);
+        const auto turn = [&](const btVector3& v) { return turned ? -v : v; };
+        const Rubbing made = make_rows({.a = side_of(turned ? b : a, position),
+                                        .b = side_of(turned ? a : b, position),
+                                        .normal = turn(point.m_normalWorldOnB),
+                                        .distance = distance,
+                                        .undone_part = undone_part,
+                                        .restitution = point.m_combinedRestitution,
+                                        .coefficient = point.m_combinedFriction,
+                                        .impulse = point.m_appliedImpulse,
+                                        .friction = point.m_appliedImpulseLateral1,
+                                        .along = turn(point.m_lateralFrictionDir1),
+                                        .odd = i % 2 != 0},
+                                       places[i], step);
+        solved[i] = {.manifold = &manifold,
+                     .point = &point,
+                     .position = position,
+                     .distance = distance,
+                     .speed = made.speed,
+                     .impulse = 0.0f,
+                     .friction = turn(made.along)};
+    }
+}
+
+void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
+    for (size_t i = 0; i < places.size(); ++i) {
+        GroundPoint& point = ground.all[i];
+        const Rubbing made = make_rows({.a = side_of(ground.body, unpacked(point.position)),
+                                        .b = {},
+                                        .normal = {0, 1, 0},
+                                        .distance = point.distance,
+                                        .undone_part = undone_part_on_ground,
+                                        .restitution = ground.restitution,
+                                        .coefficient = ground.friction,
+                                        .impulse = point.kept_impulse(),
+                                        .friction = point.kept_friction(),
+                                        .along = unpacked(point.along),
+                                        .odd = i % 2 != 0},
+                                       places[i], step);
+        point.speed = made.speed;
+        point.along = packed(made.along);
     }
 }
 
@@ -227,49 +280,43 @@ Row RowSolver::row_along(const btVector3& normal, const Side& a, const Side& b) 
     return row;
 }
 
-void RowSolver::make_rows(Solved& contact, size_t place, const Step& step) {
-    const btManifoldPoint& point = *contact.point;
-    Side a = side_of(contact.manifold->getBody0(), contact.position);
-    Side b = side_of(contact.manifold->getBody1(), contact.position);
-    const bool turned = !a.mover;
-    if (turned) std::swap(a, b);
-    const btVector3 normal = turned ? -point.m_normalWorldOnB : point.m_normalWorldOnB;
-
+inline RowSolver::Rubbing RowSolver::make_rows(const Touch& touch, size_t place, const Step& step) {
+    const auto& [a, b, normal, distance, undone, restitution, coefficient, impulse, rubbed, rubbed_along, odd] = touch;
     Row row = row_along(normal, a, b);
     // Between those that rest, or where one does on what never moves: all stays as it is.
     const bool still = row.gain == 0.0f;
     const float apart = still ? 0.0f : -row.wanted / row.gain;
     // Before the step's gravity, which is the same for both where both move.
     const float before = b.mover || still ? apart : apart - normal.dot(step.gravity) * step.seconds;
-    contact.speed = -before;
-    const float bounce =
-        std::abs(before) < step.least_bounce_speed ? 0.0f : std::max(0.0f, -before * point.m_combinedRestitution);
-    row.wanted += (bounce - std::max(contact.distance, 0.0f) / step.seconds) * row.gain;
-    row.impulse = point.m_appliedImpulse * (still ? 1.0f : kept_impulse);
-    const float undone = (point.m_contactPointFlags & BT_CONTACT_FLAG_HAS_CONTACT_ERP) != 0 ? point.m_contactERP : undone_part;
-    depths_[place] = std::max(-contact.distance, 0.0f) * undone / step.seconds * row.gain;
+    const float bounce = std::abs(before) < step.least_bounce_speed ? 0.0f : std::max(0.0f, -before * restitution);
+    row.wanted += (bounce - std::max(distance, 0.0f) / step.seconds) * row.gain;
+    row.impulse = impulse * (still ? 1.0f : kept_impulse);
+    depths_[place] = std::max(-distance, 0.0f) * undone / step.seconds * row.gain;
 
     btVector3 sliding = a.mover->linear + a.mover->angular.cross(a.arm);
     if (b.mover) sliding -= b.mover->linear + b.mover->angular.cross(b.arm);
     sliding -= normal * apart;
     btVector3 along;
-    if (still && point.m_lateralFrictionDir1.length2() > 0.5f)
-        along = turned ? -point.m_lateralFrictionDir1 : point.m_lateralFrictionDir1;
+    if (still && rubbed_along.length2() > 0.5f)
+        along = rubbed_along;
     else if (const float square = sliding.length2(); square > SIMD_EPSILON)
         along = sliding / std::sqrt(square);
     else {
         // Points beside each other take turns, so that together they hold both ways.
         btVector3 across;
         btPlaneSpace1(normal, along, across);
-        if ((&point - &contact.manifold->getContactPoint(0)) % 2 != 0) along = across;
+        if (odd) along = across;
     }
-    contact.friction = turned ? -along : along;
     Row friction = row_along(along, a, b);
-    if (still) friction.impulse = point.m_appliedImpulseLateral1;
-    if (place >= held_) return held_rows_.put(place - held_, row, friction, point.m_combinedFriction);
-    contacts_[place] = row;
-    frictions_[place] = friction;
-    coefficients_[place] = point.m_combinedFriction;
+    if (still) friction.impulse = rubbed;
+    if (place >= held_) {
+        held_rows_.put(place - held_, row, friction, coefficient);
+    } else {
+        contacts_[place] = row;
+        frictions_[place] = friction;
+        coefficients_[place] = coefficient;
+    }
+    return {.speed = -before, .along = along};
 }
 
 void RowSolver::press(std::span<Row> rows, Motion* motions) {
@@ -342,12 +389,20 @@ void RowSolver::move_apart(Deep& deep, int sweeps) {
     }
 }
 
-void RowSolver::hand_back(std::span<BodyRecord* const> bodies, float seconds, fracture::Threads& threads) {
+void RowSolver::hand_back(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
+                          fracture::Threads& threads) {
     threads.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) hand_back(*bodies[i], i, seconds);
     });
-    threads.for_chunks(static_cast<uint32_t>(solved_.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) hand_back(solved_[i], places_[i]);
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            const std::span<const uint32_t> places = places_of(i);
+            for (size_t k = 0; k < places.size(); ++k)
+                if (manifolds[i].ground)
+                    hand_back(manifolds[i].ground->all[k], places[k]);
+                else
+                    hand_back(solved_of(i)[k], places[k]);
+        }
     });
 }
 
@@ -363,16 +418,27 @@ void RowSolver::hand_back(BodyRecord& body, size_t mover, float seconds) const {
     body.repair.setRotation(angle > 0.0f ? btQuaternion(turn / angle, angle) : btQuaternion::getIdentity());
 }
 
+HeldRows::Impulses RowSolver::impulses(size_t place) const {
+    if (place >= held_) return held_rows_.impulses(place - held_);
+    return {contacts_[place].impulse, frictions_[place].impulse};
+}
+
 void RowSolver::hand_back(Solved& contact, size_t place) const {
     btManifoldPoint& point = *contact.point;
-    const auto [pressed, rubbed] = place < held_ ? HeldRows::Impulses{contacts_[place].impulse, frictions_[place].impulse}
-                                                 : held_rows_.impulses(place - held_);
+    const auto [pressed, rubbed] = impulses(place);
     point.m_lateralFrictionDir1 = contact.friction;
     contact.impulse = pressed;
     contact.friction = point.m_lateralFrictionDir1 * rubbed;
     const bool blow = contact.speed > blow_speed * bullet_units;
     point.m_appliedImpulse = blow ? 0.0f : contact.impulse;
     point.m_appliedImpulseLateral1 = blow ? 0.0f : rubbed;
+}
+
+void RowSolver::hand_back(GroundPoint& contact, size_t place) const {
+    const auto [pressed, rubbed] = impulses(place);
+    contact.impulse = pressed;
+    contact.friction = rubbed;
+    contact.blow = contact.speed > blow_speed * bullet_units;
 }
 
 } // namespace brittle::physics

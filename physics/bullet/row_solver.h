@@ -26,6 +26,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "fracture/parallel.h"
+#include "physics/bullet/any_manifold.h"
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/bundles.h"
 #include "physics/bullet/held_rows.h"
@@ -42,7 +43,7 @@ class RowSolver {
         float separation_speed = 0.0f;  // at which overlap of bodies that both move is undone, at most
         float least_bounce_speed = 0.0f; // slower blows do not bounce
     };
-    // What became of one point of a contact.
+    // What became of one point of a contact of two bodies.
     struct Solved {
         const btPersistentManifold* manifold;
         btManifoldPoint* point;
@@ -55,9 +56,9 @@ class RowSolver {
 
     // Of bodies that are awake, and all contacts that any of them has. Changes their velocities by gravity and contacts, leaves
     // impulses in the points of the manifolds, and in the bodies the repair of overlap.
-    void solve(std::span<BodyRecord* const> bodies, std::span<btPersistentManifold* const> manifolds, const Step& step,
+    void solve(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
                fracture::Threads& threads);
-    // In the order of manifolds and their points.
+    // In the order of manifolds and their points; of contacts with the ground, those keep it (GroundPoint).
     [[nodiscard]] std::span<const Solved> solved() const { return solved_; }
 
   private:
@@ -82,15 +83,32 @@ class RowSolver {
         btVector3 arm;
     };
 
+    // What the rows of a contact are made of.
+    struct Touch {
+        Side a, b;                          // a moves
+        btVector3 normal;                   // from b to a
+        float distance, undone_part;        // overlap as far as it counts, and the part of it that is undone
+        float restitution, coefficient;     // of friction
+        float impulse, friction;            // to start from
+        btVector3 along;                    // in which friction acted on a
+        bool odd;                           // the place among its manifold's points
+    };
+
     void take_bodies(std::span<BodyRecord* const> bodies, const Step& step);
     // Where each point is solved: by bundles, of each first points of pairs first; contacts with what never moves last.
-    void order(std::span<btPersistentManifold* const> manifolds, fracture::Threads& threads);
+    void order(std::span<const AnyManifold> manifolds, fracture::Threads& threads);
     void order_held();
-    [[nodiscard]] Between between(const btPersistentManifold& manifold) const;
-    void make_rows(std::span<btPersistentManifold* const> manifolds, const Step& step, fracture::Threads& threads);
-    // Of the manifold's points, the first of which is that one of all.
-    void make_rows(btPersistentManifold& manifold, uint32_t first, const Step& step);
-    void make_rows(Solved& contact, size_t place, const Step& step);
+    [[nodiscard]] Between between(const AnyManifold& manifold) const;
+    void make_rows(std::span<const AnyManifold> manifolds, const Step& step, fracture::Threads& threads);
+    // Of the manifold's points, the first of which has that place, and among those of two bodies that one.
+    void make_rows(btPersistentManifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved, const Step& step);
+    void make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
+    // What is made of it: the speed at which the sides approach, and the direction of friction, on a.
+    struct Rubbing {
+        float speed;
+        btVector3 along;
+    };
+    Rubbing make_rows(const Touch& touch, size_t place, const Step& step);
     static Row row_along(const btVector3& normal, const Side& a, const Side& b);
     [[nodiscard]] Side side_of(const btCollisionObject* object, const btVector3& position) const;
 
@@ -110,9 +128,15 @@ class RowSolver {
     void take_deep();
     void move_apart(Deep& deep, int sweeps);
     void solve_rows(int sweeps, fracture::Threads& threads);
-    void hand_back(std::span<BodyRecord* const> bodies, float seconds, fracture::Threads& threads);
+    void hand_back(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
+                   fracture::Threads& threads);
     void hand_back(BodyRecord& body, size_t mover, float seconds) const;
     void hand_back(Solved& contact, size_t place) const;
+    void hand_back(GroundPoint& contact, size_t place) const;
+    [[nodiscard]] HeldRows::Impulses impulses(size_t place) const;
+    // Places of a manifold's points, and what becomes of them.
+    [[nodiscard]] std::span<const uint32_t> places_of(size_t manifold) const;
+    [[nodiscard]] std::span<Solved> solved_of(size_t manifold);
 
     std::vector<Mover> movers_;
     std::vector<float> lights_;     // of the movers
@@ -122,7 +146,7 @@ class RowSolver {
     std::vector<Solved> solved_;
     std::vector<uint32_t> keys_, starts_, places_; // of order()
     std::vector<Between> betweens_;                // by manifold
-    std::vector<uint32_t> firsts_;                 // likewise: its first point among all
+    std::vector<uint32_t> firsts_, solved_firsts_; // likewise: its first point among all, and among those of two bodies
     std::vector<Row> contacts_, frictions_;        // side by side, where both bodies move
     std::vector<float> coefficients_;              // of friction, beside them
     std::vector<float> depths_;                    // by place: wanted where overlap is undone; 0: there is none

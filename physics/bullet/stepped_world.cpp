@@ -64,10 +64,10 @@ void SteppedWorld::for_each_body(std::span<BodyRecord* const> bodies, const auto
 }
 
 void SteppedWorld::for_each_contact(const auto& visit) {
-    const std::vector<btPersistentManifold*>& all = islands_.manifolds();
+    const std::vector<AnyManifold>& all = islands_.manifolds();
     threads_.for_chunks(static_cast<uint32_t>(all.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i)
-            if (all[i]->getNumContacts() > 0) visit(*all[i]);
+            if (all[i].count() > 0) visit(all[i]);
     });
 }
 
@@ -153,16 +153,26 @@ void SteppedWorld::find_resting(btScalar seconds) {
     const auto ready = [](const btRigidBody& rigid) { return rigid.getActivationState() == WANTS_DEACTIVATION; };
     for (const BodyRecord* body : islands_.awake())
         if (is_fast(*body) || (rises(*body) && waited(*body) >= settings_.sleep_seconds)) company_[islands_.of(*body)].busy = true;
-    for_each_contact([&](const btPersistentManifold& manifold) {
+    const auto note_contacts = [&](const btCollisionObject& body, uint32_t fours, bool pressed) -> Company& {
+        Company& company = company_[static_cast<size_t>(body.getUserIndex())];
+        std::atomic_ref(company.fours).fetch_add(fours, std::memory_order_relaxed);
+        if (pressed) note(company.pressed);
+        return company;
+    };
+    for_each_contact([&](const AnyManifold& manifold) {
+        if (const GroundManifold* const ground = manifold.ground) {
+            const bool pressed = std::ranges::any_of(ground->points(), [](const GroundPoint& p) { return p.kept_impulse() > 0.0f; });
+            note_contacts(*ground->body, (ground->count + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE, pressed);
+            return;
+        }
+        const btPersistentManifold& between = *manifold.bodies;
         bool pressed = false;
-        for (int p = 0; p < manifold.getNumContacts(); ++p)
-            pressed = pressed || manifold.getContactPoint(p).m_appliedImpulse > 0.0f;
+        for (int p = 0; p < between.getNumContacts(); ++p)
+            pressed = pressed || between.getContactPoint(p).m_appliedImpulse > 0.0f;
         for (const auto& [one, other] :
-             {std::pair(manifold.getBody0(), manifold.getBody1()), std::pair(manifold.getBody1(), manifold.getBody0())}) {
+             {std::pair(between.getBody0(), between.getBody1()), std::pair(between.getBody1(), between.getBody0())}) {
             if (one->isStaticObject()) continue;
-            Company& company = company_[static_cast<size_t>(one->getUserIndex())];
-            std::atomic_ref(company.manifolds).fetch_add(1, std::memory_order_relaxed);
-            if (pressed) note(company.pressed);
+            Company& company = note_contacts(*one, 1, pressed);
             if (other->isStaticObject()) continue;
             const btRigidBody& touched = *btRigidBody::upcast(other);
             if (!ready(touched) && speed_of(touched) > 1.0f) note(company.disturbed);
@@ -170,13 +180,13 @@ void SteppedWorld::find_resting(btScalar seconds) {
     });
     for (BodyRecord* body : islands_.awake()) {
         const Company& company = company_[static_cast<size_t>(body->rigid->getUserIndex())];
-        const bool left = company.manifolds < body->resting_on;
+        const bool left = company.fours < body->resting_on;
         const bool alone = company_[islands_.of(*body)].busy || company.disturbed || left || !ready(*body->rigid);
         // What falls is too fast after its first step, and nothing presses on it.
         const bool carried = body->resting || (company.pressed && speed_of(*body->rigid) <= 1.0f);
         body->unmoved_seconds = alone ? 0.0f : body->unmoved_seconds + seconds;
         const bool rests = body->unmoved_seconds >= let_go_seconds && carried;
-        if (!body->resting || !rests) body->resting_on = company.manifolds;
+        if (!body->resting || !rests) body->resting_on = company.fours;
         body->resting = rests;
         if (!rests) continue;
         body->rigid->setLinearVelocity({0, 0, 0});
@@ -306,18 +316,19 @@ void SteppedWorld::count_quiet(BodyRecord& body, btScalar seconds) const {
 
 void SteppedWorld::find_touching(btScalar seconds) {
     for_each_body(islands_.awake(), [](BodyRecord& body) { body.touching = body.sunk = false; });
-    for_each_contact([&](const btPersistentManifold& manifold) {
-        for (const btCollisionObject* object : {manifold.getBody0(), manifold.getBody1()})
-            if (object->getUserIndex() >= 0) note(bodies_[static_cast<size_t>(object->getUserIndex())]->touching);
-        if (manifold.getBody1()->getUserIndex() >= 0) return;
-        // Contacts with the ground have the body first.
-        BodyRecord& body = *bodies_[static_cast<size_t>(manifold.getBody0()->getUserIndex())];
+    for_each_contact([&](const AnyManifold& manifold) {
+        if (!manifold.ground) {
+            for (const btCollisionObject* object : {manifold.bodies->getBody0(), manifold.bodies->getBody1()})
+                note(bodies_[static_cast<size_t>(object->getUserIndex())]->touching);
+            return;
+        }
+        BodyRecord& body = *bodies_[static_cast<size_t>(manifold.ground->body->getUserIndex())];
+        note(body.touching);
         // After the step, which may have turned a corner down.
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-            const btManifoldPoint& point = manifold.getContactPoint(p);
-            const btVector3 arm = point.getPositionWorldOnA() - body.blow_frame.getOrigin();
-            const btScalar rise = body.rigid->getVelocityInLocalPoint(arm).dot(point.m_normalWorldOnB) * seconds;
-            if (point.getDistance() + rise < -sunk_depth * bullet_units) note(body.sunk);
+        for (const GroundPoint& point : manifold.ground->points()) {
+            const btVector3 arm = unpacked(point.position) - body.blow_frame.getOrigin();
+            const btScalar rise = body.rigid->getVelocityInLocalPoint(arm).y() * seconds;
+            if (point.distance + rise < -sunk_depth * bullet_units) note(body.sunk);
         }
     });
 }

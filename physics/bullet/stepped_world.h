@@ -88,7 +88,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     };
     std::vector<Calm> calm_; // by island; scratch of one step
     struct Company {
-        uint32_t manifolds = 0; // that it has contacts in
+        uint32_t fours = 0;     // of contacts with the others, of each as many as it takes
         bool pressed = false;   // in the last step
         bool disturbed = false; // by what it touches
         bool busy = false;      // by island: nobody rests

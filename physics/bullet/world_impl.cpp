@@ -5,7 +5,7 @@
 namespace brittle::physics {
 
 Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies)
-    : threads(settings.threads), solver(settings, bodies) {
+    : threads(settings.threads), solver(settings, bodies, ground_contacts) {
     world =
         std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies, threads);
     world->setGravity(metres_to_bullet(settings.gravity));
