@@ -30,6 +30,7 @@ struct Float4 {
     friend Float4 operator+(Float4 a, Float4 b) { return {_mm_add_ps(a.v, b.v)}; }
     friend Float4 operator-(Float4 a, Float4 b) { return {_mm_sub_ps(a.v, b.v)}; }
     friend Float4 operator*(Float4 a, Float4 b) { return {_mm_mul_ps(a.v, b.v)}; }
+    friend Float4 operator/(Float4 a, Float4 b) { return {_mm_div_ps(a.v, b.v)}; }
     friend Float4 min(Float4 a, Float4 b) { return {_mm_min_ps(a.v, b.v)}; }
     friend Float4 max(Float4 a, Float4 b) { return {_mm_max_ps(a.v, b.v)}; }
     friend Float4 sqrt(Float4 a) { return {_mm_sqrt_ps(a.v)}; }
@@ -88,6 +89,9 @@ struct Float4 {
     }
     friend Float4 operator*(Float4 a, Float4 b) {
         return each(a, b, [](float x, float y) { return x * y; });
+    }
+    friend Float4 operator/(Float4 a, Float4 b) {
+        return each(a, b, [](float x, float y) { return x / y; });
     }
     friend Float4 min(Float4 a, Float4 b) {
         return each(a, b, [](float x, float y) { return x < y ? x : y; });

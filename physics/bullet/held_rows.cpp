@@ -110,7 +110,24 @@ void HeldRows::put(size_t contact, const Row& row, const Row& friction, float co
     coefficients_[at][lane] = coefficient;
 }
 
-void HeldRows::put(Rows& rows, size_t lane, const Row& row) {
+void HeldRows::put(size_t contact, const FourRows& rows, const FourRows& frictions, size_t lane, float coefficient) {
+    const size_t at = slots_[contact] / 4, to = slots_[contact] % 4;
+    const auto copy = [&](const FourRows& from, FourRows& into) {
+        for (size_t axis = 0; axis < 3; ++axis) {
+            into.normal[axis][to] = from.normal[axis][lane];
+            into.arm[axis][to] = from.arm[axis][lane];
+            into.turn[axis][to] = from.turn[axis][lane];
+        }
+        into.wanted[to] = from.wanted[lane];
+        into.gain[to] = from.gain[lane];
+        into.impulse[to] = from.impulse[lane];
+    };
+    copy(rows, contacts_[at]);
+    copy(frictions, frictions_[at]);
+    coefficients_[at][to] = coefficient;
+}
+
+void HeldRows::put(FourRows& rows, size_t lane, const Row& row) {
     for (size_t axis = 0; axis < 3; ++axis) {
         rows.normal[axis][lane] = row.normal[axis];
         rows.arm[axis][lane] = row.arm_a[axis];
@@ -123,7 +140,7 @@ void HeldRows::put(Rows& rows, size_t lane, const Row& row) {
 
 Row HeldRows::row(size_t contact) const {
     const size_t at = slots_[contact] / 4, lane = slots_[contact] % 4;
-    const Rows& rows = contacts_[at];
+    const FourRows& rows = contacts_[at];
     Row row{};
     for (size_t axis = 0; axis < 3; ++axis) {
         row.normal[axis] = rows.normal[axis][lane];
@@ -143,7 +160,7 @@ HeldRows::Impulses HeldRows::impulses(size_t contact) const {
     return {contacts_[at].impulse[lane], frictions_[at].impulse[lane]};
 }
 
-inline void HeldRows::act(const Rows& rows, const auto& impulse, Moving& moving) {
+inline void HeldRows::act(const FourRows& rows, const auto& impulse, Moving& moving) {
     const Float4 speed = impulse * moving.light;
     for (size_t axis = 0; axis < 3; ++axis) {
         moving.linear[axis] = moving.linear[axis] + Float4::load(rows.normal[axis].data()) * speed;
@@ -151,7 +168,7 @@ inline void HeldRows::act(const Rows& rows, const auto& impulse, Moving& moving)
     }
 }
 
-inline void HeldRows::solve(Rows& rows, const auto& low, const auto& high, Moving& moving) {
+inline void HeldRows::solve(FourRows& rows, const auto& low, const auto& high, Moving& moving) {
     std::array<Float4, 3> along;
     for (size_t axis = 0; axis < 3; ++axis)
         along[axis] = Float4::load(rows.normal[axis].data()) * moving.linear[axis]

@@ -27,6 +27,8 @@ class HeldRows {
     void arrange(std::span<const uint32_t> movers, std::span<const float> lights, const Bundles& bundles);
     // Of the contact that was given in that place, and of its friction. For different contacts, on any threads.
     void put(size_t contact, const Row& row, const Row& friction, float coefficient);
+    // The same of one of four.
+    void put(size_t contact, const FourRows& rows, const FourRows& frictions, size_t lane, float coefficient);
 
     // Of the bodies of a bundle; for different ones, on any threads. Lets the impulses act from which contacts start.
     void give(uint32_t bundle, Motion* motions) const;
@@ -45,11 +47,6 @@ class HeldRows {
     [[nodiscard]] Impulses impulses(size_t contact) const;
 
   private:
-    using Four = std::array<float, 4>; // a number of each body
-    struct Rows {
-        std::array<Four, 3> normal, arm, turn;
-        Four wanted, gain, impulse;
-    };
     struct Block {
         uint32_t begin = 0, end = 0;       // its rows; who has fewer has rows without effect
         uint32_t count = 0;                // bodies
@@ -58,9 +55,9 @@ class HeldRows {
     };
     struct Moving; // the motions of a block's bodies
 
-    static void put(Rows& rows, size_t lane, const Row& row);
-    static void act(const Rows& rows, const auto& impulse, Moving& moving);
-    static void solve(Rows& rows, const auto& low, const auto& high, Moving& moving);
+    static void put(FourRows& rows, size_t lane, const Row& row);
+    static void act(const FourRows& rows, const auto& impulse, Moving& moving);
+    static void solve(FourRows& rows, const auto& low, const auto& high, Moving& moving);
     void press(size_t at, Moving& moving);
     void rub(size_t at, Moving& moving);
     void settle(std::span<const Block> group, int sweeps, Motion* motions);
@@ -71,7 +68,7 @@ class HeldRows {
 
     std::vector<Block> blocks_;
     std::vector<uint32_t> firsts_{0}; // blocks of bundles; from the last one on, of bodies without rows elsewhere
-    std::vector<Rows> contacts_, frictions_; // side by side
+    std::vector<FourRows> contacts_, frictions_; // side by side
     std::vector<Four> coefficients_;         // of friction, beside them
     std::vector<uint32_t> movers_, slots_;   // by contact; its row, times four, and lane
     std::vector<uint32_t> lanes_;            // by mover: its block, times four, and lane

@@ -1,7 +1,10 @@
 // What the solver's sweeps run over.
 #pragma once
 
+#include <array>
 #include <cstdint>
+
+#include <btBulletDynamicsCommon.h>
 
 namespace brittle::physics {
 
@@ -15,6 +18,20 @@ struct Row {
     float impulse;
     float light_a, light_b; // inverse masses
     uint32_t a, b;          // movers; where one body never moves it is b, and not to be looked at
+};
+
+// Four rows side by side whose b never moves.
+using Four = std::array<float, 4>;
+struct FourRows {
+    std::array<Four, 3> normal, arm, turn;
+    Four wanted, gain, impulse;
+};
+
+// What rows are made of: a body as it enters the solution.
+struct Mover {
+    btVector3 turning[3]; // rows of the inverse inertia, in the world's axes
+    btVector3 centre, linear, angular; // gravity is in
+    float light; // inverse mass; 0 of a body that rests, as its inertia is
 };
 
 // How velocities have changed so far; the last of four is 0.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "physics/bullet/float4.h"
+#include "physics/bullet/ground_rows.h"
 
 namespace brittle::physics {
 
@@ -20,8 +21,6 @@ constexpr float kept_impulse = 0.85f;
 // The part of an overlap that is undone in a step, and by how much less by turning than by moving.
 constexpr float undone_part = 0.2f;
 constexpr float undone_by_turning = 0.1f;
-// The ground yields to nobody, so it may be more there than between bodies, where each piece that is lifted lifts others.
-constexpr float undone_part_on_ground = 0.6f;
 // Contacts that were closing faster than this, in m/s, are blows. The next step's solution starts from the impulses of the
 // last one's, and what stopped a blow is a hundred times what will be needed: what the sweeps do not get rid of
 // would be energy from nothing.
@@ -226,13 +225,33 @@ void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32
 }
 
 void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
+    const Mover& mover = movers_[indices_[static_cast<size_t>(ground.body->getUserIndex())]];
+    if (mover.light == 0.0f) return make_rows_of_resting(ground, places, step);
+    for (size_t first = 0; first < places.size(); first += 4) {
+        const GroundRows made = ground_rows(mover, ground, first,
+                                            {.seconds = step.seconds,
+                                             .gravity = step.gravity,
+                                             .least_bounce_speed = step.least_bounce_speed,
+                                             .kept_impulse = kept_impulse});
+        for (size_t i = first; i < std::min(places.size(), first + 4); ++i) {
+            const size_t lane = i - first;
+            GroundPoint& point = ground.all[i];
+            point.speed = made.speed[lane];
+            point.along = {made.frictions.normal[0][lane], made.frictions.normal[1][lane], made.frictions.normal[2][lane]};
+            depths_[places[i]] = made.depth[lane];
+            held_rows_.put(places[i] - held_, made.contacts, made.frictions, lane, ground.friction);
+        }
+    }
+}
+
+void RowSolver::make_rows_of_resting(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
     for (size_t i = 0; i < places.size(); ++i) {
         GroundPoint& point = ground.all[i];
         const Rubbing made = make_rows({.a = side_of(ground.body, unpacked(point.position)),
                                         .b = {},
                                         .normal = {0, 1, 0},
                                         .distance = point.distance,
-                                        .undone_part = undone_part_on_ground,
+                                        .undone_part = GroundRows::undone_part,
                                         .restitution = ground.restitution,
                                         .coefficient = ground.friction,
                                         .impulse = point.kept_impulse(),

@@ -62,12 +62,6 @@ class RowSolver {
     [[nodiscard]] std::span<const Solved> solved() const { return solved_; }
 
   private:
-    // What rows are made of: a body as it enters the solution.
-    struct Mover {
-        btVector3 turning[3]; // rows of the inverse inertia, in the world's axes
-        btVector3 centre, linear, angular; // gravity is in
-        float light; // inverse mass
-    };
     // A manifold in short.
     static constexpr uint32_t nobody = UINT32_MAX;
     struct Between {
@@ -103,6 +97,7 @@ class RowSolver {
     // Of the manifold's points, the first of which has that place, and among those of two bodies that one.
     void make_rows(btPersistentManifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved, const Step& step);
     void make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
+    void make_rows_of_resting(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
     // What is made of it: the speed at which the sides approach, and the direction of friction, on a.
     struct Rubbing {
         float speed;
