@@ -1,0 +1,101 @@
+// Rows of contacts with the ground: what four at a time give is what each by itself gives, bit for bit.
+#include "physics/bullet/ground_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include "convex_pieces.h"
+#include "physics/bullet/convert.h"
+
+using namespace brittle;
+using namespace brittle::physics;
+
+namespace {
+
+struct OneRow {
+    btVector3 normal, arm, turn;
+    float wanted, gain;
+};
+
+// One row, as Catto has it: the impulse that takes the speed along the normal away.
+OneRow row_of(const btVector3& normal, const btVector3& at, const Mover& mover) {
+    OneRow row{.normal = normal, .arm = (at - mover.centre).cross(normal), .turn = {}, .wanted = 0.0f, .gain = 0.0f};
+    row.turn = {mover.turning[0].dot(row.arm), mover.turning[1].dot(row.arm), mover.turning[2].dot(row.arm)};
+    row.gain = 1.0f / (mover.light + row.turn.dot(row.arm));
+    row.wanted = -(normal.dot(mover.linear) + row.arm.dot(mover.angular)) * row.gain;
+    return row;
+}
+
+void check_row(const FourRows& rows, size_t lane, const OneRow& row) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<int>(axis);
+        CHECK(rows.normal[axis][lane] == row.normal[i]);
+        CHECK(rows.arm[axis][lane] == row.arm[i]);
+        CHECK(rows.turn[axis][lane] == row.turn[i]);
+    }
+    CHECK(rows.wanted[lane] == row.wanted);
+    CHECK(rows.gain[lane] == row.gain);
+}
+
+void check_point(const GroundRows& rows, size_t lane, const Mover& mover, const GroundManifold& ground, size_t index,
+                 const GroundStep& step) {
+    const GroundPoint& point = ground.all[index];
+    const btVector3 at = unpacked(point.position), up(0, 1, 0);
+    OneRow contact = row_of(up, at, mover);
+    const float apart = -contact.wanted / contact.gain;
+    const float before = apart - up.dot(step.gravity) * step.seconds;
+    float bounce = 0.0f;
+    if (std::abs(before) >= step.least_bounce_speed && before < 0.0f) bounce = -before * ground.restitution;
+    contact.wanted += (bounce - std::max(point.distance, 0.0f) / step.seconds) * contact.gain;
+    check_row(rows.contacts, lane, contact);
+    CHECK(rows.contacts.impulse[lane] == (point.blow ? 0.0f : point.impulse * step.kept_impulse));
+    CHECK(rows.speed[lane] == -before);
+    if (point.distance >= 0.0f)
+        CHECK(rows.depth[lane] == 0.0f);
+    else
+        CHECK(rows.depth[lane] == -point.distance * GroundRows::undone_part / step.seconds * contact.gain);
+
+    const btVector3 sliding = mover.linear + mover.angular.cross(at - mover.centre) - up * apart;
+    btVector3 along = sliding;
+    if (sliding.length2() > SIMD_EPSILON)
+        along /= std::sqrt(sliding.length2());
+    else
+        along = index % 2 == 0 ? btVector3(-1, 0, 0) : btVector3(0, 0, 1);
+    check_row(rows.frictions, lane, row_of(along, at, mover));
+    CHECK(rows.frictions.impulse[lane] == 0.0f);
+}
+
+} // namespace
+
+TEST_CASE("rows of contacts with the ground are those of one point at a time, bit for bit") {
+    const GroundStep step{.seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .least_bounce_speed = 2.0f, .kept_impulse = 0.85f};
+    for (uint64_t seed = 0; seed < 200; ++seed) {
+        INFO("seed ", seed);
+        test::Random random(seed);
+        const auto number = [&](double size) { return static_cast<float>(random.uniform(-size, size)); };
+        const auto random_vector = [&](double size) { return btVector3(number(size), number(size), number(size)); };
+        Mover mover{.turning = {{3.0f, 0.1f, 0.2f}, {0.1f, 2.0f, -0.3f}, {0.2f, -0.3f, 4.0f}},
+                    .centre = random_vector(50.0),
+                    .linear = random_vector(seed % 3 == 0 ? 1.0 : 60.0),
+                    .angular = random_vector(20.0),
+                    .light = 0.7f};
+        if (seed % 5 == 0) mover.linear = {0.0f, -0.8f, 0.0f}; // does not slide
+        if (seed % 5 == 0) mover.angular = {0.0f, 0.0f, 0.0f};
+        GroundManifold ground;
+        ground.count = 1 + static_cast<uint32_t>(seed % GroundManifold::most_points);
+        ground.restitution = seed % 2 == 0 ? 0.4f : 0.0f;
+        for (uint32_t i = 0; i < ground.count; ++i)
+            ground.all[i] = {.position = packed(mover.centre + random_vector(1.0)),
+                             .distance = number(0.1),
+                             .impulse = 5.0f + number(5.0),
+                             .blow = i % 3 == 2};
+        for (size_t first = 0; first < ground.count; first += 4) {
+            const GroundRows rows = ground_rows(mover, ground, first, step);
+            for (size_t i = first; i < std::min<size_t>(ground.count, first + 4); ++i)
+                check_point(rows, i - first, mover, ground, i, step);
+        }
+    }
+}
