@@ -58,31 +58,31 @@ const WorldSettings& World::settings() const {
 }
 
 Result<BodyId> World::add_body(const BodyDesc& desc) {
-    Result<std::unique_ptr<BodyRecord>> record = make_record(desc);
-    if (!record) return refused(impl_->next_id, record.error());
-    return impl_->put_in(std::move(*record), desc);
+    Result<NewBody> body = make_body(desc, impl_->settings);
+    if (!body) return refused(impl_->next_id, body.error());
+    return impl_->put_in(std::move(*body), desc);
 }
 
 Result<std::vector<BodyId>> World::add_bodies(std::span<const BodyDesc> descs) {
     const auto count = static_cast<uint32_t>(descs.size());
     fracture::Threads& threads = impl_->engine->threads;
-    std::vector<std::unique_ptr<BodyRecord>> records(count);
+    std::vector<NewBody> bodies(count);
     std::vector<std::optional<fracture::Error>> faults(threads.chunks(count, least_new_bodies)); // the first of each chunk
     threads.for_chunks(count, least_new_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
-            Result<std::unique_ptr<BodyRecord>> record = make_record(descs[i]);
-            if (!record) {
-                faults[chunk] = refused(impl_->next_id + i, record.error());
+            Result<NewBody> body = make_body(descs[i], impl_->settings);
+            if (!body) {
+                faults[chunk] = refused(impl_->next_id + i, body.error());
                 return;
             }
-            records[i] = std::move(*record);
+            bodies[i] = std::move(*body);
         }
     });
     for (const std::optional<fracture::Error>& fault : faults)
         if (fault) return *fault;
     std::vector<BodyId> added;
     added.reserve(count);
-    for (uint32_t i = 0; i < count; ++i) added.push_back(impl_->put_in(std::move(records[i]), descs[i]));
+    for (uint32_t i = 0; i < count; ++i) added.push_back(impl_->put_in(std::move(bodies[i]), descs[i]));
     return added;
 }
 
@@ -95,17 +95,7 @@ bool World::remove_body(BodyId id) {
     if (!body) return false;
     (void)impl_->engine->solver.solved_contacts(); // they still name it
     impl_->engine->world->siblings().remove(*body->rigid);
-    for (int i = 0; i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
-        const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);
-        const btCollisionObject* first = manifold->getBody0();
-        const btCollisionObject* second = manifold->getBody1();
-        const btCollisionObject* other = first == body->rigid.get()    ? second
-                                         : second == body->rigid.get() ? first
-                                                                       : nullptr;
-        if (other && other->getUserIndex() >= 0)
-            impl_->wake(*impl_->bodies[static_cast<size_t>(other->getUserIndex())]);
-    }
-    impl_->engine->world->removeRigidBody(body->rigid.get());
+    for (const int other : impl_->engine->world->take_out(*body)) impl_->wake(*impl_->bodies[static_cast<size_t>(other)]);
     if (body->collides()) --impl_->colliding;
     impl_->engine->solver.forget_sleeping();
     const auto order = static_cast<size_t>(body->rigid->getUserIndex());

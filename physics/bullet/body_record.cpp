@@ -102,23 +102,24 @@ Result<std::shared_ptr<const BodyForm>> make_form(const BodyDesc& desc) {
     return desc.parts.size() > 1 ? nullptr : std::shared_ptr<const BodyForm>(std::move(form));
 }
 
-Result<std::unique_ptr<BodyRecord>> make_record(const BodyDesc& desc) {
-    auto body = std::make_unique<BodyRecord>();
+Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings) {
+    NewBody made{std::make_unique<BodyRecord>()};
+    BodyRecord& body = *made.record;
     if (desc.form)
-        static_cast<BodyForm&>(*body) = *desc.form;
-    else if (std::string fault = describe(*body, desc); !fault.empty())
+        static_cast<BodyForm&>(body) = *desc.form;
+    else if (std::string fault = describe(body, desc); !fault.empty())
         return refused(std::move(fault));
     if (std::string fault = fault_of_place(desc); !fault.empty()) return refused(std::move(fault));
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
-    body->blow_frame = btTransform(to_bullet(orientation * body->to_principal), metres_to_bullet(desc.pose.position));
-    if (!body->fixed)
-        body->solved = {metres_to_bullet(desc.linear_velocity), to_bullet(desc.angular_velocity)};
-    body->unhindered = body->solved;
+    body.blow_frame = btTransform(to_bullet(orientation * body.to_principal), metres_to_bullet(desc.pose.position));
+    if (!body.fixed) body.solved = {metres_to_bullet(desc.linear_velocity), to_bullet(desc.angular_velocity)};
+    body.unhindered = body.solved;
     if (desc.previous)
-        body->previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
+        body.previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
     else
-        body->previous = body->pose_in(body->blow_frame);
-    return body;
+        body.previous = body.pose_in(body.blow_frame);
+    if (body.shape) finish(made, desc, settings);
+    return made;
 }
 
 void finish_compound(BodyRecord& body, std::span<const BodyPart> parts) {
@@ -126,20 +127,32 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts) {
     if (!body.fixed) body.drag = std::make_shared<AirDrag>(drag_of_compound(body, parts));
 }
 
-void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings) {
-    btRigidBody::btRigidBodyConstructionInfo info(
-        body.fixed ? 0.0f : body.mass, nullptr, body.collision_shape(),
-        body.fixed ? btVector3(0, 0, 0) : metres_to_bullet(glm::vec3(body.moments) * bullet_units));
-    info.m_startWorldTransform = body.blow_frame;
-    info.m_friction = desc.friction;
-    info.m_restitution = desc.restitution;
-    info.m_linearDamping = settings.linear_damping;
-    info.m_angularDamping = settings.angular_damping;
-    body.rigid = std::make_unique<btRigidBody>(info);
-    body.rigid->setLinearVelocity(body.solved.linear);
-    body.rigid->setAngularVelocity(body.solved.angular);
-    body.rigid->setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
-    if (!settings.sleeping) body.rigid->setActivationState(DISABLE_DEACTIVATION);
+// Bullet counts bodies as it makes them, which no two threads may do: they are copied from one and then get all that it would
+// give them.
+void finish(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) {
+    static const btRigidBody blank(btRigidBody::btRigidBodyConstructionInfo(1.0f, nullptr, nullptr));
+    BodyRecord& body = *made.record;
+    body.rigid = std::make_unique<btRigidBody>(blank);
+    btRigidBody& rigid = *body.rigid;
+    rigid.setWorldTransform(body.blow_frame);
+    rigid.setInterpolationWorldTransform(body.blow_frame);
+    rigid.setCollisionShape(body.collision_shape());
+    rigid.setFriction(desc.friction);
+    rigid.setRestitution(desc.restitution);
+    rigid.setDamping(settings.linear_damping, settings.angular_damping);
+    if (body.fixed)
+        rigid.setMassProps(0.0f, {0, 0, 0});
+    else
+        rigid.setMassProps(body.mass, metres_to_bullet(glm::vec3(body.moments) * bullet_units));
+    rigid.updateInertiaTensor();
+    if (!body.fixed) rigid.setGravity(metres_to_bullet(settings.gravity));
+    rigid.setLinearVelocity(body.solved.linear);
+    rigid.setAngularVelocity(body.solved.angular);
+    rigid.setFlags(0); // no gyroscopic term of Bullet's: see rotation.h
+    if (!settings.sleeping) rigid.setActivationState(DISABLE_DEACTIVATION);
+    if (body.fixed) rigid.setActivationState(ISLAND_SLEEPING);
+    body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
+    rigid.getCollisionShape()->getAabb(body.blow_frame, made.low, made.high);
 }
 
 void BodyRecord::start_step() {

@@ -90,16 +90,21 @@ struct BodyRecord : BodyForm {
     }
 };
 
-// What can be made of a description without a world, on any thread: all but its place there, the rigid body, as Bullet counts
-// those, and for several hulls the shape, as bodies share hulls, and what follows from it (finish_compound()). The error says
-// what is wrong, but not of whom.
-[[nodiscard]] Result<std::unique_ptr<BodyRecord>> make_record(const BodyDesc& desc);
+// A body that is in no world yet, and the box around it there.
+struct NewBody {
+    std::unique_ptr<BodyRecord> record;
+    btVector3 low{0, 0, 0}, high{0, 0, 0};
+};
 
-// Its lengths and what the air does to it; the shape must be known.
+// What can be made of a description outside of a world, on any thread: all but its number and place there. Of several hulls the
+// shape is left out, as bodies share hulls, and what finish() makes of it. The error says what is wrong, but not of whom.
+[[nodiscard]] Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings);
+
+// The lengths of a compound and what the air does to it; the shape must be known.
 void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 
-// Bullet's rigid body with the pose and velocity that the record begins with; the shape must be known. On one thread only.
-void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings);
+// Bullet's rigid body with the pose and velocity that the record begins with, and the box; the shape must be known. On any thread.
+void finish(NewBody& body, const BodyDesc& desc, const WorldSettings& settings);
 
 // Who meets whom, for Bullet's filter: fixed bodies do not meet each other, debris does not either.
 [[nodiscard]] int group_of(bool fixed, bool debris);

@@ -1,9 +1,12 @@
 #include "physics/bullet/narrow_phase.h"
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+
+#include "physics/bullet/hull_shape.h"
 
 namespace brittle::physics {
 
@@ -13,6 +16,9 @@ namespace {
 constexpr uint32_t least_pairs = 128;
 // Pairs lie anywhere in memory: so many ahead of the one at hand are fetched, with so much of what each keeps, in bytes.
 constexpr size_t fetched_ahead = 4, fetched_bytes = 320, cache_line = 64;
+// A hull whose centre is higher above the ground than so many of its radii and of its ways in a step has no contact with it: more
+// than what contacts with the ground ask for.
+constexpr btScalar far_radii = 1.25f, far_ways = 4.0f;
 
 btCollisionObject& object_of(const btBroadphaseProxy* proxy) {
     return *static_cast<btCollisionObject*>(proxy->m_clientObject);
@@ -42,18 +48,44 @@ bool both_compound(const btCollisionObject& first, const btCollisionObject& seco
     return first.getCollisionShape()->isCompound() && second.getCollisionShape()->isCompound();
 }
 
-// Makes the algorithm of a pair that is new, where it can be followed.
+bool is_ground(const btCollisionObject& object) {
+    return object.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
+}
+
+bool is_with_ground(const btBroadphasePair& pair) {
+    return is_ground(object_of(pair.m_pProxy0)) || is_ground(object_of(pair.m_pProxy1));
+}
+
+// The ground's box holds all others: nothing is kept of a hull that has not come near it.
+bool is_far_above_ground(const btBroadphasePair& pair, btScalar seconds) {
+    const bool ground_first = is_ground(object_of(pair.m_pProxy0));
+    const btCollisionObject& ground = object_of(ground_first ? pair.m_pProxy0 : pair.m_pProxy1);
+    const auto& body = static_cast<const btRigidBody&>(object_of(ground_first ? pair.m_pProxy1 : pair.m_pProxy0));
+    if (!is_ground(ground) || body.getCollisionShape()->getShapeType() != CONVEX_HULL_SHAPE_PROXYTYPE) return false;
+    const btScalar radius = static_cast<const HullShape&>(*body.getCollisionShape()).radius();
+    const btScalar height = static_cast<const btStaticPlaneShape&>(*ground.getCollisionShape()).getPlaneConstant()
+                            + ground.getWorldTransform().getOrigin().y();
+    const btScalar fastest = std::abs(body.getLinearVelocity().y() + body.getGravity().y() * seconds)
+                             + body.getAngularVelocity().length() * radius;
+    return body.getWorldTransform().getOrigin().y() - height > far_radii * radius + far_ways * fastest * seconds;
+}
+
+// Makes the algorithm of a pair.
+void find_algorithm(btBroadphasePair& pair, const Meeting& met, btCollisionDispatcher& dispatcher) {
+    pair.m_algorithm = dispatcher.findAlgorithm(&met.first, &met.second, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+    if (!both_compound(met.a, met.b)) pair.m_internalInfo1 = static_cast<FollowedContacts*>(pair.m_algorithm);
+}
+
+// Of a pair that is new, where it can be followed.
 void prepare(btBroadphasePair& pair, btCollisionDispatcher& dispatcher) {
     const Meeting met(pair);
-    if (both_compound(met.a, met.b) || !dispatcher.needsCollision(&met.a, &met.b)) return;
-    pair.m_algorithm = dispatcher.findAlgorithm(&met.first, &met.second, nullptr, BT_CONTACT_POINT_ALGORITHMS);
-    pair.m_internalInfo1 = static_cast<FollowedContacts*>(pair.m_algorithm);
+    if (!both_compound(met.a, met.b) && dispatcher.needsCollision(&met.a, &met.b)) find_algorithm(pair, met, dispatcher);
 }
 
 // False where the dispatcher is needed.
 bool follow(btBroadphasePair& pair, const btDispatcherInfo& info) {
     auto* const followed = static_cast<FollowedContacts*>(pair.m_internalInfo1);
-    if (!followed) return false;
+    if (!followed) return !pair.m_algorithm && is_far_above_ground(pair, info.m_timeStep);
     Meeting met(pair);
     if (!met.a.isActive() && !met.b.isActive()) return true;
     return followed->follow(met.first, met.second, info, met.contacts);
@@ -62,8 +94,7 @@ bool follow(btBroadphasePair& pair, const btDispatcherInfo& info) {
 void process(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info) {
     Meeting met(pair);
     if (!dispatcher.needsCollision(&met.a, &met.b)) return;
-    if (!pair.m_algorithm)
-        pair.m_algorithm = dispatcher.findAlgorithm(&met.first, &met.second, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+    if (!pair.m_algorithm) find_algorithm(pair, met, dispatcher);
     pair.m_algorithm->processCollision(&met.first, &met.second, info, &met.contacts);
 }
 
@@ -108,7 +139,7 @@ void find_contacts(SweptPairs& pairs, btCollisionDispatcher& dispatcher, const b
     btBroadphasePair* const array = pairs.getOverlappingPairArrayPtr();
     const auto count = static_cast<uint32_t>(set.size());
     for (const int index : set)
-        if (!array[index].m_algorithm) prepare(array[index], dispatcher);
+        if (!array[index].m_algorithm && !is_with_ground(array[index])) prepare(array[index], dispatcher);
     std::vector<std::vector<int>> left(threads.chunks(count, least_pairs)); // to be done one by one, in order
     threads.for_chunks(count, least_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (size_t i = begin; i < end; ++i) {

@@ -71,6 +71,32 @@ void SteppedWorld::for_each_contact(const auto& visit) {
     });
 }
 
+void SteppedWorld::put_in(const NewBody& body) {
+    const BodyRecord& record = *body.record;
+    record.rigid->setBroadphaseHandle(broadphase_.createProxy(body.low, body.high, record.collision_shape()->getShapeType(),
+                                                              record.rigid.get(), group_of(record.fixed, record.debris),
+                                                              partners_of(record.fixed, record.debris), getDispatcher()));
+}
+
+std::span<const int> SteppedWorld::take_out(BodyRecord& body) {
+    btBroadphaseProxy* const proxy = body.rigid->getBroadphaseHandle();
+    SweptPairs& pairs = broadphase_.pairs();
+    touched_.clear();
+    btManifoldArray manifolds;
+    for (const int index : pairs.pairs_of(*proxy)) {
+        btBroadphasePair& pair = pairs.getOverlappingPairArrayPtr()[index];
+        const btBroadphaseProxy& other = *(pair.m_pProxy0 == proxy ? pair.m_pProxy1 : pair.m_pProxy0);
+        manifolds.resize(0);
+        if (pair.m_algorithm) pair.m_algorithm->getAllContactManifolds(manifolds);
+        if (manifolds.size() > 0) touched_.push_back(static_cast<const btCollisionObject*>(other.m_clientObject)->getUserIndex());
+        pairs.cleanOverlappingPair(pair, getDispatcher());
+    }
+    broadphase_.destroyProxy(proxy, getDispatcher());
+    body.rigid->setBroadphaseHandle(nullptr);
+    std::erase_if(touched_, [](int index) { return index < 0; }); // the ground
+    return touched_;
+}
+
 void SteppedWorld::step(btScalar seconds) {
     stepped_.clear();
     for (const auto& body : bodies_)

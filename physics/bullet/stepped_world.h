@@ -30,6 +30,11 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         : btDiscreteDynamicsWorld(dispatcher, broadphase, nullptr, configuration), broadphase_(*broadphase),
           solver_(*solver), settings_(settings), bodies_(bodies), threads_(threads), stops_(bodies, *broadphase, threads) {}
 
+    // In place of Bullet's own, whose lists of bodies nobody reads.
+    void put_in(const NewBody& body);
+    // User indices of the bodies that it had contacts with; until the next call.
+    std::span<const int> take_out(BodyRecord& body);
+
     // In place of Bullet's own step. The solver then has the contacts of the step.
     void step(btScalar seconds);
     // Who was awake at any time of the last step, in no order; nobody else has moved.
@@ -94,6 +99,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         bool busy = false;      // by island: nobody rests
     };
     std::vector<Company> company_; // by body; scratch of one step
+    std::vector<int> touched_;     // of one call
 };
 
 } // namespace brittle::physics

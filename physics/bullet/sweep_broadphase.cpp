@@ -97,8 +97,26 @@ void SweptPairs::cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* disp
 }
 
 void SweptPairs::cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) {
-    for (int i = 0; i < pairs_.size(); ++i)
-        if (pairs_[i].m_pProxy0 == proxy || pairs_[i].m_pProxy1 == proxy) cleanOverlappingPair(pairs_[i], dispatcher);
+    for (const int index : pairs_of(*proxy)) cleanOverlappingPair(pairs_[index], dispatcher);
+}
+
+// Those with a higher rank lie side by side, and behind all those with a lower one. Of these hardly any is the box's, so many
+// are looked at at once.
+const std::vector<int>& SweptPairs::pairs_of(const btBroadphaseProxy& proxy) {
+    constexpr size_t at_once = 64;
+    const uint32_t rank = static_cast<const SweptProxy&>(proxy).rank;
+    const auto own = static_cast<size_t>(std::ranges::lower_bound(keys_, key_of(rank, rank)) - keys_.begin());
+    of_one_.clear();
+    for (size_t first = 0; first < own; first += at_once) {
+        const size_t end = std::min(first + at_once, own);
+        uint32_t some = 0;
+        for (size_t i = first; i < end; ++i) some |= static_cast<uint32_t>(keys_[i]) == rank ? 1u : 0u;
+        if (some == 0) continue;
+        for (size_t i = first; i < end; ++i)
+            if (static_cast<uint32_t>(keys_[i]) == rank) of_one_.push_back(static_cast<int>(i));
+    }
+    for (size_t i = own; i < keys_.size() && keys_[i] >> 32 == rank; ++i) of_one_.push_back(static_cast<int>(i));
+    return of_one_;
 }
 
 void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher*) {

@@ -59,6 +59,8 @@ class SweptPairs final : public btOverlappingPairCache {
 
     // Indices of the pairs of which a box was set when pairs were last found, in their order.
     [[nodiscard]] const std::vector<int>& set() const { return set_; }
+    // Of those of one box, in their order; until the next call.
+    [[nodiscard]] const std::vector<int>& pairs_of(const btBroadphaseProxy& proxy);
 
     btBroadphasePair* getOverlappingPairArrayPtr() override { return pairs_.size() > 0 ? &pairs_[0] : nullptr; }
     const btBroadphasePair* getOverlappingPairArrayPtr() const override {
@@ -80,7 +82,7 @@ class SweptPairs final : public btOverlappingPairCache {
   private:
     btBroadphasePairArray pairs_, next_;
     std::vector<Key> keys_, next_keys_; // of the pairs: proxies lie anywhere in memory
-    std::vector<int> set_;
+    std::vector<int> set_, of_one_;
 };
 
 class SweepBroadphase final : public btBroadphaseInterface {

@@ -62,23 +62,22 @@ void World::Impl::make_compound(BodyRecord& body, std::span<const BodyPart> part
     }
 }
 
-BodyId World::Impl::put_in(std::unique_ptr<BodyRecord> record, const BodyDesc& desc) {
-    BodyRecord& body = *record;
+BodyId World::Impl::put_in(NewBody made, const BodyDesc& desc) {
+    BodyRecord& body = *made.record;
     body.id = {next_id};
     if (!body.shape) {
         make_compound(body, desc.parts);
         finish_compound(body, desc.parts);
+        finish(made, desc, settings);
     }
-    make_rigid(body, desc, settings);
     body.rigid->setUserIndex(static_cast<int>(bodies.size()));
     if (desc.siblings != 0) engine->world->siblings().add(*body.rigid, desc.siblings);
-    body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
-    engine->world->addRigidBody(body.rigid.get(), group_of(body.fixed, body.debris), partners_of(body.fixed, body.debris));
+    engine->world->put_in(made);
     engine->solver.forget_sleeping();
     if (body.collides()) ++colliding;
     ++next_id;
     ids.push_back(body.id);
-    bodies.push_back(std::move(record));
+    bodies.push_back(std::move(made.record));
     moved_steps.push_back(steps);
     return body.id;
 }

@@ -75,7 +75,7 @@ struct World::Impl {
     void make_engine();
     // Bullet must let go of a body before the body goes.
     void drop_bodies() {
-        for (size_t i = bodies.size(); i-- > 0;) engine->world->removeRigidBody(bodies[i]->rigid.get());
+        for (size_t i = bodies.size(); i-- > 0;) (void)engine->world->take_out(*bodies[i]);
         removed += bodies.size();
         bodies.clear();
         ids.clear();
@@ -84,8 +84,8 @@ struct World::Impl {
     }
     std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
     void make_compound(BodyRecord& body, std::span<const BodyPart> parts);
-    // Behind all others; the record is what make_record() makes of the description.
-    BodyId put_in(std::unique_ptr<BodyRecord> record, const BodyDesc& desc);
+    // Behind all others; the body is what make_body() makes of the description.
+    BodyId put_in(NewBody made, const BodyDesc& desc);
     // By halving: a table by number would grow for ever where things break again and again.
     [[nodiscard]] const BodyRecord* find(BodyId id) const {
         const auto at = std::ranges::lower_bound(ids, id);

@@ -13,6 +13,7 @@
 
 #include "bodies.h"
 #include "convex_pieces.h"
+#include "physics/bullet/body_record.h"
 #include "physics/pieces.h"
 #include "physics/world.h"
 
@@ -103,6 +104,50 @@ fracture::Error first_error(World& world, std::span<const BodyDesc> bodies) {
 }
 
 } // namespace
+
+TEST_CASE("a rigid body is as Bullet makes it") {
+    std::vector<BodyDesc> bodies = all_kinds(0);
+    std::erase_if(bodies, [](const BodyDesc& desc) { return desc.parts.size() > 1; });
+    WorldSettings settings;
+    settings.linear_damping = 0.1f;
+    settings.angular_damping = 0.2f;
+    for (const bool sleeping : {true, false}) {
+        settings.sleeping = sleeping;
+        for (const BodyDesc& desc : bodies) {
+            const Result<NewBody> made = make_body(desc, settings);
+            REQUIRE(made);
+            const BodyRecord& body = *made->record;
+            btRigidBody::btRigidBodyConstructionInfo info(
+                body.fixed ? 0.0f : body.mass, nullptr, body.collision_shape(),
+                body.fixed ? btVector3(0, 0, 0) : metres_to_bullet(glm::vec3(body.moments) * bullet_units));
+            info.m_startWorldTransform = body.blow_frame;
+            info.m_friction = desc.friction;
+            info.m_restitution = desc.restitution;
+            info.m_linearDamping = settings.linear_damping;
+            info.m_angularDamping = settings.angular_damping;
+            btRigidBody own(info);
+            const btRigidBody& rigid = *body.rigid;
+            CHECK(rigid.getInvMass() == own.getInvMass());
+            CHECK(rigid.getInvInertiaDiagLocal() == own.getInvInertiaDiagLocal());
+            CHECK(rigid.getInvInertiaTensorWorld() == own.getInvInertiaTensorWorld());
+            CHECK(rigid.getWorldTransform() == own.getWorldTransform());
+            CHECK(rigid.getInterpolationWorldTransform() == own.getInterpolationWorldTransform());
+            CHECK(rigid.getCollisionFlags() == own.getCollisionFlags());
+            CHECK(rigid.getInternalType() == own.getInternalType());
+            CHECK(rigid.getLinearFactor() == own.getLinearFactor());
+            CHECK(rigid.getAngularFactor() == own.getAngularFactor());
+            CHECK(rigid.getLinearDamping() == own.getLinearDamping());
+            CHECK(rigid.getAngularDamping() == own.getAngularDamping());
+            CHECK(rigid.getFriction() == own.getFriction());
+            CHECK(rigid.getRestitution() == own.getRestitution());
+            CHECK(rigid.getCollisionShape() == body.collision_shape());
+            CHECK(rigid.getContactProcessingThreshold() == own.getContactProcessingThreshold());
+            CHECK(rigid.getGravity() == (body.fixed ? btVector3(0, 0, 0) : metres_to_bullet(settings.gravity)));
+            CHECK(rigid.getTotalForce().isZero());
+            CHECK(rigid.isActive() == (!body.fixed || !sleeping));
+        }
+    }
+}
 
 TEST_CASE("no bodies at once change nothing") {
     World world;

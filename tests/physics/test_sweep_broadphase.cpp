@@ -224,6 +224,31 @@ TEST_CASE("boxes that are set after pairs were found are found with all that the
     boxes.check(); // and pairs are found as ever
 }
 
+TEST_CASE("pairs of one box are those that have it, in their order") {
+    Boxes boxes;
+    for (int i = 0; i < 150; ++i) boxes.add_random(4.0f, 3.0f);
+    boxes.add({-9, -9, -9}, {9, 9, 9}); // meets all
+    for (int round = 0; round < 4; ++round) {
+        boxes.sweep.calculateOverlappingPairs(nullptr);
+        const btBroadphaseProxy* const late = boxes.add_random(4.0f, 3.0f);
+        SweptPairs& pairs = boxes.sweep.pairs();
+        CHECK(pairs.pairs_of(*late).empty()); // until pairs are found
+        size_t sum = 0;
+        for (const Boxes::One& one : boxes.boxes) {
+            std::vector<int> expected;
+            for (int i = 0; i < pairs.getNumOverlappingPairs(); ++i) {
+                const btBroadphasePair& pair = pairs.getOverlappingPairArrayPtr()[i];
+                if (pair.m_pProxy0 == one.proxy || pair.m_pProxy1 == one.proxy) expected.push_back(i);
+            }
+            CHECK(pairs.pairs_of(*one.proxy) == expected);
+            sum += expected.size();
+        }
+        CHECK(sum == 2 * static_cast<size_t>(pairs.getNumOverlappingPairs()));
+        CHECK(sum > 600);
+        for (int i = 0; i < 10; ++i) boxes.remove(static_cast<size_t>(7 * i));
+    }
+}
+
 TEST_CASE("a query finds the boxes that overlap it, those that came since pairs were found among them") {
     Boxes boxes;
     for (int i = 0; i < 50; ++i) boxes.add_random(2.0f, 1.0f);
