@@ -101,6 +101,9 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 // Bullet's rigid body with the pose and velocity that the record begins with; the shape must be known. On one thread only.
 void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings);
 
+// Of what moves, debris meets what is longer than itself by this factor (BodyForm::longest).
+inline constexpr float debris_factor = 2.0f;
+
 // Who meets whom, for Bullet's filter: fixed bodies do not meet each other, debris does not either.
 [[nodiscard]] int group_of(bool fixed, bool debris);
 [[nodiscard]] int partners_of(bool fixed, bool debris);

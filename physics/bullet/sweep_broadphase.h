@@ -35,7 +35,11 @@ namespace brittle::physics {
 // Proxies are numbered by rank: their place among all, in the order in which they were made.
 struct SweptProxy final : btBroadphaseProxy {
     uint32_t rank = 0;
+    btScalar size = BT_LARGE_FLOAT, least_partner = 0.0f; // see SweepBroadphase::set_size()
 };
+
+// Whether two of a SweepBroadphase meet where they overlap: as their groups and their sizes say.
+[[nodiscard]] bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b);
 
 // Pairs of boxes in the order of their ranks.
 class SweptPairs final : public btOverlappingPairCache {
@@ -89,6 +93,9 @@ class SweepBroadphase final : public btBroadphaseInterface {
 
     btBroadphaseProxy* createProxy(const btVector3& low, const btVector3& high, int shape, void* object, int group,
                                    int mask, btDispatcher* dispatcher) override;
+    // From now on it is so large and meets only what is at least as large as the other says. Without: larger than all, and meets all.
+    // Before pairs are found with it.
+    void set_size(btBroadphaseProxy* proxy, btScalar size, btScalar least_partner);
     void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
     void setAabb(btBroadphaseProxy* proxy, const btVector3& low, const btVector3& high,
                  btDispatcher* dispatcher) override;
@@ -129,9 +136,14 @@ class SweepBroadphase final : public btBroadphaseInterface {
         Boxes boxes;
         void resize(size_t count);
     };
+    // Of a proxy: what may_meet() asks for.
     struct Filter {
         int group, partners;
+        btScalar size, least_partner;
+        static Filter of(const SweptProxy& proxy);
+        [[nodiscard]] bool meets(const Filter& other) const;
     };
+    friend bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b);
 
     void forget_gone(); // boxes that were destroyed
     // The axis on which boxes that were set spread most; one that is about as good is kept.

@@ -74,6 +74,8 @@ BodyId World::Impl::put_in(std::unique_ptr<BodyRecord> record, const BodyDesc& d
     if (desc.siblings != 0) engine->world->siblings().add(*body.rigid, desc.siblings);
     body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
     engine->world->addRigidBody(body.rigid.get(), group_of(body.fixed, body.debris), partners_of(body.fixed, body.debris));
+    if (!body.fixed)
+        engine->broadphase.set_size(body.rigid->getBroadphaseProxy(), body.longest, body.debris ? debris_factor * body.longest : 0.0f);
     engine->solver.forget_sleeping();
     if (body.collides()) ++colliding;
     ++next_id;
