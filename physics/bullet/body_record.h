@@ -101,12 +101,13 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 // Bullet's rigid body with the pose and velocity that the record begins with; the shape must be known. On one thread only.
 void make_rigid(BodyRecord& body, const BodyDesc& desc, const WorldSettings& settings);
 
-// Of what moves, debris meets what is longer than itself by this factor (BodyForm::longest).
-inline constexpr float debris_factor = 2.0f;
-
-// Who meets whom, for Bullet's filter: fixed bodies do not meet each other, debris does not either.
+// Who meets whom (may_meet() in sweep_broadphase.h), first for Bullet's filter: fixed bodies do not meet each other, debris does not
+// either.
 [[nodiscard]] int group_of(bool fixed, bool debris);
 [[nodiscard]] int partners_of(bool fixed, bool debris);
+// Of what moves, debris meets what is at least so long (BodyForm::longest), others meet all. The same factor for what is debris by its
+// size and by its number: contacts with its like cost as much of either.
+[[nodiscard]] float least_partner_of(const BodyRecord& body);
 
 // Sums of one body; see World::mechanics().
 [[nodiscard]] Mechanics mechanics_of(const BodyRecord& body, const glm::vec3& gravity);

@@ -5,7 +5,8 @@
 // fall, every box leaves its slack in every step. Here boxes are as tight as they are given. Those whose box was set since the
 // last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
 // other and with those that were not, four at a time; pairs of two that were not stay as they are. Debris, which meets no debris,
-// has a list of its own and is not compared with itself.
+// has a list of its own and is not compared with itself. Of others that it overlaps it has no pair with those that are too small for it
+// (set_size()).
 //
 // - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
 //   on what happened before.
@@ -93,8 +94,8 @@ class SweepBroadphase final : public btBroadphaseInterface {
 
     btBroadphaseProxy* createProxy(const btVector3& low, const btVector3& high, int shape, void* object, int group,
                                    int mask, btDispatcher* dispatcher) override;
-    // From now on it is so large and meets only what is at least as large as the other says. Without: larger than all, and meets all.
-    // Before pairs are found with it.
+    // It is so large, and meets only what is at least as large as it asks for; one without is larger than all and meets all.
+    // To be called before pairs are next found.
     void set_size(btBroadphaseProxy* proxy, btScalar size, btScalar least_partner);
     void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
     void setAabb(btBroadphaseProxy* proxy, const btVector3& low, const btVector3& high,

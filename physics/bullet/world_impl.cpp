@@ -74,8 +74,7 @@ BodyId World::Impl::put_in(std::unique_ptr<BodyRecord> record, const BodyDesc& d
     if (desc.siblings != 0) engine->world->siblings().add(*body.rigid, desc.siblings);
     body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
     engine->world->addRigidBody(body.rigid.get(), group_of(body.fixed, body.debris), partners_of(body.fixed, body.debris));
-    if (!body.fixed)
-        engine->broadphase.set_size(body.rigid->getBroadphaseProxy(), body.longest, body.debris ? debris_factor * body.longest : 0.0f);
+    if (!body.fixed) engine->broadphase.set_size(body.rigid->getBroadphaseProxy(), desc.large ? BT_LARGE_FLOAT : body.longest, least_partner_of(body));
     engine->solver.forget_sleeping();
     if (body.collides()) ++colliding;
     ++next_id;
