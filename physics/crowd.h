@@ -2,8 +2,9 @@
 //
 // A thousand awake pieces that all meet are what a step has time for; a thousand more would make it more than twice as
 // long, as debris a third. So where pieces come, the largest collide with each other as long as there is room, and the
-// rest are debris: they meet the ground, what is fixed and whatever collides, but not each other. What it costs is that they
-// overlap.
+// rest are debris: they meet the ground, what is fixed and what is large beside them, at least twice as long, but not each other and
+// their like: what falls onto a thousand pieces of its size would make a step two and a half times as long. What it costs is that
+// they overlap.
 //
 // - Decided when pieces come, from the state of the world alone, and never again: a run repeats, and nothing begins or
 //   ceases to collide while someone looks.

@@ -68,13 +68,14 @@ struct WorldSettings {
     // with their hulls at birth: a high speed blows them apart, a low one lets hard impacts overlap for
     // longer. Moving apart gives no velocity.
     float separation_speed = 0.2f;
-    // Bodies whose longest extent is below this, m, are debris: they collide with the ground, with fixed bodies and with
-    // all that is larger, but not with each other. What a blow leaves by the hundred then costs a tenth. 0: no debris.
+    // Bodies whose longest extent is below this, m, are debris: of what moves they collide with large bodies only, which are no debris
+    // and at least twice as long (or BodyDesc::large). They lie on the ground and on what is fixed, but not on each other and their
+    // like. What a blow leaves by the hundred then costs a tenth. 0: no debris.
     float debris_size = 0.02f;
     // Awake bodies that collide with each other, at most, as far as pieces of what breaks add to them: where there would be
     // more, the smaller ones of those that come are debris, too, however large (crowd.h). It keeps a step from growing with
     // every break: with a thousand more that meet it takes two to three times as long, with as much debris a third more. What it
-    // costs is that such pieces lie in each other. Decided when a piece comes, and it stays so; results repeat as ever. 0: no limit,
+    // costs is that such pieces lie in each other and in their like. Decided when a piece comes, and it stays so; results repeat as ever. 0: no limit,
     // for who bakes what nobody waits for.
     uint32_t most_colliding = 1000;
     // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of
@@ -123,6 +124,7 @@ struct BodyDesc {
     // are never awake; velocities and inertia are not looked at, and mechanics() counts them as nothing.
     bool fixed = false;
     bool debris = false; // also if it is not small (WorldSettings::debris_size); a fixed body never is
+    bool large = false;  // debris collides with it however small it is, unless it is debris itself: a ball that is shot
     // Bodies that come between the same two steps with the same number, if it is one of World::new_siblings(), do not overlap:
     // pieces of one cut. While they fly as one, nobody looks for contacts between them.
     uint32_t siblings = 0;

@@ -11,6 +11,10 @@ namespace brittle::physics {
 
 namespace {
 
+// What is so many times as long as debris is large beside it. Of a thousand pieces that fall as debris onto a thousand of the same
+// sizes there are 2,674 contacts that press where all count as large, 654 with 1.5, 326 with 2 and 192 with 3.
+constexpr float debris_factor = 2.0f;
+
 // The shape of a body with one hull; to_principal must be known. Bullet's frame has the principal axes, so the hull is turned
 // into them.
 void make_single(BodyForm& body, const CollisionHull& hull, const glm::vec3& offset) {
@@ -153,6 +157,7 @@ void finish(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) 
     if (body.fixed) rigid.setActivationState(ISLAND_SLEEPING);
     body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
     rigid.getCollisionShape()->getAabb(body.blow_frame, made.low, made.high);
+    if (!body.fixed && !desc.large) made.size = body.longest;
 }
 
 void BodyRecord::start_step() {
@@ -174,6 +179,10 @@ int group_of(bool fixed, bool debris) {
 int partners_of(bool fixed, bool debris) {
     return fixed || debris ? btBroadphaseProxy::AllFilter ^ group_of(fixed, debris)
                            : static_cast<int>(btBroadphaseProxy::AllFilter);
+}
+
+float least_partner_of(const BodyRecord& body) {
+    return body.debris ? debris_factor * body.longest : 0.0f;
 }
 
 Mechanics mechanics_of(const BodyRecord& body, const glm::vec3& gravity) {

@@ -94,6 +94,7 @@ struct BodyRecord : BodyForm {
 struct NewBody {
     std::unique_ptr<BodyRecord> record;
     btVector3 low{0, 0, 0}, high{0, 0, 0};
+    float size = BT_LARGE_FLOAT; // to debris: its longest side, unless it is fixed or called large
 };
 
 // What can be made of a description outside of a world, on any thread: all but its number and place there. Of several hulls the
@@ -106,9 +107,13 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 // Bullet's rigid body with the pose and velocity that the record begins with, and the box; the shape must be known. On any thread.
 void finish(NewBody& body, const BodyDesc& desc, const WorldSettings& settings);
 
-// Who meets whom, for Bullet's filter: fixed bodies do not meet each other, debris does not either.
+// Who meets whom (may_meet() in sweep_broadphase.h), first for Bullet's filter: fixed bodies do not meet each other, debris does not
+// either.
 [[nodiscard]] int group_of(bool fixed, bool debris);
 [[nodiscard]] int partners_of(bool fixed, bool debris);
+// Of what moves, debris meets what is at least so long (BodyForm::longest), others meet all. The same factor for what is debris by its
+// size and by its number: contacts with its like cost as much of either.
+[[nodiscard]] float least_partner_of(const BodyRecord& body);
 
 // Sums of one body; see World::mechanics().
 [[nodiscard]] Mechanics mechanics_of(const BodyRecord& body, const glm::vec3& gravity);

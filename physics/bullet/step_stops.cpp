@@ -71,10 +71,7 @@ struct Collect final : btBroadphaseAabbCallback {
     std::vector<uint32_t>& found;
     Collect(const btBroadphaseProxy& of, std::vector<uint32_t>& to) : own(of), found(to) {}
     bool process(const btBroadphaseProxy* proxy) override {
-        const bool meets = (own.m_collisionFilterGroup & proxy->m_collisionFilterMask) != 0
-                           && (own.m_collisionFilterMask & proxy->m_collisionFilterGroup) != 0;
-        if (proxy != &own && meets && !is_fixed(*proxy))
-            found.push_back(index_of(*proxy));
+        if (proxy != &own && may_meet(own, *proxy) && !is_fixed(*proxy)) found.push_back(index_of(*proxy));
         return true;
     }
 };

@@ -76,6 +76,7 @@ void SteppedWorld::put_in(const NewBody& body) {
     record.rigid->setBroadphaseHandle(broadphase_.createProxy(body.low, body.high, record.collision_shape()->getShapeType(),
                                                               record.rigid.get(), group_of(record.fixed, record.debris),
                                                               partners_of(record.fixed, record.debris), getDispatcher()));
+    broadphase_.set_size(record.rigid->getBroadphaseHandle(), body.size, least_partner_of(record));
 }
 
 std::span<const int> SteppedWorld::take_out(BodyRecord& body) {

@@ -28,11 +28,6 @@ SweptPairs::Key key_of(uint32_t first, uint32_t second) {
     return static_cast<SweptPairs::Key>(std::min(first, second)) << 32 | std::max(first, second);
 }
 
-bool meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
-    return (a.m_collisionFilterGroup & b.m_collisionFilterMask) != 0
-           && (b.m_collisionFilterGroup & a.m_collisionFilterMask) != 0;
-}
-
 // Ascends with the number, which is none of those that are not.
 uint32_t ascending_bits(float value) {
     const auto bits = std::bit_cast<uint32_t>(value + 0.0f); // -0 is 0
@@ -40,6 +35,11 @@ uint32_t ascending_bits(float value) {
 }
 
 } // namespace
+
+bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
+    using Filter = SweepBroadphase::Filter;
+    return Filter::of(static_cast<const SweptProxy&>(a)).meets(Filter::of(static_cast<const SweptProxy&>(b)));
+}
 
 void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
                         const std::vector<Change>& changes, btDispatcher* dispatcher) {
@@ -124,7 +124,7 @@ void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispa
 }
 
 bool SweptPairs::needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const {
-    return meet(*first, *second);
+    return may_meet(*first, *second);
 }
 
 btBroadphasePair* SweptPairs::findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) {
@@ -186,6 +186,15 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
            & all_less_equal(box.low[0], ends(0), box.low[1], ends(1), box.low[2], ends(2));
 }
 
+SweepBroadphase::Filter SweepBroadphase::Filter::of(const SweptProxy& proxy) {
+    return {proxy.m_collisionFilterGroup, proxy.m_collisionFilterMask, proxy.size, proxy.least_partner};
+}
+
+bool SweepBroadphase::Filter::meets(const Filter& other) const {
+    return (group & other.partners) != 0 && (other.group & partners) != 0 && size >= other.least_partner
+           && other.size >= least_partner;
+}
+
 btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVector3& high, int, void* object,
                                                 int group, int mask, btDispatcher*) {
     auto proxy = std::make_unique<SweptProxy>();
@@ -197,7 +206,7 @@ btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVe
     proxy->m_uniqueId = next_uid_++;
     proxy->rank = static_cast<uint32_t>(proxies_.size());
     changes_.push_back(SweptPairs::Change::set);
-    filters_.push_back({group, mask});
+    filters_.push_back(Filter::of(*proxy));
     if (proxies_.empty()) boxes_.resize(0);
     for (size_t axis = 0; axis < 3; ++axis) {
         boxes_.low[axis].push_back(infinite);
@@ -206,6 +215,13 @@ btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVe
     boxes_.set(proxy->rank, low, high);
     proxies_.push_back(std::move(proxy));
     return proxies_.back().get();
+}
+
+void SweepBroadphase::set_size(btBroadphaseProxy* proxy, btScalar size, btScalar least_partner) {
+    SweptProxy& sized = swept(proxy);
+    sized.size = size;
+    sized.least_partner = least_partner;
+    filters_[sized.rank] = Filter::of(sized);
 }
 
 // Constant in time, so that many can go at once. Bullet has cleaned the proxy's pairs before.
@@ -444,9 +460,7 @@ void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from
     for (size_t first = from; first < others.ranks.size() && begin[first] <= end; first += 4)
         for (uint32_t lanes = others.boxes.overlaps(first, box); lanes != 0; lanes &= lanes - 1) {
             const uint32_t other = others.ranks[first + static_cast<size_t>(std::countr_zero(lanes))];
-            const Filter its = filters_[other];
-            const bool meet = (own.group & its.partners) != 0 && (its.group & own.partners) != 0;
-            if (meet && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
+            if (own.meets(filters_[other]) && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
         }
 }
 

@@ -5,7 +5,8 @@
 // fall, every box leaves its slack in every step. Here boxes are as tight as they are given. Those whose box was set since the
 // last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
 // other and with those that were not, four at a time; pairs of two that were not stay as they are. Debris, which meets no debris,
-// has a list of its own and is not compared with itself.
+// has a list of its own and is not compared with itself. Of others that it overlaps it has no pair with those that are too small for it
+// (set_size()).
 //
 // - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
 //   on what happened before.
@@ -35,7 +36,11 @@ namespace brittle::physics {
 // Proxies are numbered by rank: their place among all, in the order in which they were made.
 struct SweptProxy final : btBroadphaseProxy {
     uint32_t rank = 0;
+    btScalar size = BT_LARGE_FLOAT, least_partner = 0.0f; // see SweepBroadphase::set_size()
 };
+
+// Whether two of a SweepBroadphase meet where they overlap: as their groups and their sizes say.
+[[nodiscard]] bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b);
 
 // Pairs of boxes in the order of their ranks.
 class SweptPairs final : public btOverlappingPairCache {
@@ -91,6 +96,9 @@ class SweepBroadphase final : public btBroadphaseInterface {
 
     btBroadphaseProxy* createProxy(const btVector3& low, const btVector3& high, int shape, void* object, int group,
                                    int mask, btDispatcher* dispatcher) override;
+    // It is so large, and meets only what is at least as large as it asks for; one without is larger than all and meets all.
+    // To be called before pairs are next found.
+    void set_size(btBroadphaseProxy* proxy, btScalar size, btScalar least_partner);
     void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
     void setAabb(btBroadphaseProxy* proxy, const btVector3& low, const btVector3& high,
                  btDispatcher* dispatcher) override;
@@ -131,9 +139,14 @@ class SweepBroadphase final : public btBroadphaseInterface {
         Boxes boxes;
         void resize(size_t count);
     };
+    // Of a proxy: what may_meet() asks for.
     struct Filter {
         int group, partners;
+        btScalar size, least_partner;
+        static Filter of(const SweptProxy& proxy);
+        [[nodiscard]] bool meets(const Filter& other) const;
     };
+    friend bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b);
 
     void forget_gone(); // boxes that were destroyed
     // The axis on which boxes that were set spread most; one that is about as good is kept.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <LinearMath/btAabbUtil2.h>
 #include <doctest/doctest.h>
 
 using namespace brittle::physics;
@@ -18,6 +19,7 @@ struct Boxes {
     struct One {
         btBroadphaseProxy* proxy;
         int group, mask;
+        float size = 1e18f, least_partner = 0.0f;
     };
     brittle::fracture::Threads threads{2};
     SweepBroadphase sweep{threads};
@@ -45,6 +47,16 @@ struct Boxes {
         const btVector3 low = corner(-space, space);
         return add(low, low + corner(0.0f, size), group, mask);
     }
+    btBroadphaseProxy* add_sized(float space, float size, float factor) { // of what it meets
+        const bool debris = factor > 0.0f;
+        btBroadphaseProxy* const proxy = debris ? add_random(space, size, btBroadphaseProxy::DebrisFilter, ~btBroadphaseProxy::DebrisFilter)
+                                                : add_random(space, size);
+        const btVector3 sides = proxy->m_aabbMax - proxy->m_aabbMin;
+        boxes.back().size = sides[sides.maxAxis()];
+        boxes.back().least_partner = factor * boxes.back().size;
+        sweep.set_size(proxy, boxes.back().size, boxes.back().least_partner);
+        return proxy;
+    }
     void move(size_t which, float by) {
         btBroadphaseProxy* proxy = boxes[which].proxy;
         const btVector3 step = corner(-by, by);
@@ -67,6 +79,9 @@ struct Boxes {
             for (size_t j = 0; j < i; ++j) {
                 const btBroadphaseProxy &a = *boxes[j].proxy, &b = *boxes[i].proxy;
                 bool overlap = (boxes[i].group & boxes[j].mask) != 0 && (boxes[j].group & boxes[i].mask) != 0;
+                overlap = overlap && boxes[i].size >= boxes[j].least_partner && boxes[j].size >= boxes[i].least_partner;
+                CHECK(may_meet(a, b) == overlap);
+                CHECK(may_meet(b, a) == overlap);
                 for (int axis = 0; axis < 3; ++axis)
                     overlap = overlap && a.m_aabbMin[axis] <= b.m_aabbMax[axis] && b.m_aabbMin[axis] <= a.m_aabbMax[axis];
                 if (overlap) pairs[{a.m_uniqueId, b.m_uniqueId}] = 0;
@@ -181,6 +196,29 @@ TEST_CASE("debris meets all but debris, whoever of them moves, rests, comes or g
             for (int i = 0; i < 4; ++i) boxes.remove(1 + boxes.random() % (boxes.boxes.size() - 1));
         if (round % 5 == 2)
             for (int i = 0; i < 6; ++i) boxes.add_random(2.0f, 1.5f, i % 2 ? group : 1, i % 2 ? ~group : -1);
+        boxes.check();
+    }
+}
+
+TEST_CASE("boxes that say so meet only what is as large as they ask for, whoever of them moves, rests, comes or goes") {
+    Boxes boxes;
+    boxes.add({-1e18f, -1e18f, -1e18f}, {1e18f, 1e18f, 1e18f}); // larger than all
+    for (int i = 0; i < 120; ++i) boxes.add_sized(1.5f, 1.5f, i % 2 ? 2.0f : 0.0f);
+    boxes.check();
+    size_t left_out = 0; // that overlap
+    for (size_t i = 1; i < boxes.boxes.size(); i += 2)
+        for (size_t j = 2; j < boxes.boxes.size(); j += 2) {
+            const btBroadphaseProxy &a = *boxes.boxes[i].proxy, &b = *boxes.boxes[j].proxy;
+            left_out += !may_meet(a, b) && TestAabbAgainstAabb2(a.m_aabbMin, a.m_aabbMax, b.m_aabbMin, b.m_aabbMax);
+        }
+    CHECK(left_out > 100);
+    for (int round = 0; round < 30; ++round) {
+        for (size_t i = 1; i < boxes.boxes.size(); ++i)
+            if (round % 3 == 0 || (round % 3 == 1 ? boxes.random() % 5 == 0 : i % 2 == 0)) boxes.move(i, 0.3f);
+        if (round % 3 == 1)
+            for (int i = 0; i < 4; ++i) boxes.remove(1 + boxes.random() % (boxes.boxes.size() - 1));
+        if (round % 5 == 2)
+            for (int i = 0; i < 6; ++i) boxes.add_sized(1.5f, 1.5f, i % 2 ? 2.0f : 0.0f);
         boxes.check();
     }
 }

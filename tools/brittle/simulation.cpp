@@ -294,6 +294,7 @@ void Simulation::act(const Shoot& shot) {
     const auto inertia = static_cast<float>(0.4 * mass * shot.radius * shot.radius);
     balls_.push_back({must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0),
                                                                             {.max_vertices = 64}),
+                                            .large = true,
                                             .mass = static_cast<float>(mass),
                                             .inertia = glm::mat3(inertia),
                                             .pose = {.position = glm::vec3(shot.from)},
