@@ -243,10 +243,8 @@ class HullOnPlane final : public FollowedContacts {
         for (size_t i = 0; i < corners.size(); ++i) {
             const Corner& corner = corners[i];
             GroundPoint& point = manifold.all[i];
-            point = {.local = packed(to_hull * (corner.position - at)),
-                     .position = packed(corner.position),
-                     .distance = corner.distance,
-                     .corner = corner.index};
+            point = {.position = packed(corner.position), .distance = corner.distance, .corner = corner.index};
+            if (hull >= 0) point.local = packed(to_hull * (corner.position - at));
             for (const Memory& before : std::span(old).first(known)) {
                 if (before.corner != corner.index) continue;
                 point.impulse = before.impulse;

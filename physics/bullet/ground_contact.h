@@ -28,8 +28,8 @@ namespace brittle::physics {
 
 // A corner that touches the ground or may come to it in this step. Bullet's units.
 struct alignas(64) GroundPoint {
-    std::array<float, 3> local{};    // on the hull, margin included: in the body's frame
-    std::array<float, 3> position{}; // the same in the world, when contacts were found
+    std::array<float, 3> position{}; // on the hull, margin included: in the world, when contacts were found
+    std::array<float, 3> local{};    // the same in the body's frame; of a compound only
     float distance = 0.0f;           // above the ground, likewise
     int corner = 0;                  // of the hull
     // Of the last solution: the speed at which it came down, the impulse on the hull along +Y, and that of friction in a direction.

@@ -13,14 +13,6 @@ constexpr float no_limit = std::numeric_limits<float>::max();
 // Blocks that are solved in all sweeps at once come in groups of so many: each row waits for the one before, and in between those
 // of the other blocks are worked on.
 constexpr uint32_t group_size = 4;
-// Bodies by bundle, those without one behind, of each those with most rows first, as one number to sort by: up to 16 million bodies
-// and rows of each, and 65,534 bundles, which have 16 million contacts at least.
-constexpr uint32_t mover_bits = 24, count_bits = 24;
-constexpr uint64_t no_bundle = (uint64_t{1} << (64 - mover_bits - count_bits)) - 1;
-uint64_t key_of(uint32_t bundle, uint32_t count, uint32_t mover) {
-    const uint64_t fewer = (uint64_t{1} << count_bits) - 1 - count;
-    return (bundle == Bundles::none ? no_bundle : bundle) << (mover_bits + count_bits) | fewer << mover_bits | mover;
-}
 
 } // namespace
 
@@ -57,21 +49,33 @@ struct HeldRows::Moving {
     }
 };
 
+// By counting: by bundle, those without one behind, of each those with most rows first.
+void HeldRows::sort_movers(const Bundles& bundles) {
+    const uint32_t most = counts_.empty() ? 0 : *std::ranges::max_element(counts_);
+    const auto key_of = [&](size_t mover) {
+        return static_cast<size_t>(std::min(bundles.of(static_cast<uint32_t>(mover)), bundles.count())) * (most + 1)
+               + (most - counts_[mover]);
+    };
+    starts_.assign(static_cast<size_t>(bundles.count() + 1) * (most + 1) + 1, 0);
+    for (size_t mover = 0; mover < counts_.size(); ++mover)
+        if (counts_[mover] > 0) ++starts_[key_of(mover) + 1];
+    for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
+    order_.resize(starts_.back());
+    for (uint32_t mover = 0; mover < counts_.size(); ++mover)
+        if (counts_[mover] > 0) order_[starts_[key_of(mover)]++] = mover;
+}
+
 void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> lights, const Bundles& bundles) {
     movers_.assign(movers.begin(), movers.end());
     counts_.assign(lights.size(), 0);
     for (const uint32_t mover : movers) ++counts_[mover];
-    order_.clear();
-    for (uint32_t mover = 0; mover < lights.size(); ++mover)
-        if (counts_[mover] > 0) order_.push_back(key_of(bundles.of(mover), counts_[mover], mover));
-    std::ranges::sort(order_);
+    sort_movers(bundles);
 
     blocks_.clear();
     lanes_.resize(lights.size());
     firsts_.clear();
     uint32_t end = 0;
-    for (const uint64_t key : order_) {
-        const auto mover = static_cast<uint32_t>(key & ((uint64_t{1} << mover_bits) - 1));
+    for (const uint32_t mover : order_) {
         const uint32_t bundle = std::min(bundles.of(mover), bundles.count());
         const bool another = firsts_.size() <= bundle;
         while (firsts_.size() <= bundle) firsts_.push_back(static_cast<uint32_t>(blocks_.size()));

@@ -55,6 +55,7 @@ class HeldRows {
     };
     struct Moving; // the motions of a block's bodies
 
+    void sort_movers(const Bundles& bundles);
     static void put(FourRows& rows, size_t lane, const Row& row);
     static void act(const FourRows& rows, const auto& impulse, Moving& moving);
     static void solve(FourRows& rows, const auto& low, const auto& high, Moving& moving);
@@ -72,8 +73,7 @@ class HeldRows {
     std::vector<Four> coefficients_;         // of friction, beside them
     std::vector<uint32_t> movers_, slots_;   // by contact; its row, times four, and lane
     std::vector<uint32_t> lanes_;            // by mover: its block, times four, and lane
-    std::vector<uint32_t> counts_;           // scratch of arrange(), as is the next
-    std::vector<uint64_t> order_;
+    std::vector<uint32_t> counts_, starts_, order_; // scratch of arrange(): rows by mover, and those that have any in order
 };
 
 } // namespace brittle::physics
