@@ -68,15 +68,15 @@ struct WorldSettings {
     // with their hulls at birth: a high speed blows them apart, a low one lets hard impacts overlap for
     // longer. Moving apart gives no velocity.
     float separation_speed = 0.2f;
-    // Bodies whose longest extent is below this, m, are debris: of what moves they collide with large bodies only, which are no debris
-    // and at least twice as long (or BodyDesc::large). They lie on the ground and on what is fixed, but not on each other and their
-    // like. What a blow leaves by the hundred then costs a tenth. 0: no debris.
+    // Bodies whose longest extent is below this, m, are debris: of what moves they collide with large bodies only, which are no
+    // debris and at least twice as long (or BodyDesc::large). They lie on the ground and on what is fixed, but not on each
+    // other and their like. What a blow leaves by the hundred then costs a tenth. 0: no debris.
     float debris_size = 0.02f;
     // Awake bodies that collide with each other, at most, as far as pieces of what breaks add to them: where there would be
     // more, the smaller ones of those that come are debris, too, however large (crowd.h). It keeps a step from growing with
     // every break: with a thousand more that meet it takes two to three times as long, with as much debris a third more. What it
-    // costs is that such pieces lie in each other and in their like. Decided when a piece comes, and it stays so; results repeat as ever. 0: no limit,
-    // for who bakes what nobody waits for.
+    // costs is that such pieces lie in each other and in their like. Decided when a piece comes, and it stays so; results
+    // repeat as ever. 0: no limit, for who bakes what nobody waits for.
     uint32_t most_colliding = 1000;
     // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of
     // the time its remaining jitter is damped away, after the whole time it sleeps, together with all it
@@ -194,8 +194,8 @@ class World {
     // raised to it, for the solver's sake.
     Result<BodyId> add_body(const BodyDesc& desc);
     // Adds them one behind the other, all or none: the same state, bit for bit, as add_body() for each in turn, and the error
-    // that it would give for the first that is refused. Bodies of one hull are made side by side (WorldSettings::threads), which
-    // is two thirds of what they cost.
+    // that it would give for the first that is refused. Bodies of one hull are made side by side
+    // (WorldSettings::threads).
     Result<std::vector<BodyId>> add_bodies(std::span<const BodyDesc> descs);
     // A number for BodyDesc::siblings that was not given before.
     uint32_t new_siblings();

@@ -9,13 +9,13 @@
 
 namespace brittle::physics {
 
-// One of the two. The ground is the second of its pair.
+// One of the two.
 struct AnyManifold {
-    btPersistentManifold* bodies = nullptr;
+    btPersistentManifold* between = nullptr;
     GroundManifold* ground = nullptr;
 
     [[nodiscard]] uint32_t count() const {
-        return ground ? ground->count : static_cast<uint32_t>(bodies->getNumContacts());
+        return ground ? ground->count : static_cast<uint32_t>(between->getNumContacts());
     }
 };
 

@@ -122,7 +122,7 @@ Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings) {
         body.previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
     else
         body.previous = body.pose_in(body.blow_frame);
-    if (body.shape) finish(made, desc, settings);
+    if (body.shape) make_rigid(made, desc, settings);
     return made;
 }
 
@@ -133,7 +133,7 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts) {
 
 // Bullet counts bodies as it makes them, which no two threads may do: they are copied from one and then get all that it would
 // give them.
-void finish(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) {
+void make_rigid(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) {
     static const btRigidBody blank(btRigidBody::btRigidBodyConstructionInfo(1.0f, nullptr, nullptr));
     BodyRecord& body = *made.record;
     body.rigid = std::make_unique<btRigidBody>(blank);

@@ -98,14 +98,15 @@ struct NewBody {
 };
 
 // What can be made of a description outside of a world, on any thread: all but its number and place there. Of several hulls the
-// shape is left out, as bodies share hulls, and what finish() makes of it. The error says what is wrong, but not of whom.
+// shape is left out, as bodies share hulls, and what make_rigid() makes of it. The error says what is wrong, but not of whom.
 [[nodiscard]] Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings);
 
 // The lengths of a compound and what the air does to it; the shape must be known.
 void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 
-// Bullet's rigid body with the pose and velocity that the record begins with, and the box; the shape must be known. On any thread.
-void finish(NewBody& body, const BodyDesc& desc, const WorldSettings& settings);
+// Bullet's rigid body with the pose and velocity that the record begins with, its box, and what it is to debris or whether it is
+// that itself; the shape must be known. On any thread.
+void make_rigid(NewBody& body, const BodyDesc& desc, const WorldSettings& settings);
 
 // Who meets whom (may_meet() in sweep_broadphase.h), first for Bullet's filter: fixed bodies do not meet each other, debris does not
 // either.

@@ -4,6 +4,8 @@
 // one of these.
 #pragma once
 
+#include <array>
+
 #include <btBulletDynamicsCommon.h>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>

@@ -125,6 +125,18 @@ struct Memory {
     std::array<float, 3> along;
 };
 
+btScalar height_of(const btCollisionObject& plane) {
+    return static_cast<const btStaticPlaneShape&>(*plane.getCollisionShape()).getPlaneConstant()
+           + plane.getWorldTransform().getOrigin().y();
+}
+
+// How high above the ground a corner may be at most and have a contact, of a hull whose centre is so far from the body's.
+btScalar highest_contact(const HullShape& hull, const btRigidBody& body, btScalar arm, btScalar seconds) {
+    const btScalar falling = body.getLinearVelocity().y() + body.getGravity().y() * seconds;
+    const btScalar fastest = std::abs(falling) + body.getAngularVelocity().length() * (arm + hull.radius());
+    return resting_distance * hull.getAngularMotionDisc() + turned_approach * fastest * seconds;
+}
+
 class HullOnPlane final : public FollowedContacts {
   public:
     HullOnPlane(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* hull,
@@ -137,7 +149,8 @@ class HullOnPlane final : public FollowedContacts {
 
     void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                           const btDispatcherInfo& info, btManifoldResult* result) override {
-        if (!manifold_) manifold_ = manifolds_.take();
+        if (follow(*first, *second, info, *result)) return;
+        manifold_ = manifolds_.take();
         (void)follow(*first, *second, info, *result);
     }
     bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
@@ -180,9 +193,7 @@ class HullOnPlane final : public FollowedContacts {
         thread_local std::vector<Corner> corners;
         corners.clear();
         const auto& shape = static_cast<const HullShape&>(*hull.getCollisionShape());
-        const btScalar height =
-            static_cast<const btStaticPlaneShape&>(*plane_->getCollisionShape()).getPlaneConstant()
-            + plane_->getWorldTransform().getOrigin().y();
+        const btScalar height = height_of(*plane_);
         const btRigidBody* body = btRigidBody::upcast(hull.getCollisionObject());
         const btVector3 velocity = body->getLinearVelocity() + body->getGravity() * seconds;
         const btTransform& frame = hull.getWorldTransform();
@@ -190,11 +201,8 @@ class HullOnPlane final : public FollowedContacts {
         const btScalar resting = resting_distance * shape.getAngularMotionDisc();
         // Most bodies that are in the air are so high that none of their corners can come down in the step.
         const btScalar above = frame.getOrigin().y() - height;
-        const btScalar fastest =
-            std::abs(velocity.y()) + body->getAngularVelocity().length() * (origin.length() + shape.radius());
-        const btScalar reached_at_most = resting + turned_approach * fastest * seconds;
-        if (above - shape.radius() > reached_at_most
-            || above - shape.reach(-frame.getBasis()[1]) - shape.getMargin() > reached_at_most)
+        const btScalar highest = highest_contact(shape, *body, origin.length(), seconds);
+        if (above - shape.radius() > highest || above - shape.reach(-frame.getBasis()[1]) - shape.getMargin() > highest)
             return corners;
         const btVector3 &at = frame.getOrigin(), &spin = body->getAngularVelocity();
         const std::span<const btScalar> groups = shape.groups();
@@ -257,7 +265,7 @@ class HullOnPlane final : public FollowedContacts {
     const btCollisionObject* hull_;
     const btCollisionObject* plane_;
     Manifolds& manifolds_;
-    GroundManifold* manifold_ = nullptr; // from the first contact on
+    GroundManifold* manifold_ = nullptr; // since the first corner that touched
     btScalar threshold_;                 // of what counts as one contact from step to step
 };
 
@@ -290,6 +298,12 @@ GroundContacts::GroundContacts(btCollisionDispatcher& dispatcher) : impl_(std::m
                                            &impl_->plane_first);
 }
 GroundContacts::~GroundContacts() = default;
+
+bool GroundContacts::is_out_of_reach(const btRigidBody& body, const btCollisionObject& plane, float seconds) {
+    const auto& hull = static_cast<const HullShape&>(*body.getCollisionShape());
+    const btScalar above = body.getWorldTransform().getOrigin().y() - height_of(plane);
+    return above - hull.radius() > highest_contact(hull, body, 0.0f, seconds);
+}
 
 std::span<GroundManifold* const> GroundContacts::manifolds() const {
     return impl_->manifolds.used();

@@ -9,8 +9,8 @@
 // it, a piece with two low corners rocks between two choices of four, and each corner sinks while it is not chosen, millimetres
 // deep and for ever.
 //
-// Half of all contacts are with the ground, so they are kept apart from Bullet's, which have three times the size, and four
-// at most: what a step goes through again and again should fit into the processor's cache.
+// Half of all contacts of a heap are with the ground, so they are kept apart from Bullet's, a point of which has three times the
+// size: what a step goes through again and again should fit into the processor's cache.
 //
 // A limit: the step that ends on the ground does so without a bounce from full speed, so fast impacts on the
 // ground bounce less than their restitution says.
@@ -22,6 +22,7 @@
 #include <span>
 
 class btCollisionDispatcher;
+class btCollisionObject;
 class btRigidBody;
 
 namespace brittle::physics {
@@ -32,7 +33,7 @@ struct alignas(64) GroundPoint {
     std::array<float, 3> local{};    // the same in the body's frame; of a compound only
     float distance = 0.0f;           // above the ground, likewise
     int corner = 0;                  // of the hull
-    // Of the last solution: the speed at which it came down, the impulse on the hull along +Y, and that of friction in a direction.
+    // Of the last solution: the speed at which it came down, the impulse on the hull along +Y, that of friction and where to.
     float speed = 0.0f, impulse = 0.0f, friction = 0.0f;
     std::array<float, 3> along{};
     bool blow = false; // so hard that the next solution does not start from it
@@ -49,8 +50,8 @@ struct GroundManifold {
     int hull = -1; // of a compound; -1 for the only one
     uint32_t count = 0;
     float friction = 0.0f, restitution = 0.0f; // combined with the ground's
+    uint32_t place = 0;                        // among all manifolds
     std::array<GroundPoint, most_points> all{};
-    uint32_t place = 0; // among all manifolds
 
     [[nodiscard]] std::span<GroundPoint> points() { return std::span(all).first(count); }
     [[nodiscard]] std::span<const GroundPoint> points() const { return std::span(all).first(count); }
@@ -63,6 +64,8 @@ class GroundContacts {
     explicit GroundContacts(btCollisionDispatcher& dispatcher);
     ~GroundContacts();
 
+    // Whether a body of one hull is so high that it has no contact in a step.
+    [[nodiscard]] static bool is_out_of_reach(const btRigidBody& body, const btCollisionObject& plane, float seconds);
     // Of all pairs, also of bodies that sleep; some may have no points.
     [[nodiscard]] std::span<GroundManifold* const> manifolds() const;
 

@@ -1,7 +1,7 @@
 // Rows of a hull's contacts with the ground, four points at a time.
 //
-// A third of all contacts are those, and each waits for nothing but its body. The same operations as one at a time, in the same
-// order (RowSolver::make_rows()): not a bit is different. Bullet's units. Thread-safe: no state.
+// In a heap half of all contacts are those, and each waits for nothing but its body. The same operations as one at a time, in the same
+// order (RowSolver::make_row()): not a bit is different. Bullet's units. Thread-safe: no state.
 #pragma once
 
 #include <array>

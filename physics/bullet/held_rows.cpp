@@ -1,6 +1,7 @@
 #include "physics/bullet/held_rows.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 #include "physics/bullet/float4.h"
@@ -13,6 +14,7 @@ constexpr float no_limit = std::numeric_limits<float>::max();
 // Blocks that are solved in all sweeps at once come in groups of so many: each row waits for the one before, and in between those
 // of the other blocks are worked on.
 constexpr uint32_t group_size = 4;
+constexpr uint32_t most_counted = 48; // rows of a body: see sort_movers()
 
 } // namespace
 
@@ -49,20 +51,25 @@ struct HeldRows::Moving {
     }
 };
 
-// By counting: by bundle, those without one behind, of each those with most rows first.
+// By bundle, those without one behind, of each those with most rows first. By counting; of those with very many rows, which are few,
+// by comparing.
 void HeldRows::sort_movers(const Bundles& bundles) {
-    const uint32_t most = counts_.empty() ? 0 : *std::ranges::max_element(counts_);
-    const auto key_of = [&](size_t mover) {
-        return static_cast<size_t>(std::min(bundles.of(static_cast<uint32_t>(mover)), bundles.count())) * (most + 1)
-               + (most - counts_[mover]);
+    const auto key_of = [&](uint32_t mover) {
+        const size_t bundle = std::min(bundles.of(mover), bundles.count());
+        return bundle * (most_counted + 1) + (most_counted - std::min(counts_[mover], most_counted));
     };
-    starts_.assign(static_cast<size_t>(bundles.count() + 1) * (most + 1) + 1, 0);
-    for (size_t mover = 0; mover < counts_.size(); ++mover)
+    const auto movers = static_cast<uint32_t>(counts_.size());
+    starts_.assign((bundles.count() + 1) * (most_counted + 1) + 1, 0);
+    for (uint32_t mover = 0; mover < movers; ++mover)
         if (counts_[mover] > 0) ++starts_[key_of(mover) + 1];
     for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     order_.resize(starts_.back());
-    for (uint32_t mover = 0; mover < counts_.size(); ++mover)
-        if (counts_[mover] > 0) order_[starts_[key_of(mover)]++] = mover;
+    next_ = starts_;
+    for (uint32_t mover = 0; mover < movers; ++mover)
+        if (counts_[mover] > 0) order_[next_[key_of(mover)]++] = mover;
+    for (size_t key = 0; key < starts_.size() - 1; key += most_counted + 1)
+        std::ranges::stable_sort(std::span(order_).subspan(starts_[key], starts_[key + 1] - starts_[key]), std::ranges::greater{},
+                                 [this](uint32_t mover) { return counts_[mover]; });
 }
 
 void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> lights, const Bundles& bundles) {

@@ -27,7 +27,7 @@ class HeldRows {
     void arrange(std::span<const uint32_t> movers, std::span<const float> lights, const Bundles& bundles);
     // Of the contact that was given in that place, and of its friction. For different contacts, on any threads.
     void put(size_t contact, const Row& row, const Row& friction, float coefficient);
-    // The same of one of four.
+    // The same, from one lane of four rows.
     void put(size_t contact, const FourRows& rows, const FourRows& frictions, size_t lane, float coefficient);
 
     // Of the bodies of a bundle; for different ones, on any threads. Lets the impulses act from which contacts start.
@@ -73,7 +73,8 @@ class HeldRows {
     std::vector<Four> coefficients_;         // of friction, beside them
     std::vector<uint32_t> movers_, slots_;   // by contact; its row, times four, and lane
     std::vector<uint32_t> lanes_;            // by mover: its block, times four, and lane
-    std::vector<uint32_t> counts_, starts_, order_; // scratch of arrange(): rows by mover, and those that have any in order
+    std::vector<uint32_t> counts_;                // scratch of arrange(), as the next: rows by mover
+    std::vector<uint32_t> starts_, next_, order_; // movers that have any, in order, and where those of a kind begin
 };
 
 } // namespace brittle::physics

@@ -1,12 +1,11 @@
 #include "physics/bullet/narrow_phase.h"
 
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
-#include "physics/bullet/hull_shape.h"
+#include "physics/bullet/ground_contact.h"
 
 namespace brittle::physics {
 
@@ -16,9 +15,6 @@ namespace {
 constexpr uint32_t least_pairs = 128;
 // Pairs lie anywhere in memory: so many ahead of the one at hand are fetched, with so much of what each keeps, in bytes.
 constexpr size_t fetched_ahead = 4, fetched_bytes = 320, cache_line = 64;
-// A hull whose centre is higher above the ground than so many of its radii and of its ways in a step has no contact with it: more
-// than what contacts with the ground ask for.
-constexpr btScalar far_radii = 1.25f, far_ways = 4.0f;
 
 btCollisionObject& object_of(const btBroadphaseProxy* proxy) {
     return *static_cast<btCollisionObject*>(proxy->m_clientObject);
@@ -61,13 +57,8 @@ bool is_far_above_ground(const btBroadphasePair& pair, btScalar seconds) {
     const bool ground_first = is_ground(object_of(pair.m_pProxy0));
     const btCollisionObject& ground = object_of(ground_first ? pair.m_pProxy0 : pair.m_pProxy1);
     const auto& body = static_cast<const btRigidBody&>(object_of(ground_first ? pair.m_pProxy1 : pair.m_pProxy0));
-    if (!is_ground(ground) || body.getCollisionShape()->getShapeType() != CONVEX_HULL_SHAPE_PROXYTYPE) return false;
-    const btScalar radius = static_cast<const HullShape&>(*body.getCollisionShape()).radius();
-    const btScalar height = static_cast<const btStaticPlaneShape&>(*ground.getCollisionShape()).getPlaneConstant()
-                            + ground.getWorldTransform().getOrigin().y();
-    const btScalar fastest = std::abs(body.getLinearVelocity().y() + body.getGravity().y() * seconds)
-                             + body.getAngularVelocity().length() * radius;
-    return body.getWorldTransform().getOrigin().y() - height > far_radii * radius + far_ways * fastest * seconds;
+    return is_ground(ground) && body.getCollisionShape()->getShapeType() == CONVEX_HULL_SHAPE_PROXYTYPE
+           && GroundContacts::is_out_of_reach(body, ground, seconds);
 }
 
 // Makes the algorithm of a pair.
@@ -108,7 +99,7 @@ btManifoldArray& manifolds_of(btCollisionAlgorithm& algorithm) {
 
 void add_manifolds(btCollisionAlgorithm& algorithm, std::vector<AnyManifold>& to) {
     const btManifoldArray& manifolds = manifolds_of(algorithm);
-    for (int i = 0; i < manifolds.size(); ++i) to.push_back({.bodies = manifolds[i]});
+    for (int i = 0; i < manifolds.size(); ++i) to.push_back({.between = manifolds[i]});
 }
 
 } // namespace

@@ -2,8 +2,8 @@
 //
 // Most pairs were there in the last step, and what is found of them changes only what they keep themselves: those are
 // followed side by side. What asks for something of the dispatcher's, which is not thread-safe, comes one by one
-// in the order of pairs: algorithms of new pairs before, first contacts and last ones, and pairs of two compounds, behind. So
-// nothing depends on the number of threads.
+// in the order of pairs: algorithms of new pairs before; first contacts and last ones, algorithms of hulls that have come down to
+// the ground and their first contacts, and pairs of two compounds, behind. So nothing depends on the number of threads.
 #pragma once
 
 #include <new>
@@ -25,10 +25,11 @@ class FollowedContacts : public btCollisionAlgorithm {
   public:
     using btCollisionAlgorithm::btCollisionAlgorithm;
 
-    // Does what processCollision() does, without the dispatcher. False where it is needed: then processCollision() must follow.
+    // Does what processCollision() does, without the dispatcher and what else pairs share. False where it is needed: then processCollision() must follow.
     virtual bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                         const btDispatcherInfo& info, btManifoldResult& result) = 0;
-    // Contacts that it has follow the bodies, and those that have come apart go. Of a hull of a compound, before others are looked for.
+    // Contacts that it has follow the bodies, and those that have come apart go. Of a hull of a compound, before others are
+    // looked for.
     virtual void refresh(btManifoldResult& result);
     // Adds what it has.
     virtual void collect(std::vector<AnyManifold>& to);

@@ -1,6 +1,7 @@
 #include "physics/bullet/piece_solver.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace brittle::physics {
 
@@ -70,6 +71,7 @@ void PieceSolver::report_solved() {
             contacts_.push_back(contact);
         }
     }
+    assert(solved == rows_.solved().end());
 }
 
 // That stays as it is until one of them wakes, comes or goes.
@@ -104,6 +106,7 @@ void PieceSolver::report_sleeping(btDispatcher& dispatcher) {
 Contact PieceSolver::contact_between(const btPersistentManifold& manifold, const btManifoldPoint& point) const {
     Contact contact;
     const int first = manifold.getBody0()->getUserIndex(), second = manifold.getBody1()->getUserIndex();
+    assert(first >= 0 && second >= 0); // contacts with the ground are told from their own manifolds
     contact.a = bodies_[static_cast<size_t>(first)]->id;
     contact.b = bodies_[static_cast<size_t>(second)]->id;
     // Bullet's index is that of the hull in a compound, -1 without.

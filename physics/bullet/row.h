@@ -1,4 +1,4 @@
-// What the solver's sweeps run over.
+// What the solver's sweeps run over, and what that is made of.
 #pragma once
 
 #include <array>

@@ -113,7 +113,7 @@ RowSolver::Between RowSolver::between(const AnyManifold& manifold) const {
         return never_moves(object) ? nobody : indices_[static_cast<size_t>(object->getUserIndex())];
     };
     if (manifold.ground) return {manifold.ground->body, nullptr, mover(manifold.ground->body), nobody, manifold.count()};
-    const btCollisionObject *a = manifold.bodies->getBody0(), *b = manifold.bodies->getBody1();
+    const btCollisionObject *a = manifold.between->getBody0(), *b = manifold.between->getBody1();
     return {a, b, mover(a), mover(b), manifold.count()};
 }
 
@@ -178,7 +178,7 @@ void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& st
             if (manifolds[i].ground)
                 make_rows(*manifolds[i].ground, places_of(i), step);
             else
-                make_rows(*manifolds[i].bodies, places_of(i), solved_of(i), step);
+                make_rows(*manifolds[i].between, places_of(i), solved_of(i), step);
     });
 }
 
@@ -202,7 +202,7 @@ void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32
         const btVector3 position = !held ? 0.5f * (on_a + on_b) : turned ? on_b : on_a;
         const float distance = std::max(point.getDistance(), -deepest);
         const auto turn = [&](const btVector3& v) { return turned ? -v : v; };
-        const Rubbing made = make_rows({.a = side_of(turned ? b : a, position),
+        const Made made = make_row({.a = side_of(turned ? b : a, position),
                                         .b = side_of(turned ? a : b, position),
                                         .normal = turn(point.m_normalWorldOnB),
                                         .distance = distance,
@@ -247,7 +247,7 @@ void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> plac
 void RowSolver::make_rows_of_resting(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
     for (size_t i = 0; i < places.size(); ++i) {
         GroundPoint& point = ground.all[i];
-        const Rubbing made = make_rows({.a = side_of(ground.body, unpacked(point.position)),
+        const Made made = make_row({.a = side_of(ground.body, unpacked(point.position)),
                                         .b = {},
                                         .normal = {0, 1, 0},
                                         .distance = point.distance,
@@ -299,41 +299,42 @@ Row RowSolver::row_along(const btVector3& normal, const Side& a, const Side& b) 
     return row;
 }
 
-inline RowSolver::Rubbing RowSolver::make_rows(const Touch& touch, size_t place, const Step& step) {
-    const auto& [a, b, normal, distance, undone, restitution, coefficient, impulse, rubbed, rubbed_along, odd] = touch;
+inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, const Step& step) {
+    const Side &a = touch.a, &b = touch.b;
+    const btVector3& normal = touch.normal;
     Row row = row_along(normal, a, b);
     // Between those that rest, or where one does on what never moves: all stays as it is.
     const bool still = row.gain == 0.0f;
     const float apart = still ? 0.0f : -row.wanted / row.gain;
     // Before the step's gravity, which is the same for both where both move.
     const float before = b.mover || still ? apart : apart - normal.dot(step.gravity) * step.seconds;
-    const float bounce = std::abs(before) < step.least_bounce_speed ? 0.0f : std::max(0.0f, -before * restitution);
-    row.wanted += (bounce - std::max(distance, 0.0f) / step.seconds) * row.gain;
-    row.impulse = impulse * (still ? 1.0f : kept_impulse);
-    depths_[place] = std::max(-distance, 0.0f) * undone / step.seconds * row.gain;
+    const float bounce = std::abs(before) < step.least_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
+    row.wanted += (bounce - std::max(touch.distance, 0.0f) / step.seconds) * row.gain;
+    row.impulse = touch.impulse * (still ? 1.0f : kept_impulse);
+    depths_[place] = std::max(-touch.distance, 0.0f) * touch.undone_part / step.seconds * row.gain;
 
     btVector3 sliding = a.mover->linear + a.mover->angular.cross(a.arm);
     if (b.mover) sliding -= b.mover->linear + b.mover->angular.cross(b.arm);
     sliding -= normal * apart;
     btVector3 along;
-    if (still && rubbed_along.length2() > 0.5f)
-        along = rubbed_along;
+    if (still && touch.along.length2() > 0.5f)
+        along = touch.along;
     else if (const float square = sliding.length2(); square > SIMD_EPSILON)
         along = sliding / std::sqrt(square);
     else {
         // Points beside each other take turns, so that together they hold both ways.
         btVector3 across;
         btPlaneSpace1(normal, along, across);
-        if (odd) along = across;
+        if (touch.odd) along = across;
     }
     Row friction = row_along(along, a, b);
-    if (still) friction.impulse = rubbed;
+    if (still) friction.impulse = touch.friction;
     if (place >= held_) {
-        held_rows_.put(place - held_, row, friction, coefficient);
+        held_rows_.put(place - held_, row, friction, touch.coefficient);
     } else {
         contacts_[place] = row;
         frictions_[place] = friction;
-        coefficients_[place] = coefficient;
+        coefficients_[place] = touch.coefficient;
     }
     return {.speed = -before, .along = along};
 }

@@ -94,16 +94,16 @@ class RowSolver {
     void order_held();
     [[nodiscard]] Between between(const AnyManifold& manifold) const;
     void make_rows(std::span<const AnyManifold> manifolds, const Step& step, fracture::Threads& threads);
-    // Of the manifold's points, the first of which has that place, and among those of two bodies that one.
+    // Of the manifold's points, with their places, and where to note what becomes of them.
     void make_rows(btPersistentManifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved, const Step& step);
     void make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
     void make_rows_of_resting(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
-    // What is made of it: the speed at which the sides approach, and the direction of friction, on a.
-    struct Rubbing {
-        float speed;
-        btVector3 along;
+    // Of one contact and its friction.
+    struct Made {
+        float speed;     // at which the sides approach
+        btVector3 along; // of friction on a
     };
-    Rubbing make_rows(const Touch& touch, size_t place, const Step& step);
+    Made make_row(const Touch& touch, size_t place, const Step& step);
     static Row row_along(const btVector3& normal, const Side& a, const Side& b);
     [[nodiscard]] Side side_of(const btCollisionObject* object, const btVector3& position) const;
 

@@ -94,7 +94,6 @@ std::span<const int> SteppedWorld::take_out(BodyRecord& body) {
     }
     broadphase_.destroyProxy(proxy, getDispatcher());
     body.rigid->setBroadphaseHandle(nullptr);
-    std::erase_if(touched_, [](int index) { return index < 0; }); // the ground
     return touched_;
 }
 
@@ -192,7 +191,7 @@ void SteppedWorld::find_resting(btScalar seconds) {
             note_contacts(*ground->body, (ground->count + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE, pressed);
             return;
         }
-        const btPersistentManifold& between = *manifold.bodies;
+        const btPersistentManifold& between = *manifold.between;
         bool pressed = false;
         for (int p = 0; p < between.getNumContacts(); ++p)
             pressed = pressed || between.getContactPoint(p).m_appliedImpulse > 0.0f;
@@ -345,7 +344,7 @@ void SteppedWorld::find_touching(btScalar seconds) {
     for_each_body(islands_.awake(), [](BodyRecord& body) { body.touching = body.sunk = false; });
     for_each_contact([&](const AnyManifold& manifold) {
         if (!manifold.ground) {
-            for (const btCollisionObject* object : {manifold.bodies->getBody0(), manifold.bodies->getBody1()})
+            for (const btCollisionObject* object : {manifold.between->getBody0(), manifold.between->getBody1()})
                 note(bodies_[static_cast<size_t>(object->getUserIndex())]->touching);
             return;
         }

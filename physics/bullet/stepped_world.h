@@ -32,7 +32,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
 
     // In place of Bullet's own, whose lists of bodies nobody reads.
     void put_in(const NewBody& body);
-    // User indices of the bodies that it had contacts with; until the next call.
+    // User indices of the bodies, not the ground, that it had contacts with; until the next call.
     std::span<const int> take_out(BodyRecord& body);
 
     // In place of Bullet's own step. The solver then has the contacts of the step.

@@ -224,7 +224,7 @@ void SweepBroadphase::set_size(btBroadphaseProxy* proxy, btScalar size, btScalar
     filters_[sized.rank] = Filter::of(sized);
 }
 
-// Constant in time, so that many can go at once. Bullet has cleaned the proxy's pairs before.
+// Constant in time, so that many can go at once. The proxy's pairs have been cleaned before.
 void SweepBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher*) {
     SweptProxy& leaving = swept(proxy);
     changes_[leaving.rank] = SweptPairs::Change::gone;

@@ -68,7 +68,7 @@ BodyId World::Impl::put_in(NewBody made, const BodyDesc& desc) {
     if (!body.shape) {
         make_compound(body, desc.parts);
         finish_compound(body, desc.parts);
-        finish(made, desc, settings);
+        make_rigid(made, desc, settings);
     }
     body.rigid->setUserIndex(static_cast<int>(bodies.size()));
     if (desc.siblings != 0) engine->world->siblings().add(*body.rigid, desc.siblings);

@@ -82,8 +82,9 @@ TEST_CASE("rows of contacts with the ground are those of one point at a time, bi
                     .linear = random_vector(seed % 3 == 0 ? 1.0 : 60.0),
                     .angular = random_vector(20.0),
                     .light = 0.7f};
-        if (seed % 5 == 0) mover.linear = {0.0f, -0.8f, 0.0f}; // does not slide
-        if (seed % 5 == 0) mover.angular = {0.0f, 0.0f, 0.0f};
+        const bool upright = seed % 5 == 0; // turns about an axis through its second point, if at all: that one does not slide
+        if (upright) mover.linear = {0.0f, -0.8f, 0.0f};
+        if (upright) mover.angular = {0.0f, seed % 2 == 0 ? 3.0f : 0.0f, 0.0f};
         GroundManifold ground;
         ground.count = 1 + static_cast<uint32_t>(seed % GroundManifold::most_points);
         ground.restitution = seed % 2 == 0 ? 0.4f : 0.0f;
@@ -92,6 +93,7 @@ TEST_CASE("rows of contacts with the ground are those of one point at a time, bi
                              .distance = number(0.1),
                              .impulse = 5.0f + number(5.0),
                              .blow = i % 3 == 2};
+        if (upright && ground.count > 1) ground.all[1].position = packed(mover.centre - btVector3(0.0f, 0.5f, 0.0f));
         for (size_t first = 0; first < ground.count; first += 4) {
             const GroundRows rows = ground_rows(mover, ground, first, step);
             for (size_t i = first; i < std::min<size_t>(ground.count, first + 4); ++i)

@@ -117,5 +117,6 @@ TEST_CASE("rows of four bodies at a time are solved as one after the other, bit 
             check(4, 5, 40, coupled_step, bundle_points); // one left over
             for (uint64_t seed = 10; seed < 30; ++seed) check(seed, 37, 150, coupled_step, bundle_points);
             check(30, 83, 600, coupled_step, bundle_points);
+            check(31, 9, 1500, coupled_step, bundle_points); // very many of most
         }
 }

@@ -310,6 +310,42 @@ TEST_CASE("a box at rest stands on the ground without a gap") {
     for (const DebugLine& line : lines) CHECK(std::abs(line.from.y) < 2e-3f);
 }
 
+TEST_CASE("contacts with the ground are those of who lies on it, awake or asleep, and of nobody who has gone or is in the air") {
+    World world;
+    std::vector<BodyId> boxes;
+    for (int i = 0; i < 4; ++i) boxes.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {static_cast<float>(i), 0.1f, 0.0f})));
+    run(world, 2.0f);
+    REQUIRE(world.awake_count() == 0);
+    const auto drawn = [&world] {
+        std::vector<DebugLine> lines;
+        world.debug_lines(lines, {.hulls = false, .contacts = true});
+        return lines.size();
+    };
+    const auto pressing = [&world](BodyId id) {
+        return std::ranges::any_of(world.contacts(), [id](const Contact& contact) { return contact.a == id; });
+    };
+    CHECK(world.contact_count() == 16); // four corners each
+    CHECK(drawn() == 16);
+    for (const BodyId id : boxes) CHECK(pressing(id));
+    REQUIRE(world.remove_body(boxes[1]));
+    CHECK(world.contact_count() == 12);
+    const BodyId above = must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {1.0f, 3.0f, 0.0f}));
+    const BodyId lands = must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {7.0f, 0.1005f, 0.0f}));
+    run(world, 0.1f);
+    CHECK(world.contact_count() == 16);
+    CHECK(drawn() == 16);
+    CHECK(pressing(lands));
+    CHECK_FALSE(pressing(above));
+    world.set_velocity(lands, {0.0f, 5.0f, 0.0f}, glm::vec3(0.0f));
+    run(world, 0.05f);
+    CHECK(world.contact_count() == 12);
+    CHECK_FALSE(pressing(lands));
+    REQUIRE(world.remove_body(lands));
+    REQUIRE(world.remove_body(above));
+    CHECK(world.contact_count() == 12);
+    for (const BodyId id : {boxes[0], boxes[2], boxes[3]}) CHECK(pressing(id));
+}
+
 TEST_CASE("energy never rises on its own while a swarm falls and piles up") {
     World world;
     add_swarm(world, 40);
@@ -552,7 +588,7 @@ TEST_CASE("what is written of the bodies that moved is what writing all gives") 
     CHECK(world.last_moved_step(world.bodies()[0]) < world.steps_taken());
 }
 
-TEST_CASE("debris falls through debris, but not through what is larger or fixed, nor through the ground") {
+TEST_CASE("debris falls through debris, but not through what is much larger or fixed, nor through the ground") {
     WorldSettings settings;
     settings.debris_size = 0.05f;
     World world(settings);

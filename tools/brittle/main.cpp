@@ -270,8 +270,9 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
         ->check(CLI::Range(0.0, 1e4))
         ->capture_default_str();
     command.add_option("--most-colliding", world.most_colliding,
-                       "Awake pieces that collide with each other, at most; what comes off beyond meets only the ground and those of these that "
-                       "are twice as long, and lies in the others. Keeps frames short; 0: no limit, for pictures that may take their time")
+                       "Awake pieces that collide with each other, at most; what comes off beyond meets only the ground, what is held, "
+                       "balls, and what is at least twice as long, and may lie in its like. Keeps frames short; 0: no limit, for "
+                       "pictures that may take their time")
         ->check(CLI::Range(0u, 1'000'000u))
         ->capture_default_str();
     command.add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")
