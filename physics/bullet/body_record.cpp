@@ -131,8 +131,8 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts) {
     if (!body.fixed) body.drag = std::make_shared<AirDrag>(drag_of_compound(body, parts));
 }
 
-// Bullet counts bodies as it makes them, which no two threads may do: they are copied from one and then get all that it would
-// give them.
+// Bullet counts bodies as it makes them, which no two threads may do: they are copied from one, which counts nothing, and then get all
+// that it would give them.
 void make_rigid(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) {
     static const btRigidBody blank(btRigidBody::btRigidBodyConstructionInfo(1.0f, nullptr, nullptr));
     BodyRecord& body = *made.record;

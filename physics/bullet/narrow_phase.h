@@ -25,7 +25,8 @@ class FollowedContacts : public btCollisionAlgorithm {
   public:
     using btCollisionAlgorithm::btCollisionAlgorithm;
 
-    // Does what processCollision() does, without the dispatcher and what else pairs share. False where it is needed: then processCollision() must follow.
+    // Does what processCollision() does, without the dispatcher and what else pairs share. False where that is needed: then
+    // processCollision() must follow.
     virtual bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                         const btDispatcherInfo& info, btManifoldResult& result) = 0;
     // Contacts that it has follow the bodies, and those that have come apart go. Of a hull of a compound, before others are

@@ -21,7 +21,8 @@ namespace brittle::physics {
 // moved apart: with the velocities of before, so that in between, where things break, angular momentum is that of the impulses.
 class PieceSolver {
   public:
-    PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies, const GroundContacts& ground)
+    PieceSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<BodyRecord>>& bodies,
+                const GroundContacts& ground)
         : settings_(settings), bodies_(bodies), ground_(ground) {}
 
     // Of bodies that are awake, and all contacts that any of them has; those must stay until they are told or a body goes.
@@ -41,7 +42,8 @@ class PieceSolver {
     void report_solved();
     void report_sleeping(btDispatcher& dispatcher);
     [[nodiscard]] Contact contact_between(const btPersistentManifold& manifold, const btManifoldPoint& point) const;
-    [[nodiscard]] Contact contact_on_ground(const GroundManifold& manifold, const GroundPoint& point, float impulse, float friction) const;
+    [[nodiscard]] Contact contact_on_ground(const GroundManifold& manifold, const GroundPoint& point, float impulse,
+                                            float friction) const;
 
     RowSolver rows_;
     const WorldSettings& settings_;

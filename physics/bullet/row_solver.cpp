@@ -203,17 +203,17 @@ void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32
         const float distance = std::max(point.getDistance(), -deepest);
         const auto turn = [&](const btVector3& v) { return turned ? -v : v; };
         const Made made = make_row({.a = side_of(turned ? b : a, position),
-                                        .b = side_of(turned ? a : b, position),
-                                        .normal = turn(point.m_normalWorldOnB),
-                                        .distance = distance,
-                                        .undone_part = undone_part,
-                                        .restitution = point.m_combinedRestitution,
-                                        .coefficient = point.m_combinedFriction,
-                                        .impulse = point.m_appliedImpulse,
-                                        .friction = point.m_appliedImpulseLateral1,
-                                        .along = turn(point.m_lateralFrictionDir1),
-                                        .odd = i % 2 != 0},
-                                       places[i], step);
+                                   .b = side_of(turned ? a : b, position),
+                                   .normal = turn(point.m_normalWorldOnB),
+                                   .distance = distance,
+                                   .undone_part = undone_part,
+                                   .restitution = point.m_combinedRestitution,
+                                   .coefficient = point.m_combinedFriction,
+                                   .impulse = point.m_appliedImpulse,
+                                   .friction = point.m_appliedImpulseLateral1,
+                                   .along = turn(point.m_lateralFrictionDir1),
+                                   .odd = i % 2 != 0},
+                                  places[i], step);
         solved[i] = {.manifold = &manifold,
                      .point = &point,
                      .position = position,
@@ -248,17 +248,17 @@ void RowSolver::make_rows_of_resting(GroundManifold& ground, std::span<const uin
     for (size_t i = 0; i < places.size(); ++i) {
         GroundPoint& point = ground.all[i];
         const Made made = make_row({.a = side_of(ground.body, unpacked(point.position)),
-                                        .b = {},
-                                        .normal = {0, 1, 0},
-                                        .distance = point.distance,
-                                        .undone_part = GroundRows::undone_part,
-                                        .restitution = ground.restitution,
-                                        .coefficient = ground.friction,
-                                        .impulse = point.kept_impulse(),
-                                        .friction = point.kept_friction(),
-                                        .along = unpacked(point.along),
-                                        .odd = i % 2 != 0},
-                                       places[i], step);
+                                   .b = {},
+                                   .normal = {0, 1, 0},
+                                   .distance = point.distance,
+                                   .undone_part = GroundRows::undone_part,
+                                   .restitution = ground.restitution,
+                                   .coefficient = ground.friction,
+                                   .impulse = point.kept_impulse(),
+                                   .friction = point.kept_friction(),
+                                   .along = unpacked(point.along),
+                                   .odd = i % 2 != 0},
+                                  places[i], step);
         point.speed = made.speed;
         point.along = packed(made.along);
     }

@@ -79,13 +79,13 @@ class RowSolver {
 
     // What the rows of a contact are made of.
     struct Touch {
-        Side a, b;                          // a moves
-        btVector3 normal;                   // from b to a
-        float distance, undone_part;        // overlap as far as it counts, and the part of it that is undone
-        float restitution, coefficient;     // of friction
-        float impulse, friction;            // to start from
-        btVector3 along;                    // in which friction acted on a
-        bool odd;                           // the place among its manifold's points
+        Side a, b;                      // a moves
+        btVector3 normal;               // from b to a
+        float distance, undone_part;    // overlap as far as it counts, and the part of it that is undone
+        float restitution, coefficient; // of friction
+        float impulse, friction;        // to start from
+        btVector3 along;                // in which friction acted on a
+        bool odd;                       // the place among its manifold's points
     };
 
     void take_bodies(std::span<BodyRecord* const> bodies, const Step& step);
