@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <vector>
 
 #include "fracture/fracture.h"
 #include "fracture/io/import.h"
@@ -27,6 +28,24 @@ fracture::TriangleMesh bunny() {
     return mesh;
 }
 
+void step_until_asleep(physics::World& world) {
+    for (int step = 0; step < longest_to_sleep && world.awake_count() > 0; ++step) world.step();
+}
+
+// Where the pieces have come to rest, which takes half a minute: in another world they only have to fall asleep. All meet.
+std::vector<physics::BodyDesc> heap_at_rest() {
+    const BrokenBunny broken(sites_for_2000);
+    physics::World world({.debris_size = 0.0f, .most_colliding = 0});
+    if (!broken.add_to(world, {5.0f, 0.0f, 0.0f})) return {};
+    step_until_asleep(world);
+    std::vector<physics::BodyDesc> heap(broken.forms.size());
+    for (size_t i = 0; i < heap.size(); ++i) {
+        heap[i].form = broken.forms[i];
+        heap[i].pose = world.pose(world.bodies()[i]);
+    }
+    return heap;
+}
+
 } // namespace
 
 BrokenBunny::BrokenBunny(uint32_t sites, float height) {
@@ -44,9 +63,9 @@ bool BrokenBunny::add_to(physics::World& world, glm::vec3 at) const {
 }
 
 size_t add_sleepers(physics::World& world) {
-    static const BrokenBunny others(sites_for_2000);
-    if (!others.add_to(world, {5.0f, 0.0f, 0.0f})) return 0;
-    for (int step = 0; step < longest_to_sleep && world.awake_count() > 0; ++step) world.step();
+    static const std::vector<physics::BodyDesc> heap = heap_at_rest();
+    if (!world.add_bodies(heap)) return 0;
+    step_until_asleep(world);
     return world.body_count() - world.awake_count();
 }
 
