@@ -98,13 +98,14 @@ void run_add(benchmark::State& state, const WorldSettings& settings, float heigh
         frames.push_back(steps_of(world, 120));
         frames.back().front() += adding;
     };
-    std::vector<double> single; // of each run by itself
+    std::vector<double> single, single_without; // of each run by itself
     for (auto _ : state) {
         run(false, without);
         run(true, after);
         if (!added) return state.SkipWithError("no bodies");
         state.SetIterationTime(longest(after.back()) * 1e-3);
         single.push_back(longest(after.back()) / median(before.back()));
+        single_without.push_back(longest(without.back()) / median(before[before.size() - 2]));
     }
     const auto ratio = [&](std::span<const std::vector<double>> runs, const auto& statistic) {
         return longest(by_step(runs, statistic)) / median(by_step(before, statistic));
@@ -120,7 +121,9 @@ void run_add(benchmark::State& state, const WorldSettings& settings, float heigh
     state.counters["ratio"] = ratio(after, least);
     state.counters["ratio_of_medians"] = ratio(after, median);
     state.counters["ratio_of_single_frames"] = median(single);
+    state.counters["ratio_without"] = ratio(without, least);
     state.counters["ratio_of_medians_without"] = ratio(without, median);
+    state.counters["ratio_of_single_frames_without"] = median(single_without);
 }
 
 // The scene tower_collapses.json without its program: half a second unhit, then five balls of steel into the foot and two seconds.
@@ -193,7 +196,7 @@ void add_world_benchmarks() {
         run_drop(state, sites_for_1000, {.air_density = 0.0f, .debris_size = 0.0f, .most_colliding = 0}, false);
     });
     const auto add_more = [&add](const std::string& name, const WorldSettings& settings, float height, const glm::vec3& at) {
-        add("world/add/" + name + "/1000_to_3000", 5,
+        add("world/add/" + name + "/1000_to_3000", 15,
             [=](benchmark::State& state) { run_add(state, settings, height, at); });
     };
     const glm::vec3 beside(-3.0f, 0.3f, 0.0f), above(0.0f, 1.0f, 0.0f);
