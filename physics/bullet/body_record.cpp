@@ -131,12 +131,14 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts) {
     if (!body.fixed) body.drag = std::make_shared<AirDrag>(drag_of_compound(body, parts));
 }
 
-// Bullet counts bodies as it makes them, which no two threads may do: they are copied from one, which counts nothing, and then get all
-// that it would give them.
-void make_rigid(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) {
+std::unique_ptr<btRigidBody> blank_body() {
     static const btRigidBody blank(btRigidBody::btRigidBodyConstructionInfo(1.0f, nullptr, nullptr));
+    return std::make_unique<btRigidBody>(blank);
+}
+
+void make_rigid(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) {
     BodyRecord& body = *made.record;
-    body.rigid = std::make_unique<btRigidBody>(blank);
+    body.rigid = blank_body();
     btRigidBody& rigid = *body.rigid;
     rigid.setWorldTransform(body.blow_frame);
     rigid.setInterpolationWorldTransform(body.blow_frame);

@@ -104,11 +104,15 @@ struct NewBody {
 // The lengths of a compound and what the air does to it; the shape must be known.
 void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 
+// A rigid body of a kilogram without a shape. Bullet counts bodies as it makes them, which no two threads may do: this one is copied, which
+// counts nothing. Who asks gives it all that Bullet would.
+[[nodiscard]] std::unique_ptr<btRigidBody> blank_body();
+
 // Bullet's rigid body with the pose and velocity that the record begins with, its box, and what it is to debris or whether it is
 // that itself; the shape must be known. On any thread.
 void make_rigid(NewBody& body, const BodyDesc& desc, const WorldSettings& settings);
 
-// Who meets whom (may_meet() in sweep_broadphase.h), first for Bullet's filter: fixed bodies do not meet each other, debris does not
+// Who meets whom (SweepBroadphase::may_meet()), first for Bullet's filter: fixed bodies do not meet each other, debris does not
 // either.
 [[nodiscard]] int group_of(bool fixed, bool debris);
 [[nodiscard]] int partners_of(bool fixed, bool debris);

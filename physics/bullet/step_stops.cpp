@@ -67,11 +67,12 @@ uint32_t index_of(const btBroadphaseProxy& proxy) {
 
 // Others that move, or may, and that a body meets.
 struct Collect final : btBroadphaseAabbCallback {
+    const SweepBroadphase& among;
     const btBroadphaseProxy& own;
     std::vector<uint32_t>& found;
-    Collect(const btBroadphaseProxy& of, std::vector<uint32_t>& to) : own(of), found(to) {}
+    Collect(const SweepBroadphase& all, const btBroadphaseProxy& of, std::vector<uint32_t>& to) : among(all), own(of), found(to) {}
     bool process(const btBroadphaseProxy* proxy) override {
-        if (proxy != &own && may_meet(own, *proxy) && !is_fixed(*proxy)) found.push_back(index_of(*proxy));
+        if (proxy != &own && among.may_meet(own, *proxy) && !is_fixed(*proxy)) found.push_back(index_of(*proxy));
         return true;
     }
 };
@@ -207,7 +208,7 @@ void StepStops::meet_fixed(uint32_t body) {
 void StepStops::meet_moving(uint32_t body, btScalar from) {
     if (wild_.empty()) return;
     near_.clear();
-    Collect collect(*bodies_[body]->rigid->getBroadphaseProxy(), near_);
+    Collect collect(broadphase_, *bodies_[body]->rigid->getBroadphaseProxy(), near_);
     const Box box = grown(swept(body), {0, 0, 0}, slow_way_);
     broadphase_.aabbTest(box.low, box.high, collect);
     for (const uint32_t other : near_)

@@ -36,11 +36,6 @@ uint32_t ascending_bits(float value) {
 
 } // namespace
 
-bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
-    using Filter = SweepBroadphase::Filter;
-    return Filter::of(static_cast<const SweptProxy&>(a)).meets(Filter::of(static_cast<const SweptProxy&>(b)));
-}
-
 void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
                         const std::vector<Change>& changes, btDispatcher* dispatcher) {
     next_.resizeNoInitialize(0);
@@ -123,10 +118,6 @@ void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispa
     for (int i = 0; i < pairs_.size(); ++i) callback->processOverlap(pairs_[i]);
 }
 
-bool SweptPairs::needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const {
-    return may_meet(*first, *second);
-}
-
 btBroadphasePair* SweptPairs::findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) {
     for (int i = 0; i < pairs_.size(); ++i)
         if (std::minmax(pairs_[i].m_pProxy0, pairs_[i].m_pProxy1) == std::minmax(first, second)) return &pairs_[i];
@@ -186,10 +177,6 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
            & all_less_equal(box.low[0], ends(0), box.low[1], ends(1), box.low[2], ends(2));
 }
 
-SweepBroadphase::Filter SweepBroadphase::Filter::of(const SweptProxy& proxy) {
-    return {proxy.m_collisionFilterGroup, proxy.m_collisionFilterMask, proxy.size, proxy.least_partner};
-}
-
 bool SweepBroadphase::Filter::meets(const Filter& other) const {
     return (group & other.partners) != 0 && (other.group & partners) != 0 && size >= other.least_partner
            && other.size >= least_partner;
@@ -206,7 +193,7 @@ btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVe
     proxy->m_uniqueId = next_uid_++;
     proxy->rank = static_cast<uint32_t>(proxies_.size());
     changes_.push_back(SweptPairs::Change::set);
-    filters_.push_back(Filter::of(*proxy));
+    filters_.push_back({.group = group, .partners = mask});
     if (proxies_.empty()) boxes_.resize(0);
     for (size_t axis = 0; axis < 3; ++axis) {
         boxes_.low[axis].push_back(infinite);
@@ -218,10 +205,14 @@ btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVe
 }
 
 void SweepBroadphase::set_size(btBroadphaseProxy* proxy, btScalar size, btScalar least_partner) {
-    SweptProxy& sized = swept(proxy);
+    Filter& sized = filters_[swept(proxy).rank];
     sized.size = size;
     sized.least_partner = least_partner;
-    filters_[sized.rank] = Filter::of(sized);
+}
+
+bool SweepBroadphase::may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const {
+    const auto filter_of = [this](const btBroadphaseProxy& proxy) { return filters_[static_cast<const SweptProxy&>(proxy).rank]; };
+    return filter_of(a).meets(filter_of(b));
 }
 
 // Constant in time, so that many can go at once. The proxy's pairs have been cleaned before.

@@ -36,11 +36,7 @@ namespace brittle::physics {
 // Proxies are numbered by rank: their place among all, in the order in which they were made.
 struct SweptProxy final : btBroadphaseProxy {
     uint32_t rank = 0;
-    btScalar size = BT_LARGE_FLOAT, least_partner = 0.0f; // see SweepBroadphase::set_size()
 };
-
-// Whether two of a SweepBroadphase meet where they overlap: as their groups and their sizes say.
-[[nodiscard]] bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b);
 
 // Pairs of boxes in the order of their ranks.
 class SweptPairs final : public btOverlappingPairCache {
@@ -59,7 +55,6 @@ class SweptPairs final : public btOverlappingPairCache {
     void cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* dispatcher) override;
     void cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
     void processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher* dispatcher) override;
-    bool needsBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const override;
     btBroadphasePair* findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) override;
 
     // Indices of the pairs of which a box was set when pairs were last found, in their order.
@@ -75,6 +70,7 @@ class SweptPairs final : public btOverlappingPairCache {
     int getNumOverlappingPairs() const override { return pairs_.size(); }
 
     // Of Bullet's interface, but only asked for by its own broadphases.
+    bool needsBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override { return true; }
     btBroadphasePair* addOverlappingPair(btBroadphaseProxy*, btBroadphaseProxy*) override { return nullptr; }
     void* removeOverlappingPair(btBroadphaseProxy*, btBroadphaseProxy*, btDispatcher*) override { return nullptr; }
     void removeOverlappingPairsContainingProxy(btBroadphaseProxy*, btDispatcher*) override {}
@@ -99,6 +95,8 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // It is so large, and meets only what is at least as large as it asks for; one without is larger than all and meets all.
     // To be called before pairs are next found.
     void set_size(btBroadphaseProxy* proxy, btScalar size, btScalar least_partner);
+    // Whether two meet where they overlap: as their groups and their sizes say.
+    [[nodiscard]] bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const;
     void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
     void setAabb(btBroadphaseProxy* proxy, const btVector3& low, const btVector3& high,
                  btDispatcher* dispatcher) override;
@@ -142,11 +140,9 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // Of a proxy: what may_meet() asks for.
     struct Filter {
         int group, partners;
-        btScalar size, least_partner;
-        static Filter of(const SweptProxy& proxy);
+        btScalar size = BT_LARGE_FLOAT, least_partner = 0.0f; // see set_size()
         [[nodiscard]] bool meets(const Filter& other) const;
     };
-    friend bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b);
 
     void forget_gone(); // boxes that were destroyed
     // The axis on which boxes that were set spread most; one that is about as good is kept.

@@ -12,10 +12,12 @@ Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<
     if (!settings.ground_height) return;
     ground_shape =
         std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * bullet_units);
-    btRigidBody::btRigidBodyConstructionInfo ground_info(0.0f, nullptr, ground_shape.get());
-    ground_info.m_friction = settings.ground_friction;
-    ground_info.m_restitution = settings.ground_restitution;
-    ground = std::make_unique<btRigidBody>(ground_info);
+    ground = blank_body();
+    ground->setCollisionShape(ground_shape.get());
+    ground->setMassProps(0.0f, {0, 0, 0});
+    ground->updateInertiaTensor();
+    ground->setFriction(settings.ground_friction);
+    ground->setRestitution(settings.ground_restitution);
     ground->setUserIndex(-1);
     world->addRigidBody(ground.get());
 }

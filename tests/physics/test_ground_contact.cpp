@@ -1,15 +1,19 @@
-// Which bodies are out of the ground's reach, against where their corners are and can get to.
+// Which bodies are out of the ground's reach, against where their corners are and can get to; contacts of hulls of a compound.
 #include "physics/bullet/ground_contact.h"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <vector>
 
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 #include <doctest/doctest.h>
 
 #include "convex_pieces.h"
 #include "physics/bullet/hull_shape.h"
+#include "physics/bullet/narrow_phase.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -54,4 +58,55 @@ TEST_CASE("a body is out of the ground's reach only if no corner can come to it 
     }
     CHECK(out > 500);
     CHECK(within > 500);
+}
+
+TEST_CASE("contacts of a compound's hull with the ground follow it while it moves little, and go when it has gone far or up") {
+    HullShape cube;
+    for (int i = 0; i < 8; ++i) cube.addPoint({i & 1 ? 5.0f : -5.0f, i & 2 ? 5.0f : -5.0f, i & 4 ? 5.0f : -5.0f}, false);
+    cube.setMargin(0.0f);
+    cube.finish();
+    btCompoundShape compound;
+    compound.addChildShape(btTransform::getIdentity(), &cube);
+    const btStaticPlaneShape plane({0, 1, 0}, 0.0f);
+    btRigidBody body(1.0f, nullptr, &compound, {1, 1, 1});
+    btCollisionObject ground;
+    ground.setCollisionShape(const_cast<btStaticPlaneShape*>(&plane));
+    btDefaultCollisionConstructionInfo sizes;
+    sizes.m_customCollisionAlgorithmMaxElementSize = GroundContacts::pair_size();
+    btDefaultCollisionConfiguration configuration(sizes);
+    btCollisionDispatcher dispatcher(&configuration);
+    GroundContacts contacts(dispatcher);
+
+    // What is left of four contacts when the body has moved and turned since they were found.
+    const auto left_after = [&](const btVector3& way, float angle) {
+        body.setWorldTransform(btTransform(btQuaternion::getIdentity(), {3.0f, 5.0f, -2.0f}));
+        const btTransform frame = body.getWorldTransform();
+        const btCollisionObjectWrapper hull(nullptr, &cube, &body, frame, -1, 0);
+        const btCollisionObjectWrapper below(nullptr, &plane, &ground, ground.getWorldTransform(), -1, -1);
+        btManifoldResult result(&hull, &below);
+        btDispatcherInfo step;
+        step.m_timeStep = 1.0f / 120.0f;
+        auto* const pair = static_cast<FollowedContacts*>(dispatcher.findAlgorithm(&hull, &below, nullptr, BT_CONTACT_POINT_ALGORITHMS));
+        pair->processCollision(&hull, &below, step, &result);
+        std::vector<AnyManifold> found;
+        pair->collect(found);
+        REQUIRE(found.size() == 1);
+        REQUIRE(found[0].count() == 4);
+        body.setWorldTransform(btTransform(btQuaternion({0, 0, 1}, angle), frame.getOrigin() + way));
+        pair->refresh(result);
+        const uint32_t left = found[0].count();
+        pair->~FollowedContacts();
+        dispatcher.freeCollisionAlgorithm(pair);
+        return left;
+    };
+    const float far = 2.0f * cube.getContactBreakingThreshold(gContactBreakingThreshold);
+    CHECK(left_after({0.0f, 0.0f, 0.0f}, 0.0f) == 4);
+    CHECK(left_after({0.1f * far, 0.0f, 0.1f * far}, 0.0f) == 4);
+    CHECK(left_after({0.0f, -far, 0.0f}, 0.0f) == 4); // deeper in the ground
+    CHECK(left_after({far, 0.0f, 0.0f}, 0.0f) == 0);
+    CHECK(left_after({0.0f, far, 0.0f}, 0.0f) == 0);
+    // It tips over its two corners at -X.
+    const float turn = 0.2f * far;
+    const btVector3 corner(-5.0f, -5.0f, 0.0f);
+    CHECK(left_after(corner - corner.rotate({0, 0, 1}, turn), turn) == 2);
 }
