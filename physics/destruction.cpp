@@ -250,14 +250,14 @@ bool Destruction::is_debris(const Live& piece) const {
 void Destruction::update_debris(World& world) {
     const double step = world.settings().step;
     const DebrisLimits& limits = settings_.debris;
-    std::vector<PieceId> gone;
+    std::vector<PieceId> faded;
     size_t count = 0, vertices = 0;
     bool slept_too_long = false;
     for (auto& [id, piece] : pieces_) {
         if (piece.fading > 0) {
             const auto all = static_cast<float>(steps_of(limits.fade_seconds, world));
             if (--piece.fading == 0)
-                gone.push_back(id);
+                faded.push_back(id);
             else
                 fading_[id] = {id, piece.slot, static_cast<float>(piece.fading) / all};
             continue;
@@ -268,16 +268,20 @@ void Destruction::update_debris(World& world) {
         piece.slept = world.awake(piece.own) ? 0 : piece.slept + 1;
         slept_too_long = slept_too_long || static_cast<double>(piece.slept) * step > limits.sleep_seconds;
     }
+    take_out(world, faded); // first: what has faded is no candidate
     if (slept_too_long || count > limits.most_pieces || vertices > limits.most_vertices)
-        retire_debris(world, count, vertices, gone);
+        take_out(world, retire_debris(world, count, vertices));
+}
+
+void Destruction::take_out(World& world, std::span<const PieceId> gone) {
     for (const PieceId id : gone) {
         world.remove_body(pieces_.at(id).own);
         forget_piece(id);
     }
 }
 
-// What is seen fades, the rest is added to `gone`.
-void Destruction::retire_debris(const World& world, size_t count, size_t vertices, std::vector<PieceId>& gone) {
+// What is seen fades, the rest is returned.
+std::vector<PieceId> Destruction::retire_debris(const World& world, size_t count, size_t vertices) {
     const double step = world.settings().step;
     std::vector<Debris> candidates;
     for (const auto& [id, piece] : pieces_)
@@ -289,6 +293,7 @@ void Destruction::retire_debris(const World& world, size_t count, size_t vertice
                                   .vertices = piece.solid->positions.size(),
                                   .visible = true});
     see_debris(world, candidates, count, vertices);
+    std::vector<PieceId> gone;
     for (const PieceId id : physics::retire_debris(candidates, count, vertices, settings_.debris)) {
         Live& piece = pieces_.at(id);
         ++statistics_.retired;
@@ -298,6 +303,7 @@ void Destruction::retire_debris(const World& world, size_t count, size_t vertice
         else
             gone.push_back(id);
     }
+    return gone;
 }
 
 DestructionEvents Destruction::take_events() {

@@ -291,7 +291,8 @@ class Destruction {
     void see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const;
     [[nodiscard]] bool is_debris(const Live& piece) const;
     void update_debris(World& world);
-    void retire_debris(const World& world, size_t count, size_t vertices, std::vector<PieceId>& gone);
+    [[nodiscard]] std::vector<PieceId> retire_debris(const World& world, size_t count, size_t vertices);
+    void take_out(World& world, std::span<const PieceId> gone);
 
     DestructionSettings settings_;
     std::map<ObjectId, Object> objects_;
