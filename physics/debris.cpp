@@ -11,7 +11,7 @@ std::vector<PieceId> retire_debris(std::span<const Debris> candidates, size_t pi
     std::vector<const Debris*> staying;
     const auto take = [&](const Debris& debris) {
         gone.push_back(debris.id);
-        --pieces;
+        pieces -= debris.pieces;
         vertices -= debris.vertices;
     };
     for (const Debris& debris : candidates) {

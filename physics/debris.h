@@ -1,8 +1,10 @@
 // Which debris goes when there is too much of it.
 //
-// Debris is what came off by a break and is held by nothing. What has slept too long goes; and while there are too many
+// Debris is what came off by a break and is held by nothing: a piece, or several that are bonded, which go together. Of bonded
+// pieces without an anchor what has more than half of those that it began with is none: it is what the others came off.
+// What has slept too long goes; and while there are too many
 // pieces or vertices, what no one sees goes before what is seen, then what is small and old before what is large
-// and young: by volume over age. What is seen fades first; the rest goes at once.
+// and young: by volume over age, since it came off. What is seen fades first; the rest goes at once.
 //
 // Pure functions; ties are broken by PieceId.
 #pragma once
@@ -30,7 +32,8 @@ struct DebrisLimits {
 };
 
 struct Debris {
-    PieceId id;
+    PieceId id;             // of several the first
+    size_t pieces = 1;
     double volume = 0.0;    // m^3
     double age = 0.0;       // s
     double slept = 0.0;     // s, since it last moved

@@ -132,8 +132,12 @@ std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece, 
         const Pose before = world.previous_pose(body);
         pose = {glm::mix(before.position, pose.position, alpha), glm::slerp(before.orientation, pose.orientation, alpha)};
     }
-    if (piece.bonded == none) return pose;
-    return moved(pose, glm::dvec3(objects_.at(piece.object).structure->offset(piece.bonded)));
+    return in_body(piece, pose);
+}
+
+Pose Destruction::in_body(const Live& piece, const Pose& body) const {
+    if (piece.bonded == none) return body;
+    return moved(body, glm::dvec3(objects_.at(piece.object).structure->offset(piece.bonded)));
 }
 
 // Without where it is.
@@ -229,22 +233,48 @@ void Destruction::update(World& world, double budget) {
     std::erase_if(objects_, [](const auto& entry) { return entry.second.pieces == 0; });
 }
 
-// Asked only where an answer counts. A frame may show a piece anywhere between its last two poses.
+// Asked only where an answer counts.
 void Destruction::see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const {
     if (!visible_) return;
     const DebrisLimits& limits = settings_.debris;
     const bool excess = pieces > limits.most_pieces || vertices > limits.most_vertices;
-    for (Debris& debris : candidates) {
-        if (!excess && debris.slept <= limits.sleep_seconds) continue;
-        const Live& piece = pieces_.at(debris.id);
-        const BodyId body = body_of(piece);
-        const glm::vec3 at = world.pose(body).position;
-        debris.visible = visible_(at, piece.solid->radius + glm::distance(at, world.previous_pose(body).position));
-    }
+    for (Debris& debris : candidates)
+        if (excess || debris.slept > limits.sleep_seconds)
+            debris.visible = std::ranges::any_of(together_with(debris.id),
+                                                 [&](PieceId id) { return is_seen(world, pieces_.at(id)); });
 }
 
+// A frame may show a piece anywhere between its last two poses.
+bool Destruction::is_seen(const World& world, const Live& piece) const {
+    const BodyId body = body_of(piece);
+    const glm::vec3 at = in_body(piece, world.pose(body)).position;
+    return visible_(at, piece.solid->radius + glm::distance(at, in_body(piece, world.previous_pose(body)).position));
+}
+
+// A piece and all that are bonded to it.
+std::vector<PieceId> Destruction::together_with(PieceId id) const {
+    const Live& piece = pieces_.at(id);
+    if (piece.bonded == none) return {id};
+    const Object& object = objects_.at(piece.object);
+    std::vector<PieceId> pieces;
+    for (const uint32_t other : object.structure->together_with(piece.bonded)) pieces.push_back(object.bonded[other]);
+    return pieces;
+}
+
+bool Destruction::came_off(const Live& piece) const {
+    return piece.bonded == none ? piece.depth > 0 && !piece.solid->anchored
+                                : objects_.at(piece.object).structure->came_off(piece.bonded);
+}
+
+// Of several that are bonded the first is debris for all.
 bool Destruction::is_debris(const Live& piece) const {
-    return piece.depth > 0 && piece.bonded == none && piece.job == none && piece.fading == 0 && !piece.solid->anchored;
+    if (!came_off(piece) || piece.job != none || piece.fading > 0) return false;
+    if (piece.bonded == none) return true;
+    const Object& object = objects_.at(piece.object);
+    const std::span<const uint32_t> together = object.structure->together_with(piece.bonded);
+    return together.front() == piece.bonded && std::ranges::all_of(together, [&](uint32_t other) {
+               return pieces_.at(object.bonded[other]).job == none;
+           });
 }
 
 void Destruction::update_debris(World& world) {
@@ -264,8 +294,9 @@ void Destruction::update_debris(World& world) {
         }
         ++count;
         vertices += piece.solid->positions.size();
+        if (piece.bonded != none && !came_off(piece)) piece.born = world.steps_taken();
         if (!is_debris(piece)) continue;
-        piece.slept = world.awake(piece.own) ? 0 : piece.slept + 1;
+        piece.slept = world.awake(body_of(piece)) ? 0 : piece.slept + 1;
         slept_too_long = slept_too_long || static_cast<double>(piece.slept) * step > limits.sleep_seconds;
     }
     take_out(world, faded); // first: what has faded is no candidate
@@ -275,7 +306,11 @@ void Destruction::update_debris(World& world) {
 
 void Destruction::take_out(World& world, std::span<const PieceId> gone) {
     for (const PieceId id : gone) {
-        world.remove_body(pieces_.at(id).own);
+        const Live& piece = pieces_.at(id);
+        if (piece.bonded == none)
+            world.remove_body(piece.own);
+        else
+            objects_.at(piece.object).structure->remove_body(world, piece.bonded);
         forget_piece(id);
     }
 }
@@ -284,24 +319,29 @@ void Destruction::take_out(World& world, std::span<const PieceId> gone) {
 std::vector<PieceId> Destruction::retire_debris(const World& world, size_t count, size_t vertices) {
     const double step = world.settings().step;
     std::vector<Debris> candidates;
-    for (const auto& [id, piece] : pieces_)
-        if (is_debris(piece))
-            candidates.push_back({.id = id,
-                                  .volume = piece.solid->mass.volume,
-                                  .age = static_cast<double>(world.steps_taken() - piece.born) * step,
-                                  .slept = static_cast<double>(piece.slept) * step,
-                                  .vertices = piece.solid->positions.size(),
-                                  .visible = true});
+    for (const auto& [id, piece] : pieces_) {
+        if (!is_debris(piece)) continue;
+        Debris& debris = candidates.emplace_back(Debris{.id = id, .pieces = 0});
+        debris.age = static_cast<double>(world.steps_taken() - piece.born) * step;
+        debris.slept = static_cast<double>(piece.slept) * step;
+        for (const PieceId part : together_with(id)) {
+            const SolidPiece& solid = *pieces_.at(part).solid;
+            ++debris.pieces;
+            debris.volume += solid.mass.volume;
+            debris.vertices += solid.positions.size();
+        }
+    }
     see_debris(world, candidates, count, vertices);
     std::vector<PieceId> gone;
     for (const PieceId id : physics::retire_debris(candidates, count, vertices, settings_.debris)) {
-        Live& piece = pieces_.at(id);
-        ++statistics_.retired;
         const auto seen = std::ranges::lower_bound(candidates, id, {}, &Debris::id);
-        if (seen->visible)
-            piece.fading = steps_of(settings_.debris.fade_seconds, world);
-        else
-            gone.push_back(id);
+        for (const PieceId part : together_with(id)) {
+            ++statistics_.retired;
+            if (seen->visible)
+                pieces_.at(part).fading = steps_of(settings_.debris.fade_seconds, world);
+            else
+                gone.push_back(part);
+        }
     }
     return gone;
 }

@@ -231,7 +231,7 @@ class Destruction {
         uint32_t blows = 0;      // that began a job
         bool unbreakable = false; // a cut of it was refused
         std::optional<Hit> waiting{}; // blows while the job runs
-        uint64_t born = 0;       // steps
+        uint64_t born = 0;       // steps; of a piece of a structure, when it came off
         uint64_t slept = 0;      // steps
         uint64_t fading = 0;     // steps that are left of it; 0: not fading
         double load = 0.0;       // N, mean of what rests on a held piece,
@@ -257,6 +257,7 @@ class Destruction {
     [[nodiscard]] BodyId body_of(const Live& piece) const;
     [[nodiscard]] std::optional<Motion> motion_of(const World& world, const Live& piece) const;
     [[nodiscard]] std::optional<Pose> pose_of(const World& world, const Live& piece, float alpha) const;
+    [[nodiscard]] Pose in_body(const Live& piece, const Pose& body) const;
     Result<PieceId> add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris,
                               const std::shared_ptr<const BodyForm>& form = {});
     static BodyDesc body_of(const SolidPiece& solid);
@@ -289,6 +290,9 @@ class Destruction {
     void exchange(World& world, const Live& piece, double cracks, Hit& hit) const;
     PieceId solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const;
     void see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const;
+    [[nodiscard]] std::vector<PieceId> together_with(PieceId id) const;
+    [[nodiscard]] bool is_seen(const World& world, const Live& piece) const;
+    [[nodiscard]] bool came_off(const Live& piece) const;
     [[nodiscard]] bool is_debris(const Live& piece) const;
     void update_debris(World& world);
     [[nodiscard]] std::vector<PieceId> retire_debris(const World& world, size_t count, size_t vertices);

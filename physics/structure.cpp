@@ -78,6 +78,8 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
         return added.error();
     }
     structure.changes_ = {};
+    for (const BodyState& body : structure.bodies_)
+        for (const uint32_t piece : body.pieces) structure.pieces_[piece].began_with = body.pieces.size();
     if (!desc.wear.enabled) return structure;
     std::vector<StressNode> nodes;
     for (const PieceState& piece : structure.pieces_)
@@ -457,12 +459,19 @@ std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) 
     placed.linear_velocity =
         motion.linear - glm::vec3(glm::cross(glm::dvec3(motion.angular), turned(motion.pose, motion.centre)));
     placed.angular_velocity = motion.angular;
-    world.remove_body(bodies_[index].id);
-    body_of_id_.erase(bodies_[index].id.value);
-    bodies_[index].id = {};
-    bodies_[index].pieces.clear();
-    pieces_[piece].body = none;
+    remove_body(world, piece);
     return placed;
+}
+
+void Structure::remove_body(World& world, uint32_t piece) {
+    if (pieces_[piece].body == none) return;
+    BodyState& body = bodies_[pieces_[piece].body];
+    world.remove_body(body.id);
+    body_of_id_.erase(std::exchange(body.id, {}).value);
+    for (const uint32_t part : std::exchange(body.pieces, {})) {
+        isolate(part);
+        pieces_[part].body = none;
+    }
 }
 
 void Structure::remove(World& world) {
@@ -476,6 +485,17 @@ void Structure::remove(World& world) {
 
 BodyId Structure::body_of(uint32_t piece) const {
     return pieces_[piece].body == none ? BodyId{} : bodies_[pieces_[piece].body].id;
+}
+
+std::span<const uint32_t> Structure::together_with(uint32_t piece) const {
+    if (pieces_[piece].body == none) return {};
+    return bodies_[pieces_[piece].body].pieces;
+}
+
+bool Structure::came_off(uint32_t piece) const {
+    if (pieces_[piece].body == none) return false;
+    const BodyState& body = bodies_[pieces_[piece].body];
+    return !body.fixed && 2 * body.pieces.size() <= pieces_[piece].began_with;
 }
 
 glm::vec3 Structure::offset(uint32_t piece) const {

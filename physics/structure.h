@@ -97,6 +97,8 @@ class Structure {
     // Takes a piece out of world and structure, if it is alone in its body; nothing otherwise. Its motion is that
     // of the coordinates of the fragments: what it is cut into continues with it (StructureDesc::motion).
     std::optional<PlacedMotion> take_piece(World& world, uint32_t piece);
+    // Takes the body of a piece out of world and structure with all its pieces. Their bonds break.
+    void remove_body(World& world, uint32_t piece);
     // Takes all bodies out of the world.
     void remove(World& world);
 
@@ -105,6 +107,10 @@ class Structure {
     [[nodiscard]] size_t piece_count() const { return pieces_.size(); }
     [[nodiscard]] BodyId body_of(uint32_t piece) const; // none for a piece that was taken
     [[nodiscard]] bool anchored(uint32_t piece) const { return pieces_[piece].anchored; }
+    // Of the body that a piece is in, itself among them, ascending; none for a piece that was taken.
+    [[nodiscard]] std::span<const uint32_t> together_with(uint32_t piece) const;
+    // Whether it came off and nothing holds it: its body is not fixed and has at most half of the pieces of its first one.
+    [[nodiscard]] bool came_off(uint32_t piece) const;
     // Of a piece in its body: a vertex p of the fragments is drawn at p - centre in the pose of
     // write_piece_transforms(), and lies at p - centre + offset in the body.
     [[nodiscard]] glm::vec3 offset(uint32_t piece) const;
@@ -126,6 +132,7 @@ class Structure {
         double bearable = 0.0; // N s; blows above are impacts
         std::shared_ptr<const CollisionHull> hull;
         uint32_t body = UINT32_MAX; // index into bodies_; none once taken
+        size_t began_with = 0;      // pieces of its first body
         bool anchored = false;
     };
     struct BodyState {

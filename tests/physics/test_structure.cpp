@@ -1,5 +1,6 @@
 #include "physics/structure.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -467,6 +468,48 @@ TEST_CASE("two cubes that break on each other and on the ground gain no energy f
         CHECK(energy < 0.5 * start);
         CHECK(world.body_count() > 4);
     }
+}
+
+TEST_CASE("a body that came off can be taken out with all its pieces, and what holds goes on") {
+    World world;
+    Structure structure = must_create(world, bar(7), {.motion = {.placement = {{0.0f, 0.3f, 0.0f}}}, .anchored = {0, 6}});
+    CHECK_FALSE(structure.came_off(1));
+    CHECK(structure.together_with(3).size() == 7);
+    structure.break_bonds(std::array{2u, 5u});
+    structure.update(world);
+    REQUIRE(world.body_count() == 3);
+    for (uint32_t piece = 0; piece < 7; ++piece) CHECK(structure.came_off(piece) == (piece >= 3 && piece <= 5));
+    CHECK(std::ranges::equal(structure.together_with(4), std::array{3u, 4u, 5u}));
+    const BodyId hammer = *world.add_body(ball(0.05f, 1.0f, {0.45f, 0.47f, 0.05f}, {0.0f, -10.0f, 0.0f}));
+    const auto is_hit = [&](const Contact& contact) { return contact.a == hammer || contact.b == hammer; };
+    for (int step = 0; std::ranges::none_of(world.contacts(), is_hit); ++step) {
+        REQUIRE(step < 20);
+        structure.update(world);
+        world.step();
+    }
+    structure.remove_body(world, 4); // between the blow and when it is taken up
+    CHECK(world.body_count() == 3);
+    CHECK(structure.bodies().size() == 2);
+    CHECK(structure.graph().live_count() == 2);
+    CHECK(structure.update(world).broken.size() == 2);
+    for (const uint32_t piece : {3u, 4u, 5u}) {
+        CHECK(structure.body_of(piece) == BodyId{});
+        CHECK(structure.together_with(piece).empty());
+        CHECK_FALSE(structure.came_off(piece));
+        structure.remove_body(world, piece);
+        structure.isolate(piece);
+        structure.blow(world, piece, {0.0f, -100.0f, 0.0f});
+        structure.release_anchors(std::array{piece});
+    }
+    structure.damage(world, {0.35f, 0.35f, 0.05f}, 0.1f, 1.0f);
+    for (int step = 0; step < 240; ++step) {
+        world.step();
+        REQUIRE(structure.update(world).broken.empty());
+    }
+    CHECK(structure.wear().solver().converged());
+    for (const uint32_t gone : {2u, 3u, 4u, 5u}) CHECK(structure.wear().ratios()[gone] == 0.0);
+    CHECK(structure.wear().ratios()[1] > 0.0);
+    CHECK(world.body_count() == 3);
 }
 
 TEST_CASE("a piece can be taken out, and what it is cut into goes on as it did") {

@@ -193,6 +193,23 @@ TEST_CASE("replay: where someone looks while debris is in excess is part of the 
     CHECK(hashes(front) == hashes(recorded_view({})));
 }
 
+TEST_CASE("replay: bonded pieces that go as debris, by who looks, are the same again") {
+    const Folder folder;
+    FractureOptions options = breakable_options(true);
+    const auto run = [&](const Watch& view) {
+        std::vector<std::pair<uint64_t, Action>> actions = blows();
+        actions.push_back({0, view});
+        return recorded(options, started(options), 200, actions, folder.path / "run.log");
+    };
+    const ReplayLog all = run(turned_away());
+    options.world.piece_limit = 6;
+    const ReplayLog front = run(from_the_front()), away = run(turned_away());
+    CHECK(hashes(away) != hashes(all));
+    CHECK(hashes(away) != hashes(front));
+    for (const ReplayLog* log : {&front, &away})
+        for (const uint32_t threads : {1u, 3u}) CHECK_FALSE(replayed(*log, started(with_threads(log->recipe, threads))));
+}
+
 TEST_CASE("replay: who may collide no more as there are too many is the same again") {
     const Folder folder;
     FractureOptions options = breakable_options(false);
