@@ -27,8 +27,9 @@
 // - Deterministic with Timing::fixed_latency (commits in the step they are due, waiting where a job is late) and with
 //   Timing::scripted (commits as a log says). Timing::when_ready looks at the clock; commits() is the log to keep.
 // - A slot is an index that the piece's pose is written to; it is used again once the piece is gone.
-// - Debris: retire_debris() in debris.h says what goes when there is too much; crowd.h which parts of what breaks do not meet
-//   each other when more than enough do. What is added whole always collides.
+// - Debris: retire_debris() in debris.h says what goes when there is too much, bonded pieces that came off their structure among
+//   it; not what is being cut, nor what is bonded to that. crowd.h says which parts of what breaks do not meet each other when
+//   more than enough do. What is added whole always collides.
 //
 // World coordinates where nothing else is said; metres, kilograms, seconds. Every call gets the same world. Not thread-safe.
 #pragma once

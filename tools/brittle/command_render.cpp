@@ -46,6 +46,12 @@ void name_idle_anchors(const fracture::TriangleMesh& on_stage, const WorldOption
     }
 }
 
+// The same of a limit on pieces: only what is breakable leaves debris.
+void name_idle_limit(const WorldOptions& world) {
+    if (world.breakable || world.piece_limit == WorldOptions{}.piece_limit) return;
+    std::fputs("brittle: nothing is breakable, so none of its pieces go: the limit on pieces (--piece-limit) does nothing\n", stderr);
+}
+
 } // namespace
 
 int run_render(const RenderCommand& command) {
@@ -59,6 +65,7 @@ int run_render(const RenderCommand& command) {
     const bool exports = !command.pieces.files.output.empty();
     const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, world);
     name_idle_anchors(input.model.mesh, world);
+    name_idle_limit(world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);

@@ -263,7 +263,8 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
         ->check(CLI::Range(2u, 1000u))
         ->capture_default_str();
     command.add_option("--piece-limit", world.piece_limit,
-                       "Pieces of breakable things in the world; beyond it debris goes: first what is not in the picture, then what is small and old")
+                       "Pieces of breakable things in the world, bonded or not; beyond it debris goes: first what is not in the picture, then what "
+                       "is small and old. With --bonded alone nothing goes")
         ->check(CLI::Range(1u, 1'000'000u))
         ->capture_default_str();
     command.add_option("--air-density", world.air_density, "Of the air that brakes what moves, kg/m^3; 0 is a vacuum")
