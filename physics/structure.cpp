@@ -71,12 +71,9 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     for (const uint32_t piece : desc.anchored) structure.pieces_[piece].anchored = true;
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity, glm::dvec3(0.0)};
-    for (const std::vector<uint32_t>& island : structure.graph_.islands(all)) {
-        const Result<void> added = structure.add_island(world, island, motion, false);
-        if (added) continue;
-        structure.remove(world);
-        return added.error();
-    }
+    const std::vector<std::vector<uint32_t>> islands = structure.graph_.islands(all);
+    const Result<void> added = structure.add_islands(world, islands, motion, std::vector<uint8_t>(islands.size(), 0));
+    if (!added) return added.error();
     structure.changes_ = {};
     if (!desc.wear.enabled) return structure;
     std::vector<StressNode> nodes;
@@ -99,8 +96,33 @@ std::vector<uint8_t> Structure::debris_of(const World& world, std::span<const st
     return crowded_out(batch, room_in(world));
 }
 
-Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion, bool debris) {
-    BodyState body;
+// As bodies that come at once: they do not overlap.
+Result<void> Structure::add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
+                                    std::span<const uint8_t> debris) {
+    std::vector<BodyState> bodies;
+    std::vector<BodyDesc> descs;
+    const uint32_t siblings = world.new_siblings();
+    for (size_t i = 0; i < islands.size(); ++i) {
+        descs.push_back(describe(islands[i], motion, bodies.emplace_back()));
+        descs.back().debris = debris[i] != 0;
+        descs.back().siblings = siblings;
+    }
+    const Result<std::vector<BodyId>> added = world.add_bodies(descs);
+    if (!added) return added.error();
+    for (size_t i = 0; i < bodies.size(); ++i) {
+        bodies[i].id = (*added)[i];
+        const auto index = static_cast<uint32_t>(bodies_.size());
+        for (const uint32_t piece : bodies[i].pieces) pieces_[piece].body = index;
+        body_of_id_[bodies[i].id.value] = index;
+        bodies_.push_back(std::move(bodies[i]));
+        dirty_.push_back(0);
+        changes_.added.push_back((*added)[i]);
+    }
+    return {};
+}
+
+BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const {
+    body.pieces = island;
     double mass = 0.0;
     for (const uint32_t piece : island) {
         mass += pieces_[piece].mass;
@@ -118,7 +140,6 @@ Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& is
     }
     const glm::dvec3 arm = body.centre - motion.centre;
     desc.fixed = body.fixed;
-    desc.debris = debris;
     desc.mass = static_cast<float>(mass);
     desc.inertia = glm::mat3(inertia);
     desc.pose = moved(motion.pose, arm);
@@ -128,17 +149,7 @@ Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& is
     desc.angular_velocity = motion.angular;
     desc.friction = desc_.material.friction;
     desc.restitution = desc_.material.restitution;
-    const Result<BodyId> added = world.add_body(desc);
-    if (!added) return added.error();
-    body.id = *added;
-    body.pieces = island;
-    const auto index = static_cast<uint32_t>(bodies_.size());
-    for (const uint32_t piece : island) pieces_[piece].body = index;
-    body_of_id_[body.id.value] = index;
-    bodies_.push_back(std::move(body));
-    dirty_.push_back(0);
-    changes_.added.push_back(*added);
-    return {};
+    return desc;
 }
 
 bool Structure::exists(const World& world, uint32_t body) const {
@@ -338,12 +349,11 @@ void Structure::split(World& world) {
         bodies_[index].id = {};
         for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
         const std::vector<uint8_t> debris = debris_of(world, islands);
-        for (size_t i = 0; i < islands.size(); ++i) {
-            [[maybe_unused]] const Result<void> added = add_island(world, islands[i], motion, debris[i]);
-            assert(added && "parts of a body that the world took are bodies, too");
-            if (const auto parent = rewound.find(old); parent != rewound.end())
-                rewound.emplace(bodies_.back().id, parent->second);
-        }
+        const size_t first = bodies_.size();
+        [[maybe_unused]] const Result<void> added = add_islands(world, islands, motion, debris);
+        assert(added && "parts of a body that the world took are bodies, too");
+        if (const auto parent = rewound.find(old); parent != rewound.end())
+            for (const BodyState& body : std::span(bodies_).subspan(first)) rewound.emplace(body.id, parent->second);
     }
     solve_anew(world, taken);
     for (const auto& [body, seconds] : rewound)
