@@ -69,6 +69,7 @@ void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& sett
     state.counters["pieces"] = static_cast<double>(broken.pieces.pieces.size());
     state.counters["asleep"] = static_cast<double>(asleep);
     state.counters["awake"] = static_cast<double>(awake);
+    state.counters["steps_a_second"] = 1e3 / median(medians);
     state.counters["low"] = *std::ranges::min_element(medians);
     state.counters["high"] = longest(medians);
     state.counters["first"] = median(first);
