@@ -69,6 +69,7 @@ TEST_CASE_TEMPLATE("scene: a ball breaks the pane, is slowed by it and does not 
         Shot& shot = options.world.shots[0];
         shot.velocity = {0.0, 0.0, Speed::value};
         shot.from.z = -1.0 - phase * Speed::value / 120.0;
+        BRITTLE_RUN_OF(options);
         Simulation simulation(options.material);
         simulation.start(whole, world_of(options));
         float behind = -10.0f;
@@ -97,6 +98,7 @@ TEST_CASE("scene: the arch stands, and where it has lost a column its half comes
     // Of the pieces above the column that is shot, without those of the column, how many have come down by 30 cm; and how far anything of the other
     // column has moved.
     const auto run = [&](double seconds) {
+        BRITTLE_RUN_OF(options);
         Simulation simulation(options.material);
         simulation.start(pieces, world_of(options));
         const std::vector<physics::Pose> start = poses_of(simulation);
@@ -129,6 +131,7 @@ TEST_CASE("scene: the arch stands, and where it has lost a column its half comes
 TEST_CASE("scene: the wall loses bricks where it is rammed, and keeps its foot and its ends") {
     const FractureOptions options = recipe_of<scene::brick_wall_rammed>();
     const fracture::Fragments pieces = started(options);
+    BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
     simulation.start(pieces, world_of(options));
     const std::vector<physics::Pose> start = poses_of(simulation);
@@ -145,6 +148,7 @@ TEST_CASE("scene: the wall loses bricks where it is rammed, and keeps its foot a
 TEST_CASE("scene: the bunny comes apart where it falls, and lies on the ground") {
     const FractureOptions options = recipe_of<scene::bunny_dropped>();
     const fracture::Fragments pieces = started(options);
+    BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
     simulation.start(pieces, world_of(options));
     CHECK(simulation.world().body_count() == 1);
@@ -160,6 +164,7 @@ TEST_CASE("scene: the tower of a thousand pieces stands for ten seconds unhit") 
     options.world.shots.clear();
     const fracture::Fragments pieces = started(options);
     REQUIRE(pieces.pieces.size() >= 1000);
+    BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
     simulation.start(pieces, world_of(options));
     const std::vector<physics::Pose> start = poses_of(simulation);
@@ -176,6 +181,7 @@ TEST_CASE("scene: the tower of a thousand pieces stands for ten seconds unhit") 
 TEST_CASE("scene: the tower collapses when its foot is shot away") {
     const FractureOptions options = recipe_of<scene::tower_collapses>();
     const fracture::Fragments pieces = started(options);
+    BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
     simulation.start(pieces, world_of(options));
     const std::vector<physics::Pose> start = poses_of(simulation);
