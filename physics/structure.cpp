@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -418,41 +419,51 @@ std::vector<size_t> Structure::contacts_to_take_back(const World& world,
                                                      const std::vector<uint8_t>& breaking) const {
     std::vector<size_t> contacts;
     if (!contacts_due_) return contacts;
-    const std::span<const Contact> all = world.contacts();
     const auto breaks = [&](BodyId id) {
         const uint32_t body = index_of(id);
         return body != none && breaking[body];
     };
-    const auto passes_on = [&](BodyId id) { return moves(world, id) || breaks(id); };
-    std::map<BodyId, BodyId> groups; // of who touches whom, each named by one of its bodies
-    const auto group_of = [&](BodyId id) {
-        BodyId root = id;
-        for (auto at = groups.find(root); at != groups.end() && at->second != root; at = groups.find(root))
-            root = at->second;
-        return groups[id] = root;
+    const auto hits = [&](const Contact& contact) {
+        return contact.speed > desc_.impact_speed && (breaks(contact.a) || breaks(contact.b));
     };
-    for (const Contact& contact : all)
-        if (passes_on(contact.a) && passes_on(contact.b)) groups[group_of(contact.a)] = group_of(contact.b);
+    // Nothing hits what sleeps; and where thousands do, all contacts are many.
+    if (std::ranges::none_of(world.solved_contacts(), hits)) return contacts;
+    const std::span<const Contact> all = world.contacts();
+    const std::span<const BodyId> bodies = world.bodies();
+    const auto place_of = [&](BodyId id) {
+        const auto at = std::ranges::lower_bound(bodies, id);
+        return at != bodies.end() && *at == id ? static_cast<uint32_t>(at - bodies.begin()) : none;
+    };
+    std::vector<uint8_t> passes_on;
+    for (const BodyId id : bodies) passes_on.push_back(moves(world, id) || breaks(id));
+    std::vector<uint32_t> groups(bodies.size()); // of who touches whom, each named by one of its bodies
+    std::iota(groups.begin(), groups.end(), 0u);
+    const auto group_of = [&](uint32_t body) {
+        while (groups[body] != body) body = groups[body] = groups[groups[body]];
+        return body;
+    };
+    std::vector<uint32_t> touching; // by contact: a body of its group
+    for (const Contact& contact : all) {
+        const uint32_t a = place_of(contact.a), b = place_of(contact.b);
+        const bool from_a = a != none && passes_on[a], from_b = b != none && passes_on[b];
+        if (from_a && from_b) groups[group_of(a)] = group_of(b);
+        touching.push_back(from_a ? a : from_b ? b : none);
+    }
     struct Group {
         bool hit = false, left = false;
         size_t contacts = 0;
     };
-    std::map<BodyId, Group> found;
-    const auto group_at = [&](const Contact& contact) -> Group& {
-        return found[group_of(passes_on(contact.a) ? contact.a : contact.b)];
-    };
-    for (const Contact& contact : all) {
-        if (!passes_on(contact.a) && !passes_on(contact.b)) continue;
-        Group& group = group_at(contact);
+    std::vector<Group> found(bodies.size());
+    for (size_t i = 0; i < all.size(); ++i) {
+        if (touching[i] == none) continue;
+        Group& group = found[group_of(touching[i])];
         ++group.contacts;
-        for (const BodyId body : {contact.a, contact.b}) {
-            group.left = group.left || (body != BodyId{} && !world.contains(body));
-            group.hit = group.hit || (contact.speed > desc_.impact_speed && breaks(body));
-        }
+        group.hit = group.hit || hits(all[i]);
+        for (const BodyId body : {all[i].a, all[i].b}) group.left = group.left || (body != BodyId{} && place_of(body) == none);
     }
     for (size_t i = 0; i < all.size(); ++i) {
-        if (!passes_on(all[i].a) && !passes_on(all[i].b)) continue;
-        const Group& group = group_at(all[i]);
+        if (touching[i] == none) continue;
+        const Group& group = found[group_of(touching[i])];
         if (group.hit && !group.left && group.contacts <= most_anew) contacts.push_back(i);
     }
     return contacts;
