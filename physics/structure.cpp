@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -71,12 +72,9 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     for (const uint32_t piece : desc.anchored) structure.pieces_[piece].anchored = true;
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity, glm::dvec3(0.0)};
-    for (const std::vector<uint32_t>& island : structure.graph_.islands(all)) {
-        const Result<void> added = structure.add_island(world, island, motion, false);
-        if (added) continue;
-        structure.remove(world);
-        return added.error();
-    }
+    const std::vector<std::vector<uint32_t>> islands = structure.graph_.islands(all);
+    const Result<void> added = structure.add_islands(world, islands, motion, std::vector<uint8_t>(islands.size(), 0));
+    if (!added) return added.error();
     structure.changes_ = {};
     for (const BodyState& body : structure.bodies_)
         for (const uint32_t piece : body.pieces) structure.pieces_[piece].began_with = body.pieces.size();
@@ -101,8 +99,33 @@ std::vector<uint8_t> Structure::debris_of(const World& world, std::span<const st
     return crowded_out(batch, room_in(world));
 }
 
-Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion, bool debris) {
-    BodyState body;
+// As bodies that come at once: they do not overlap.
+Result<void> Structure::add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
+                                    std::span<const uint8_t> debris) {
+    std::vector<BodyState> bodies;
+    std::vector<BodyDesc> descs;
+    const uint32_t siblings = world.new_siblings();
+    for (size_t i = 0; i < islands.size(); ++i) {
+        descs.push_back(describe(islands[i], motion, bodies.emplace_back()));
+        descs.back().debris = debris[i] != 0;
+        descs.back().siblings = siblings;
+    }
+    const Result<std::vector<BodyId>> added = world.add_bodies(descs);
+    if (!added) return added.error();
+    for (size_t i = 0; i < bodies.size(); ++i) {
+        bodies[i].id = (*added)[i];
+        const auto index = static_cast<uint32_t>(bodies_.size());
+        for (const uint32_t piece : bodies[i].pieces) pieces_[piece].body = index;
+        body_of_id_[bodies[i].id.value] = index;
+        bodies_.push_back(std::move(bodies[i]));
+        dirty_.push_back(0);
+        changes_.added.push_back((*added)[i]);
+    }
+    return {};
+}
+
+BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const {
+    body.pieces = island;
     double mass = 0.0;
     for (const uint32_t piece : island) {
         mass += pieces_[piece].mass;
@@ -120,7 +143,6 @@ Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& is
     }
     const glm::dvec3 arm = body.centre - motion.centre;
     desc.fixed = body.fixed;
-    desc.debris = debris;
     desc.mass = static_cast<float>(mass);
     desc.inertia = glm::mat3(inertia);
     desc.pose = moved(motion.pose, arm);
@@ -130,17 +152,7 @@ Result<void> Structure::add_island(World& world, const std::vector<uint32_t>& is
     desc.angular_velocity = motion.angular;
     desc.friction = desc_.material.friction;
     desc.restitution = desc_.material.restitution;
-    const Result<BodyId> added = world.add_body(desc);
-    if (!added) return added.error();
-    body.id = *added;
-    body.pieces = island;
-    const auto index = static_cast<uint32_t>(bodies_.size());
-    for (const uint32_t piece : island) pieces_[piece].body = index;
-    body_of_id_[body.id.value] = index;
-    bodies_.push_back(std::move(body));
-    dirty_.push_back(0);
-    changes_.added.push_back(*added);
-    return {};
+    return desc;
 }
 
 bool Structure::exists(const World& world, uint32_t body) const {
@@ -340,12 +352,11 @@ void Structure::split(World& world) {
         bodies_[index].id = {};
         for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
         const std::vector<uint8_t> debris = debris_of(world, islands);
-        for (size_t i = 0; i < islands.size(); ++i) {
-            [[maybe_unused]] const Result<void> added = add_island(world, islands[i], motion, debris[i]);
-            assert(added && "parts of a body that the world took are bodies, too");
-            if (const auto parent = rewound.find(old); parent != rewound.end())
-                rewound.emplace(bodies_.back().id, parent->second);
-        }
+        const size_t first = bodies_.size();
+        [[maybe_unused]] const Result<void> added = add_islands(world, islands, motion, debris);
+        assert(added && "parts of a body that the world took are bodies, too");
+        if (const auto parent = rewound.find(old); parent != rewound.end())
+            for (const BodyState& body : std::span(bodies_).subspan(first)) rewound.emplace(body.id, parent->second);
     }
     solve_anew(world, taken);
     for (const auto& [body, seconds] : rewound)
@@ -410,41 +421,51 @@ std::vector<size_t> Structure::contacts_to_take_back(const World& world,
                                                      const std::vector<uint8_t>& breaking) const {
     std::vector<size_t> contacts;
     if (!contacts_due_) return contacts;
-    const std::span<const Contact> all = world.contacts();
     const auto breaks = [&](BodyId id) {
         const uint32_t body = index_of(id);
         return body != none && breaking[body];
     };
-    const auto passes_on = [&](BodyId id) { return moves(world, id) || breaks(id); };
-    std::map<BodyId, BodyId> groups; // of who touches whom, each named by one of its bodies
-    const auto group_of = [&](BodyId id) {
-        BodyId root = id;
-        for (auto at = groups.find(root); at != groups.end() && at->second != root; at = groups.find(root))
-            root = at->second;
-        return groups[id] = root;
+    const auto hits = [&](const Contact& contact) {
+        return contact.speed > desc_.impact_speed && (breaks(contact.a) || breaks(contact.b));
     };
-    for (const Contact& contact : all)
-        if (passes_on(contact.a) && passes_on(contact.b)) groups[group_of(contact.a)] = group_of(contact.b);
+    // Nothing hits what sleeps; and where thousands do, all contacts are many.
+    if (std::ranges::none_of(world.solved_contacts(), hits)) return contacts;
+    const std::span<const Contact> all = world.contacts();
+    const std::span<const BodyId> bodies = world.bodies();
+    const auto place_of = [&](BodyId id) {
+        const auto at = std::ranges::lower_bound(bodies, id);
+        return at != bodies.end() && *at == id ? static_cast<uint32_t>(at - bodies.begin()) : none;
+    };
+    std::vector<uint8_t> passes_on;
+    for (const BodyId id : bodies) passes_on.push_back(moves(world, id) || breaks(id));
+    std::vector<uint32_t> groups(bodies.size()); // of who touches whom, each named by one of its bodies
+    std::iota(groups.begin(), groups.end(), 0u);
+    const auto group_of = [&](uint32_t body) {
+        while (groups[body] != body) body = groups[body] = groups[groups[body]];
+        return body;
+    };
+    std::vector<uint32_t> touching; // by contact: a body of its group
+    for (const Contact& contact : all) {
+        const uint32_t a = place_of(contact.a), b = place_of(contact.b);
+        const bool from_a = a != none && passes_on[a], from_b = b != none && passes_on[b];
+        if (from_a && from_b) groups[group_of(a)] = group_of(b);
+        touching.push_back(from_a ? a : from_b ? b : none);
+    }
     struct Group {
         bool hit = false, left = false;
         size_t contacts = 0;
     };
-    std::map<BodyId, Group> found;
-    const auto group_at = [&](const Contact& contact) -> Group& {
-        return found[group_of(passes_on(contact.a) ? contact.a : contact.b)];
-    };
-    for (const Contact& contact : all) {
-        if (!passes_on(contact.a) && !passes_on(contact.b)) continue;
-        Group& group = group_at(contact);
+    std::vector<Group> found(bodies.size());
+    for (size_t i = 0; i < all.size(); ++i) {
+        if (touching[i] == none) continue;
+        Group& group = found[group_of(touching[i])];
         ++group.contacts;
-        for (const BodyId body : {contact.a, contact.b}) {
-            group.left = group.left || (body != BodyId{} && !world.contains(body));
-            group.hit = group.hit || (contact.speed > desc_.impact_speed && breaks(body));
-        }
+        group.hit = group.hit || hits(all[i]);
+        for (const BodyId body : {all[i].a, all[i].b}) group.left = group.left || (body != BodyId{} && place_of(body) == none);
     }
     for (size_t i = 0; i < all.size(); ++i) {
-        if (!passes_on(all[i].a) && !passes_on(all[i].b)) continue;
-        const Group& group = group_at(all[i]);
+        if (touching[i] == none) continue;
+        const Group& group = found[group_of(touching[i])];
         if (group.hit && !group.left && group.contacts <= most_anew) contacts.push_back(i);
     }
     return contacts;

@@ -152,7 +152,9 @@ class Structure {
     static constexpr uint32_t none = UINT32_MAX;
 
     [[nodiscard]] Motion motion_of(const World& world, const BodyState& body) const;
-    Result<void> add_island(World& world, const std::vector<uint32_t>& island, const Motion& motion, bool debris);
+    Result<void> add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
+                             std::span<const uint8_t> debris);
+    [[nodiscard]] BodyDesc describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const;
     // Which of the islands that a body comes apart into are debris by number.
     [[nodiscard]] std::vector<uint8_t> debris_of(const World& world, std::span<const std::vector<uint32_t>> islands) const;
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;

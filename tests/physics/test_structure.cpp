@@ -148,6 +148,38 @@ TEST_CASE("a thousand fresh bonded pieces in empty space do not move, nor when a
         CHECK(glm::length(after[i].position - before[i].position) < 1e-6f);
 }
 
+TEST_CASE("pieces of what comes apart in the air have no contacts with each other while they fly as one, on the ground they do") {
+    const fracture::Fragments fragments = broken_box(200, 3);
+    for (const bool flies : {true, false}) {
+        CAPTURE(flies);
+        World world({.air_density = 0.0f});
+        StructureDesc desc;
+        desc.motion.placement.position.y = flies ? 5.0f : 0.51f; // of a cube around the origin
+        desc.motion.linear_velocity = flies ? glm::vec3(3.0f, 1.0f, 0.0f) : glm::vec3(0.0f);
+        Structure structure = must_create(world, fragments, desc);
+        world.step();
+        std::vector<uint32_t> bonds(structure.graph().bonds().size());
+        std::iota(bonds.begin(), bonds.end(), 0u);
+        structure.break_bonds(bonds);
+        structure.update(world);
+        REQUIRE(world.body_count() == fragments.pieces.size());
+        const Pose before = world.pose(world.bodies()[0]);
+        for (int i = 0; i < 10; ++i) world.step();
+        if (!flies) {
+            CHECK(world.contact_count() > 500);
+            continue;
+        }
+        CHECK(world.contact_count() == 0);
+        const glm::vec3 way = world.pose(world.bodies()[0]).position - before.position;
+        CHECK(way.x == doctest::Approx(3.0 * 10.0 / 120.0).epsilon(1e-4));
+        for (uint32_t i = 0; i < fragments.pieces.size(); ++i) {
+            const glm::vec3 now = world.pose(structure.body_of(i)).position - world.pose(structure.body_of(0)).position;
+            const glm::dvec3 then = fragments.pieces[i].mass.centre_of_mass - fragments.pieces[0].mass.centre_of_mass;
+            CHECK(glm::distance(glm::dvec3(now), then) < 1e-5);
+        }
+    }
+}
+
 TEST_CASE("a bar cut in the middle is two, where they were, and a saw cuts as a list does") {
     for (const bool saw : {false, true}) {
         World world(empty_space);

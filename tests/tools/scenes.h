@@ -23,6 +23,9 @@
 #include "tools/brittle/recipe.h"
 #include "tools/brittle/stage.h"
 
+// A run without actions is its recipe: where a check fails from here on in the block, it is printed, and `brittle render RECIPE` repeats the run.
+#define BRITTLE_RUN_OF(options) INFO("the run of this recipe: ", brittle::tools::recipe_json(options))
+
 namespace scene {
 
 // By the names of their files, sorted. test_scenes.cpp tells what is missing.

@@ -88,6 +88,7 @@ using BondsBreak = std::tuple<scene::arch_loses_a_column, scene::brick_wall_ramm
 
 TEST_CASE_TEMPLATE_DEFINE("scenes: momentum and angular momentum are kept across every break, to 1e-4", Scene, momentum) {
     const FractureOptions options = recipe_of<Scene>();
+    BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
     Books books;
     simulation.observe(&books);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <time.h>
 
 #include <benchmark/benchmark.h>
 
@@ -69,6 +69,7 @@ void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& sett
     state.counters["pieces"] = static_cast<double>(broken.pieces.pieces.size());
     state.counters["asleep"] = static_cast<double>(asleep);
     state.counters["awake"] = static_cast<double>(awake);
+    state.counters["steps_a_second"] = 1e3 / median(medians);
     state.counters["low"] = *std::ranges::min_element(medians);
     state.counters["high"] = longest(medians);
     state.counters["first"] = median(first);
@@ -80,20 +81,49 @@ void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& sett
     state.counters["add"] = add;
 }
 
+// Pieces that are there at once.
+struct Loose {
+    BrokenBunny broken;
+    glm::vec3 at;
+    [[nodiscard]] bool prepare(World&) const { return true; }
+    [[nodiscard]] bool come(World& world) const { return broken.add_to(world, at); }
+};
+
+// A bonded thing, held in the air by one piece, of which all bonds break.
+struct Apart {
+    BrokenBunny broken;
+    glm::vec3 at;
+    PieceHulls hulls = collision_hulls(broken.pieces);
+    std::optional<Structure> structure{};
+    [[nodiscard]] bool prepare(World& world) {
+        StructureDesc desc{.motion = {.placement = {at, {1.0f, 0.0f, 0.0f, 0.0f}}}, .hulls = hulls, .anchored = {0}};
+        desc.wear.enabled = false;
+        Result<Structure> made = Structure::create(world, broken.pieces, desc);
+        if (made) structure = std::move(*made);
+        return made.has_value();
+    }
+    [[nodiscard]] bool come(World& world) {
+        std::vector<uint32_t> bonds(structure->graph().bonds().size());
+        std::iota(bonds.begin(), bonds.end(), 0u);
+        structure->break_bonds(bonds);
+        return structure->update(world).broken.size() == bonds.size();
+    }
+};
+
 // A thousand more pieces come in one frame; and the same without them. Each run has the same steps, so what a step takes is the least
 // of all runs: what else the machine did only adds to it. In medians, and in single frames most of all, what it did is counted, too.
-void run_add(benchmark::State& state, const WorldSettings& settings, float height, const glm::vec3& at) {
-    const BrokenBunny there(sites_for_1000), others(sites_for_1000, height);
+template<class Newcomers> void run_add(benchmark::State& state, const WorldSettings& settings, Newcomers newcomers) {
+    const BrokenBunny there(sites_for_1000);
     std::vector<std::vector<double>> before, after, without;
     size_t asleep = 0, colliding = 0;
     bool added = true;
     const auto run = [&](bool come, std::vector<std::vector<double>>& frames) {
         World world(settings);
         asleep = add_sleepers(world);
-        added = added && there.add_to(world, {0.0f, 0.3f, 0.0f});
+        added = added && newcomers.prepare(world) && there.add_to(world, {0.0f, 0.3f, 0.0f});
         steps_of(world, 60);
         before.push_back(steps_of(world, 30));
-        const double adding = milliseconds_of([&] { added = added && (!come || others.add_to(world, at)); });
+        const double adding = milliseconds_of([&] { added = added && (!come || newcomers.come(world)); });
         colliding = world.colliding_count();
         frames.push_back(steps_of(world, 120));
         frames.back().front() += adding;
@@ -111,7 +141,7 @@ void run_add(benchmark::State& state, const WorldSettings& settings, float heigh
         return longest(by_step(runs, statistic)) / median(by_step(before, statistic));
     };
     const std::vector<double> frames = by_step(after, least);
-    state.counters["coming_pieces"] = static_cast<double>(others.pieces.pieces.size());
+    state.counters["coming_pieces"] = static_cast<double>(newcomers.broken.pieces.pieces.size());
     state.counters["asleep"] = static_cast<double>(asleep);
     state.counters["colliding"] = static_cast<double>(colliding);
     state.counters["before"] = median(by_step(before, least));
@@ -197,13 +227,15 @@ void add_world_benchmarks() {
     });
     const auto add_more = [&add](const std::string& name, const WorldSettings& settings, float height, const glm::vec3& at) {
         add("world/add/" + name + "/1000_to_3000", 15,
-            [=](benchmark::State& state) { run_add(state, settings, height, at); });
+            [=](benchmark::State& state) { run_add(state, settings, Loose{BrokenBunny(sites_for_1000, height), at}); });
     };
     const glm::vec3 beside(-3.0f, 0.3f, 0.0f), above(0.0f, 1.0f, 0.0f);
     add_more("meet", all_meet, 1.0f, beside);
     add_more("default", {}, 1.0f, beside);
     add_more("onto", {}, 1.0f, above);
     add_more("small", {.most_colliding = 0}, little_bunny, beside);
+    add("world/add/apart/1000_to_3000", 15,
+        [=](benchmark::State& state) { run_add(state, WorldSettings{}, Apart{BrokenBunny(sites_for_1000), beside}); });
     add("world/tower", 1, run_tower);
 }
 
