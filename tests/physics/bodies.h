@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -83,6 +84,36 @@ inline float greatest_speed(const World& world) {
     float most = 0.0f;
     for (const BodyId id : world.bodies()) most = std::max(most, glm::length(world.linear_velocity(id)));
     return most;
+}
+
+// What rests in empty space stays where it is, unless it overlaps another. That moves it without giving it velocity.
+struct Drift {
+    float speed = 0.0f; // m/s, the greatest of any body in any step
+    float way = 0.0f;   // m, the farthest that any body was from its place
+};
+inline Drift drift(World& world, int steps, const std::function<void()>& after_step = {}) {
+    std::vector<glm::vec3> places;
+    for (const BodyId id : world.bodies()) places.push_back(world.pose(id).position);
+    Drift most;
+    for (int step = 0; step < steps; ++step) {
+        world.step();
+        if (after_step) after_step();
+        REQUIRE(world.body_count() == places.size());
+        most.speed = std::max(most.speed, greatest_speed(world));
+        for (size_t i = 0; i < places.size(); ++i)
+            most.way = std::max(most.way, glm::length(world.pose(world.bodies()[i]).position - places[i]));
+    }
+    return most;
+}
+
+// Larger by a factor, around the middle of its points.
+inline std::shared_ptr<const CollisionHull> inflated(const CollisionHull& hull, float factor) {
+    auto larger = std::make_shared<CollisionHull>(hull);
+    glm::vec3 middle(0.0f);
+    for (const glm::vec3& p : larger->points) middle += p / static_cast<float>(larger->points.size());
+    for (glm::vec3& p : larger->points) p = middle + (p - middle) * factor;
+    larger->section = {};
+    return larger;
 }
 
 inline bool all_finite(const World& world) {
