@@ -86,6 +86,29 @@ inline float greatest_speed(const World& world) {
     return most;
 }
 
+inline double energy_of(const World& world) {
+    const Mechanics now = world.mechanics();
+    return now.kinetic + now.potential;
+}
+
+// Of energy that nobody adds to, step by step: a bound on each rise alone would let hundreds of them sum up.
+struct EnergyBooks {
+    explicit EnergyBooks(const World& world) : start(energy_of(world)), last(start), least(start) {}
+    void look(const World& world) {
+        const double now = energy_of(world);
+        steepest = std::max(steepest, now - last);
+        risen += std::max(now - last, 0.0);
+        most_above_least = std::max(most_above_least, now - least);
+        least = std::min(least, now);
+        last = now;
+    }
+
+    double start, last, least;     // J
+    double steepest = 0.0;         // J, of one step
+    double risen = 0.0;            // J, the sum of all rises
+    double most_above_least = 0.0; // J, above the least before
+};
+
 // What rests in empty space stays where it is, unless it overlaps another. That moves it without giving it velocity.
 struct Drift {
     float speed = 0.0f; // m/s, the greatest of any body in any step
