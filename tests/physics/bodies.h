@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -83,6 +84,59 @@ inline float greatest_speed(const World& world) {
     float most = 0.0f;
     for (const BodyId id : world.bodies()) most = std::max(most, glm::length(world.linear_velocity(id)));
     return most;
+}
+
+inline double energy_of(const World& world) {
+    const Mechanics now = world.mechanics();
+    return now.kinetic + now.potential;
+}
+
+// Of energy that nobody adds to, step by step: a bound on each rise alone would let hundreds of them sum up.
+struct EnergyBooks {
+    explicit EnergyBooks(const World& world) : start(energy_of(world)), last(start), least(start) {}
+    void look(const World& world) {
+        const double now = energy_of(world);
+        steepest = std::max(steepest, now - last);
+        risen += std::max(now - last, 0.0);
+        most_above_least = std::max(most_above_least, now - least);
+        least = std::min(least, now);
+        last = now;
+    }
+
+    double start, last, least;     // J
+    double steepest = 0.0;         // J, of one step
+    double risen = 0.0;            // J, the sum of all rises
+    double most_above_least = 0.0; // J, above the least before
+};
+
+// What rests in empty space stays where it is, unless it overlaps another. That moves it without giving it velocity.
+struct Drift {
+    float speed = 0.0f; // m/s, the greatest of any body in any step
+    float way = 0.0f;   // m, the farthest that any body was from its place
+};
+inline Drift drift(World& world, int steps, const std::function<void()>& after_step = {}) {
+    std::vector<glm::vec3> places;
+    for (const BodyId id : world.bodies()) places.push_back(world.pose(id).position);
+    Drift most;
+    for (int step = 0; step < steps; ++step) {
+        world.step();
+        if (after_step) after_step();
+        REQUIRE(world.body_count() == places.size());
+        most.speed = std::max(most.speed, greatest_speed(world));
+        for (size_t i = 0; i < places.size(); ++i)
+            most.way = std::max(most.way, glm::length(world.pose(world.bodies()[i]).position - places[i]));
+    }
+    return most;
+}
+
+// Larger by a factor, around the middle of its points.
+inline std::shared_ptr<const CollisionHull> inflated(const CollisionHull& hull, float factor) {
+    auto larger = std::make_shared<CollisionHull>(hull);
+    glm::vec3 middle(0.0f);
+    for (const glm::vec3& p : larger->points) middle += p / static_cast<float>(larger->points.size());
+    for (glm::vec3& p : larger->points) p = middle + (p - middle) * factor;
+    larger->section = {};
+    return larger;
 }
 
 inline bool all_finite(const World& world) {
