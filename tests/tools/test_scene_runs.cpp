@@ -51,6 +51,14 @@ std::vector<physics::Pose> poses_of(const Simulation& simulation) {
     return poses;
 }
 
+// Starts and takes so many steps; where the pieces were when it began.
+std::vector<physics::Pose> run(Simulation& simulation, const fracture::Fragments& pieces, const FractureOptions& options, uint64_t steps) {
+    simulation.start(pieces, world_of(options));
+    std::vector<physics::Pose> start = poses_of(simulation);
+    while (simulation.steps() < steps) simulation.step();
+    return start;
+}
+
 } // namespace
 
 template<int speed>
@@ -95,14 +103,12 @@ TEST_CASE("scene: the arch stands, and where it has lost a column its half comes
     const fracture::Fragments pieces = started(options);
     const std::vector<Shot> shots = std::exchange(options.world.shots, {});
     REQUIRE(shots.size() == 1);
-    // Of the pieces above the column that is shot, without those of the column, how many have come down by 30 cm; and how far anything of the other
-    // column has moved.
-    const auto run = [&](double seconds) {
-        BRITTLE_RUN_OF(options);
+    BRITTLE_RUN_OF(options);
+    // Of the pieces above the column that is shot, without those of the column, how many have come down by 30 cm; and how far
+    // anything of the other column has moved.
+    const auto see = [&](double seconds) {
         Simulation simulation(options.material);
-        simulation.start(pieces, world_of(options));
-        const std::vector<physics::Pose> start = poses_of(simulation);
-        while (static_cast<double>(simulation.steps()) < seconds * 120.0) simulation.step();
+        const std::vector<physics::Pose> start = run(simulation, pieces, options, static_cast<uint64_t>(seconds * 120.0));
         const std::vector<physics::Pose> now = poses_of(simulation);
         struct { size_t above = 0, fallen = 0; float other = 0.0f; } seen;
         for (size_t i = 0; i < start.size(); ++i) {
@@ -116,32 +122,35 @@ TEST_CASE("scene: the arch stands, and where it has lost a column its half comes
         }
         return seen;
     };
-    const auto unhit = run(2.0);
+    const auto unhit = see(2.0);
     REQUIRE(unhit.above > 10);
     CHECK(unhit.fallen == 0);
     CHECK(unhit.other < 1e-3f);
     options.world.shots = shots;
-    const auto soon = run(shots[0].time + 0.35), later = run(options.picture.frames / 120.0);
+    const auto soon = see(shots[0].time + 0.35), later = see(options.picture.frames / 60.0);
     MESSAGE(soon.fallen, " and later ", later.fallen, " of ", later.above, " pieces above the column have come down");
     CHECK(soon.fallen < soon.above / 4);
     CHECK(later.fallen > later.above * 3 / 4);
     CHECK(later.other < 1e-2f);
 }
 
-TEST_CASE("scene: the wall loses bricks where it is rammed, and keeps its foot and its ends") {
+TEST_CASE("scene: the wall falls where it is rammed, and its foot stays") {
     const FractureOptions options = recipe_of<scene::brick_wall_rammed>();
     const fracture::Fragments pieces = started(options);
     BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
-    simulation.start(pieces, world_of(options));
-    const std::vector<physics::Pose> start = poses_of(simulation);
-    while (simulation.steps() < options.picture.frames) simulation.step();
+    const std::vector<physics::Pose> start = run(simulation, pieces, options, 2 * options.picture.frames);
     const std::vector<float> far = moves(simulation, start);
     const auto gone = std::ranges::count_if(far, [](float way) { return way > 0.3f; });
-    const auto kept = std::ranges::count_if(far, [](float way) { return way < 1e-3f; });
-    MESSAGE(gone, " of ", far.size(), " bricks have gone, ", kept, " are where they were");
+    size_t held = 0;
+    for (uint32_t i = 0; i < far.size(); ++i) {
+        if (!simulation.structure()->anchored(i)) continue;
+        ++held;
+        CHECK(far[i] < 1e-3f);
+    }
+    MESSAGE(gone, " of ", far.size(), " bricks have gone, ", held, " are held");
     CHECK(gone > static_cast<std::ptrdiff_t>(far.size() / 10));
-    CHECK(kept > static_cast<std::ptrdiff_t>(far.size() / 10));
+    CHECK(held > 10);
     CHECK(all_finite(simulation.world()));
 }
 
@@ -150,12 +159,15 @@ TEST_CASE("scene: the bunny comes apart where it falls, and lies on the ground")
     const fracture::Fragments pieces = started(options);
     BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
-    simulation.start(pieces, world_of(options));
+    const std::vector<physics::Pose> start = run(simulation, pieces, options, 1);
     CHECK(simulation.world().body_count() == 1);
-    while (simulation.steps() < options.picture.frames) simulation.step();
+    while (simulation.steps() < 2 * options.picture.frames) simulation.step();
     MESSAGE(simulation.world().body_count(), " bodies of ", pieces.pieces.size(), " pieces");
     CHECK(simulation.world().body_count() > 20);
-    for (const physics::Pose& pose : poses_of(simulation)) CHECK(pose.position.y > -0.002f);
+    const std::vector<physics::Pose> now = poses_of(simulation);
+    const auto height = [](const physics::Pose& pose) { return pose.position.y; };
+    CHECK(std::ranges::min(now, {}, height).position.y > -0.002f);
+    CHECK(std::ranges::max(now, {}, height).position.y < std::ranges::min(start, {}, height).position.y); // all have come down
     CHECK(all_finite(simulation.world()));
 }
 
@@ -166,9 +178,7 @@ TEST_CASE("scene: the tower of a thousand pieces stands for ten seconds unhit") 
     REQUIRE(pieces.pieces.size() >= 1000);
     BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
-    simulation.start(pieces, world_of(options));
-    const std::vector<physics::Pose> start = poses_of(simulation);
-    while (simulation.steps() < 1200) simulation.step();
+    const std::vector<physics::Pose> start = run(simulation, pieces, options, 1200);
     CHECK(simulation.world().awake_count() == 0);
     CHECK(simulation.world().body_count() == 1);
     CHECK(std::ranges::max(moves(simulation, start)) < 0.01f);
@@ -183,11 +193,9 @@ TEST_CASE("scene: the tower collapses when its foot is shot away") {
     const fracture::Fragments pieces = started(options);
     BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);
-    simulation.start(pieces, world_of(options));
-    const std::vector<physics::Pose> start = poses_of(simulation);
     const char* const wanted = std::getenv("BRITTLE_LONG_RUNS");
     const uint64_t steps = wanted && *wanted ? 1320 : 2 * options.picture.frames;
-    while (simulation.steps() < steps) simulation.step();
+    const std::vector<physics::Pose> start = run(simulation, pieces, options, steps);
     const std::vector<physics::Pose> now = poses_of(simulation);
     size_t high = 0, fallen = 0;
     for (size_t i = 0; i < now.size(); ++i) {
