@@ -35,7 +35,8 @@ struct Impact {
     glm::vec3 normal{0.0f}; // unit, towards the piece
     float impulse = 0.0f;   // N s
     float sharpness = 1.0f; // cube root of 1 kg / mass that was stopped: for the time that it took
-    float energy = 0.0f;    // J, half of impulse times approach speed: what a dead blow turns into cracks and heat
+    float energy = 0.0f;    // J, half of impulse times approach speed: what a dead blow turns into cracks and heat; of
+                            // Structure::Changes, what the bonds around have left of it
 };
 
 class BondBlows {

@@ -94,30 +94,34 @@ void BondGraph::damage_segment(const glm::dvec3& from, const glm::dvec3& to, dou
 double BondGraph::bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const {
     const double along = glm::dot(direction, bond.normal) * (from == bond.a ? 1.0 : -1.0);
     const double across = std::sqrt(std::max(1.0 - along * along, 0.0)) * bond.lever;
-    const double straight = along > 0.0 ? along * static_cast<double>(material_.compressive)
+    const double straight = along > 0.0 ? along * static_cast<double>(std::min(material_.tensile, material_.compressive))
                                         : along * bond.lever * static_cast<double>(material_.tensile);
     return std::hypot(straight, across * static_cast<double>(material_.shear))
            * static_cast<double>(impact_seconds) * bond.area;
 }
 
-void BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double most_passed) {
+double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy, double most_passed) {
     const double size = glm::length(impulse);
-    if (!(size > 0.0)) return;
+    if (!(size > 0.0) || !(energy > 0.0)) return 0.0;
     const glm::dvec3 direction = impulse / size;
+    double left = energy;
     std::vector<std::pair<uint32_t, double>> front{{piece, size}}, next;
-    for (int depth = 0; depth < blow_depth && !front.empty(); ++depth, front.swap(next)) {
+    for (int depth = 0; depth < blow_depth && !front.empty() && left > 0.0; ++depth, front.swap(next)) {
         next.clear();
         for (const auto& [hit, share] : front) {
-            double borne = 0.0;
+            double borne = 0.0, area = 0.0;
             for (const uint32_t bond : bonds_of(hit))
                 if (bonds_[bond].live()) borne += bears(bonds_[bond], hit, direction);
             if (!(share > least_blow * borne) || borne == 0.0) continue;
             const double loss = share / borne; // the same of each bond
+            for (const uint32_t bond : bonds_of(hit)) area += std::min(loss, bonds_[bond].health) * bonds_[bond].area;
+            const double costs = area * static_cast<double>(material_.fracture_energy), paid = std::min(left / costs, 1.0);
+            left = paid < 1.0 ? 0.0 : left - costs;
             for (const uint32_t bond : bonds_of(hit)) {
                 if (!bonds_[bond].live()) continue;
                 const double rest =
                     (loss - bonds_[bond].health) * bears(bonds_[bond], hit, direction) * passed_on;
-                weaken(bond, loss);
+                weaken(bond, paid * std::min(loss, bonds_[bond].health));
                 if (bonds_[bond].live()) continue;
                 const uint32_t behind = bonds_[bond].other(hit);
                 const auto known = std::ranges::find(next, behind, &std::pair<uint32_t, double>::first);
@@ -126,12 +130,14 @@ void BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double most_pass
                 else
                     known->second += rest;
             }
+            if (left == 0.0) break;
         }
         double passed = 0.0;
         for (const auto& [behind, share] : next) passed += share;
         if (depth == 0 && passed > most_passed)
             for (auto& [behind, share] : next) share *= most_passed / passed;
     }
+    return energy - left;
 }
 
 std::vector<uint32_t> BondGraph::take_broken() {

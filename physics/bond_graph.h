@@ -1,10 +1,15 @@
 // Which piece holds which: the bonds of a breakable object, their health, and the islands they leave.
 //
 // A bond is the contact area of two pieces. Against a blow it bears strength [Pa] * impact_seconds * area [m^2], in N
-// s: the compressive strength where it is pressed, the tensile one where it is pulled, that for shear across, and in
-// between by the ellipse of them. Where it is not pressed, the lever min(1, area / (distance of the centres)^2) of
-// thin parts counts as well: a pane breaks by bending over its span, not by shearing through. Health is the share of
-// all that is left: 1 intact, 0 broken; broken bonds do not come back.
+// s: the tensile strength where it is pulled, that for shear across, and in between by the ellipse of them. Where it is
+// pressed the tensile one as well, or the compressive one if that is less: what is pressed splits, as that pulls across it
+// (Hiramatsu and Oka, "Determination of the tensile strength of rock by a compression test of an irregular test piece",
+// 1966). Where it is not pressed, the lever min(1, area / (distance of the centres)^2) of thin parts counts, too: a pane
+// breaks by bending over its span, not by shearing through. Health is the share of all that is left: 1 intact, 0 broken;
+// broken bonds do not come back.
+//
+// What breaks takes its area times Material::fracture_energy of the blow's energy, and no more breaks than that pays for:
+// glass goes to pieces where wood, which is weaker, holds.
 //
 // Coordinates are those of the fragments. No bodies, no time: structure.h has those. Everything is deterministic.
 #pragma once
@@ -56,8 +61,10 @@ class BondGraph {
     [[nodiscard]] double bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const;
     // A blow against a piece, N s. Its bonds share it by what they bear. Of what is more than a bond can bear, half goes
     // on to the piece behind, from the piece that was hit not more than most_passed in all: once it is loose, it can push
-    // with its own momentum only. Blows below a tenth of what the piece's bonds bear together leave no trace.
-    void blow(uint32_t piece, const glm::dvec3& impulse, double most_passed = std::numeric_limits<double>::infinity());
+    // with its own momentum only. Blows below a tenth of what the piece's bonds bear together leave no trace. Returns how
+    // much of the energy, J, was spent.
+    double blow(uint32_t piece, const glm::dvec3& impulse, double energy,
+                double most_passed = std::numeric_limits<double>::infinity());
 
     // Bonds broken since the last call, in the order in which they broke.
     [[nodiscard]] std::vector<uint32_t> take_broken();

@@ -217,7 +217,8 @@ void Structure::damage_segment(const World& world, glm::vec3 from, glm::vec3 to,
 void Structure::blow(const World& world, uint32_t piece, glm::vec3 impulse) {
     if (!exists(world, pieces_[piece].body)) return;
     const glm::dquat orientation(world.pose(body_of(piece)).orientation);
-    graph_.blow(piece, glm::conjugate(orientation) * glm::dvec3(impulse));
+    const double size = static_cast<double>(glm::length(impulse));
+    graph_.blow(piece, glm::conjugate(orientation) * glm::dvec3(impulse), 0.5 * size * size);
 }
 
 void Structure::release_anchors(std::span<const uint32_t> pieces) {
@@ -255,18 +256,22 @@ std::vector<BondBlows::OfStep> Structure::find_blows(const World& world) const {
     return blows;
 }
 
-// Harder than the piece itself bears is told once.
+// Harder than the piece itself bears is told once, with the energy that the bonds leave of it.
 void Structure::strike(const World& world, const BondBlows::Judged& judged) {
     const Impact& blow = judged.blow;
     const PieceState& piece = pieces_[blow.piece];
     if (!exists(world, piece.body)) return;
     const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse), sharpness = static_cast<double>(blow.sharpness);
     const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body_of(blow.piece)).orientation));
-    graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * static_cast<double>(judged.fresh) * sharpness,
-                piece.mass * speed * sharpness);
+    const double fresh = static_cast<double>(judged.fresh);
+    const double spent = graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * fresh * sharpness,
+                                     0.5 * fresh * speed, piece.mass * speed * sharpness);
     const double before = static_cast<double>(judged.before);
     const bool told = before > 0.0 && before * std::cbrt(speed / before) > piece.bearable;
-    if (!told && static_cast<double>(blow.impulse) * sharpness > piece.bearable) changes_.impacts.push_back(blow);
+    const auto left = static_cast<float>(static_cast<double>(blow.energy) - spent);
+    if (told || !(left > 0.0f) || !(static_cast<double>(blow.impulse) * sharpness > piece.bearable)) return;
+    changes_.impacts.push_back(blow);
+    changes_.impacts.back().energy = left;
 }
 
 const Structure::Changes& Structure::update(World& world) {

@@ -135,7 +135,8 @@ size_t broken_of(const fracture::Fragments& fragments, float speed, double stren
     const float height = 0.02f + speed / 120.0f * static_cast<float>(sixteenths) / 16.0f;
     Result<Structure> structure = Structure::create(
         world, fragments,
-        {.material = {.density = 2400.0f, .tensile = 3e6f * scale, .compressive = 30e6f * scale, .shear = 5e6f * scale},
+        {.material = {.density = 2400.0f, .tensile = 30e6f * scale, .compressive = 30e6f * scale, .shear = 5e6f * scale,
+                      .fracture_energy = 1.0f},
          .motion = {.placement = {{0.0f, height, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}, .linear_velocity = {0.0f, -speed, 0.0f}}});
     REQUIRE(structure);
     size_t broken = 0;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <doctest/doctest.h>
@@ -288,8 +289,8 @@ TEST_CASE("damage is full at the point, falls off to nothing at the radius, and 
 }
 
 TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it") {
-    // Blocks of 0.1: a bond bears 0.01 m^2 * toughness.
-    const Material material{.tensile = 1e6f, .compressive = 1e7f, .shear = 1e6f}; // 100 Pa s: 1 N s, pressed 10
+    // Blocks of 0.1: a bond bears 0.01 m^2 * toughness, 1 N s, however strong it is where it is only pressed.
+    const Material material{.tensile = 1e6f, .compressive = 1e7f, .shear = 1e6f, .fracture_energy = 1e-3f};
     for (const auto& [impulse, broken] : {std::pair(0.05f, 0u), {1.5f, 0u}, {2.5f, 2u}, {9.0f, 4u}}) {
         World world(empty_space);
         Structure structure = must_create(world, bar(7), {.material = material});
@@ -301,20 +302,47 @@ TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it
     }
     World world(empty_space);
     Structure structure = must_create(world, bar(7), {.material = material});
-    structure.blow(world, 3, {5.5f, 0.0f, 0.0f}); // pulls at one bond and presses the other
+    structure.blow(world, 3, {1.0f, 0.0f, 0.0f}); // pulls at one bond and presses the other
     CHECK(structure.graph().bonds()[2].health == doctest::Approx(0.5));
     CHECK(structure.graph().bonds()[3].health == doctest::Approx(0.5));
     structure.blow(world, 0, {-0.8f, 0.0f, 0.0f});
     CHECK(structure.graph().bonds()[0].health == doctest::Approx(0.2));
-    structure.blow(world, 6, {-0.9f, 0.0f, 0.0f}); // less than a tenth of what it bears pressed
+    structure.blow(world, 6, {-0.09f, 0.0f, 0.0f}); // less than a tenth of what it bears
     CHECK(structure.graph().bonds()[5].health == 1.0);
+    // What is weaker pressed than pulled.
+    Material soft = material;
+    soft.compressive = 5e5f;
+    World other(empty_space);
+    Structure presses = must_create(other, bar(7), {.material = soft});
+    presses.blow(other, 0, {0.25f, 0.0f, 0.0f});
+    presses.blow(other, 6, {0.25f, 0.0f, 0.0f});
+    CHECK(presses.graph().bonds()[0].health == doctest::Approx(0.5));
+    CHECK(presses.graph().bonds()[5].health == doctest::Approx(0.75));
+}
+
+TEST_CASE("no more bonds break of a blow than its energy pays for, and weak ones that cost much hold longer") {
+    // Each blow has 800 J, as of a kilogram, and impulse for the whole bar. A bond costs 0.01 m^2 * the fracture energy.
+    for (const auto& [fracture_energy, broken, left] : {std::tuple(1e3f, 6u, 0.0), {1.9e4f, 4u, 0.0}, {5e4f, 0u, 0.2}, {5e5f, 0u, 0.92}}) {
+        CAPTURE(fracture_energy);
+        World world(empty_space);
+        Structure structure = must_create(
+            world, bar(7), {.material = {.tensile = 1e5f, .compressive = 1e6f, .shear = 1e5f, .fracture_energy = fracture_energy}});
+        structure.blow(world, 3, {0.0f, 40.0f, 0.0f});
+        double spent = 0.0;
+        for (const BondGraph::Bond& bond : structure.graph().bonds())
+            spent += (1.0 - bond.health) * bond.area * static_cast<double>(fracture_energy);
+        CHECK(spent <= 800.0 * (1.0 + 1e-6));
+        CHECK(structure.update(world).broken.size() == broken);
+        if (broken < 6) CHECK(spent == doctest::Approx(800.0));
+        if (broken == 0) CHECK(structure.graph().bonds()[2].health == doctest::Approx(left));
+    }
 }
 
 TEST_CASE("a ball breaks a piece out of a pane and flies on, momentum is kept") {
     for (const bool anchored : {false, true}) {
         World world(empty_space);
         const fracture::Fragments pane = test::bonded_grid({-0.5, -0.5, -0.01}, {0.5, 0.5, 0.01}, 5, 5, 1);
-        StructureDesc desc{.material = {.density = 2500.0f, .tensile = 1e6f}};
+        StructureDesc desc{.material = {.density = 2500.0f, .tensile = 1e6f, .fracture_energy = 500.0f}};
         if (anchored) desc.anchored = {0, 4, 20, 24};
         Structure structure = must_create(world, pane, desc);
         const BodyId flying =
