@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -81,18 +82,26 @@ class Maker {
     }
 
     ImpactSites run(const fracture::MassProperties& mass) {
+        bool ended = false; // the damage, by sites of the rest around it
         switch (pattern_.kind) {
         case PatternKind::radial: radial(); break;
-        case PatternKind::splinters: splinters(longest_axis(mass)); break;
+        case PatternKind::splinters:
+            splinters(longest_axis(mass));
+            ended = true;
+            break;
         case PatternKind::clustered:
         case PatternKind::thickness: crowd(damage_.pieces, 1.0); break;
+        case PatternKind::bricks:
+            ended = bricks();
+            if (ended) break;
+            [[fallthrough]];
         default:
             crowd(damage_.pieces / 2, 1.0);
             crowd(damage_.pieces - damage_.pieces / 2, 1.0 / 3.0);
         }
-        if (pattern_.kind != PatternKind::splinters) shell();
+        if (!ended) shell();
         rest();
-        return std::move(result_);
+        return finished();
     }
 
     ImpactSites from_diagram() {
@@ -105,23 +114,32 @@ class Maker {
         fracture::Placement placement = pattern_.placement;
         placement.turn.y += 360.0 * random_.uniform();
         result_.sites = fracture::place(pattern_.diagram, from, fracture::bounds(solid_), placement);
-        uint32_t next = 0;
         for (const glm::dvec3& site : result_.sites)
-            result_.groups.push_back(glm::distance(site, blow_.point) <= damage_.radius ? next++ : UINT32_MAX);
-        result_.rest = next;
-        std::ranges::replace(result_.groups, UINT32_MAX, next);
-        return std::move(result_);
+            result_.groups.push_back(glm::distance(site, blow_.point) <= damage_.radius ? result_.rest++ : stays);
+        return finished();
     }
 
   private:
-    void add(const glm::dvec3& site) { result_.sites.push_back(site); }
+    static constexpr uint32_t stays = UINT32_MAX; // the rest's group, until all pieces are counted
+
+    ImpactSites finished() {
+        std::ranges::replace(result_.groups, stays, result_.rest);
+        return std::move(result_);
+    }
+
+    void add(const glm::dvec3& site, uint32_t group) {
+        result_.sites.push_back(site);
+        result_.groups.push_back(group);
+    }
+    void add_piece(const glm::dvec3& site) { add(site, result_.rest++); }
+    void add_rest(const glm::dvec3& site) { add(site, stays); }
 
     // In what is thinner than the damage is deep, the half ball is flattened into it.
     void crowd(uint32_t count, double power) {
         const double flatter = 1.0 - std::min(1.0, depth_ / reach_);
         for (uint32_t i = 0; i < count; ++i) {
             const glm::dvec3 at = in_half_ball(random_, blow_.normal, power);
-            add(blow_.point + reach_ * (at - flatter * glm::dot(at, blow_.normal) * blow_.normal));
+            add_piece(blow_.point + reach_ * (at - flatter * glm::dot(at, blow_.normal) * blow_.normal));
         }
     }
 
@@ -135,7 +153,7 @@ class Maker {
             for (uint32_t ray = 0; ray < rays && made < damage_.pieces; ++ray, ++made) {
                 const double angle = 2.0 * pi * (ray + turn + 0.5 * (random_.uniform() - 0.5)) / rays;
                 const double r = reach_ * std::pow((ring + 0.5 + 0.4 * (random_.uniform() - 0.5)) / rings, 1.4);
-                add(blow_.point + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
+                add_piece(blow_.point + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
             }
         }
     }
@@ -157,26 +175,36 @@ class Maker {
         for (uint32_t i = 0; i < damage_.pieces; ++i) {
             const double tilt = 0.1 * (random_.uniform() - 0.5) * length / layers;
             const double angle = 2.0 * pi * random_.uniform();
-            add(at(middle(i % layers) + tilt, width * std::sqrt(random_.uniform()), angle));
+            add_piece(at(middle(i % layers) + tilt, width * std::sqrt(random_.uniform()), angle));
         }
-        inner_ = static_cast<uint32_t>(result_.sites.size());
         const double beside = shell_ratio * damage_.radius / stretch;
         for (uint32_t layer = 0; layer < layers; ++layer) {
             const double turn = random_.uniform();
             for (uint32_t k = 0; k < shell_around; ++k)
-                add(at(middle(layer), beside, 2.0 * pi * (k + turn) / shell_around));
+                add_rest(at(middle(layer), beside, 2.0 * pi * (k + turn) / shell_around));
         }
-        for (const double end : {-0.5 * (layers + 1.0), 0.5 * (layers + 1.0)}) add(at(end * apart, 0.0, 0.0));
+        for (const double end : {-0.5 * (layers + 1.0), 0.5 * (layers + 1.0)}) add_rest(at(end * apart, 0.0, 0.0));
+    }
+
+    // Halves beside those that come off are the rest's, or what lies farther off would give the bricks other faces.
+    bool bricks() {
+        const BricksTaken taken =
+            bricks_near(pattern_.bond, fracture::bounds(solid_), blow_.point, damage_.radius, damage_.pieces);
+        for (const auto& halves : taken.bricks) {
+            for (const glm::dvec3& site : halves) add(site, result_.rest);
+            ++result_.rest;
+        }
+        for (const glm::dvec3& site : taken.beside) add_rest(site);
+        return !taken.bricks.empty();
     }
 
     // Evenly on a ball around the contact (a spiral), in the rest's group.
     void shell() {
-        inner_ = static_cast<uint32_t>(result_.sites.size());
         const double golden = pi * (3.0 - std::sqrt(5.0)), turn = 2.0 * pi * random_.uniform();
         for (uint32_t i = 0; i < shell_sites; ++i) {
             const double z = 1.0 - (2.0 * i + 1.0) / shell_sites, r = std::sqrt(1.0 - z * z);
             const glm::dvec3 on(r * std::cos(golden * i + turn), r * std::sin(golden * i + turn), z);
-            add(blow_.point + shell_ratio * damage_.radius * on);
+            add_rest(blow_.point + shell_ratio * damage_.radius * on);
         }
     }
 
@@ -185,9 +213,7 @@ class Maker {
         std::vector<glm::dvec3> far;
         for (const glm::dvec3& p : solid_.positions)
             if (glm::distance(p, blow_.point) > 2.0 * shell_ratio * damage_.radius) far.push_back(p);
-        for (const glm::dvec3& p : spread_points(far, outer_sites, result_.sites)) add(p);
-        for (uint32_t i = 0; i < result_.sites.size(); ++i) result_.groups.push_back(std::min(i, inner_));
-        result_.rest = inner_;
+        for (const glm::dvec3& p : spread_points(far, outer_sites, result_.sites)) add_rest(p);
     }
 
     const fracture::TriangleMesh& solid_;
@@ -197,8 +223,7 @@ class Maker {
     Random random_;
     double reach_ = 0.0; // m, of the pieces' sites: within the damage, and within the solid where that is smaller
     double depth_ = 0.0; // m, of the solid behind the contact
-    uint32_t inner_ = 0;
-    ImpactSites result_;
+    ImpactSites result_; // its rest is the number of pieces so far
 };
 
 } // namespace

@@ -25,6 +25,7 @@
 #include "fracture/mesh.h"
 #include "fracture/pattern.h"
 #include "physics/material.h"
+#include "physics/running_bond.h"
 
 namespace brittle::physics {
 
@@ -56,10 +57,12 @@ struct Damage {
 struct ImpactPattern {
     // radial: shards in rings around the contact, through the solid along the normal. uniform: half of the pieces anywhere
     // in the damage, half close to the contact. clustered, thickness: close to the contact. splinters: long along the
-    // solid's longest principal axis. Others: as uniform.
+    // solid's longest principal axis. bricks: those of a wall that are in the damage, as they are laid; a brick by itself, and where
+    // the damage reaches none, as uniform. Others: as uniform.
     fracture::PatternKind kind = fracture::PatternKind::uniform;
     uint64_t seed = 1;
     double slenderness = 8.0; // splinters: length by width
+    RunningBond bond{};       // bricks: in the solid's coordinates, so all blows on an object find the same
     // A diagram made beforehand in place of those: fitted to the solid's box, turned by the seed and moved as the
     // placement says; its cells beyond the damage stay together (the paper, section 4).
     std::vector<glm::dvec3> diagram{};

@@ -52,7 +52,13 @@ std::span<const MaterialPreset> material_presets() {
                        {2300.0f, 0.5f, 0.25f, 30e6f, 400e6f, 35e6f, 1.5e3f},
                        {.kind = PatternKind::thickness},
                        {0.75f, 0.74f, 0.70f},
-                       {0.55f, 0.22f, 0.10f}}};
+                       {0.55f, 0.22f, 0.10f}},
+        // Comes apart at its joints.
+        MaterialPreset{"brick",
+                       {1900.0f, 0.7f, 0.15f, 1e6f, 12e6f, 1.5e6f, 2e3f},
+                       {.kind = PatternKind::bricks},
+                       {0.38f, 0.16f, 0.11f},
+                       {0.52f, 0.24f, 0.15f}}};
     return presets;
 }
 

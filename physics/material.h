@@ -38,7 +38,7 @@ inline constexpr float impact_seconds = 1e-4f;
 [[nodiscard]] std::string fault_of(const Material& material);
 
 // Density, friction, restitution and strengths are those of handbooks, rounded (annealed glass, granite, plain concrete,
-// softwood between along and across the grain, porcelain); colours are linear light.
+// softwood between along and across the grain, porcelain, clay bricks in mortar); colours are linear light.
 struct MaterialPreset {
     std::string_view name;
     Material material;
@@ -47,7 +47,7 @@ struct MaterialPreset {
     glm::vec3 interior;
 };
 
-// glass, stone, concrete, wood, ceramic.
+// glass, stone, concrete, wood, ceramic, brick.
 [[nodiscard]] std::span<const MaterialPreset> material_presets();
 // Null where there is none of that name.
 [[nodiscard]] const MaterialPreset* material_preset(std::string_view name);

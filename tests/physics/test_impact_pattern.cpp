@@ -94,7 +94,7 @@ TEST_CASE("more energy, farther and finer, never more pieces than allowed, never
 TEST_CASE("pieces lie around the contact and in the solid's half, the rest beyond") {
     const fracture::TriangleMesh mesh = fracture::icosphere(4);
     for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::radial,
-                                   PatternKind::splinters, PatternKind::thickness, PatternKind::bricks}) {
+                                   PatternKind::splinters, PatternKind::thickness}) {
         const Damage damage{.radius = 0.3, .pieces = 30};
         const ImpactSites cut = sites_of(mesh, top, damage, {.kind = kind, .seed = 3});
         REQUIRE(cut.groups.size() == cut.sites.size());

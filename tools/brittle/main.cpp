@@ -115,7 +115,7 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
     command
         .add_option_function<std::string>(
             "--material", [&options](const std::string& name) { use_material(name, options); },
-            "What it is made of, which says how it breaks, moves and looks: glass, stone, concrete, wood or ceramic")
+            "What it is made of, which says how it breaks, moves and looks: glass, stone, concrete, wood, ceramic or brick")
         ->type_name("NAME");
     const auto names = fracture::pattern_names();
     const auto set_kind = [&pattern, names](const std::string& name) {

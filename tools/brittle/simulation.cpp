@@ -91,6 +91,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
         desc.pattern.kind = preset->pattern.kind;
         desc.pattern.slenderness = preset->pattern.slenderness;
     }
+    desc.pattern.bond = physics::fitted({}, fracture::bounds({fragments.positions, {}}));
     desc.most_pieces = options.blow_pieces;
     desc.solid.anchors = anchor_regions(fragments, options);
     return desc;

@@ -182,7 +182,7 @@ void Panels::pattern_panel(const PanelState& state) {
 void Panels::material_panel(const PanelState& state) {
     if (!begin_panel("Material")) return;
     Session& session = state.session;
-    control("Material", "What it is made of: how it breaks, moves and looks (keys 1 to 5)");
+    control("Material", "What it is made of: how it breaks, moves and looks (keys 1 to 6)");
     const std::string& now = session.recipe().material;
     if (ImGui::BeginCombo("##Material", now.empty() ? "plain" : now.c_str())) {
         if (ImGui::Selectable("plain", now.empty())) edit(session, SetMaterial{});

@@ -1,0 +1,37 @@
+// Bricks of a wall, and which of them a blow takes out.
+//
+// In running bond: courses along Y, bricks along X, each course and each layer along Z begins half a brick farther on. A brick
+// is the Voronoi cells of its two halves' middles; these make a lattice, so its faces are bisectors.
+//
+// Coordinates of the solid, metres. Pure functions.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "fracture/mesh.h"
+
+namespace brittle::physics {
+
+struct RunningBond {
+    glm::dvec3 brick{0.25, 0.075, 0.12}; // size with joints
+    glm::dvec3 corner{0.0};              // of some brick
+};
+
+// Whole bricks that fill the box, of nearly the size that they had.
+[[nodiscard]] RunningBond fitted(const RunningBond& bond, const fracture::Box& box);
+
+struct BricksTaken {
+    std::vector<std::array<glm::dvec3, 2>> bricks; // the middles of their halves; the nearest first
+    std::vector<glm::dvec3> beside;                // of halves that are next to those and stay
+};
+
+// Those of a box of which a half's middle is within radius of the point, the nearest ones if there are more than most. None
+// where the box has no two bricks, or bricks no size.
+[[nodiscard]] BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const glm::dvec3& point,
+                                      double radius, uint32_t most);
+
+} // namespace brittle::physics
