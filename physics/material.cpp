@@ -55,7 +55,7 @@ std::span<const MaterialPreset> material_presets() {
                        {0.55f, 0.22f, 0.10f}},
         // Comes apart at its joints.
         MaterialPreset{"brick",
-                       {1900.0f, 0.7f, 0.15f, 1e6f, 12e6f, 1.5e6f, 2e3f},
+                       {1900.0f, 0.7f, 0.15f, 1e6f, 12e6f, 1.5e6f, 1e3f},
                        {.kind = PatternKind::bricks},
                        {0.38f, 0.16f, 0.11f},
                        {0.52f, 0.24f, 0.15f}}};
