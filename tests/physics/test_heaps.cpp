@@ -118,8 +118,10 @@ TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, non
     }
     const auto bunny = fracture::import_mesh(bunny_file);
     REQUIRE(bunny);
-    for (uint64_t seed = 1; seed <= last_seed(); ++seed) {
+    const auto drop_bunny = [&](uint64_t seed) {
         CAPTURE(seed);
         drop(lifted(*bunny), 570, seed);
-    }
+    };
+    for (uint64_t seed = 1; seed <= last_seed(); ++seed) drop_bunny(seed);
+    if (last_seed() < 6) drop_bunny(6); // a repair of overlap moved a piece 2 mm down as all fell asleep
 }
