@@ -350,10 +350,11 @@ void SteppedWorld::find_touching(btScalar seconds) {
         }
         BodyRecord& body = *bodies_[static_cast<size_t>(manifold.ground->body->getUserIndex())];
         note(body.touching);
-        // After the step, which may have turned a corner down.
+        // Where it would sleep: after the step, which may have turned a corner down, and the repair of overlap that is due.
         for (const GroundPoint& point : manifold.ground->points()) {
             const btVector3 arm = unpacked(point.position) - body.blow_frame.getOrigin();
-            const btScalar rise = body.rigid->getVelocityInLocalPoint(arm).y() * seconds;
+            btScalar rise = body.rigid->getVelocityInLocalPoint(arm).y() * seconds;
+            if (body.repaired) rise += (body.repair * arm - arm).y();
             if (point.distance + rise < -sunk_depth * bullet_units) note(body.sunk);
         }
     });

@@ -8,6 +8,7 @@
 #include "fracture/shapes.h"
 #include "physics/destruction.h"
 #include "physics/hull.h"
+#include "run_log.h"
 
 namespace brittle::physics::test_destruction {
 
@@ -39,10 +40,11 @@ inline BodyId shoot(World& world, float radius, float mass, const glm::vec3& pos
     return *world.add_body(desc);
 }
 
-inline void run(World& world, Destruction& destruction, int steps) {
+inline void run(World& world, Destruction& destruction, int steps, RunLog* log = nullptr) {
     for (int i = 0; i < steps; ++i) {
         world.step();
         destruction.update(world);
+        if (log) log->look(world);
     }
 }
 

@@ -20,6 +20,7 @@
 #include "fracture/sites.h"
 #include "physics/pieces.h"
 #include "physics/structure.h"
+#include "run_log.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -483,6 +484,8 @@ TEST_CASE("crowd: however often things break, no more collide than the limit has
         for (int i = 0; i < others; ++i) must_add(world, block({3.0f + static_cast<float>(i), 0.0f, 0.0f}));
         Destruction destruction;
         must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
+        RunLog log("a cube beside " + std::to_string(others) + " blocks");
+        INFO(log);
         const size_t most = std::max<size_t>(12, world.colliding_count());
         size_t broken_debris = 0;
         test::Random random(7);
@@ -491,8 +494,9 @@ TEST_CASE("crowd: however often things break, no more collide than the limit has
             const PieceId piece = pieces[static_cast<size_t>(random.uniform(0.0, static_cast<double>(pieces.size())))];
             const bool was_debris = world.debris(destruction.body(piece));
             const glm::vec3 at = world.pose(destruction.body(piece)).position;
+            log.did("piece ", piece.value, " is struck from above at ", at, " with 300 J");
             if (!destruction.strike(world, piece, at, {0.0f, -1.0f, 0.0f}, 300.0)) continue;
-            run(world, destruction, 3);
+            run(world, destruction, 3, &log);
             broken_debris += was_debris && !destruction.contains(piece);
             CHECK(world.colliding_count() <= most);
             CHECK(world.colliding_count() == count_slowly(world));

@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
@@ -17,6 +18,7 @@
 #include "destruction_fixture.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes.h"
+#include "run_log.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -299,13 +301,17 @@ TEST_CASE("soft touches break nothing, hard ones do") {
 TEST_CASE("pieces break again down to the least size and not beyond, and volumes sum to the whole") {
     World world(empty_space);
     Destruction destruction;
+    RunLog log("a ball, struck again and again");
+    INFO(log);
     BreakableDesc desc = desc_of(0.25);
     must_add(destruction, world, fracture::icosphere(3), desc);
     const double volume = volume_of(destruction);
     uint32_t deepest = 0;
     for (int round = 0; round < 6; ++round) {
-        for (const PieceId piece : destruction.pieces()) strike_from_above(world, destruction, piece, 3000.0);
-        run(world, destruction, 3);
+        const std::vector<PieceId> pieces = destruction.pieces();
+        for (const PieceId piece : pieces) strike_from_above(world, destruction, piece, 3000.0);
+        log.did("these ", pieces.size(), " are struck from above with 3000 J:", pieces);
+        run(world, destruction, 3, &log);
         CHECK(std::abs(volume_of(destruction) - volume) < 1e-9 * volume);
     }
     for (const PieceId piece : destruction.pieces()) {
@@ -322,6 +328,7 @@ TEST_CASE("pieces break again down to the least size and not beyond, and volumes
 namespace {
 
 struct Run {
+    RunLog log{"an animal falls and is shot at"};
     uint64_t hash = 0;
     std::vector<Commit> commits;
     size_t pieces = 0;
@@ -341,12 +348,18 @@ Run fall(const DestructionSettings& settings, uint32_t threads, int steps = 70, 
     Run result;
     const bool live = settings.timing == Timing::when_ready;
     while (live ? result.commits.size() < 3 : result.steps < steps) {
-        if (result.steps == 5) shoot(world, 0.1f, 20.0f, {0.0f, 2.5f, 2.0f}, {0.0f, 0.0f, -30.0f});
-        if (result.steps == 40) shoot(world, 0.1f, 20.0f, {2.0f, 2.0f, 0.0f}, {-30.0f, 0.0f, 0.0f});
+        const auto shoot_from = [&](const glm::vec3& position, const glm::vec3& velocity) {
+            shoot(world, 0.1f, 20.0f, position, velocity);
+            result.log.did("a ball is shot from ", position, " at ", velocity, " m/s");
+        };
+        if (result.steps == 5) shoot_from({0.0f, 2.5f, 2.0f}, {0.0f, 0.0f, -30.0f});
+        if (result.steps == 40) shoot_from({2.0f, 2.0f, 0.0f}, {-30.0f, 0.0f, 0.0f});
         if (live) std::this_thread::sleep_for(std::chrono::milliseconds(1)); // a step's length, so that jobs get somewhere
         world.step();
         destruction.update(world, live ? 1e-5 : 1.0);
         result.commits.insert(result.commits.end(), destruction.commits().begin(), destruction.commits().end());
+        result.log.look(world);
+        for (const Commit& commit : destruction.commits()) result.log.did("job ", commit.job, " was committed in this step");
         ++result.steps;
     }
     result.hash = hash_of(world, destruction);
@@ -358,6 +371,7 @@ Run fall(const DestructionSettings& settings, uint32_t threads, int steps = 70, 
 
 TEST_CASE("runs are equal bit for bit, whatever the number of threads") {
     const Run once = fall({.latency = 3}, 1);
+    INFO(once.log);
     MESSAGE(once.pieces, " pieces of ", once.commits.size(), " commits");
     CHECK(once.commits.size() > 3);
     CHECK(fall({.latency = 3}, 2).hash == once.hash);
@@ -411,7 +425,9 @@ TEST_CASE("a step commits no more jobs than it may, a job brings no more bodies 
 
 TEST_CASE("a run of its own timing is the same again by its log") {
     const Run live = fall({.timing = Timing::when_ready, .workers = 2}, 1);
+    INFO(live.log);
     const Run again = fall({.timing = Timing::scripted, .workers = 1}, 2, live.steps, live.commits);
+    INFO(again.log);
     CHECK(again.commits == live.commits);
     CHECK(again.hash == live.hash);
 }

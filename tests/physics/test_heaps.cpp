@@ -15,6 +15,7 @@
 #include "fracture/io/import.h"
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
+#include "run_log.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -39,7 +40,9 @@ float lowest_of(const Pose& pose, const auto& points) {
     return lowest;
 }
 
-void drop(const fracture::TriangleMesh& mesh, uint32_t sites, uint64_t seed) {
+void drop(const std::string& name, const fracture::TriangleMesh& mesh, uint32_t sites, uint64_t seed) {
+    RunLog log(std::to_string(sites) + " sites in the " + name + ", seed " + std::to_string(seed));
+    INFO(log);
     const auto fragments = fracture::fracture(mesh, fracture::uniform_sites(fracture::bounds(mesh), sites, seed));
     REQUIRE(fragments);
     const PieceHulls hulls = collision_hulls(*fragments);
@@ -50,6 +53,7 @@ void drop(const fracture::TriangleMesh& mesh, uint32_t sites, uint64_t seed) {
     int steps = 0;
     for (; steps < 1200 && world.awake_count() > 0; ++steps) {
         world.step();
+        log.look(world);
         energy.look(world);
     }
     float hull = 1.0f, vertex = 1.0f, centre = 1.0f;
@@ -87,10 +91,7 @@ uint64_t last_seed() {
 }
 
 void drop_shape(const char* name) {
-    for (uint64_t seed = 1; seed <= last_seed(); ++seed) {
-        CAPTURE(seed);
-        drop(lifted(*fracture::shape(name)), 300, seed);
-    }
+    for (uint64_t seed = 1; seed <= last_seed(); ++seed) drop(name, lifted(*fracture::shape(name)), 300, seed);
 }
 
 } // namespace
@@ -118,8 +119,6 @@ TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, non
     }
     const auto bunny = fracture::import_mesh(bunny_file);
     REQUIRE(bunny);
-    for (uint64_t seed = 1; seed <= last_seed(); ++seed) {
-        CAPTURE(seed);
-        drop(lifted(*bunny), 570, seed);
-    }
+    for (uint64_t seed = 1; seed <= last_seed(); ++seed) drop("bunny", lifted(*bunny), 570, seed);
+    if (last_seed() < 6) drop("bunny", lifted(*bunny), 570, 6); // a repair of overlap moved a piece 2 mm down as all fell asleep
 }

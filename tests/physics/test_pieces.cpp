@@ -12,6 +12,7 @@
 #include "fracture/shapes.h"
 #include "fracture/sites.h"
 #include "physics/structure.h"
+#include "run_log.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -268,6 +269,8 @@ TEST_CASE("a wall of boxes stands for two seconds") {
 
 TEST_CASE("a cube of a hundred pieces falls, rests on the ground and falls asleep within ten seconds") {
     World world;
+    RunLog log("a hundred pieces of a cube, seed 11");
+    INFO(log);
     const auto fragments = test::voronoi_pieces({-0.25, 0.5, -0.25}, {0.25, 1.0, 0.25}, 100, 11);
     const std::vector<BodyId> bodies = must_add(world, fragments);
     EnergyBooks energy(world);
@@ -275,6 +278,7 @@ TEST_CASE("a cube of a hundred pieces falls, rests on the ground and falls aslee
     float asleep_after = -1.0f;
     for (int step = 0; step < 1200 && asleep_after < 0.0f; ++step) {
         world.step();
+        log.look(world);
         energy.look(world);
         if (step % 10 == 0) lowest = std::min(lowest, lowest_vertex(world, fragments, bodies));
         if (world.awake_count() == 0) asleep_after = static_cast<float>(step) / 120.0f;
