@@ -11,6 +11,7 @@
 
 #include "physics/body_motion.h"
 #include "physics/destruction_seeds.h"
+#include "physics/state_hash.h"
 
 namespace brittle::physics {
 
@@ -391,6 +392,27 @@ std::vector<PieceId> Destruction::pieces() const {
     std::vector<PieceId> ids;
     for (const auto& [id, piece] : pieces_) ids.push_back(id);
     return ids;
+}
+
+uint64_t Destruction::state_hash() const {
+    StateHash hash;
+    for (const auto& [id, piece] : pieces_) {
+        hash.add(id.value);
+        hash.add(piece.own.value);
+        hash.add(piece.solid->mass.volume);
+        hash.add(piece.seed);
+        hash.add(piece.depth);
+        hash.add(piece.blows);
+        hash.add(piece.fading);
+        hash.add(piece.load);
+        hash.add(piece.looked_at);
+        hash.add(static_cast<uint8_t>(piece.job != none));
+        hash.add(static_cast<uint8_t>(piece.unbreakable));
+        hash.add(piece.waiting ? piece.waiting->blow.energy : 0.0);
+    }
+    for (const auto& [id, object] : objects_)
+        if (object.structure) hash.add(object.structure->state_hash());
+    return hash.value();
 }
 
 } // namespace brittle::physics

@@ -200,6 +200,8 @@ class Destruction {
     [[nodiscard]] std::optional<uint32_t> bonded(PieceId piece) const;
     [[nodiscard]] size_t jobs_in_flight() const { return jobs_.size(); }
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
+    // Of the pieces and what they have borne, what is being cut, and of structures: what World::state_hash() does not know.
+    [[nodiscard]] uint64_t state_hash() const;
 
   private:
     static constexpr uint32_t none = UINT32_MAX;

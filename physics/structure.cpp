@@ -15,6 +15,7 @@
 #include "physics/body_motion.h"
 #include "physics/crowd.h"
 #include "physics/piece_mass.h"
+#include "physics/state_hash.h"
 
 namespace brittle::physics {
 
@@ -534,6 +535,16 @@ std::vector<BodyId> Structure::bodies() const {
     for (const BodyState& body : bodies_)
         if (body.id != BodyId{}) ids.push_back(body.id);
     return ids;
+}
+
+uint64_t Structure::state_hash() const {
+    StateHash hash;
+    for (const BondGraph::Bond& bond : graph_.bonds()) hash.add(bond.health);
+    for (uint32_t piece = 0; piece < pieces_.size(); ++piece) {
+        hash.add(body_of(piece).value);
+        hash.add(static_cast<uint8_t>(pieces_[piece].anchored));
+    }
+    return hash.value();
 }
 
 size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha,

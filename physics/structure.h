@@ -115,6 +115,8 @@ class Structure {
     // write_piece_transforms(), and lies at p - centre + offset in the body.
     [[nodiscard]] glm::vec3 offset(uint32_t piece) const;
     [[nodiscard]] std::vector<BodyId> bodies() const; // in the order in which they were made
+    // Of the health of bonds, who is anchored, and in which body: what World::state_hash() does not know.
+    [[nodiscard]] uint64_t state_hash() const;
 
     // Poses of all pieces in their order: of their centres of mass, as add_pieces() would have it; interpolated as
     // World::write_transforms(). Those of pieces that are gone, or that have not moved since a step, are

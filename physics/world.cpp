@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "physics/bullet/world_impl.h"
+#include "physics/state_hash.h"
 #include "physics/world_check.h"
 
 namespace brittle::physics {
@@ -23,21 +24,9 @@ fracture::Error refused(uint32_t id, const fracture::Error& fault) {
     return {fault.status, text("body ", id, " cannot be added: ", fault.message)};
 }
 
-class Hash {
-  public:
-    void add(float value) {
-        uint32_t bits = std::bit_cast<uint32_t>(value);
-        for (int byte = 0; byte < 4; ++byte, bits >>= 8)
-            value_ = (value_ ^ (bits & 0xffu)) * 0x100000001b3ull;
-    }
-    void add(const btVector3& v) {
-        for (int axis = 0; axis < 3; ++axis) add(v[axis]);
-    }
-    [[nodiscard]] uint64_t value() const { return value_; }
-
-  private:
-    uint64_t value_ = 0xcbf29ce484222325ull;
-};
+void add(StateHash& hash, const btVector3& v) {
+    for (int axis = 0; axis < 3; ++axis) hash.add(v[axis]);
+}
 
 } // namespace
 
@@ -318,13 +307,14 @@ size_t World::contact_count() const {
 }
 
 uint64_t World::state_hash() const {
-    Hash hash;
+    StateHash hash;
     for (const auto& body : impl_->bodies) {
         const btTransform& frame = body->rigid->getWorldTransform();
-        hash.add(frame.getOrigin());
-        for (int row = 0; row < 3; ++row) hash.add(frame.getBasis()[row]);
-        hash.add(body->rigid->getLinearVelocity());
-        hash.add(body->rigid->getAngularVelocity());
+        add(hash, frame.getOrigin());
+        for (int row = 0; row < 3; ++row) add(hash, frame.getBasis()[row]);
+        add(hash, body->rigid->getLinearVelocity());
+        add(hash, body->rigid->getAngularVelocity());
+        hash.add(static_cast<uint8_t>(body->rigid->isActive()));
     }
     return hash.value();
 }

@@ -274,7 +274,7 @@ class World {
     [[nodiscard]] size_t colliding_count() const; // awake, and no debris; kept, so asking costs nothing
     [[nodiscard]] size_t contact_count() const; // points that touch (not those that are merely near)
 
-    // Of all poses and velocities in body order (FNV-1a over their bits).
+    // Of all poses and velocities, and of who sleeps, in body order.
     [[nodiscard]] uint64_t state_hash() const;
 
     // Appends the edges of the hulls that bodies collide with (the paper's figure 10). They lie a margin

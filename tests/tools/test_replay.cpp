@@ -194,6 +194,23 @@ TEST_CASE("replay: what differs is found at its step, with the body") {
     }
 }
 
+TEST_CASE("replay: what moves nothing yet is missed, too") {
+    const Folder folder;
+    FractureOptions options = wall_options();
+    options.world = {.anchored = true};
+    for (const bool breakable : {false, true}) {
+        options.world.bonded = options.world.breakable = breakable;
+        const fracture::Fragments fragments = started(options);
+        ReplayLog log = recorded(options, fragments, 20, {{10, Damage{{-0.6, 0.9, 0.0}, 0.3, 0.1}}}, folder.path / "run.log");
+        CHECK_FALSE(replayed(log, fragments));
+        log.actions.clear();
+        const auto difference = replayed(log, fragments);
+        REQUIRE(difference);
+        CHECK(difference->step == 11);
+        CHECK(difference->what.find("bodies are where they were") != std::string::npos);
+    }
+}
+
 TEST_CASE("replay: a log of what was interrupted tells the run so far, a new start begins a new one") {
     const Folder folder;
     const FractureOptions options = wall_options();

@@ -15,6 +15,7 @@
 #include "fracture/shapes.h"
 #include "physics/anchor.h"
 #include "physics/pieces.h"
+#include "physics/state_hash.h"
 #include "tools/brittle/failure.h"
 
 namespace brittle::tools {
@@ -237,6 +238,14 @@ void Simulation::write_poses(std::span<Pose> out, float alpha) const {
     visit_poses(alpha, 0, [&](uint32_t slot, const Pose& pose) {
         if (slot < out.size()) out[slot] = pose;
     });
+}
+
+uint64_t Simulation::state_hash() const {
+    physics::StateHash hash;
+    hash.add(world_.state_hash());
+    if (structure_) hash.add(structure_->state_hash());
+    if (destruction_) hash.add(destruction_->state_hash());
+    return hash.value();
 }
 
 physics::DestructionEvents Simulation::take_events() {

@@ -5,7 +5,7 @@
 //   (Destruction::update), what is grabbed is drawn on, the observer is told, scheduled actions of this step take
 //   effect.
 // - Between calls a simulation always is between two steps: apply() takes effect at once. Equal fragments and
-//   equal actions after equal numbers of steps give equal states (World::state_hash), whatever advance() was
+//   equal actions after equal numbers of steps give equal states (state_hash()), whatever advance() was
 //   called with; where things are breakable, if cuts are committed after equal numbers of steps too (commit_as()).
 // - Actions on pieces that are gone, and on bonds where there are none, do nothing.
 // - Not thread-safe; as World, one at a time.
@@ -131,6 +131,9 @@ class Simulation {
         float radius; // m
     };
     [[nodiscard]] std::span<const Ball> balls() const { return balls_; }
+
+    // Of all that goes on, equal in equal runs: bodies, bonds and what breaks.
+    [[nodiscard]] uint64_t state_hash() const;
 
     [[nodiscard]] const physics::World& world() const { return world_; }
     [[nodiscard]] const physics::Structure* structure() const; // of bonded pieces, or null

@@ -1,5 +1,5 @@
 // What a replay log keeps of each body after a step, to tell which one differs: sixteen bits of a hash over
-// its pose and velocities, of bodies that changed. World::state_hash() says that something differs, and
+// its pose and velocities, of bodies that changed. Simulation::state_hash() says that something differs, and
 // misses nothing.
 // body_text.h says how they are written.
 #pragma once

@@ -25,7 +25,7 @@ struct ReplayLog {
     uint64_t pieces_hash = 0; // fracture::hash()
     FractureOptions recipe;   // without shots: they are actions
     struct State {
-        uint64_t hash = 0;  // World::state_hash()
+        uint64_t hash = 0;  // Simulation::state_hash()
         std::string bodies; // BodyChecks
     };
     std::vector<State> states{};                        // [k]: after k steps; [0] before any action

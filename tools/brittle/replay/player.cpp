@@ -60,7 +60,7 @@ void Player::compare(const Simulation& simulation) {
     const std::string bodies = checks_.next(simulation.world());
     if (done()) return;
     const ReplayLog::State& recorded = log_.states[compared_++];
-    const uint64_t hash = simulation.world().state_hash();
+    const uint64_t hash = simulation.state_hash();
     if (difference_ || hash == recorded.hash) return;
     const uint64_t now = simulation.world().body_count();
     const uint64_t then = count_bodies(recorded.bodies).value_or(0);
@@ -69,6 +69,8 @@ void Player::compare(const Simulation& simulation) {
         what = "state hash " + hash_text(hash) + " instead of " + hash_text(recorded.hash);
         if (const auto first = first_difference(bodies, recorded.bodies))
             what += "; the first to differ of " + std::to_string(now) + " is " + describe(simulation, *first);
+        else
+            what += "; bodies are where they were: bonds, who sleeps or what is about to break differ";
     }
     difference_ = {simulation.steps(), what};
 }

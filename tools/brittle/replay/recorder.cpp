@@ -67,7 +67,7 @@ void Recorder::stepped(const Simulation& simulation) {
 
 void Recorder::add_state(const Simulation& simulation) {
     steps_ = simulation.steps();
-    text_ += state_line(steps_, {simulation.world().state_hash(), checks_.next(simulation.world())});
+    text_ += state_line(steps_, {simulation.state_hash(), checks_.next(simulation.world())});
 }
 
 } // namespace brittle::tools
