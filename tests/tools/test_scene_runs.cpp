@@ -171,6 +171,34 @@ TEST_CASE("scene: the bunny comes apart where it falls, and lies on the ground")
     CHECK(all_finite(simulation.world()));
 }
 
+TEST_CASE("materials: one word says what becomes of what falls from 2.5 m, or is shot at") {
+    for (const physics::MaterialPreset& material : physics::material_presets())
+        for (const bool shot : {false, true}) {
+            FractureOptions options;
+            options.mesh = "shape:statue";
+            use_material(std::string(material.name), options);
+            options.pattern.count = 120;
+            options.world = {.bonded = !shot, .anchored = shot, .height = 2.5};
+            if (shot) options.world.shots = {{.time = 0.1, .from = {0.0, 1.2, 4.0}, .velocity = {0.0, 0.0, -25.0}, .radius = 0.12}};
+            const fracture::Fragments pieces = started(options);
+            BRITTLE_RUN_OF(options);
+            Simulation simulation(options.material);
+            run(simulation, pieces, options, 240);
+            const physics::Structure& structure = *simulation.structure();
+            size_t largest = 0;
+            for (uint32_t piece = 0; piece < structure.piece_count(); ++piece)
+                largest = std::max(largest, structure.together_with(piece).size());
+            const size_t bodies = structure.bodies().size(), all = structure.piece_count();
+            MESSAGE(material.name, shot ? " shot at: " : " dropped: ", bodies, " bodies, of the ", all, " pieces ", largest, " in one");
+            const bool tough = material.name == "wood", lumps = material.name == "stone" || material.name == "concrete";
+            if (shot || lumps)
+                CHECK(bodies >= 10); // and what is not hit stays one
+            else
+                CHECK((tough ? 10 * largest >= 9 * all : 2 * largest < all));
+            if (shot || lumps) CHECK(largest >= 5);
+        }
+}
+
 TEST_CASE("scene: the tower of a thousand pieces stands for ten seconds unhit") {
     FractureOptions options = recipe_of<scene::tower_collapses>();
     options.world.shots.clear();
