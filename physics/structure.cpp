@@ -12,6 +12,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/parallel.h"
 #include "physics/body_motion.h"
 #include "physics/crowd.h"
 #include "physics/piece_mass.h"
@@ -29,6 +30,8 @@ using fracture::Status;
 constexpr int solver_sweeps = 10; // over contacts that are solved anew
 // That many contacts are solved anew at most: half a millisecond.
 constexpr size_t most_anew = 256;
+// Fewer pieces than this are not worth waking another thread for.
+constexpr uint32_t least_forms = 64;
 
 bool moves(const World& world, BodyId body) {
     return world.contains(body) && !world.fixed(body);
@@ -70,6 +73,7 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
         state.hull = hulls[all.size()];
         all.push_back(static_cast<uint32_t>(all.size()));
     }
+    structure.make_forms(world.settings().threads);
     for (const uint32_t piece : desc.anchored) structure.pieces_[piece].anchored = true;
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity, glm::dvec3(0.0)};
@@ -103,11 +107,12 @@ std::vector<uint8_t> Structure::debris_of(const World& world, std::span<const st
 // As bodies that come at once: they do not overlap.
 Result<void> Structure::add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
                                     std::span<const uint8_t> debris) {
-    std::vector<BodyState> bodies;
+    std::vector<BodyState> bodies(islands.size());
     std::vector<BodyDesc> descs;
+    descs.reserve(islands.size());
     const uint32_t siblings = world.new_siblings();
     for (size_t i = 0; i < islands.size(); ++i) {
-        descs.push_back(describe(islands[i], motion, bodies.emplace_back()));
+        descs.push_back(describe(islands[i], motion, bodies[i]));
         descs.back().debris = debris[i] != 0;
         descs.back().siblings = siblings;
     }
@@ -125,6 +130,19 @@ Result<void> Structure::add_islands(World& world, std::span<const std::vector<ui
     return {};
 }
 
+// What single pieces take when they come off, made ahead: most of it is how the air meets them.
+void Structure::make_forms(uint32_t threads) {
+    fracture::Threads(threads).for_chunks(static_cast<uint32_t>(pieces_.size()), least_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (PieceState& piece : std::span(pieces_).subspan(begin, end - begin)) {
+            BodyDesc alone;
+            alone.parts = {{piece.hull, glm::vec3(0.0f)}};
+            alone.mass = static_cast<float>(piece.mass);
+            alone.inertia = glm::mat3(piece.inertia);
+            if (const Result<std::shared_ptr<const BodyForm>> form = make_form(alone)) piece.form = *form;
+        }
+    });
+}
+
 BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const {
     body.pieces = island;
     double mass = 0.0;
@@ -134,18 +152,21 @@ BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& 
         body.fixed = body.fixed || pieces_[piece].anchored;
     }
     body.centre = island.size() == 1 ? pieces_[island[0]].centre : body.centre / mass;
-    glm::dmat3 inertia(0.0);
     BodyDesc desc;
-    for (const uint32_t piece : island) {
-        const PieceState& part = pieces_[piece];
-        const glm::dvec3 arm = part.centre - body.centre;
-        inertia += part.inertia + part.mass * (glm::dmat3(glm::dot(arm, arm)) - glm::outerProduct(arm, arm));
-        desc.parts.push_back({part.hull, glm::vec3(arm)});
+    if (island.size() == 1 && !body.fixed) desc.form = pieces_[island[0]].form;
+    if (!desc.form) {
+        glm::dmat3 inertia(0.0);
+        for (const uint32_t piece : island) {
+            const PieceState& part = pieces_[piece];
+            const glm::dvec3 arm = part.centre - body.centre;
+            inertia += part.inertia + part.mass * (glm::dmat3(glm::dot(arm, arm)) - glm::outerProduct(arm, arm));
+            desc.parts.push_back({part.hull, glm::vec3(arm)});
+        }
+        desc.mass = static_cast<float>(mass);
+        desc.inertia = glm::mat3(inertia);
     }
     const glm::dvec3 arm = body.centre - motion.centre;
     desc.fixed = body.fixed;
-    desc.mass = static_cast<float>(mass);
-    desc.inertia = glm::mat3(inertia);
     desc.pose = moved(motion.pose, arm);
     desc.previous = moved(motion.previous, arm);
     desc.linear_velocity = glm::vec3(

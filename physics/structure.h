@@ -133,6 +133,7 @@ class Structure {
         glm::dmat3 inertia{0.0};
         double bearable = 0.0; // N s; blows above are impacts
         std::shared_ptr<const CollisionHull> hull;
+        std::shared_ptr<const BodyForm> form; // of its body once it is alone and free; null where it can have none
         uint32_t body = UINT32_MAX; // index into bodies_; none once taken
         size_t began_with = 0;      // pieces of its first body
         bool anchored = false;
@@ -157,6 +158,7 @@ class Structure {
     Result<void> add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
                              std::span<const uint8_t> debris);
     [[nodiscard]] BodyDesc describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const;
+    void make_forms(uint32_t threads);
     // Which of the islands that a body comes apart into are debris by number.
     [[nodiscard]] std::vector<uint8_t> debris_of(const World& world, std::span<const std::vector<uint32_t>> islands) const;
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -35,9 +36,13 @@ double milliseconds_of(const auto& body) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::vector<double> steps_of(World& world, int count) {
+std::vector<double> steps_of(World& world, int count, const std::function<void()>& after_step = [] {}) {
     std::vector<double> steps;
-    for (int step = 0; step < count; ++step) steps.push_back(milliseconds_of([&] { world.step(); }));
+    for (int step = 0; step < count; ++step)
+        steps.push_back(milliseconds_of([&] {
+            world.step();
+            after_step();
+        }));
     return steps;
 }
 
@@ -81,15 +86,17 @@ void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& sett
     state.counters["add"] = add;
 }
 
-// Pieces that are there at once.
+// Pieces that are there at once, before a step.
 struct Loose {
     BrokenBunny broken;
     glm::vec3 at;
     [[nodiscard]] bool prepare(World&) const { return true; }
     [[nodiscard]] bool come(World& world) const { return broken.add_to(world, at); }
+    void after_step(World&) const {}
+    [[nodiscard]] bool all_there() const { return true; }
 };
 
-// A bonded thing, held in the air by one piece, of which all bonds break.
+// A bonded thing, held in the air by one piece, of which all bonds break before a step: it comes apart after it.
 struct Apart {
     BrokenBunny broken;
     glm::vec3 at;
@@ -102,12 +109,14 @@ struct Apart {
         if (made) structure = std::move(*made);
         return made.has_value();
     }
-    [[nodiscard]] bool come(World& world) {
+    [[nodiscard]] bool come(World&) {
         std::vector<uint32_t> bonds(structure->graph().bonds().size());
         std::iota(bonds.begin(), bonds.end(), 0u);
         structure->break_bonds(bonds);
-        return structure->update(world).broken.size() == bonds.size();
+        return true;
     }
+    void after_step(World& world) { (void)structure->update(world); }
+    [[nodiscard]] bool all_there() const { return structure->bodies().size() == structure->piece_count(); }
 };
 
 // A thousand more pieces come in one frame; and the same without them. Each run has the same steps, so what a step takes is the least
@@ -121,12 +130,16 @@ template<class Newcomers> void run_add(benchmark::State& state, const WorldSetti
         World world(settings);
         asleep = add_sleepers(world);
         added = added && newcomers.prepare(world) && there.add_to(world, {0.0f, 0.3f, 0.0f});
-        steps_of(world, 60);
-        before.push_back(steps_of(world, 30));
+        const auto frames_of = [&](int count) { return steps_of(world, count, [&] { newcomers.after_step(world); }); };
+        frames_of(60);
+        before.push_back(frames_of(30));
         const double adding = milliseconds_of([&] { added = added && (!come || newcomers.come(world)); });
-        colliding = world.colliding_count();
-        frames.push_back(steps_of(world, 120));
+        frames.push_back(frames_of(1));
         frames.back().front() += adding;
+        colliding = world.colliding_count();
+        const std::vector<double> later = frames_of(119);
+        frames.back().insert(frames.back().end(), later.begin(), later.end());
+        added = added && (!come || newcomers.all_there());
     };
     std::vector<double> single, single_without; // of each run by itself
     for (auto _ : state) {

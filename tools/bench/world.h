@@ -9,7 +9,9 @@
 // world/.../1000_of_3000   a thousand pieces fall beside two thousand that lie on the ground and sleep
 // world/add/KIND/...       a thousand pieces come in one frame into a world of a thousand falling ones and two thousand that
 //                          sleep. meet: all meet. default: the world's defaults, so most that come are debris as there is no
-//                          room. small: no limit, but what comes is 15 cm in all, and most of it debris for its size
+//                          room. onto: likewise, onto those that are there. small: no limit, but what comes is 15 cm in all,
+//                          and most of it debris for its size. apart: likewise default, but what comes was bonded, and all
+//                          bonds break before a step: a frame is the step and Structure::update
 //
 // The time is the median of the 180 steps of a second and a half: fall, impact, and the heap that is left. `low` and `high`
 // are the lowest and the highest of that median over the runs; `fall`, `impact` and `heap` the medians of those parts
