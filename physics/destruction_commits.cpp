@@ -69,12 +69,7 @@ void Destruction::commit_due(World& world, double budget) {
 
 // A piece of a structure that is still held to others: its structure lets go of it with the next update.
 bool Destruction::is_held(const Live& piece) const {
-    if (piece.bonded == none) return false;
-    const BodyId body = body_of(piece);
-    return std::ranges::count_if(objects_.at(piece.object).bonded, [&](PieceId other) {
-               const auto at = pieces_.find(other);
-               return at != pieces_.end() && body_of(at->second) == body;
-           }) > 1;
+    return piece.bonded != none && objects_.at(piece.object).structure->together_with(piece.bonded).size() > 1;
 }
 
 // False where it must wait.
