@@ -26,7 +26,7 @@
 namespace brittle::physics {
 
 // A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3), as a blow
-// of a kilogram. Who wants things to break again takes the piece away (isolate, take_piece), fractures it at the
+// of a kilogram, and of which the bonds around have left energy. Who wants things to break again takes the piece away (isolate, take_piece), fractures it at the
 // point and makes a structure of the result.
 struct Impact {
     uint32_t piece = 0;
@@ -36,7 +36,7 @@ struct Impact {
     float impulse = 0.0f;   // N s
     float sharpness = 1.0f; // cube root of 1 kg / mass that was stopped: for the time that it took
     float energy = 0.0f;    // J, half of impulse times approach speed: what a dead blow turns into cracks and heat; of
-                            // Structure::Changes, what the bonds around have left of it
+                            // Structure::Changes, what bonds have left of it
 };
 
 class BondBlows {

@@ -61,8 +61,9 @@ class BondGraph {
     [[nodiscard]] double bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const;
     // A blow against a piece, N s. Its bonds share it by what they bear. Of what is more than a bond can bear, half goes
     // on to the piece behind, from the piece that was hit not more than most_passed in all: once it is loose, it can push
-    // with its own momentum only. Blows below a tenth of what the piece's bonds bear together leave no trace. Returns how
-    // much of the energy, J, was spent.
+    // with its own momentum only. Blows below a tenth of what the piece's bonds bear together leave no trace. Where
+    // the energy, J, pays for only a part of what the bonds of a piece would lose, each loses so much less, none breaks, and
+    // the blow ends. Returns how much of it was spent.
     double blow(uint32_t piece, const glm::dvec3& impulse, double energy,
                 double most_passed = std::numeric_limits<double>::infinity());
 

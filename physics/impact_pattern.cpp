@@ -194,6 +194,7 @@ class Maker {
             for (const glm::dvec3& site : halves) add(site, result_.rest);
             ++result_.rest;
         }
+        clear_ = taken.diagonal;
         for (const glm::dvec3& site : taken.beside) add_rest(site);
         return !taken.bricks.empty();
     }
@@ -211,8 +212,14 @@ class Maker {
     void rest() {
         // Not into the shell: what is far from it and from each other.
         std::vector<glm::dvec3> far;
+        const double beyond = 2.0 * shell_ratio * damage_.radius;
+        const std::vector<glm::dvec3> near(result_.sites);
+        const auto clear = [&](const glm::dvec3& p) { // surely, where it is so far from the damage
+            return glm::distance(p, blow_.point) > beyond + 2.0 * clear_
+                   || std::ranges::all_of(near, [&](const glm::dvec3& site) { return glm::distance(p, site) >= clear_; });
+        };
         for (const glm::dvec3& p : solid_.positions)
-            if (glm::distance(p, blow_.point) > 2.0 * shell_ratio * damage_.radius) far.push_back(p);
+            if (glm::distance(p, blow_.point) > beyond && clear(p)) far.push_back(p);
         for (const glm::dvec3& p : spread_points(far, outer_sites, result_.sites)) add_rest(p);
     }
 
@@ -223,6 +230,7 @@ class Maker {
     Random random_;
     double reach_ = 0.0; // m, of the pieces' sites: within the damage, and within the solid where that is smaller
     double depth_ = 0.0; // m, of the solid behind the contact
+    double clear_ = 0.0; // m, from the sites so far to those of the rest beyond
     ImpactSites result_; // its rest is the number of pieces so far
 };
 

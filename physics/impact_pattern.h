@@ -57,8 +57,8 @@ struct Damage {
 struct ImpactPattern {
     // radial: shards in rings around the contact, through the solid along the normal. uniform: half of the pieces anywhere
     // in the damage, half close to the contact. clustered, thickness: close to the contact. splinters: long along the
-    // solid's longest principal axis. bricks: those of a wall that are in the damage, as they are laid; a brick by itself, and where
-    // the damage reaches none, as uniform. Others: as uniform.
+    // solid's longest principal axis. bricks: whole ones out of the bond, the nearest first; as uniform of a brick by itself,
+    // and where the damage reaches the middle of no half. Others: as uniform.
     fracture::PatternKind kind = fracture::PatternKind::uniform;
     uint64_t seed = 1;
     double slenderness = 8.0; // splinters: length by width

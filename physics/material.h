@@ -11,7 +11,8 @@
 
 namespace brittle::physics {
 
-// A blow breaks it where the impulse through an area exceeds strength * impact_seconds * area; see toughness().
+// A blow breaks it where the impulse through an area exceeds strength * impact_seconds * area, and its energy pays for that
+// area; see toughness() and fracture_energy.
 struct Material {
     float density = 2400.0f; // kg/m^3; concrete
     float friction = 0.8f;

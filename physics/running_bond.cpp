@@ -32,12 +32,14 @@ Half integers(const glm::dvec3& place) {
 RunningBond fitted(const RunningBond& bond, const fracture::Box& box) {
     RunningBond result{bond.brick, box.min};
     for (int k = 0; k < 3; ++k)
-        if (const double size = box.size()[k]; size > 0.0) result.brick[k] = size / std::max(1.0, std::round(size / bond.brick[k]));
+        if (const double size = box.size()[k]; size > 0.0)
+            result.brick[k] = size / std::max(1.0, std::round(size / bond.brick[k]));
     return result;
 }
 
 BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const glm::dvec3& point, double radius,
                         uint32_t most) {
+    if (!std::isfinite(radius) || !std::isfinite(point.x + point.y + point.z)) return {};
     const glm::dvec3 size = bond.brick * glm::dvec3(0.5, 1.0, 1.0);
     const auto place_of = [&](const glm::dvec3& p) { return glm::floor((p - bond.corner) / size); };
     const glm::dvec3 low = place_of(box.min + thinner * size), high = place_of(box.max - thinner * size);
@@ -64,6 +66,7 @@ BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const
     std::ranges::sort(near);
 
     BricksTaken result;
+    result.diagonal = glm::length(size);
     std::set<Half> taken, beside;
     for (const auto& [distance, half] : near) {
         if (result.bricks.size() == most) break;

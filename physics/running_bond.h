@@ -27,6 +27,7 @@ struct RunningBond {
 struct BricksTaken {
     std::vector<std::array<glm::dvec3, 2>> bricks; // the middles of their halves; the nearest first
     std::vector<glm::dvec3> beside;                // of halves that are next to those and stay
+    double diagonal = 0.0; // m, of a half: sites that are farther than that from a half's middle take nothing of it
 };
 
 // Those of a box of which a half's middle is within radius of the point, the nearest ones if there are more than most. None

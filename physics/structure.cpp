@@ -132,7 +132,8 @@ Result<void> Structure::add_islands(World& world, std::span<const std::vector<ui
 
 // What single pieces take when they come off, made ahead: most of it is how the air meets them.
 void Structure::make_forms(uint32_t threads) {
-    fracture::Threads(threads).for_chunks(static_cast<uint32_t>(pieces_.size()), least_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
+    const auto count = static_cast<uint32_t>(pieces_.size());
+    fracture::Threads(threads).for_chunks(count, least_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (PieceState& piece : std::span(pieces_).subspan(begin, end - begin)) {
             BodyDesc alone;
             alone.parts = {{piece.hull, glm::vec3(0.0f)}};
@@ -239,7 +240,7 @@ void Structure::damage_segment(const World& world, glm::vec3 from, glm::vec3 to,
 void Structure::blow(const World& world, uint32_t piece, glm::vec3 impulse) {
     if (!exists(world, pieces_[piece].body)) return;
     const glm::dquat orientation(world.pose(body_of(piece)).orientation);
-    const double size = static_cast<double>(glm::length(impulse));
+    const double size = glm::length(glm::dvec3(impulse));
     graph_.blow(piece, glm::conjugate(orientation) * glm::dvec3(impulse), 0.5 * size * size);
 }
 
@@ -285,15 +286,14 @@ void Structure::strike(const World& world, const BondBlows::Judged& judged) {
     if (!exists(world, piece.body)) return;
     const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse), sharpness = static_cast<double>(blow.sharpness);
     const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body_of(blow.piece)).orientation));
-    const double fresh = static_cast<double>(judged.fresh);
-    const double spent = graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * fresh * sharpness,
-                                     0.5 * fresh * speed, piece.mass * speed * sharpness);
+    const double fresh = static_cast<double>(judged.fresh), given = 0.5 * fresh * speed;
+    const double spent = graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * fresh * sharpness, given,
+                                     piece.mass * speed * sharpness);
     const double before = static_cast<double>(judged.before);
     const bool told = before > 0.0 && before * std::cbrt(speed / before) > piece.bearable;
-    const auto left = static_cast<float>(static_cast<double>(blow.energy) - spent);
-    if (told || !(left > 0.0f) || !(static_cast<double>(blow.impulse) * sharpness > piece.bearable)) return;
+    if (told || !(spent < given) || !(static_cast<double>(blow.impulse) * sharpness > piece.bearable)) return;
     changes_.impacts.push_back(blow);
-    changes_.impacts.back().energy = left;
+    changes_.impacts.back().energy *= static_cast<float>(1.0 - spent / given);
 }
 
 const Structure::Changes& Structure::update(World& world) {

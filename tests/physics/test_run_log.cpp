@@ -57,13 +57,13 @@ TEST_CASE("run log: on demand, a box isn't where it should be") {
 
 TEST_CASE("run log: what a failed test prints repeats it alone, and prints it again") {
     const std::string program = std::filesystem::read_symlink("/proc/self/exe");
-    const std::string first = output_of("BRITTLE_FAILED_RUN=7 " + program + " -tc='run log: on demand*'");
+    const std::string first = output_of("BRITTLE_FAILED_RUN=7 '" + program + "' -tc='run log: on demand*'");
     const std::string command = line_from(first, "to run it alone: ").substr(17);
     const std::string again = output_of(command);
     for (const char* line : {"the run: a box falls, seed 7", "after step 5: an impulse of (", "state after step 16: ",
                              "state after step 20: ", "test cases: 1 | 0 passed | 1 failed", "to run it alone: "})
         CHECK(line_from(again, line) == line_from(first, line));
-    const std::string other = output_of("BRITTLE_FAILED_RUN=8 " + program + " -tc='run log: on demand*'");
+    const std::string other = output_of("BRITTLE_FAILED_RUN=8 '" + program + "' -tc='run log: on demand*'");
     CHECK(line_from(other, "state after step 4: ") == line_from(first, "state after step 4: "));
     CHECK(line_from(other, "state after step 8: ") != line_from(first, "state after step 8: "));
 }

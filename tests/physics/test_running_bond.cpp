@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -67,6 +69,11 @@ TEST_CASE("bricks without size, or of what is no wall, are none") {
     RunningBond lost = laid;
     lost.corner.x = not_a_number;
     CHECK(bricks_near(lost, wall_box, {0.0, 0.6, 0.12}, 0.3, 40).bricks.empty());
+    for (const double bad : {not_a_number, infinity}) {
+        const RunningBond tiny{{0.001, 0.001, 0.001}, wall_box.min};
+        CHECK(bricks_near(tiny, wall_box, {0.0, 0.6, 0.12}, bad, 40).bricks.empty());
+        CHECK(bricks_near(tiny, wall_box, {0.0, bad, 0.12}, 0.3, 40).bricks.empty());
+    }
     const fracture::Box one{{-1.0, 0.0, -0.12}, {-0.75, 0.075, 0.0}};
     CHECK(bricks_near(laid, one, one.centre(), 0.3, 40).bricks.empty());
     fracture::Box nearly = one; // as what was cut out, rounded
@@ -99,13 +106,23 @@ TEST_CASE("the nearest bricks are taken, by all of them looked at, also of very 
             CHECK(taken.bricks.size() == most);
             continue;
         }
-        std::set<std::tuple<int, int, int>> within; // bricks
+        std::map<std::tuple<int, int, int>, double> within; // bricks
         for (int z = 0; z < std::lround(2.0 / size); ++z)
             for (int y = 0; y < std::lround(16.0 / size); ++y)
                 for (int x = 0; x < std::lround(16.0 / size); ++x)
-                    if (glm::distance(bond.corner + (glm::dvec3(x, y, z) + 0.5) * half, point) <= radius)
-                        within.insert({(x + (y + z) % 2) / 2, y, z});
-        CHECK(taken.bricks.size() == std::min<size_t>(within.size(), most));
+                    if (const double distance = glm::distance(bond.corner + (glm::dvec3(x, y, z) + 0.5) * half, point);
+                        distance <= radius) {
+                        const auto at = within.try_emplace({(x + (y + z) % 2) / 2, y, z}, distance).first;
+                        at->second = std::min(at->second, distance);
+                    }
+        std::vector<double> nearest;
+        for (const auto& [brick, distance] : within) nearest.push_back(distance);
+        std::ranges::sort(nearest);
+        REQUIRE(taken.bricks.size() == std::min<size_t>(nearest.size(), most));
+        for (size_t i = 0; i < taken.bricks.size(); ++i) CHECK(distance_of(taken.bricks[i]) == doctest::Approx(nearest[i]));
+        std::set<std::pair<double, double>> middles; // none twice
+        for (const auto& brick : taken.bricks) middles.insert({brick[0].x + 1e3 * brick[0].y, brick[0].z});
+        CHECK(middles.size() == taken.bricks.size());
     }
 }
 
@@ -142,6 +159,16 @@ TEST_CASE("a wall that is hit loses whole bricks as they are laid, the one that 
     }
 }
 
+TEST_CASE("where corners of the solid are near, bricks are whole all the same") {
+    // Two bricks end to end, struck at the joint.
+    ImpactSites cut;
+    const fracture::Fragments two = broken(box_mesh({{-1.0, 0.0, -0.12}, {-0.5, 0.075, 0.0}}), {-0.75, 0.075, -0.06},
+                                           {0.0, -1.0, 0.0}, {.radius = 0.08, .pieces = 4}, cut);
+    CHECK(two.pieces.size() == 2);
+    for (const fracture::Piece& piece : two.pieces)
+        CHECK(piece.mass.volume == doctest::Approx(laid.brick.x * laid.brick.y * laid.brick.z).epsilon(1e-12));
+}
+
 TEST_CASE("a brick by itself crumbles, and a wall that is hit lightly chips") {
     ImpactSites cut;
     const fracture::Box one{{-1.0, 0.0, -0.12}, {-0.75, 0.075, 0.0}};
@@ -165,7 +192,9 @@ TEST_CASE("bricks are taken from the wall that was hit, not from one behind it t
     for (const fracture::Piece& piece : pieces.pieces) {
         const auto positions = pieces.positions_of(piece);
         const fracture::Box box = fracture::bounds({{positions.begin(), positions.end()}, {}});
-        if (piece.mass.volume < 0.1) CHECK(is_brick(box));
+        if (piece.mass.volume > 0.1) continue;
+        CHECK(is_brick(box));
+        CHECK(box.min.z > -1.0);
     }
 }
 

@@ -344,6 +344,29 @@ TEST_CASE("no more bonds break of a blow than its energy pays for, and weak ones
     }
 }
 
+TEST_CASE("a blow that the bonds use up does not break the piece as well") {
+    // The ball has 200 J; the four bonds of the piece that it hits cost so much together.
+    for (const auto& [costs, told] : {std::pair(2000.0f, false), {2.0f, true}}) {
+        World world(empty_space);
+        const fracture::Fragments pane = test::bonded_grid({-0.5, -0.5, -0.01}, {0.5, 0.5, 0.01}, 5, 5, 1);
+        const Material glass{.density = 2500.0f, .tensile = 1e6f, .fracture_energy = costs / (4 * 0.2f * 0.02f)};
+        Structure structure = must_create(world, pane, {.material = glass});
+        must_add(world, ball(0.05f, 4.0f, {0.02f, 0.01f, 0.5f}, {0.0f, 0.0f, -10.0f}));
+        size_t broken = 0;
+        float energy = 0.0f;
+        for (int step = 0; step < 60; ++step) {
+            world.step();
+            const Structure::Changes& changes = structure.update(world);
+            broken += changes.broken.size();
+            for (const Impact& impact : changes.impacts) energy += impact.energy;
+        }
+        CAPTURE(costs);
+        CHECK((broken > 0) == told);
+        CHECK((energy > 0.0f) == told);
+        CHECK(energy < 200.0f);
+    }
+}
+
 TEST_CASE("a ball breaks a piece out of a pane and flies on, momentum is kept") {
     for (const bool anchored : {false, true}) {
         World world(empty_space);

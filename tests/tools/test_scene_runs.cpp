@@ -195,7 +195,8 @@ TEST_CASE("materials: one word says what becomes of what falls from 2.5 m, or is
                 CHECK(bodies >= 10); // and what is not hit stays one
             else
                 CHECK((tough ? 10 * largest >= 9 * all : 2 * largest < all));
-            if (shot || lumps) CHECK(largest >= 5);
+            if (shot || lumps) CHECK(5 * largest >= all);
+            if (shot && tough) CHECK(2 * largest > all);
         }
 }
 

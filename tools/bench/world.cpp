@@ -130,6 +130,7 @@ template<class Newcomers> void run_add(benchmark::State& state, const WorldSetti
         World world(settings);
         asleep = add_sleepers(world);
         added = added && newcomers.prepare(world) && there.add_to(world, {0.0f, 0.3f, 0.0f});
+        if (!added) return;
         const auto frames_of = [&](int count) { return steps_of(world, count, [&] { newcomers.after_step(world); }); };
         frames_of(60);
         before.push_back(frames_of(30));

@@ -43,7 +43,7 @@ struct Saw {
 constexpr double hammer_mass = 1.0; // kg
 
 // A hammer of a kilogram. It breaks bonds (Structure::blow()) and, where things are breakable, the piece itself at the
-// point of it that is nearest (Destruction::strike()); it moves nothing.
+// point of it that is nearest (Destruction::strike()), both with all of its energy; it moves nothing.
 struct Hammer {
     uint32_t piece = 0;
     glm::dvec3 point{0.0};

@@ -43,7 +43,7 @@ struct FractureOptions {
 };
 
 // The world, in which blows cut by the pattern's seed: equal seeds, equal cuts. What starts whole is cut in the manner of the
-// pattern (of bricks, slices and the like as by uniform), or along the diagram of sites_file, which is read here. Throws a
+// pattern (of slices and the like as by uniform), or along the diagram of sites_file, which is read here. Throws a
 // Failure where it cannot be.
 [[nodiscard]] WorldOptions world_of(const FractureOptions& options);
 

@@ -250,7 +250,7 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
             "origin of the ground. May be given again")
         ->type_name("X,Y,Z,VX,VY,VZ,RADIUS[,SECONDS]");
     command.add_option("--strength", world.strength,
-                       "Of bonds and breakable pieces, in the material's own; 0.05 is masonry laid in weak mortar")
+                       "Of bonds and breakable pieces, in the material's own; 0.075 is stone laid in weak mortar")
         ->check(CLI::Range(1e-6, 1e6))
         ->capture_default_str();
     command.add_flag("--breakable", world.breakable,

@@ -89,7 +89,8 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
         desc.pattern.diagram = options.blows->diagram;
         desc.pattern.placement = options.blows->placement;
     } else if (preset) {
-        desc.pattern.kind = preset->pattern.kind;
+        const bool laid = preset->pattern.kind == fracture::PatternKind::bricks && !starts_whole(options);
+        desc.pattern.kind = laid ? fracture::PatternKind::uniform : preset->pattern.kind; // single bricks crumble
         desc.pattern.slenderness = preset->pattern.slenderness;
     }
     desc.pattern.bond = physics::fitted({}, fracture::bounds({fragments.positions, {}}));

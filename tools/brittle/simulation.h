@@ -132,7 +132,7 @@ class Simulation {
     };
     [[nodiscard]] std::span<const Ball> balls() const { return balls_; }
 
-    // Of all that goes on, equal in equal runs: bodies, bonds and what breaks.
+    // Of bodies, bonds and what is being broken; equal in equal runs.
     [[nodiscard]] uint64_t state_hash() const;
 
     [[nodiscard]] const physics::World& world() const { return world_; }
