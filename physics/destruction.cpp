@@ -398,7 +398,6 @@ uint64_t Destruction::state_hash() const {
     StateHash hash;
     for (const auto& [id, piece] : pieces_) {
         hash.add(id.value);
-        hash.add(piece.own.value);
         hash.add(piece.solid->mass.volume);
         hash.add(piece.seed);
         hash.add(piece.depth);

@@ -562,7 +562,7 @@ uint64_t Structure::state_hash() const {
     StateHash hash;
     for (const BondGraph::Bond& bond : graph_.bonds()) hash.add(bond.health);
     for (uint32_t piece = 0; piece < pieces_.size(); ++piece) {
-        hash.add(body_of(piece).value);
+        hash.add(pieces_[piece].body);
         hash.add(static_cast<uint8_t>(pieces_[piece].anchored));
     }
     return hash.value();
