@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "fracture/inside.h"
 #include "fracture/principal_axes.h"
 #include "fracture/random.h"
 
@@ -188,8 +189,9 @@ class Maker {
 
     // Halves beside those that come off are the rest's, or what lies farther off would give the bricks other faces.
     bool bricks() {
-        const BricksTaken taken =
-            bricks_near(pattern_.bond, fracture::bounds(solid_), blow_.point, damage_.radius, damage_.pieces);
+        const fracture::InsideTest inside(solid_);
+        const BricksTaken taken = bricks_near(pattern_.bond, fracture::bounds(solid_), blow_.point, damage_.radius, damage_.pieces,
+                                              [&](const glm::dvec3& middle) { return inside(middle); });
         for (const auto& halves : taken.bricks) {
             for (const glm::dvec3& site : halves) add(site, result_.rest);
             ++result_.rest;

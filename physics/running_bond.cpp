@@ -38,7 +38,7 @@ RunningBond fitted(const RunningBond& bond, const fracture::Box& box) {
 }
 
 BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const glm::dvec3& point, double radius,
-                        uint32_t most) {
+                        uint32_t most, const std::function<bool(const glm::dvec3&)>& there) {
     if (!std::isfinite(radius) || !std::isfinite(point.x + point.y + point.z)) return {};
     const glm::dvec3 size = bond.brick * glm::dvec3(0.5, 1.0, 1.0);
     const auto place_of = [&](const glm::dvec3& p) { return glm::floor((p - bond.corner) / size); };
@@ -71,7 +71,8 @@ BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const
     for (const auto& [distance, half] : near) {
         if (result.bricks.size() == most) break;
         const Half one = first_of_brick(half), other{one[0] + 1, one[1], one[2]};
-        if (!taken.insert(one).second) continue;
+        if (taken.contains(one) || !there(middle(half))) continue;
+        taken.insert(one);
         taken.insert(other);
         result.bricks.push_back({middle(one), middle(other)});
     }

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -30,9 +31,9 @@ struct BricksTaken {
     double diagonal = 0.0; // m, of a half: sites that are farther than that from a half's middle take nothing of it
 };
 
-// Those of a box of which a half's middle is within radius of the point, the nearest ones if there are more than most. None
-// where the box has no two bricks, or bricks no size.
+// Those of a box of which a half's middle is within radius of the point and, by `there`, has not gone before; the nearest
+// ones if there are more than most. None where the box has no two bricks, or bricks no size.
 [[nodiscard]] BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const glm::dvec3& point,
-                                      double radius, uint32_t most);
+                                      double radius, uint32_t most, const std::function<bool(const glm::dvec3&)>& there);
 
 } // namespace brittle::physics

@@ -17,6 +17,7 @@
 #include "fracture/mass_properties.h"
 #include "fracture/shapes.h"
 #include "physics/impact_pattern.h"
+#include "physics/nearest.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -27,6 +28,10 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 const fracture::Box wall_box{{-1.0, 0.0, -0.12}, {1.0, 1.2, 0.12}};
 const RunningBond laid{{0.25, 0.075, 0.12}, wall_box.min}; // 8 bricks long, 16 courses, 2 layers
+
+bool anywhere(const glm::dvec3&) {
+    return true;
+}
 
 fracture::TriangleMesh box_mesh(const fracture::Box& box) {
     fracture::TriangleMesh mesh = fracture::cuboid(box.size());
@@ -64,25 +69,25 @@ TEST_CASE("bricks without size, or of what is no wall, are none") {
         for (int k = 0; k < 3; ++k) {
             RunningBond bond = laid;
             bond.brick[k] = bad;
-            CHECK(bricks_near(bond, wall_box, {0.0, 0.6, 0.12}, 0.3, 40).bricks.empty());
+            CHECK(bricks_near(bond, wall_box, {0.0, 0.6, 0.12}, 0.3, 40, anywhere).bricks.empty());
         }
     RunningBond lost = laid;
     lost.corner.x = not_a_number;
-    CHECK(bricks_near(lost, wall_box, {0.0, 0.6, 0.12}, 0.3, 40).bricks.empty());
+    CHECK(bricks_near(lost, wall_box, {0.0, 0.6, 0.12}, 0.3, 40, anywhere).bricks.empty());
     for (const double bad : {not_a_number, infinity}) {
         const RunningBond tiny{{0.001, 0.001, 0.001}, wall_box.min};
-        CHECK(bricks_near(tiny, wall_box, {0.0, 0.6, 0.12}, bad, 40).bricks.empty());
-        CHECK(bricks_near(tiny, wall_box, {0.0, bad, 0.12}, 0.3, 40).bricks.empty());
+        CHECK(bricks_near(tiny, wall_box, {0.0, 0.6, 0.12}, bad, 40, anywhere).bricks.empty());
+        CHECK(bricks_near(tiny, wall_box, {0.0, bad, 0.12}, 0.3, 40, anywhere).bricks.empty());
     }
     const fracture::Box one{{-1.0, 0.0, -0.12}, {-0.75, 0.075, 0.0}};
-    CHECK(bricks_near(laid, one, one.centre(), 0.3, 40).bricks.empty());
+    CHECK(bricks_near(laid, one, one.centre(), 0.3, 40, anywhere).bricks.empty());
     fracture::Box nearly = one; // as what was cut out, rounded
     nearly.min -= 1e-9;
     nearly.max += 1e-9;
-    CHECK(bricks_near(laid, nearly, one.centre(), 0.3, 40).bricks.empty());
-    CHECK(bricks_near(laid, wall_box, {0.0, 0.6, 0.12}, 0.3, 0).bricks.empty());
-    CHECK(bricks_near(laid, wall_box, {0.0, 0.6, 0.12}, 1e-3, 40).bricks.empty());
-    CHECK(bricks_near(laid, wall_box, {50.0, 0.6, 0.12}, 0.3, 40).bricks.empty());
+    CHECK(bricks_near(laid, nearly, one.centre(), 0.3, 40, anywhere).bricks.empty());
+    CHECK(bricks_near(laid, wall_box, {0.0, 0.6, 0.12}, 0.3, 0, anywhere).bricks.empty());
+    CHECK(bricks_near(laid, wall_box, {0.0, 0.6, 0.12}, 1e-3, 40, anywhere).bricks.empty());
+    CHECK(bricks_near(laid, wall_box, {50.0, 0.6, 0.12}, 0.3, 40, anywhere).bricks.empty());
 }
 
 TEST_CASE("the nearest bricks are taken, by all of them looked at, also of very many") {
@@ -91,7 +96,7 @@ TEST_CASE("the nearest bricks are taken, by all of them looked at, also of very 
         CAPTURE(most);
         const RunningBond bond{size * laid.brick, laid.corner};
         const glm::dvec3 point(0.11, 0.63, 0.12), half = bond.brick * glm::dvec3(0.5, 1.0, 1.0);
-        const BricksTaken taken = bricks_near(bond, wall_box, point, radius, most);
+        const BricksTaken taken = bricks_near(bond, wall_box, point, radius, most, anywhere);
         const auto distance_of = [&](const std::array<glm::dvec3, 2>& brick) {
             return std::min(glm::distance(brick[0], point), glm::distance(brick[1], point));
         };
@@ -156,6 +161,28 @@ TEST_CASE("a wall that is hit loses whole bricks as they are laid, the one that 
         const auto positions = pieces.positions_of(pieces.pieces[largest]);
         const auto triangles = pieces.triangles_of(pieces.pieces[largest]);
         solid = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
+    }
+}
+
+TEST_CASE("beside a hole the bricks that are left are taken, not those that have gone") {
+    const auto right = [](const glm::dvec3& middle) { return middle.x > 0.0; };
+    const BricksTaken taken = bricks_near(laid, wall_box, {-0.01, 0.6, 0.12}, 0.2, 5, right);
+    REQUIRE(taken.bricks.size() == 5);
+    for (const auto& brick : taken.bricks) CHECK(brick[1].x > 0.0);
+    CHECK(bricks_near(laid, wall_box, {-0.5, 0.6, 0.12}, 0.2, 5, right).bricks.empty());
+    // A hole of some bricks in a wall, and a blow on its rim that reaches half a brick.
+    ImpactSites cut;
+    const fracture::Fragments first =
+        broken(box_mesh(wall_box), {0.03, 0.61, 0.12}, {0.0, 0.0, -1.0}, {.radius = 0.2, .pieces = 40}, cut);
+    const auto rest = std::ranges::max_element(first.pieces, {}, [](const fracture::Piece& piece) { return piece.mass.volume; });
+    const auto positions = first.positions_of(*rest);
+    const auto triangles = first.triangles_of(*rest);
+    const fracture::TriangleMesh holed{{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
+    for (const double angle : {0.3, 1.4, 2.5, 3.6, 4.7, 5.8}) {
+        CAPTURE(angle);
+        const glm::dvec3 towards(0.03 + 0.3 * std::cos(angle), 0.61 + 0.3 * std::sin(angle), 0.06);
+        const glm::dvec3 rim = nearest_on(holed, glm::mix(glm::dvec3(0.03, 0.61, 0.06), towards, 0.3));
+        CHECK(broken(holed, rim, {0.0, 0.0, -1.0}, {.radius = 0.09, .pieces = 1}, cut).pieces.size() > 1);
     }
 }
 
