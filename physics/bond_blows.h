@@ -26,8 +26,8 @@
 namespace brittle::physics {
 
 // A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3), as a blow
-// of a kilogram, and of which the bonds around have left energy. Who wants things to break again takes the piece away (isolate, take_piece), fractures it at the
-// point and makes a structure of the result.
+// of a kilogram, and of which the bonds around have left energy. Who wants things to break again takes the piece away
+// (isolate, take_piece), fractures it at the point and makes a structure of the result.
 struct Impact {
     uint32_t piece = 0;
     BodyId other;           // what hit it; the default for the ground

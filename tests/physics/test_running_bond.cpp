@@ -44,6 +44,10 @@ fracture::Fragments broken(const fracture::TriangleMesh& mesh, const glm::dvec3&
                            const Damage& damage, ImpactSites& cut) {
     const ImpactPattern pattern{.kind = fracture::PatternKind::bricks, .bond = laid};
     cut = impact_sites(mesh, fracture::mass_properties(mesh.positions, mesh.triangles), {point, normal, 1.0}, damage, pattern);
+    const ImpactSites again =
+        impact_sites(mesh, fracture::mass_properties(mesh.positions, mesh.triangles), {point, normal, 1.0}, damage, pattern);
+    CHECK(again.sites == cut.sites);
+    CHECK(again.groups == cut.groups);
     fracture::Settings settings;
     settings.groups = cut.groups;
     auto fragments = fracture::fracture(mesh, cut.sites, settings);

@@ -47,6 +47,24 @@ TEST_CASE(
 }
 
 // Cuts of sites on an upright line are level, unless the line is laid down.
+TEST_CASE("breakable: bricks come out of what is whole, and what was cut ahead into bricks crumbles") {
+    for (const bool ahead : {false, true}) {
+        FractureOptions options;
+        options.mesh = "shape:wall";
+        use_material("brick", options);
+        options.world = {.bonded = ahead, .breakable = true};
+        const fracture::Fragments pieces = started(options);
+        Simulation simulation(options.material);
+        simulation.start(pieces, world_of(options));
+        const auto cut = simulation.foresee({0, glm::dvec3(simulation.pose_of(0).position), {0.0, 0.0, -2000.0}});
+        REQUIRE(cut);
+        CHECK((cut->desc->pattern.kind == fracture::PatternKind::bricks) == !ahead);
+        const auto made = physics::carry_out(*cut, [] { return false; });
+        REQUIRE(made);
+        CHECK(made->size() > 2);
+    }
+}
+
 TEST_CASE("breakable: blows cut along a diagram from a file, fitted to what they hit, as it is placed") {
     const Folder folder;
     FractureOptions options;
