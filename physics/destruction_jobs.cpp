@@ -167,9 +167,16 @@ Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::functi
     pattern.seed = cut.seed;
     Blow on_surface = cut.blow;
     on_surface.point = nearest_on(cut.solid->mesh, cut.blow.point);
-    const ImpactSites sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, cut.damage, pattern);
-    Result<std::vector<SolidPtr>> pieces =
-        break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
+    ImpactSites sites;
+    const auto broken = [&] {
+        sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, cut.damage, pattern);
+        return break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
+    };
+    Result<std::vector<SolidPtr>> pieces = broken();
+    if (pieces && pieces->size() < 2 && sites.bricks) { // no brick comes off by itself: crumbs do
+        pattern.kind = fracture::PatternKind::uniform;
+        pieces = broken();
+    }
     if (pieces) *pieces = standing(std::move(*pieces), cut.desc->solid, cut.gravity, cancelled);
     return pieces;
 }

@@ -93,7 +93,7 @@ class Maker {
         case PatternKind::clustered:
         case PatternKind::thickness: crowd(damage_.pieces, 1.0); break;
         case PatternKind::bricks:
-            ended = bricks();
+            ended = result_.bricks = bricks();
             if (ended) break;
             [[fallthrough]];
         default:

@@ -73,6 +73,7 @@ struct ImpactSites {
     std::vector<glm::dvec3> sites;
     std::vector<uint32_t> groups; // one a site; rest where it stays together
     uint32_t rest = 0;            // the group of what is left
+    bool bricks = false;          // whole ones come off, not crumbs
 };
 
 // Empty where there is no damage.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "fracture/fracture.h"
 #include "fracture/mass_properties.h"
 #include "fracture/shapes.h"
+#include "physics/destruction.h"
 #include "physics/impact_pattern.h"
 #include "physics/nearest.h"
 
@@ -210,6 +212,23 @@ TEST_CASE("a brick by itself crumbles, and a wall that is hit lightly chips") {
     for (const fracture::Piece& piece : chips.pieces) volumes.push_back(piece.mass.volume);
     std::ranges::sort(volumes);
     CHECK(volumes[volumes.size() - 2] < 0.05 * laid.brick.x * laid.brick.y * laid.brick.z);
+}
+
+TEST_CASE("a brick with crumbs of others on it, and a wall of bricks that are smaller than pieces may be, crumble") {
+    BreakableDesc desc;
+    desc.pattern = {.kind = fracture::PatternKind::bricks, .bond = laid};
+    desc.solid.min_size = 0.04;
+    fracture::Box crumbs{wall_box.min, wall_box.min + glm::dvec3(1.02, 1.0, 1.0) * laid.brick};
+    for (const fracture::Box& box : {crumbs, wall_box}) {
+        const fracture::TriangleMesh mesh = box_mesh(box);
+        const auto solid = make_solid(mesh, desc.solid);
+        REQUIRE(solid);
+        const Blow blow{{box.min.x + 0.1, box.min.y + 0.03, box.max.z}, {0.0, 0.0, -1.0}, 1.0};
+        const auto pieces = carry_out({.solid = *solid, .desc = std::make_shared<const BreakableDesc>(desc), .blow = blow, .damage = {.radius = 0.15, .pieces = 8}});
+        REQUIRE(pieces);
+        CHECK(pieces->size() > 3);
+        desc.pattern.bond.brick *= 0.1;
+    }
 }
 
 TEST_CASE("bricks are taken from the wall that was hit, not from one behind it that is of the same mesh") {
