@@ -19,8 +19,9 @@ constexpr double looked_at = 32.0;
 
 using Half = std::array<int64_t, 3>; // of a brick, by its place in the lattice
 
-Half first_of_brick(const Half& half) {
-    return {half[0] - ((half[0] + half[1] + half[2]) & 1), half[1], half[2]};
+Half first_of_brick(Half half, uint32_t along) {
+    half[along] -= (half[0] + half[1] + half[2]) & 1;
+    return half;
 }
 
 Half integers(const glm::dvec3& place) {
@@ -30,7 +31,7 @@ Half integers(const glm::dvec3& place) {
 } // namespace
 
 RunningBond fitted(const RunningBond& bond, const fracture::Box& box) {
-    RunningBond result{bond.brick, box.min};
+    RunningBond result{bond.brick, box.min, bond.along};
     for (int k = 0; k < 3; ++k)
         if (const double size = box.size()[k]; size > 0.0)
             result.brick[k] = size / std::max(1.0, std::round(size / bond.brick[k]));
@@ -39,13 +40,14 @@ RunningBond fitted(const RunningBond& bond, const fracture::Box& box) {
 
 BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const glm::dvec3& point, double radius,
                         uint32_t most, const std::function<bool(const glm::dvec3&)>& there) {
-    if (!std::isfinite(radius) || !std::isfinite(point.x + point.y + point.z)) return {};
-    const glm::dvec3 size = bond.brick * glm::dvec3(0.5, 1.0, 1.0);
+    if (!std::isfinite(radius) || !std::isfinite(point.x + point.y + point.z) || bond.along > 2) return {};
+    glm::dvec3 size = bond.brick;
+    size[static_cast<int>(bond.along)] *= 0.5;
     const auto place_of = [&](const glm::dvec3& p) { return glm::floor((p - bond.corner) / size); };
     const glm::dvec3 low = place_of(box.min + thinner * size), high = place_of(box.max - thinner * size);
     for (int k = 0; k < 3; ++k)
         if (!(size[k] > 0.0) || !(std::abs(low[k]) < farthest) || !(std::abs(high[k]) < farthest)) return {};
-    if (first_of_brick(integers(low)) == first_of_brick(integers(high))) return {};
+    if (first_of_brick(integers(low), bond.along) == first_of_brick(integers(high), bond.along)) return {};
 
     glm::dvec3 from = low, to = high;
     const double bound = std::max(least_looked_at, looked_at * most);
@@ -70,7 +72,9 @@ BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const
     std::set<Half> taken, beside;
     for (const auto& [distance, half] : near) {
         if (result.bricks.size() == most) break;
-        const Half one = first_of_brick(half), other{one[0] + 1, one[1], one[2]};
+        const Half one = first_of_brick(half, bond.along);
+        Half other = one;
+        ++other[bond.along];
         if (taken.contains(one) || !there(middle(half))) continue;
         taken.insert(one);
         taken.insert(other);

@@ -1,7 +1,8 @@
 // Bricks of a wall, and which of them a blow takes out.
 //
-// In running bond: courses along Y, bricks along X, each course and each layer along Z begins half a brick farther on. A brick
-// is the Voronoi cells of its two halves' middles; these make a lattice, so its faces are bisectors.
+// In running bond: bricks end to end along X, courses of them along Y, each course and each layer along Z begins half a brick
+// farther on; or end to end along Y or Z, and courses and layers along the others. A brick is the Voronoi cells of its two
+// halves' middles; these make a lattice, so its faces are bisectors.
 //
 // Coordinates of the solid, metres. Pure functions.
 #pragma once
@@ -20,6 +21,7 @@ namespace brittle::physics {
 struct RunningBond {
     glm::dvec3 brick{0.25, 0.075, 0.12}; // size with joints
     glm::dvec3 corner{0.0};              // of some brick
+    uint32_t along = 0;                  // axis: end to end
 };
 
 // Whole bricks that fill the box, of nearly the size that they had.
@@ -32,7 +34,7 @@ struct BricksTaken {
 };
 
 // Those of a box of which a half's middle is within radius of the point and, by `there`, has not gone before; the nearest
-// ones if there are more than most. None where the box has no two bricks, or bricks no size.
+// ones if there are more than most. None where the box has no two bricks, or bricks no size or axis.
 [[nodiscard]] BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const glm::dvec3& point,
                                       double radius, uint32_t most, const std::function<bool(const glm::dvec3&)>& there);
 

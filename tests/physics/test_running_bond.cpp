@@ -248,6 +248,31 @@ TEST_CASE("bricks are taken from the wall that was hit, not from one behind it t
     }
 }
 
+TEST_CASE("bricks that lie end to end along another axis are the same ones, turned, and along a fourth there are none") {
+    const glm::dvec3 point(0.11, 0.63, 0.12);
+    const BricksTaken straight = bricks_near(laid, wall_box, point, 0.3, 40, anywhere);
+    for (const int axis : {1, 2}) {
+        const auto turned = [&](glm::dvec3 p) {
+            std::swap(p.x, p[axis]);
+            return p;
+        };
+        const RunningBond bond{turned(laid.brick), turned(laid.corner), static_cast<uint32_t>(axis)};
+        const fracture::Box box{turned(wall_box.min), turned(wall_box.max)};
+        const BricksTaken taken = bricks_near(bond, box, turned(point), 0.3, 40, anywhere);
+        CHECK(taken.diagonal == doctest::Approx(straight.diagonal));
+        const auto by_place = [](const auto& brick) { return std::tuple(brick[0].x, brick[0].y, brick[0].z); };
+        std::set<std::tuple<double, double, double>> these, those;
+        for (const auto& brick : taken.bricks) these.insert(by_place(std::array{turned(brick[0]), turned(brick[1])}));
+        for (const auto& brick : straight.bricks) those.insert(by_place(brick));
+        CHECK(these == those);
+        CHECK(taken.beside.size() == straight.beside.size());
+        CHECK(fitted(bond, box).along == bond.along);
+    }
+    RunningBond none = laid;
+    none.along = 3;
+    CHECK(bricks_near(none, wall_box, point, 0.3, 40, anywhere).bricks.empty());
+}
+
 TEST_CASE("bricks that are fitted to a box fill it") {
     const fracture::Box box{{3.0, -1.0, 0.5}, {4.1, 0.3, 0.51}};
     const RunningBond bond = fitted({}, box);

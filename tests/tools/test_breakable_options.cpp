@@ -1,6 +1,8 @@
 // What recipes and the command line say of things that are cut anew where they are hit: along what, and by which shots.
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
@@ -62,6 +64,34 @@ TEST_CASE("breakable: bricks come out of what is whole, and what was cut ahead i
         const auto made = physics::carry_out(*cut, [] { return false; });
         REQUIRE(made);
         CHECK(made->size() > 2);
+    }
+}
+
+TEST_CASE("breakable: the recipe's brick is what comes off, and where no bricks do, render says so") {
+    const Folder folder;
+    const auto recipe = [&](const std::string& material, const std::string& world) {
+        return folder.write("wall.json", R"({"brittle": 1, "mesh": "shape:wall", "material": ")" + material
+                                             + R"(", "world": {"brick": {"size": [0.5, 0.3, 0.2], "along": "x"}, )" + world + "}}");
+    };
+    FractureOptions options;
+    read_recipe(recipe("brick", R"("breakable": true)"), options);
+    Simulation simulation(options.material);
+    const fracture::Fragments whole = started(options);
+    simulation.start(whole, world_of(options));
+    const auto cut = simulation.foresee({0, glm::dvec3(simulation.pose_of(0).position), {0.0, 0.0, -2000.0}});
+    REQUIRE(cut);
+    const auto made = physics::carry_out(*cut);
+    REQUIRE(made);
+    const glm::dvec3 size = physics::fitted(options.world.bond, fracture::bounds({whole.positions, {}})).brick;
+    CHECK(size.y > 0.2);
+    CHECK(std::ranges::count_if(*made, [&](const physics::SolidPtr& piece) {
+        return std::abs(piece->mass.volume / (size.x * size.y * size.z) - 1.0) < 1e-9;
+    }) > 2);
+    for (const auto& [material, world, said] :
+         {std::tuple("brick", R"("breakable": true)", false), {"concrete", R"("breakable": true)", true}, {"brick", R"("anchored": true)", true}}) {
+        CAPTURE(material);
+        const Outcome outcome = run_brittle(folder, "render " + recipe(material, world).string() + " --frames 0 --size 64x48 -o " + (folder / "a.png"));
+        CHECK(outcome.has("world/brick does nothing") == said);
     }
 }
 

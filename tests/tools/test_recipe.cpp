@@ -61,7 +61,7 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
-    options.world = {.bonded = true, .anchored = true, .height = 1.5, .air_density = 0.3, .most_colliding = 700, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+    options.world = {.bonded = true, .anchored = true, .height = 1.5, .air_density = 0.3, .most_colliding = 700, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .bond = {.brick = {0.3, 0.05, 1.0 / 3.0}, .along = 2}, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
     options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
     options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
                        .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
@@ -280,6 +280,36 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(std::string(size_t{2} << 20, ' '), "more than 1 MiB");
 }
 
+TEST_CASE("recipe: a brick has length, height and thickness, and an axis that its length lies along") {
+    const Folder folder;
+    const auto bond_of = [&](const std::string& brick) {
+        FractureOptions options;
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "world": {"brick": )" + brick + "}}"), options);
+        return options.world.bond;
+    };
+    const physics::RunningBond plain;
+    CHECK(bond_of("{}").brick == plain.brick);
+    CHECK(bond_of("{}").along == 0);
+    CHECK(bond_of(R"({"size": [0.4, 0.2, 0.3]})").brick == glm::dvec3(0.4, 0.2, 0.3));
+    CHECK(bond_of(R"({"size": [0.4, 0.2, 0.3], "along": "y"})").brick == glm::dvec3(0.2, 0.4, 0.3));
+    CHECK(bond_of(R"({"size": [0.4, 0.2, 0.3], "along": "z"})").brick == glm::dvec3(0.3, 0.2, 0.4));
+    CHECK(bond_of(R"({"along": "z"})").brick == glm::dvec3(plain.brick.z, plain.brick.y, plain.brick.x));
+    CHECK(bond_of(R"({"along": "z"})").along == 2);
+    const auto with = [](const std::string& brick) { return R"({"brittle": 1, "world": {"brick": )" + brick + "}}"; };
+    const std::string sizes = "/world/brick/size: expected length, height and thickness in metres, such as [0.25, 0.075, 0.12], found ";
+    says(with("0.25"), "/world/brick: expected an object { }, found 0.25");
+    says(with(R"({"size": 0.25})"), sizes + "0.25");
+    says(with(R"({"size": [0.25, 0.12]})"), sizes + "[0.25,0.12]");
+    for (const char* bad : {"0", "-0.1", "0.0009", "10.5", "1e300", "5e-324", "null", "\"long\"", "[1]"}) {
+        CAPTURE(bad);
+        says(with(R"({"size": [0.25, )" + std::string(bad) + ", 0.12]}"), "/world/brick/size/1: expected a number from 0.001 to 10.0, found ");
+    }
+    for (const char* none : {"nan", "Infinity", "1e999"}) says(with(R"({"size": [0.25, )" + std::string(none) + ", 0.12]}"), "the JSON cannot be read");
+    says(with(R"({"along": "w"})"), "/world/brick/along: expected \"x\", \"y\" or \"z\", found \"w\"");
+    says(with(R"({"along": 0})"), "/world/brick/along: expected text in quotes");
+    says(with(R"({"length": 0.25})"), "/world/brick/length: unknown key; there are: size, along");
+}
+
 TEST_CASE("recipe: messages hold nothing that a terminal would obey, and do not quote a whole file") {
     const std::string escape = R"(\u001b[31m)";
     for (const std::string& text :
@@ -320,6 +350,9 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
     const auto& of_anchor = schema["properties"]["world"]["properties"]["anchors"]["items"]["properties"];
     for (const auto& [key, value] : of_anchor.items()) CHECK(all["world"]["anchors"][0].contains(key));
     for (const auto& [key, value] : all["world"]["anchors"][0].items()) CHECK(of_anchor.contains(key));
+    const auto& of_brick = schema["properties"]["world"]["properties"]["brick"]["properties"];
+    for (const auto& [key, value] : of_brick.items()) CHECK(all["world"]["brick"].contains(key));
+    for (const auto& [key, value] : all["world"]["brick"].items()) CHECK(of_brick.contains(key));
     const auto& materials = schema["properties"]["material"]["enum"];
     REQUIRE(materials.size() == physics::material_presets().size());
     for (size_t k = 0; k < materials.size(); ++k) CHECK(materials[k] == std::string(physics::material_presets()[k].name));

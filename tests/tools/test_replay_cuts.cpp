@@ -122,6 +122,30 @@ TEST_CASE("replay: the recipe's seed says where blows cut, and is in the log") {
     CHECK(states_of(11) == first);
 }
 
+TEST_CASE("replay: the recipe says how large bricks are and how they lie, and is in the log") {
+    const Folder folder;
+    FractureOptions options;
+    options.mesh = "shape:wall";
+    use_material("brick", options);
+    options.world = {.anchored = true, .breakable = true, .shots = {{.from = {0.3, 0.5, 2.0}, .velocity = {0.0, 0.0, -25.0}, .radius = 0.15}}};
+    const fracture::Fragments whole = started(options);
+    const auto states_of = [&](const physics::RunningBond& bond) {
+        options.world.bond = bond;
+        const ReplayLog log = recorded(options, whole, 40, {}, folder.path / "run.log");
+        CHECK(log.commits.size() >= 1);
+        CHECK_FALSE(replayed(log, started(log.recipe)));
+        return log.states.back().hash;
+    };
+    const uint64_t plain = states_of({});
+    const uint64_t large = states_of({.brick = {0.4, 0.15, 0.12}}), upright = states_of({.brick = {0.075, 0.25, 0.12}, .along = 1});
+    CHECK(large != plain);
+    CHECK(upright != plain);
+    CHECK(upright != large);
+    CHECK(states_of({}) == plain);
+    (void)states_of({.brick = {0.001, 0.001, 0.001}});
+    (void)states_of({.brick = {10.0, 10.0, 10.0}});
+}
+
 TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log") {
     const Folder folder;
     for (const bool bonded : {false, true}) {

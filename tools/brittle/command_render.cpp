@@ -7,6 +7,7 @@
 
 #include "fracture/io/atomic_file.h"
 #include "physics/anchor.h"
+#include "physics/material.h"
 #include "tools/brittle/classify_choice.h"
 #include "tools/brittle/commands.h"
 #include "tools/brittle/failure.h"
@@ -52,6 +53,18 @@ void name_idle_limit(const WorldOptions& world) {
     std::fputs("brittle: nothing is breakable, so none of its pieces go: the limit on pieces (--piece-limit) does nothing\n", stderr);
 }
 
+// The same of bricks: only what starts whole is cut into them.
+void name_idle_brick(const WorldOptions& world, const std::string& material) {
+    const physics::RunningBond plain;
+    if (world.bond.brick == plain.brick && world.bond.along == plain.along) return;
+    const physics::MaterialPreset* preset = physics::material_preset(material);
+    const bool of_material = starts_whole(world) && preset && preset->pattern.kind == fracture::PatternKind::bricks;
+    if (world.blows ? world.blows->kind == fracture::PatternKind::bricks && world.blows->diagram.empty() : of_material) return;
+    std::fputs("brittle: no blow takes out bricks, so the recipe's world/brick does nothing: the world must be breakable and not "
+               "bonded, and the material brick or the pattern bricks\n",
+               stderr);
+}
+
 } // namespace
 
 int run_render(const RenderCommand& command) {
@@ -66,6 +79,7 @@ int run_render(const RenderCommand& command) {
     const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, world);
     name_idle_anchors(input.model.mesh, world);
     name_idle_limit(world);
+    name_idle_brick(world, command.fracture.material);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);

@@ -1,8 +1,10 @@
 #include "tools/brittle/recipe.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -23,6 +25,7 @@ constexpr int version = 1;
 constexpr std::string_view shape_prefix = "shape:";
 constexpr size_t longest_recipe = size_t{1} << 20; // bytes
 constexpr size_t most_strikes = 1000;
+constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
 
 Json vector_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
@@ -82,6 +85,17 @@ Json strikes_json(const std::vector<Strike>& strikes) {
     return json;
 }
 
+// Length, height and thickness of a brick from its size along X, Y and Z, and back: the length is along its axis, and what would be
+// there is along X.
+glm::dvec3 exchanged(glm::dvec3 size, uint32_t along) {
+    std::swap(size.x, size[static_cast<int>(along)]);
+    return size;
+}
+
+Json brick_json(const physics::RunningBond& bond) {
+    return {{"size", vector_json(exchanged(bond.brick, bond.along))}, {"along", axes[bond.along]}};
+}
+
 Json world_json(const WorldOptions& world) {
     const WorldOptions plain;
     Json json = Json::object();
@@ -94,6 +108,7 @@ Json world_json(const WorldOptions& world) {
     if (world.breakable) json["breakable"] = true;
     if (world.min_size != plain.min_size) json["min_size"] = world.min_size;
     if (world.blow_pieces != plain.blow_pieces) json["blow_pieces"] = world.blow_pieces;
+    if (world.bond.brick != plain.bond.brick || world.bond.along != plain.bond.along) json["brick"] = brick_json(world.bond);
     if (world.piece_limit != plain.piece_limit) json["piece_limit"] = world.piece_limit;
     for (const Anchor& anchor : world.anchors)
         json["anchors"].push_back({{"at", vector_json(anchor.at)}, {"radius", anchor.radius}});
@@ -247,6 +262,22 @@ void read_anchors(const std::filesystem::path& file, const std::string& path, Js
     }
 }
 
+void read_brick(JsonReader& reader, physics::RunningBond& bond) {
+    glm::dvec3 size = exchanged(bond.brick, bond.along);
+    if (const Json* sides = reader.find("size")) {
+        if (!sides->is_array() || sides->size() != 3)
+            reader.fail("size", "length, height and thickness in metres, such as [0.25, 0.075, 0.12]", *sides);
+        for (int side = 0; side < 3; ++side)
+            size[side] = reader.number_of("size/" + std::to_string(side), (*sides)[static_cast<size_t>(side)], 0.001, 10.0);
+    }
+    std::string along(axes[bond.along]);
+    reader.text("along", along);
+    const auto axis = std::ranges::find(axes, along);
+    if (axis == axes.end()) throw reader.failure("along", "expected \"x\", \"y\" or \"z\", found " + shown(along));
+    bond.along = static_cast<uint32_t>(axis - axes.begin());
+    bond.brick = exchanged(size, bond.along);
+}
+
 void read_world(const std::filesystem::path& file, const std::string& path, JsonReader& reader, WorldOptions& world) {
     reader.flag("bonded", world.bonded);
     reader.flag("anchored", world.anchored);
@@ -257,6 +288,11 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     reader.flag("breakable", world.breakable);
     reader.number("min_size", world.min_size, 1e-4, 10.0);
     reader.whole("blow_pieces", world.blow_pieces, 2, 1000);
+    if (const Json* brick = reader.find("brick")) {
+        JsonReader inner(file, *brick, path + "/brick");
+        read_brick(inner, world.bond);
+        inner.refuse_unknown_keys();
+    }
     reader.whole("piece_limit", world.piece_limit, 1, 1'000'000);
     read_anchors(file, path, reader, world.anchors);
     const Json* shots = reader.find("shots");

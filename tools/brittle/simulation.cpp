@@ -93,7 +93,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
         desc.pattern.kind = laid ? fracture::PatternKind::uniform : preset->pattern.kind; // single bricks crumble
         desc.pattern.slenderness = preset->pattern.slenderness;
     }
-    desc.pattern.bond = physics::fitted({}, fracture::bounds({fragments.positions, {}}));
+    desc.pattern.bond = physics::fitted(options.bond, fracture::bounds({fragments.positions, {}}));
     desc.most_pieces = options.blow_pieces;
     desc.solid.anchors = anchor_regions(fragments, options);
     return desc;

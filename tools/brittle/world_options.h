@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/pattern.h"
+#include "physics/running_bond.h"
 
 namespace brittle::tools {
 
@@ -50,6 +51,7 @@ struct WorldOptions {
     bool breakable = false;
     double min_size = 0.05;        // m, cube root of volume; no smaller piece is made
     uint32_t blow_pieces = 48;     // at most, of one blow
+    physics::RunningBond bond{};   // of bricks that blows take out, to be fitted: its corner is not looked at
     uint32_t piece_limit = 2000;   // in the world; beyond it debris goes, what is unseen, then what is small and old first
     std::vector<Anchor> anchors{}; // bonded unless it is breakable, and held there
     uint64_t seed = 1;             // of where blows cut: see world_of()
