@@ -89,7 +89,10 @@ bool Destruction::commit(World& world, uint32_t number) {
         piece.unbreakable = true;
     } else if (broken.pieces.size() < 2) {
         if (!job.parts) ++statistics_.withstood;
-        if (waiting) start_job(world, job.piece, *waiting);
+        if (waiting)
+            start_job(world, job.piece, *waiting);
+        else if (!job.parts)
+            knock(world, job.piece, job.hit);
     } else {
         exchange(world, piece, crack_energy(piece, broken), job.hit);
         if (waiting) exchange(world, piece, 0.0, *waiting);

@@ -62,14 +62,13 @@ struct Mushroom {
     double volume = 0.0;
 
     // The share of the material's strengths that loads may use, none: loads are not looked at; and the stem's radius, m.
-    explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12,
-                      float fracture_energy = weak.fracture_energy) {
+    explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12, const Material& material = weak) {
         const fracture::TriangleMesh mesh =
             test::lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
         desc.solid.anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.01, 1.0}}};
         desc.solid.blocks = {.enabled = strength_scale > 0.0f, .strength_scale = strength_scale};
         desc.solid.min_size = min_size;
-        desc.solid.material.fracture_energy = fracture_energy;
+        desc.solid.material = material;
         desc.most_pieces = 12;
         must_add(destruction, world, mesh, desc);
         volume = volume_of(destruction);
@@ -146,7 +145,7 @@ TEST_CASE("a ram against the head breaks the stem though it leaves no mark where
     // A crack through the stem of 0.0113 m^2 takes 0.011 J. The head, of a ton, has 0.07 J after a dead blow of 10 kg at 1.2 m/s,
     // 5e-4 J after a tap; neither is as sharp as what the whole bears where it is hit.
     const auto after = [](float mass, float speed) {
-        Mushroom mushroom(0.05f, 0.06, 0.12, 1.0f);
+        Mushroom mushroom(0.05f, 0.06, 0.12, {.tensile = weak.tensile, .fracture_energy = 1.0f});
         shoot(mushroom.world, 0.3f, mass, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -speed});
         run(mushroom.world, mushroom.destruction, 14);
         mushroom.check();
@@ -157,6 +156,21 @@ TEST_CASE("a ram against the head breaks the stem though it leaves no mark where
     const auto [overloads, pieces] = after(10.0f, 1.2f);
     CHECK(overloads >= 1); // the head may break the stump that it comes to rest on, too
     CHECK(pieces >= 2);
+}
+
+TEST_CASE("a ram that would chip off too little where it hits the head breaks the stem all the same") {
+    // Of 1 kg against 4 kg: the faster is sharp enough to cut, but only into less than the least size.
+    for (const auto& [speed, blows] : {std::pair(0.8f, 0u), {1.05f, 1u}}) {
+        CAPTURE(speed);
+        Mushroom mushroom(0.05f, 0.06, 0.25, {.density = 10.0f, .tensile = 0.1f * weak.tensile, .fracture_energy = 1.0f});
+        shoot(mushroom.world, 0.3f, 1.0f, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -speed});
+        run(mushroom.world, mushroom.destruction, 40);
+        mushroom.check();
+        CHECK(mushroom.destruction.statistics().blows == blows);
+        CHECK(mushroom.destruction.statistics().withstood == blows);
+        CHECK(mushroom.destruction.statistics().overloads == 1);
+        CHECK(mushroom.destruction.pieces().size() == 2);
+    }
 }
 
 namespace {
