@@ -177,6 +177,10 @@ Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::functi
         pattern.kind = fracture::PatternKind::uniform;
         pieces = broken();
     }
+    if (pieces && pieces->size() < 2 && sites.rest > 1) { // crumbs that are each too small come off together
+        for (uint32_t& group : sites.groups) group = group < sites.rest ? 0 : 1;
+        pieces = break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
+    }
     if (pieces) *pieces = standing(std::move(*pieces), cut.desc->solid, cut.gravity, cancelled);
     return pieces;
 }

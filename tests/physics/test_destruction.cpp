@@ -327,6 +327,56 @@ TEST_CASE("pieces break again down to the least size and not beyond, and volumes
 
 namespace {
 
+// Of a piece that a blow would chip, the largest part that the damage holds and the largest that it does not, m^3.
+std::pair<double, double> chip_and_rest(const PlannedCut& cut) {
+    ImpactPattern pattern = cut.desc->pattern;
+    pattern.seed = cut.seed;
+    ImpactSites sites = impact_sites(cut.solid->mesh, cut.solid->mass, cut.blow, cut.damage, pattern);
+    fracture::Settings settings;
+    for (const uint32_t group : sites.groups) settings.groups.push_back(group < sites.rest ? 0 : 1);
+    const auto parts = fracture::fracture(cut.solid->mesh, sites.sites, settings);
+    REQUIRE(parts);
+    double chip = 0.0, rest = 0.0;
+    for (const fracture::Piece& part : parts->pieces) {
+        double& larger = settings.groups[part.site] == 0 ? chip : rest;
+        larger = std::max(larger, part.mass.volume);
+    }
+    return {chip, rest};
+}
+
+} // namespace
+
+TEST_CASE("a blow withstands only where all that it would take off is smaller than a piece may be") {
+    // A brick by itself, struck all over by blows that would take off a few of the least pieces or less.
+    const glm::dvec3 half = 0.5 * glm::dvec3(0.25, 0.075, 0.1);
+    int withstood = 0, together = 0;
+    for (const PatternKind kind : {PatternKind::bricks, PatternKind::radial}) {
+        World world(empty_space);
+        Destruction destruction;
+        BreakableDesc desc = desc_of(0.05);
+        desc.pattern.kind = kind;
+        desc.pattern.bond.corner = -half;
+        must_add(destruction, world, fracture::cuboid(2.0 * half), desc);
+        const double least = 0.05 * 0.05 * 0.05;
+        for (const glm::dvec3& at : {glm::dvec3(0.4, 0.3, 1.0), {-0.9, 0.2, 1.0}, {0.3, 0.9, 1.0}, {0.9, 0.8, 1.0}, {0.0, 0.0, 1.0}})
+            for (double energy = 1.0; energy < 8.0; energy *= 1.1) {
+                const auto cut = destruction.foresee(world, destruction.pieces()[0], glm::vec3(at * half), {0.0f, 0.0f, -1.0f}, energy);
+                if (!cut) continue;
+                const auto pieces = carry_out(*cut);
+                REQUIRE(pieces);
+                const auto [chip, rest] = chip_and_rest(*cut);
+                if (chip >= least && rest >= least) CHECK(pieces->size() > 1);
+                withstood += pieces->size() == 1;
+                together += pieces->size() == 2 && cut->damage.pieces > 1;
+            }
+    }
+    MESSAGE(withstood, " withstood, of ", together, " one chip came off");
+    CHECK(withstood > 10);
+    CHECK(together > 20);
+}
+
+namespace {
+
 struct Run {
     RunLog log{"an animal falls and is shot at"};
     uint64_t hash = 0;
