@@ -131,15 +131,14 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts) {
     if (!body.fixed) body.drag = std::make_shared<AirDrag>(drag_of_compound(body, parts));
 }
 
-std::unique_ptr<btRigidBody> blank_body() {
+const btRigidBody& blank_body() {
     static const btRigidBody blank(btRigidBody::btRigidBodyConstructionInfo(1.0f, nullptr, nullptr));
-    return std::make_unique<btRigidBody>(blank);
+    return blank;
 }
 
 void make_rigid(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) {
     BodyRecord& body = *made.record;
-    body.rigid = blank_body();
-    btRigidBody& rigid = *body.rigid;
+    btRigidBody& rigid = body.rigid.emplace(blank_body());
     rigid.setWorldTransform(body.blow_frame);
     rigid.setInterpolationWorldTransform(body.blow_frame);
     rigid.setCollisionShape(body.collision_shape());

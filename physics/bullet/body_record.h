@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -70,7 +71,7 @@ struct BodyRecord : BodyForm {
         edges; // for debug lines, indices into the points of shape; filled when first asked for
     std::vector<std::shared_ptr<SharedShape>> shared; // of a compound, in the order of its parts
     std::unique_ptr<btCompoundShape> compound;        // null for a body with one hull
-    std::unique_ptr<btRigidBody> rigid;
+    std::optional<btRigidBody> rigid;                 // made once; none until then
 
     [[nodiscard]] btCollisionShape* collision_shape() const {
         return compound ? static_cast<btCollisionShape*>(compound.get()) : shape.get();
@@ -106,7 +107,7 @@ void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 
 // A rigid body of a kilogram without a shape. Bullet counts bodies as it makes them, which no two threads may do: this one is copied, which
 // counts nothing. Who asks gives it all that Bullet would.
-[[nodiscard]] std::unique_ptr<btRigidBody> blank_body();
+[[nodiscard]] const btRigidBody& blank_body();
 
 // Bullet's rigid body with the pose and velocity that the record begins with, its box, and what it is to debris or whether it is
 // that itself; the shape must be known. On any thread.

@@ -72,9 +72,9 @@ void SteppedWorld::for_each_contact(const auto& visit) {
 }
 
 void SteppedWorld::put_in(const NewBody& body) {
-    const BodyRecord& record = *body.record;
+    BodyRecord& record = *body.record;
     record.rigid->setBroadphaseHandle(broadphase_.createProxy(body.low, body.high, record.collision_shape()->getShapeType(),
-                                                              record.rigid.get(), group_of(record.fixed, record.debris),
+                                                              &*record.rigid, group_of(record.fixed, record.debris),
                                                               partners_of(record.fixed, record.debris), getDispatcher()));
     broadphase_.set_size(record.rigid->getBroadphaseHandle(), body.size, least_partner_of(record));
 }

@@ -12,7 +12,7 @@ Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<
     if (!settings.ground_height) return;
     ground_shape =
         std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * bullet_units);
-    ground = blank_body();
+    ground = std::make_unique<btRigidBody>(blank_body());
     ground->setCollisionShape(ground_shape.get());
     ground->setMassProps(0.0f, {0, 0, 0});
     ground->updateInertiaTensor();
