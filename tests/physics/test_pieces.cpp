@@ -34,6 +34,7 @@ std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments,
 WorldSettings space_for_all() {
     WorldSettings settings = empty_space;
     settings.debris_size = 0.0f;
+    settings.most_colliding = 0;
     return settings;
 }
 
