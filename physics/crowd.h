@@ -1,7 +1,7 @@
 // Who is debris because there are too many, whatever its size (WorldSettings::most_colliding).
 //
-// A thousand awake pieces that all meet are what a step has time for; a thousand more would make it more than twice as
-// long, as debris a third. So where pieces come, the largest collide with each other as long as there is room, and the
+// Five hundred awake pieces that all meet are what a step has time for as they land; twice as many make it nearly twice as
+// long, as many more as debris a third. So where pieces come, the largest collide with each other as long as there is room, and the
 // rest are debris: they meet the ground, what is fixed and what is large beside them, at least twice as long, but not each other and
 // their like: what falls onto a thousand pieces of its size would make a step two and a half times as long. What it costs is that
 // they overlap.

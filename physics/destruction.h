@@ -96,8 +96,8 @@ struct PlannedCut {
     uint64_t seed = 0;
     glm::dvec3 gravity{0.0}; // m/s^2, likewise: what is held and left too thin comes apart as well
 };
-// The pieces, one where it withstands: crumbs that are each too small come off together, where that is enough for a piece.
-// Fails as break_solid() does.
+// The pieces, one where it withstands. Where no brick comes off by itself, crumbs do, and crumbs that are each too small come off
+// together, where they and what is left are each enough for a piece. Fails as break_solid() does.
 [[nodiscard]] Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled = {});
 
 // A job that was committed, and the World::steps_taken() of then.
@@ -139,7 +139,8 @@ class Destruction {
         uint32_t blows = 0;     // that began a job
         uint32_t commits = 0;
         uint32_t overloads = 0; // jobs that took a held piece apart under its load, or after a blow elsewhere
-        uint32_t withstood = 0; // blows that left the piece as it was: all that they would take off, or leave, is below min_size
+        uint32_t breaks = 0;    // commits by which a piece came apart
+        uint32_t withstood = 0; // blows that cut nothing where they land: all that they would take off, or leave, is below min_size
         uint32_t failed = 0;    // jobs whose cut was refused: such a piece is not cut again
         uint32_t retired = 0;   // debris
         double longest_commit = 0.0; // s, of the main thread, with Timing::when_ready

@@ -89,11 +89,13 @@ bool Destruction::commit(World& world, uint32_t number) {
         piece.unbreakable = true;
     } else if (broken.pieces.size() < 2) {
         if (!job.parts) ++statistics_.withstood;
-        if (waiting)
-            start_job(world, job.piece, *waiting);
-        else if (!job.parts)
-            knock(world, job.piece, job.hit);
+        if (waiting) start_job(world, job.piece, *waiting);
+        if (piece.job == none && (waiting || !job.parts)) {
+            const bool later = waiting && (job.parts || waiting->blow.energy > job.hit.blow.energy);
+            knock(world, job.piece, later ? *waiting : job.hit);
+        }
     } else {
+        ++statistics_.breaks;
         exchange(world, piece, crack_energy(piece, broken), job.hit);
         if (waiting) exchange(world, piece, 0.0, *waiting);
         const std::vector<PieceId> made = replace(world, job.piece, broken);

@@ -173,13 +173,19 @@ Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::functi
         return break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
     };
     Result<std::vector<SolidPtr>> pieces = broken();
-    if (pieces && pieces->size() < 2 && sites.bricks) { // no brick comes off by itself: crumbs do
+    const auto withstands = [&] { return pieces && pieces->size() < 2 && !(cancelled && cancelled()); };
+    // Another cut that is refused leaves it as it is.
+    const auto take = [&](Result<std::vector<SolidPtr>> other) {
+        if (other) pieces = std::move(other);
+    };
+    if (withstands() && sites.bricks) { // no brick comes off by itself: crumbs do
         pattern.kind = fracture::PatternKind::uniform;
-        pieces = broken();
+        take(broken());
     }
-    if (pieces && pieces->size() < 2 && sites.rest > 1) { // crumbs that are each too small come off together
+    if (withstands() && sites.rest > 1 && std::ranges::find(sites.groups, sites.rest) != sites.groups.end()) {
+        // Crumbs that are each too small come off together.
         for (uint32_t& group : sites.groups) group = group < sites.rest ? 0 : 1;
-        pieces = break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
+        take(break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled));
     }
     if (pieces) *pieces = standing(std::move(*pieces), cut.desc->solid, cut.gravity, cancelled);
     return pieces;

@@ -46,6 +46,9 @@ struct BodyForm {
 
 // One body.
 struct BodyRecord : BodyForm {
+    BodyRecord() = default;
+    BodyRecord(BodyRecord&&) = delete; // Bullet keeps where its body is
+
     BodyId id;
     bool debris = false;
     Pose previous;
@@ -105,8 +108,8 @@ struct NewBody {
 // The lengths of a compound and what the air does to it; the shape must be known.
 void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 
-// A rigid body of a kilogram without a shape. Bullet counts bodies as it makes them, which no two threads may do: this one is copied, which
-// counts nothing. Who asks gives it all that Bullet would.
+// A rigid body of a kilogram without a shape, to be copied. Bullet counts bodies as it makes them, which no two threads may do, but not
+// copies. Who copies it gives the copy all that Bullet would.
 [[nodiscard]] const btRigidBody& blank_body();
 
 // Bullet's rigid body with the pose and velocity that the record begins with, its box, and what it is to debris or whether it is

@@ -173,6 +173,20 @@ TEST_CASE("a ram that would chip off too little where it hits the head breaks th
     }
 }
 
+TEST_CASE("a tap that comes while a cut is tried takes nothing from the blow that it is tried for") {
+    Mushroom mushroom(0.05f, 0.06, 0.25, {.density = 10.0f, .tensile = 0.1f * weak.tensile, .fracture_energy = 1.0f});
+    shoot(mushroom.world, 0.3f, 1.0f, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -1.05f});
+    for (int step = 0; step < 40 && mushroom.destruction.statistics().blows == 0; ++step) run(mushroom.world, mushroom.destruction, 1);
+    REQUIRE(mushroom.destruction.statistics().blows == 1);
+    const PieceId whole = mushroom.destruction.pieces()[0];
+    mushroom.destruction.strike(mushroom.world, whole, {0.5f, 1.25f, 0.0f}, {-1.0f, 0.0f, 0.0f}, 1e-6);
+    run(mushroom.world, mushroom.destruction, 40);
+    mushroom.check();
+    CHECK(mushroom.destruction.statistics().blows == 1);
+    CHECK(mushroom.destruction.statistics().overloads == 1);
+    CHECK(mushroom.destruction.pieces().size() == 2);
+}
+
 namespace {
 
 // One over the mass that is felt at an arm from the centre of mass, along a unit direction.

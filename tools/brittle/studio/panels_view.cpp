@@ -117,7 +117,7 @@ void Panels::certificate(const PanelState& state) {
     }
     const fracture::Certificate& proof = counts->certificate;
     if (const physics::Destruction* destruction = state.session.stage().simulation().destruction()) {
-        value("Pieces", "%u by %u cuts", counts->pieces, destruction->statistics().commits - destruction->statistics().withstood);
+        value("Pieces", "%u by %u cuts", counts->pieces, destruction->statistics().breaks);
         value("Awake", "%zu bodies", counts->awake);
         return; // the certificate is of what was there before
     }
