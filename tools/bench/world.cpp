@@ -182,7 +182,7 @@ void run_tower(benchmark::State& state) {
     BodyDesc shot{.hull = collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}), .large = true, .mass = 160.5f};
     shot.inertia = glm::mat3(0.4f * shot.mass * 0.17f * 0.17f);
     for (auto _ : state) {
-        World world;
+        World world({.most_colliding = 1000}); // as the scene
         auto tower = Structure::create(world, *pieces, {.material = material, .anchored = anchor_to_ground(*pieces)});
         if (!tower) return state.SkipWithError("no bodies");
         std::vector<double> unhit, hit;
