@@ -108,7 +108,10 @@ std::span<const StepStops::Stop> StepStops::find(std::span<BodyRecord* const> aw
 }
 
 void StepStops::find_stops(btScalar seconds, btDispatcher& dispatcher) {
-    find_fast(seconds, dispatcher);
+    find_fast(seconds);
+    if (fixed_.empty() && wild_.empty()) return; // nothing to pass through
+    find_flights(seconds);
+    swell_wild(dispatcher);
     for (const uint32_t body : fast_) meet_fixed(body);
     meet_wild();
     add_events(0.0f);
@@ -131,14 +134,13 @@ bool StepStops::is_fast(const BodyRecord& body, btScalar seconds) {
     return exceeds(way_of(body, seconds), fast_part * body.thickness);
 }
 
-void StepStops::find_fast(btScalar seconds, btDispatcher& dispatcher) {
+void StepStops::find_fast(btScalar seconds) {
     end_ = seconds;
     slow_way_ = 0.0f;
     const auto count = static_cast<uint32_t>(bodies_.size());
     glances_.resize(count);
-    flights_.resize(count);
     threads_.for_chunks(count, least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) look_at(i, seconds);
+        for (uint32_t i = begin; i < end; ++i) glances_[i] = glance_at(*bodies_[i], seconds);
     });
     is_fast_.assign(count, 0);
     is_wild_.assign(count, 0);
@@ -156,24 +158,37 @@ void StepStops::find_fast(btScalar seconds, btDispatcher& dispatcher) {
         if (is_fast_[i]) fast_.push_back(i);
         if (!is_wild_[i] && !glance.debris) slow_way_ = std::max(slow_way_, glance.way);
     }
+}
+
+void StepStops::find_flights(btScalar seconds) {
+    const auto count = static_cast<uint32_t>(bodies_.size());
+    flights_.resize(count);
+    threads_.for_chunks(count, least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            const BodyRecord& body = *bodies_[i];
+            const bool awake = glances_[i].awake;
+            flights_[i] = {body.rigid->getWorldTransform(), glances_[i].linear,
+                           awake ? body.rigid->getAngularVelocity() : btVector3(0, 0, 0), body.moments, awake ? seconds : 0.0f};
+        }
+    });
+}
+
+void StepStops::swell_wild(btDispatcher& dispatcher) {
     for (const uint32_t i : wild_) {
         const Box box = grown(swept(i), {0, 0, 0}, slow_way_);
         broadphase_.setAabb(bodies_[i]->rigid->getBroadphaseProxy(), box.low, box.high, &dispatcher);
     }
 }
 
-void StepStops::look_at(uint32_t index, btScalar seconds) {
-    const BodyRecord& body = *bodies_[index];
+StepStops::Glance StepStops::glance_at(const BodyRecord& body, btScalar seconds) {
     const bool awake = body.awake();
-    const Velocity velocity = awake ? body.velocity() : Velocity{};
-    glances_[index] = {.linear = velocity.linear,
-                       .way = awake ? way_of(body, seconds) : 0.0f,
-                       .wild_way = std::max(half * body.thickness, half * least_way),
-                       .fixed = body.fixed,
-                       .awake = awake,
-                       .debris = body.debris,
-                       .fast = awake && is_fast(body, seconds)};
-    flights_[index] = {body.rigid->getWorldTransform(), velocity.linear, velocity.angular, body.moments, awake ? seconds : 0.0f};
+    return {.linear = awake ? body.rigid->getLinearVelocity() : btVector3(0, 0, 0),
+            .way = awake ? way_of(body, seconds) : 0.0f,
+            .wild_way = std::max(half * body.thickness, half * least_way),
+            .fixed = body.fixed,
+            .awake = awake,
+            .debris = body.debris,
+            .fast = awake && is_fast(body, seconds)};
 }
 
 btVector3 StepStops::common_velocity() const {

@@ -90,8 +90,10 @@ class StepStops {
 
     [[nodiscard]] static bool is_fast(const BodyRecord& body, btScalar seconds); // for its thickness
     void find_stops(btScalar seconds, btDispatcher& dispatcher);
-    void find_fast(btScalar seconds, btDispatcher& dispatcher);
-    void look_at(uint32_t index, btScalar seconds);
+    [[nodiscard]] static Glance glance_at(const BodyRecord& body, btScalar seconds);
+    void find_fast(btScalar seconds);
+    void find_flights(btScalar seconds); // of all, after who is fast
+    void swell_wild(btDispatcher& dispatcher); // their boxes
     [[nodiscard]] btVector3 common_velocity() const; // of most that can move, without debris
     // What holds a body on its way.
     [[nodiscard]] Box swept(uint32_t body) const;
