@@ -42,7 +42,7 @@ Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& 
 using PieceForms = std::vector<std::shared_ptr<const BodyForm>>;
 [[nodiscard]] Result<PieceForms> piece_forms(const fracture::Fragments& fragments, const Material& material,
                                              const PieceHulls& hulls, uint32_t threads = 0);
-// The same with those: less than a microsecond a body is left. Too few of them, or a missing one, is invalid_setting.
+// The same with those: less than half a microsecond a body is left. Too few of them, or a missing one, is invalid_setting.
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments, const Material& material,
                                        const PlacedMotion& motion, const PieceForms& forms);
 

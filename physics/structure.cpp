@@ -108,15 +108,13 @@ std::vector<uint8_t> Structure::debris_of(const World& world, std::span<const st
 Result<void> Structure::add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
                                     std::span<const uint8_t> debris) {
     std::vector<BodyState> bodies(islands.size());
-    std::vector<BodyDesc> descs;
-    descs.reserve(islands.size());
     const uint32_t siblings = world.new_siblings();
-    for (size_t i = 0; i < islands.size(); ++i) {
-        descs.push_back(describe(islands[i], motion, bodies[i]));
-        descs.back().debris = debris[i] != 0;
-        descs.back().siblings = siblings;
-    }
-    const Result<std::vector<BodyId>> added = world.add_bodies(descs);
+    const Result<std::vector<BodyId>> added = world.add_bodies(islands.size(), [&](size_t i) {
+        BodyDesc desc = describe(islands[i], motion, bodies[i]);
+        desc.debris = debris[i] != 0;
+        desc.siblings = siblings;
+        return desc;
+    });
     if (!added) return added.error();
     for (size_t i = 0; i < bodies.size(); ++i) {
         bodies[i].id = (*added)[i];
@@ -145,6 +143,7 @@ void Structure::make_forms(uint32_t threads) {
 }
 
 BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const {
+    body = {};
     body.pieces = island;
     double mass = 0.0;
     for (const uint32_t piece : island) {

@@ -20,8 +20,8 @@ namespace {
 // Fewer bodies than this are not worth waking another thread for.
 constexpr uint32_t least_new_bodies = 32, least_bodies = 256;
 
-fracture::Error refused(uint32_t id, const fracture::Error& fault) {
-    return {fault.status, text("body ", id, " cannot be added: ", fault.message)};
+fracture::Error refused(BodyId id, const fracture::Error& fault) {
+    return {fault.status, text(id, " cannot be added: ", fault.message)};
 }
 
 void add(StateHash& hash, const btVector3& v) {
@@ -46,33 +46,60 @@ const WorldSettings& World::settings() const {
     return impl_->settings;
 }
 
-Result<BodyId> World::add_body(const BodyDesc& desc) {
-    Result<NewBody> body = make_body(desc, impl_->settings);
-    if (!body) return refused(impl_->next_id, body.error());
-    return impl_->put_in(std::move(*body), desc);
-}
-
-Result<std::vector<BodyId>> World::add_bodies(std::span<const BodyDesc> descs) {
-    const auto count = static_cast<uint32_t>(descs.size());
-    fracture::Threads& threads = impl_->engine->threads;
-    std::vector<NewBody> bodies(count);
+// What is done one after the other leaves bodies of one hull alone: half of them lie in another core's cache.
+template<class Describe> Result<std::vector<BodyId>> World::Impl::add(size_t number, const Describe& describe) {
+    if (number == 0) return std::vector<BodyId>{};
+    const auto count = static_cast<uint32_t>(number);
+    const auto set_place = [&, before = bodies.size()](BodyRecord& body, uint32_t i) {
+        body.rigid->setUserIndex(static_cast<int>(before + i));
+    };
+    fracture::Threads& threads = engine->threads;
+    std::vector<NewBody> come(count);
+    std::vector<BodyId> added(count);
     std::vector<std::optional<fracture::Error>> faults(threads.chunks(count, least_new_bodies)); // the first of each chunk
     threads.for_chunks(count, least_new_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
-            Result<NewBody> body = make_body(descs[i], impl_->settings);
+            added[i] = {next_id + i};
+            Result<NewBody> body = make_body(describe(i), settings);
             if (!body) {
-                faults[chunk] = refused(impl_->next_id + i, body.error());
+                faults[chunk] = refused(added[i], body.error());
                 return;
             }
-            bodies[i] = std::move(*body);
+            come[i] = std::move(*body);
+            come[i].record->id = added[i];
+            if (come[i].proxy) set_place(*come[i].record, i);
         }
     });
     for (const std::optional<fracture::Error>& fault : faults)
         if (fault) return *fault;
-    std::vector<BodyId> added;
-    added.reserve(count);
-    for (uint32_t i = 0; i < count; ++i) added.push_back(impl_->put_in(std::move(bodies[i]), descs[i]));
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!come[i].proxy) {
+            make_compound(come[i], describe(i));
+            set_place(*come[i].record, i);
+        }
+        engine->world->put_in(come[i]);
+        if (come[i].collides) ++colliding;
+        bodies.push_back(std::move(come[i].record));
+    }
+    ids.insert(ids.end(), added.begin(), added.end());
+    moved_steps.resize(ids.size(), steps);
+    next_id += count;
+    engine->solver.forget_sleeping();
     return added;
+}
+
+Result<BodyId> World::add_body(const BodyDesc& desc) {
+    const auto added = impl_->add(1, [&](size_t) -> const BodyDesc& { return desc; });
+    if (!added) return added.error();
+    return added->front();
+}
+
+Result<std::vector<BodyId>> World::add_bodies(std::span<const BodyDesc> descs) {
+    return impl_->add(descs.size(), [&](size_t i) -> const BodyDesc& { return descs[i]; });
+}
+
+Result<std::vector<BodyId>> World::add_bodies(size_t count, const std::function<BodyDesc(size_t)>& describe) {
+    return impl_->add(count, describe);
 }
 
 uint32_t World::new_siblings() {

@@ -198,6 +198,9 @@ class World {
     // that it would give for the first that is refused. Bodies of one hull are made side by side
     // (WorldSettings::threads).
     Result<std::vector<BodyId>> add_bodies(std::span<const BodyDesc> descs);
+    // The same, each described as it is made: on several threads at once, in any order, and once more, alike, where it has several
+    // hulls. Describing must leave the world alone.
+    Result<std::vector<BodyId>> add_bodies(size_t count, const std::function<BodyDesc(size_t)>& describe);
     // A number for BodyDesc::siblings that was not given before.
     uint32_t new_siblings();
     // Removes a body and wakes what it touched; later bodies move up by one in body order. False if there is

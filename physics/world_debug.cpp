@@ -30,7 +30,7 @@ void World::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) cons
         BodyRecord& body = *impl_->bodies[i];
         const btTransform& frame = body.rigid->getWorldTransform();
         const glm::vec3 colour = body.awake() ? awake_colour : asleep_colour;
-        if (body.shape) draw_hull(*body.shape, body.edges, frame, colour);
+        if (!body.compound) draw_hull(*body.form->shape, body.edges, frame, colour);
         for (size_t part = 0; part < body.shared.size(); ++part)
             draw_hull(body.shared[part]->shape, body.shared[part]->edges,
                       frame * body.compound->getChildTransform(static_cast<int>(part)), colour);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "physics/bullet/first_touch.h"
+#include "physics/bullet/siblings.h"
 #include "physics/bullet/turn.h"
 #include "physics/world_check.h"
 
@@ -18,7 +19,7 @@ constexpr float debris_factor = 2.0f;
 // The shape of a body with one hull; to_principal must be known. Bullet's frame has the principal axes, so the hull is turned
 // into them.
 void make_single(BodyForm& body, const CollisionHull& hull, const glm::vec3& offset) {
-    body.shape = std::make_shared<HullShape>();
+    body.shape.emplace();
     body.shape->reserve(hull.points.size());
     const glm::quat from_body = glm::conjugate(body.to_principal);
     const size_t count = hull.points.size();
@@ -42,21 +43,25 @@ float longest_extent(const btCollisionShape& shape) {
 }
 
 // Reach, thickness, longest.
-void measure(BodyForm& body, const btCompoundShape* compound) {
-    body.longest = compound ? longest_extent(*compound) : body.shape->longest();
+void measure(BodyMeasures& body, const HullShape& hull) {
+    body.longest = hull.longest();
+    body.reach = hull.radius();
+    body.thickness = thickness(hull);
+}
+
+void measure(BodyMeasures& body, const btCompoundShape& compound) {
+    body.longest = longest_extent(compound);
     body.reach = 0.0f;
     body.thickness = BT_LARGE_FLOAT;
-    const auto add = [&](const HullShape& hull, const btVector3& origin) {
-        body.reach = std::max(body.reach, origin.length() + hull.radius());
+    for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+        const auto& hull = static_cast<const HullShape&>(*compound.getChildShape(i));
+        body.reach = std::max(body.reach, compound.getChildTransform(i).getOrigin().length() + hull.radius());
         body.thickness = std::min(body.thickness, thickness(hull));
-    };
-    if (!compound) return add(*body.shape, {0, 0, 0});
-    for (int i = 0; i < compound->getNumChildShapes(); ++i)
-        add(static_cast<const HullShape&>(*compound->getChildShape(i)), compound->getChildTransform(i).getOrigin());
+    }
 }
 
 // Of the hull in its own axes; most know it.
-AirDrag drag_of_single(const BodyForm& body, const CollisionHull& hull) {
+AirDrag drag_of_single(const BodyMeasures& body, const CollisionHull& hull) {
     const glm::quat from_body = glm::conjugate(body.to_principal);
     if (!hull.section.sides.empty()) return {hull.section.sides, from_body, body.mass, body.moments};
     return {cross_section(hull.points).sides, from_body, body.mass, body.moments};
@@ -78,6 +83,21 @@ AirDrag drag_of_compound(const BodyRecord& body, std::span<const BodyPart> parts
     return {section.sides, glm::quat(1.0f, 0.0f, 0.0f, 0.0f), body.mass, body.moments};
 }
 
+// What moves is given its box as each step begins: until then one around it any way round will do, and saves a look at all of its
+// points. What is astray from the first (SteppedWorld::set_box()) keeps that.
+std::unique_ptr<SweptProxy> proxy_of(BodyRecord& body, bool large) {
+    const btVector3 reach(body.reach, body.reach, body.reach);
+    btVector3 low = body.blow_frame.getOrigin() - reach, high = body.blow_frame.getOrigin() + reach;
+    if (body.fixed) body.collision_shape()->getAabb(body.blow_frame, low, high);
+    return SweepBroadphase::make_proxy(low, high, &*body.rigid, group_of(body.fixed, body.debris),
+                                       partners_of(body.fixed, body.debris), body.fixed || large ? BT_LARGE_FLOAT : body.longest,
+                                       least_partner_of(body));
+}
+
+bool has_one_hull(const BodyDesc& desc) {
+    return desc.parts.size() <= 1;
+}
+
 fracture::Error refused(std::string fault) {
     return {fracture::Status::invalid_setting, std::move(fault)};
 }
@@ -90,11 +110,11 @@ std::string describe(BodyForm& form, const BodyDesc& desc) {
     form.moments = principal.moments;
     form.mass = desc.mass;
     form.fixed = desc.fixed;
-    if (desc.parts.size() > 1) return {};
+    if (!has_one_hull(desc)) return {};
     const CollisionHull& hull = desc.parts.empty() ? desc.hull : *desc.parts[0].hull;
     make_single(form, hull, desc.parts.empty() ? glm::vec3(0.0f) : desc.parts[0].offset);
-    measure(form, nullptr);
-    if (!form.fixed) form.drag = std::make_shared<AirDrag>(drag_of_single(form, hull));
+    measure(form, *form.shape);
+    if (!form.fixed) form.drag = drag_of_single(form, hull);
     return {};
 }
 
@@ -103,16 +123,20 @@ std::string describe(BodyForm& form, const BodyDesc& desc) {
 Result<std::shared_ptr<const BodyForm>> make_form(const BodyDesc& desc) {
     auto form = std::make_shared<BodyForm>();
     if (std::string fault = describe(*form, desc); !fault.empty()) return refused(std::move(fault));
-    return desc.parts.size() > 1 ? nullptr : std::shared_ptr<const BodyForm>(std::move(form));
+    return has_one_hull(desc) ? std::shared_ptr<const BodyForm>(std::move(form)) : nullptr;
 }
 
 Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings) {
-    NewBody made{std::make_unique<BodyRecord>()};
+    NewBody made;
+    made.record = std::make_unique_for_overwrite<BodyRecord>(); // else all of it would be cleared first
     BodyRecord& body = *made.record;
-    if (desc.form)
-        static_cast<BodyForm&>(body) = *desc.form;
-    else if (std::string fault = describe(body, desc); !fault.empty())
-        return refused(std::move(fault));
+    body.form = desc.form;
+    if (!body.form) {
+        auto form = std::make_shared<BodyForm>();
+        if (std::string fault = describe(*form, desc); !fault.empty()) return refused(std::move(fault));
+        body.form = std::move(form);
+    }
+    static_cast<BodyMeasures&>(body) = *body.form;
     if (std::string fault = fault_of_place(desc); !fault.empty()) return refused(std::move(fault));
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
     body.blow_frame = btTransform(to_bullet(orientation * body.to_principal), metres_to_bullet(desc.pose.position));
@@ -122,13 +146,16 @@ Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings) {
         body.previous = {desc.previous->position, glm::normalize(desc.previous->orientation)};
     else
         body.previous = body.pose_in(body.blow_frame);
-    if (body.shape) make_rigid(made, desc, settings);
+    if (desc.form || has_one_hull(desc)) make_rigid(made, desc, settings);
     return made;
 }
 
 void finish_compound(BodyRecord& body, std::span<const BodyPart> parts) {
-    measure(body, body.compound.get());
-    if (!body.fixed) body.drag = std::make_shared<AirDrag>(drag_of_compound(body, parts));
+    measure(body, *body.compound);
+    auto form = std::make_shared<BodyForm>();
+    static_cast<BodyMeasures&>(*form) = body;
+    if (!body.fixed) form->drag = drag_of_compound(body, parts);
+    body.form = std::move(form);
 }
 
 const btRigidBody& blank_body() {
@@ -157,8 +184,11 @@ void make_rigid(NewBody& made, const BodyDesc& desc, const WorldSettings& settin
     if (!settings.sleeping) rigid.setActivationState(DISABLE_DEACTIVATION);
     if (body.fixed) rigid.setActivationState(ISLAND_SLEEPING);
     body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
-    rigid.getCollisionShape()->getAabb(body.blow_frame, made.low, made.high);
-    if (!body.fixed && !desc.large) made.size = body.longest;
+    if (desc.siblings != 0) Siblings::mark(rigid, desc.siblings);
+    made.sibling = desc.siblings != 0;
+    made.collides = body.collides();
+    made.proxy = proxy_of(body, desc.large);
+    rigid.setBroadphaseHandle(made.proxy.get());
 }
 
 void BodyRecord::start_step() {

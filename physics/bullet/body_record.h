@@ -14,6 +14,7 @@
 #include "physics/bullet/air_drag.h"
 #include "physics/bullet/convert.h"
 #include "physics/bullet/hull_shape.h"
+#include "physics/bullet/sweep_broadphase.h"
 #include "physics/hull.h"
 #include "physics/world.h"
 
@@ -31,26 +32,30 @@ struct Velocity {
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
 };
 
-// What does not depend on where and in which world a body is. Bullet's frame has the same origin as ours and the principal axes
-// as its own.
-struct BodyForm {
+// What a step asks of a body. Bullet's frame has the same origin as ours and the principal axes as its own.
+struct BodyMeasures {
     glm::quat to_principal{1.0f, 0.0f, 0.0f, 0.0f}; // body axes = to_principal * principal axes
     glm::dvec3 moments{1.0};                        // principal, kg m^2
     float mass = 0.0f;                              // kg, as given
     bool fixed = false;
-    std::shared_ptr<const AirDrag> drag; // null for a fixed body
     // Bullet's units: from the centre of mass; of the thinnest of its hulls; the longest side of the box in its own axes.
     float reach = 0.0f, thickness = 0.0f, longest = 0.0f;
-    std::shared_ptr<HullShape> shape; // of a body with one hull; null for a compound
 };
 
-// One body.
-struct BodyRecord : BodyForm {
+// What does not depend on where and in which world a body is; bodies share it.
+struct BodyForm : BodyMeasures {
+    AirDrag drag;                   // of a fixed body that of a vacuum
+    std::optional<HullShape> shape; // of a body with one hull; none for a compound
+};
+
+// One body. Every member has an initialiser: see make_body().
+struct BodyRecord : BodyMeasures {
     BodyRecord() = default;
     BodyRecord(BodyRecord&&) = delete; // Bullet keeps where its body is
 
     BodyId id;
     bool debris = false;
+    std::shared_ptr<const BodyForm> form; // the measures are copies of its own
     Pose previous;
     btTransform stepped_from = btTransform::getIdentity(); // Bullet's frame as the step began, after the repair
     bool was_repaired = false;                             // as the step began
@@ -76,8 +81,9 @@ struct BodyRecord : BodyForm {
     std::unique_ptr<btCompoundShape> compound;        // null for a body with one hull
     std::optional<btRigidBody> rigid;                 // made once; none until then
 
+    // Bullet, which does not say so, leaves shapes as they are.
     [[nodiscard]] btCollisionShape* collision_shape() const {
-        return compound ? static_cast<btCollisionShape*>(compound.get()) : shape.get();
+        return compound ? static_cast<btCollisionShape*>(compound.get()) : const_cast<HullShape*>(&*form->shape);
     }
 
     // Moves it out of overlaps, unless it sleeps, and notes where it is.
@@ -94,33 +100,33 @@ struct BodyRecord : BodyForm {
     }
 };
 
-// A body that is in no world yet, and the box around it there.
+// A body that is in no world yet, and what it will be among the others' boxes.
 struct NewBody {
     std::unique_ptr<BodyRecord> record;
-    btVector3 low{0, 0, 0}, high{0, 0, 0};
-    float size = BT_LARGE_FLOAT; // to debris: its longest side, unless it is fixed or called large
+    std::unique_ptr<SweptProxy> proxy; // null until the rigid body is made
+    bool sibling = false;              // Siblings::mark()
+    bool collides = false;             // BodyRecord::collides()
 };
 
 // What can be made of a description outside of a world, on any thread: all but its number and place there. Of several hulls the
 // shape is left out, as bodies share hulls, and what make_rigid() makes of it. The error says what is wrong, but not of whom.
 [[nodiscard]] Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings);
 
-// The lengths of a compound and what the air does to it; the shape must be known.
+// The form of a compound, its lengths and what the air does to it; the shape must be known.
 void finish_compound(BodyRecord& body, std::span<const BodyPart> parts);
 
 // A rigid body of a kilogram without a shape, to be copied. Bullet counts bodies as it makes them, which no two threads may do, but not
 // copies. Who copies it gives the copy all that Bullet would.
 [[nodiscard]] const btRigidBody& blank_body();
 
-// Bullet's rigid body with the pose and velocity that the record begins with, its box, and what it is to debris or whether it is
-// that itself; the shape must be known. On any thread.
+// Bullet's rigid body with the pose and velocity that the record begins with, and its proxy; the shape must be known. On any thread.
 void make_rigid(NewBody& body, const BodyDesc& desc, const WorldSettings& settings);
 
 // Who meets whom (SweepBroadphase::may_meet()), first for Bullet's filter: fixed bodies do not meet each other, debris does not
 // either.
 [[nodiscard]] int group_of(bool fixed, bool debris);
 [[nodiscard]] int partners_of(bool fixed, bool debris);
-// Of what moves, debris meets what is at least so long (BodyForm::longest), others meet all. The same factor for what is debris by its
+// Of what moves, debris meets what is at least so long (BodyMeasures::longest), others meet all. The same factor for what is debris by its
 // size and by its number: contacts with its like cost as much of either.
 [[nodiscard]] float least_partner_of(const BodyRecord& body);
 

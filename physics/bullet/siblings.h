@@ -8,20 +8,25 @@
 // Bullet's second user index of a body holds its number for the body's first step, and otherwise Bullet's default.
 #pragma once
 
+#include <cassert>
+#include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
 
-#include "physics/bullet/body_record.h"
 #include "physics/bullet/sweep_broadphase.h"
 
 namespace brittle::physics {
 
 class Siblings {
   public:
-    void add(btRigidBody& body, uint32_t number);
+    // What add() takes; on any thread.
+    static void mark(btRigidBody& body, uint32_t number) { body.setUserIndex2(static_cast<int>(number)); }
+    void add(btRigidBody& body) {
+        assert(body.getUserIndex2() != none);
+        bodies_.push_back(&body);
+    }
     void remove(const btRigidBody& body);
     // Before pairs are looked at: lets only those go on as siblings that fly as one. Bullet's units; no height: no ground.
     void check(const SweptPairs& pairs, std::optional<btScalar> ground_height);

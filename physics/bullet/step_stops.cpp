@@ -79,7 +79,7 @@ struct Collect final : btBroadphaseAabbCallback {
 
 // Calls with each hull of the body that may be in the box, given in the world as the body is when the step begins.
 template<class Call> void visit_hulls(const BodyRecord& body, const Flight& flight, const Box& box, const Call& call) {
-    if (!body.compound) return call(FlyingHull{body.shape.get(), btTransform::getIdentity(), &flight});
+    if (!body.compound) return call(FlyingHull{&*body.form->shape, btTransform::getIdentity(), &flight});
     Box local;
     btTransformAabb(box.low, box.high, 0.0f, flight.from.inverse(), local.low, local.high);
     struct Leaves final : btDbvt::ICollide {

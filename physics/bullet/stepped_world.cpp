@@ -71,12 +71,9 @@ void SteppedWorld::for_each_contact(const auto& visit) {
     });
 }
 
-void SteppedWorld::put_in(const NewBody& body) {
-    BodyRecord& record = *body.record;
-    record.rigid->setBroadphaseHandle(broadphase_.createProxy(body.low, body.high, record.collision_shape()->getShapeType(),
-                                                              &*record.rigid, group_of(record.fixed, record.debris),
-                                                              partners_of(record.fixed, record.debris), getDispatcher()));
-    broadphase_.set_size(record.rigid->getBroadphaseHandle(), body.size, least_partner_of(record));
+void SteppedWorld::put_in(NewBody& body) {
+    broadphase_.put_in(std::move(body.proxy));
+    if (body.sibling) siblings_.add(*body.record->rigid);
 }
 
 std::span<const int> SteppedWorld::take_out(BodyRecord& body) {
@@ -127,7 +124,7 @@ void SteppedWorld::find_pairs(btScalar seconds) {
     // After that, as the air meets each piece of a cut alone: at once they would not fly as one any more.
     const float unfelt = unfelt_part * glm::length(settings_.gravity) * seconds;
     if (settings_.air_density > 0.0f)
-        for_each_body(stepped_, [&](BodyRecord& body) { body.drag->brake(*body.rigid, settings_.air_density, seconds, unfelt); });
+        for_each_body(stepped_, [&](BodyRecord& body) { body.form->drag.brake(*body.rigid, settings_.air_density, seconds, unfelt); });
     find_contacts(broadphase_.pairs(), static_cast<btCollisionDispatcher&>(*getDispatcher()), info, threads_);
 }
 
@@ -139,9 +136,9 @@ void SteppedWorld::set_box(BodyRecord& body, btScalar seconds) {
     shape.getAabb(rigid.getWorldTransform(), low, high);
     btScalar around = box_slack * bullet_units;
     const btScalar turning = rigid.getAngularVelocity().length() * seconds;
-    if (body.shape && turning * body.shape->radius() < around) {
+    if (!body.compound && turning * body.reach < around) {
         const btVector3 way = rigid.getLinearVelocity() * seconds;
-        around += turning * body.shape->radius();
+        around += turning * body.reach;
         low.setMin(low + way);
         high.setMax(high + way);
     } else {

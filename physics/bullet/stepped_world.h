@@ -30,8 +30,8 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         : btDiscreteDynamicsWorld(dispatcher, broadphase, nullptr, configuration), broadphase_(*broadphase),
           solver_(*solver), settings_(settings), bodies_(bodies), threads_(threads), stops_(bodies, *broadphase, threads) {}
 
-    // In place of Bullet's own, whose lists of bodies nobody reads.
-    void put_in(const NewBody& body);
+    // In place of Bullet's own, whose lists of bodies nobody reads. Does not look at the body itself.
+    void put_in(NewBody& body);
     // User indices of the bodies, not the ground, that it had contacts with; until the next call.
     std::span<const int> take_out(BodyRecord& body);
 

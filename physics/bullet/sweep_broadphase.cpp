@@ -184,30 +184,35 @@ bool SweepBroadphase::Filter::meets(const Filter& other) const {
 
 btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVector3& high, int, void* object,
                                                 int group, int mask, btDispatcher*) {
+    put_in(make_proxy(low, high, object, group, mask));
+    return proxies_.back().get();
+}
+
+std::unique_ptr<SweptProxy> SweepBroadphase::make_proxy(const btVector3& low, const btVector3& high, void* object, int group,
+                                                        int mask, btScalar size, btScalar least_partner) {
     auto proxy = std::make_unique<SweptProxy>();
     proxy->m_aabbMin = low;
     proxy->m_aabbMax = high;
     proxy->m_clientObject = object;
     proxy->m_collisionFilterGroup = group;
     proxy->m_collisionFilterMask = mask;
+    proxy->size = size;
+    proxy->least_partner = least_partner;
+    return proxy;
+}
+
+void SweepBroadphase::put_in(std::unique_ptr<SweptProxy> proxy) {
     proxy->m_uniqueId = next_uid_++;
     proxy->rank = static_cast<uint32_t>(proxies_.size());
     changes_.push_back(SweptPairs::Change::set);
-    filters_.push_back({.group = group, .partners = mask});
+    filters_.push_back({proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask, proxy->size, proxy->least_partner});
     if (proxies_.empty()) boxes_.resize(0);
     for (size_t axis = 0; axis < 3; ++axis) {
         boxes_.low[axis].push_back(infinite);
         boxes_.high[axis].push_back(-infinite);
     }
-    boxes_.set(proxy->rank, low, high);
+    boxes_.set(proxy->rank, proxy->m_aabbMin, proxy->m_aabbMax);
     proxies_.push_back(std::move(proxy));
-    return proxies_.back().get();
-}
-
-void SweepBroadphase::set_size(btBroadphaseProxy* proxy, btScalar size, btScalar least_partner) {
-    Filter& sized = filters_[swept(proxy).rank];
-    sized.size = size;
-    sized.least_partner = least_partner;
 }
 
 bool SweepBroadphase::may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const {

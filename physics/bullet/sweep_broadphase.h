@@ -6,7 +6,7 @@
 // last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
 // other and with those that were not, four at a time; pairs of two that were not stay as they are. Debris, which meets no debris,
 // has a list of its own and is not compared with itself. Of others that it overlaps it has no pair with those that are too small for it
-// (set_size()).
+// (SweptProxy::least_partner).
 //
 // - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
 //   on what happened before.
@@ -33,9 +33,10 @@
 
 namespace brittle::physics {
 
-// Proxies are numbered by rank: their place among all, in the order in which they were made.
+// Proxies are numbered by rank: their place among all, in the order in which they came.
 struct SweptProxy final : btBroadphaseProxy {
     uint32_t rank = 0;
+    btScalar size = BT_LARGE_FLOAT, least_partner = 0.0f; // see make_proxy()
 };
 
 // Pairs of boxes in the order of their ranks.
@@ -59,6 +60,7 @@ class SweptPairs final : public btOverlappingPairCache {
 
     // Indices of the pairs of which a box was set when pairs were last found, in their order.
     [[nodiscard]] const std::vector<int>& set() const { return set_; }
+    [[nodiscard]] uint32_t higher_rank(int index) const { return static_cast<uint32_t>(keys_[static_cast<size_t>(index)]); }
     // Of those of one box, in their order; until the next call.
     [[nodiscard]] const std::vector<int>& pairs_of(const btBroadphaseProxy& proxy);
 
@@ -92,9 +94,12 @@ class SweepBroadphase final : public btBroadphaseInterface {
 
     btBroadphaseProxy* createProxy(const btVector3& low, const btVector3& high, int shape, void* object, int group,
                                    int mask, btDispatcher* dispatcher) override;
-    // It is so large, and meets only what is at least as large as it asks for; one without is larger than all and meets all.
-    // To be called before pairs are next found.
-    void set_size(btBroadphaseProxy* proxy, btScalar size, btScalar least_partner);
+    // One that is in no broadphase yet: made on any thread. It is so large, and meets only what is at least so large.
+    [[nodiscard]] static std::unique_ptr<SweptProxy> make_proxy(const btVector3& low, const btVector3& high, void* object,
+                                                                int group, int mask, btScalar size = BT_LARGE_FLOAT,
+                                                                btScalar least_partner = 0.0f);
+    // Behind all others.
+    void put_in(std::unique_ptr<SweptProxy> proxy);
     // Whether two meet where they overlap: as their groups and their sizes say.
     [[nodiscard]] bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const;
     void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
@@ -140,7 +145,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // Of a proxy: what may_meet() asks for.
     struct Filter {
         int group, partners;
-        btScalar size = BT_LARGE_FLOAT, least_partner = 0.0f; // see set_size()
+        btScalar size, least_partner;
         [[nodiscard]] bool meets(const Filter& other) const;
     };
 

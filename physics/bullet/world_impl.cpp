@@ -54,7 +54,9 @@ std::shared_ptr<SharedShape> World::Impl::shared_shape(const std::shared_ptr<con
     return made;
 }
 
-void World::Impl::make_compound(BodyRecord& body, std::span<const BodyPart> parts) {
+void World::Impl::make_compound(NewBody& made, const BodyDesc& desc) {
+    BodyRecord& body = *made.record;
+    const std::vector<BodyPart>& parts = desc.parts;
     const glm::quat from_body = glm::conjugate(body.to_principal);
     body.compound = std::make_unique<btCompoundShape>(true, static_cast<int>(parts.size()));
     for (const BodyPart& part : parts) {
@@ -62,26 +64,8 @@ void World::Impl::make_compound(BodyRecord& body, std::span<const BodyPart> part
         const btTransform frame(to_bullet(from_body), metres_to_bullet(from_body * part.offset));
         body.compound->addChildShape(frame, &body.shared.back()->shape);
     }
-}
-
-BodyId World::Impl::put_in(NewBody made, const BodyDesc& desc) {
-    BodyRecord& body = *made.record;
-    body.id = {next_id};
-    if (!body.shape) {
-        make_compound(body, desc.parts);
-        finish_compound(body, desc.parts);
-        make_rigid(made, desc, settings);
-    }
-    body.rigid->setUserIndex(static_cast<int>(bodies.size()));
-    if (desc.siblings != 0) engine->world->siblings().add(*body.rigid, desc.siblings);
-    engine->world->put_in(made);
-    engine->solver.forget_sleeping();
-    if (body.collides()) ++colliding;
-    ++next_id;
-    ids.push_back(body.id);
-    bodies.push_back(std::move(made.record));
-    moved_steps.push_back(steps);
-    return body.id;
+    finish_compound(body, parts);
+    make_rigid(made, desc, settings);
 }
 
 } // namespace brittle::physics

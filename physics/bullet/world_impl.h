@@ -5,7 +5,6 @@
 #include <cassert>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -83,9 +82,9 @@ struct World::Impl {
         colliding = 0;
     }
     std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
-    void make_compound(BodyRecord& body, std::span<const BodyPart> parts);
-    // Behind all others; the body is what make_body() makes of the description.
-    BodyId put_in(NewBody made, const BodyDesc& desc);
+    void make_compound(NewBody& made, const BodyDesc& desc); // what make_body() left out
+    // All or none. describe(i) gives the description of the i-th or a reference to it: see World::add_bodies().
+    template<class Describe> Result<std::vector<BodyId>> add(size_t count, const Describe& describe);
     // By halving: a table by number would grow for ever where things break again and again.
     [[nodiscard]] const BodyRecord* find(BodyId id) const {
         const auto at = std::ranges::lower_bound(ids, id);

@@ -39,7 +39,7 @@ BodyDesc askew(BodyDesc body, test::Random& random) {
 }
 
 // All kinds: hulls of their own and shared ones, of one part off the centre and of several, fixed and free, with and without
-// a shadow that is known, siblings, debris, and such as come with a pose of a step ago.
+// a shadow that is known, siblings of two numbers from one on, debris, and such as come with a pose of a step ago.
 std::vector<BodyDesc> all_kinds(uint32_t siblings) {
     test::Random random(11);
     const auto shared = std::make_shared<const CollisionHull>(box_hull(glm::vec3(0.05f)));
@@ -53,7 +53,7 @@ std::vector<BodyDesc> all_kinds(uint32_t siblings) {
         if (i % 11 == 3) body.hull = {}, body.parts = {{shared, {0.01f, -0.02f, 0.0f}}};
         if (i % 13 == 4) body.fixed = true;
         if (i % 9 == 5) body.previous = Pose{at - 0.1f * body.linear_velocity, {2.0f, 0.1f, 0.0f, 0.0f}};
-        if (i % 3 == 0) body.siblings = siblings;
+        if (i % 3 == 0 && siblings > 0) body.siblings = siblings + static_cast<uint32_t>(i % 2);
         bodies.push_back(body);
     }
     return bodies;
@@ -71,7 +71,10 @@ Story story(uint32_t threads, const std::function<std::vector<BodyId>(World&, st
     must_add(world, box({2.0f, 0.1f, 2.0f}, 10.0f, {0.0f, 0.2f, 0.0f}));
     for (int i = 0; i < 5; ++i) world.step();
     Story told;
-    told.ids = add(world, all_kinds(world.new_siblings()));
+    const uint32_t siblings = world.new_siblings();
+    (void)world.new_siblings();
+    told.ids = add(world, all_kinds(siblings));
+    for (const size_t k : {2u, 3u, 27u, 46u}) world.remove_body(told.ids[k]); // 3 and 27 are siblings
     told.hashes.push_back(world.state_hash());
     for (int i = 1; i <= 60; ++i) {
         world.step();
@@ -91,6 +94,12 @@ std::vector<BodyId> one_by_one(World& world, std::span<const BodyDesc> bodies) {
 
 std::vector<BodyId> at_once(World& world, std::span<const BodyDesc> bodies) {
     const Result<std::vector<BodyId>> ids = world.add_bodies(bodies);
+    REQUIRE_MESSAGE(ids.has_value(), (ids ? std::string() : ids.error().message));
+    return *ids;
+}
+
+std::vector<BodyId> described(World& world, std::span<const BodyDesc> bodies) {
+    const Result<std::vector<BodyId>> ids = world.add_bodies(bodies.size(), [&](size_t i) { return bodies[i]; });
     REQUIRE_MESSAGE(ids.has_value(), (ids ? std::string() : ids.error().message));
     return *ids;
 }
@@ -149,11 +158,38 @@ TEST_CASE("a rigid body is as Bullet makes it") {
     }
 }
 
+TEST_CASE("a new body has a box around it, and meets whom it is large enough for") {
+    for (BodyDesc& desc : all_kinds(0)) {
+        if (desc.parts.size() > 1) continue;
+        desc.large = desc.mass > 3.0f;
+        const Result<NewBody> made = make_body(desc, {});
+        REQUIRE(made);
+        const BodyRecord& body = *made->record;
+        const SweptProxy& proxy = *made->proxy;
+        CHECK(body.rigid->getBroadphaseHandle() == &proxy);
+        CHECK(proxy.m_clientObject == &*body.rigid);
+        btVector3 low, high;
+        body.collision_shape()->getAabb(body.blow_frame, low, high);
+        const btScalar slack = body.fixed ? 0.0f : 1e-5f * body.reach, most = 2.00001f * body.reach;
+        for (int axis = 0; axis < 3; ++axis) {
+            CHECK(proxy.m_aabbMin[axis] <= low[axis] + slack);
+            CHECK(proxy.m_aabbMax[axis] >= high[axis] - slack);
+            CHECK(proxy.m_aabbMax[axis] - proxy.m_aabbMin[axis] <= most + 1e-6f * proxy.m_aabbMax.length());
+        }
+        CHECK(proxy.size == (body.fixed || desc.large ? BT_LARGE_FLOAT : body.longest));
+        CHECK((proxy.least_partner > body.longest) == body.debris);
+        CHECK(proxy.m_collisionFilterGroup == group_of(body.fixed, body.debris));
+        CHECK(proxy.m_collisionFilterMask == partners_of(body.fixed, body.debris));
+        CHECK(made->collides == (!body.fixed && !body.debris));
+    }
+}
+
 TEST_CASE("no bodies at once change nothing") {
     World world;
     must_add(world, box(glm::vec3(0.1f), 1.0f, {0.0f, 1.0f, 0.0f}));
     const uint64_t before = world.state_hash();
     CHECK(at_once(world, {}).empty());
+    CHECK(described(world, {}).empty());
     CHECK(world.body_count() == 1);
     CHECK(world.state_hash() == before);
 }
@@ -165,6 +201,7 @@ TEST_CASE("bodies added at once are those added one by one, on any number of thr
     for (const uint32_t threads : {1u, 2u, 3u, 8u, 0u}) {
         INFO("threads: ", threads);
         CHECK(story(threads, at_once) == expected);
+        CHECK(story(threads, described) == expected);
     }
 }
 
@@ -192,6 +229,9 @@ TEST_CASE("of bodies of which some are refused none comes, and the error is that
             for (World* one : {&world, &untried}) must_add(*one, box(glm::vec3(0.1f), 1.0f, {0.0f, 1.0f, 0.0f}));
             const Result<std::vector<BodyId>> added = world.add_bodies(bodies);
             REQUIRE_FALSE(added.has_value());
+            const Result<std::vector<BodyId>> told = world.add_bodies(bodies.size(), [&](size_t i) { return bodies[i]; });
+            REQUIRE_FALSE(told.has_value());
+            CHECK(told.error().message == added.error().message);
             CHECK(added.error().status == expected.status);
             // One more is there than in the world that was empty.
             const std::string name = "body " + std::to_string(at), later = "body " + std::to_string(at + 1);

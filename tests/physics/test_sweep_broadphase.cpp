@@ -48,14 +48,14 @@ struct Boxes {
         return add(low, low + corner(0.0f, size), group, mask);
     }
     btBroadphaseProxy* add_sized(float space, float size, float factor) { // of what it meets
-        const bool debris = factor > 0.0f;
-        btBroadphaseProxy* const proxy = debris ? add_random(space, size, btBroadphaseProxy::DebrisFilter, ~btBroadphaseProxy::DebrisFilter)
-                                                : add_random(space, size);
-        const btVector3 sides = proxy->m_aabbMax - proxy->m_aabbMin;
-        boxes.back().size = sides[sides.maxAxis()];
-        boxes.back().least_partner = factor * boxes.back().size;
-        sweep.set_size(proxy, boxes.back().size, boxes.back().least_partner);
-        return proxy;
+        const int group = factor > 0.0f ? btBroadphaseProxy::DebrisFilter : btBroadphaseProxy::DefaultFilter;
+        const int mask = factor > 0.0f ? ~btBroadphaseProxy::DebrisFilter : btBroadphaseProxy::AllFilter;
+        const btVector3 low = corner(-space, space), sides = corner(0.0f, size);
+        const float longest = sides[sides.maxAxis()];
+        auto proxy = SweepBroadphase::make_proxy(low, low + sides, nullptr, group, mask, longest, factor * longest);
+        boxes.push_back({proxy.get(), group, mask, longest, factor * longest});
+        sweep.put_in(std::move(proxy));
+        return boxes.back().proxy;
     }
     void move(size_t which, float by) {
         btBroadphaseProxy* proxy = boxes[which].proxy;
