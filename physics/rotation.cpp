@@ -14,7 +14,7 @@ Spin free_spin(const Spin& spin, const glm::dvec3& moments, double seconds) {
 
     const int substeps =
         std::clamp(static_cast<int>(std::ceil(speed * seconds / max_turn_per_substep)), 1, max_spin_substeps);
-    const double h = seconds / substeps;
+    const double h = seconds / substeps, settled = 1e-12 * speed;
     glm::dquat orientation = spin.orientation;
     glm::dvec3 body = glm::conjugate(orientation) * velocity;
     for (int substep = 0; substep < substeps; ++substep) {
@@ -22,9 +22,9 @@ Spin free_spin(const Spin& spin, const glm::dvec3& moments, double seconds) {
         glm::dvec3 middle = body;
         for (int iteration = 0; iteration < 40; ++iteration) {
             const glm::dvec3 next = body + 0.5 * h * glm::cross(moments * middle, middle) / moments;
-            const double change = glm::length(next - middle);
+            const glm::dvec3 change = next - middle;
             middle = next;
-            if (change <= 1e-12 * speed) break;
+            if (glm::dot(change, change) <= settled * settled) break;
         }
         body = 2.0 * middle - body;
         // The Cayley map of h m is the quaternion (1, h m / 2), normalised: the same rational map that turned

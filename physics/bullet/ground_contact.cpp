@@ -120,9 +120,9 @@ class Manifolds {
 
 // What a contact keeps for the next step.
 struct Memory {
-    int corner;
-    float impulse, friction;
-    std::array<float, 3> along;
+    int corner = 0;
+    float impulse = 0.0f, friction = 0.0f;
+    std::array<float, 3> along{};
 };
 
 btScalar height_of(const btCollisionObject& plane) {
@@ -202,14 +202,17 @@ class HullOnPlane final : public FollowedContacts {
         // Most bodies that are in the air are so high that none of their corners can come down in the step.
         const btScalar above = frame.getOrigin().y() - height;
         const btScalar highest = highest_contact(shape, *body, origin.length(), seconds);
-        if (above - shape.radius() > highest || above - shape.reach(-frame.getBasis()[1]) - shape.getMargin() > highest)
-            return corners;
+        if (above - shape.radius() > highest) return corners;
+        const bool touched = manifold_ && manifold_->count > 0; // then it is not so high now
+        if (!touched && above - shape.reach(-frame.getBasis()[1]) - shape.getMargin() > highest) return corners;
         const btVector3 &at = frame.getOrigin(), &spin = body->getAngularVelocity();
         const std::span<const btScalar> groups = shape.groups();
         for (size_t i = 0; i < groups.size(); i += HullShape::group_size) {
             const auto turned = [&](int axis) { return HullShape::along(&groups[i], frame.getBasis()[axis]); };
-            const Float4 x = turned(0), y = turned(1) - Float4::all(shape.getMargin()), z = turned(2);
+            const Float4 y = turned(1) - Float4::all(shape.getMargin());
             const Float4 distance = (Float4::all(at.y()) + y) - Float4::all(height);
+            if (less(distance, Float4::all(highest)) == 0) continue;
+            const Float4 x = turned(0), z = turned(2);
             const Float4 turning = Float4::all(spin.z()) * (Float4::all(origin.x()) + x)
                                    - Float4::all(spin.x()) * (Float4::all(origin.z()) + z);
             const Float4 none = Float4::all(0.0f), approach = none - (Float4::all(velocity.y()) + turning);
@@ -248,17 +251,22 @@ class HullOnPlane final : public FollowedContacts {
         manifold.count = static_cast<uint32_t>(corners.size());
         const btVector3& at = hull_->getWorldTransform().getOrigin();
         const btMatrix3x3 to_hull = hull_->getWorldTransform().getBasis().transpose();
+        const std::span<const Memory> memories = std::span(old).first(known);
         for (size_t i = 0; i < corners.size(); ++i) {
             const Corner& corner = corners[i];
             GroundPoint& point = manifold.all[i];
-            point = {.position = packed(corner.position), .distance = corner.distance, .corner = corner.index};
-            if (hull >= 0) point.local = packed(to_hull * (corner.position - at));
-            for (const Memory& before : std::span(old).first(known)) {
-                if (before.corner != corner.index) continue;
-                point.impulse = before.impulse;
-                point.friction = before.friction;
-                point.along = before.along;
-            }
+            const auto same = std::ranges::find(memories, corner.index, &Memory::corner);
+            const Memory before = same != memories.end() ? *same : Memory{};
+            // Member by member: the copy of a whole point waits until all its members are written.
+            point.position = packed(corner.position);
+            point.local = hull >= 0 ? packed(to_hull * (corner.position - at)) : std::array<float, 3>{};
+            point.distance = corner.distance;
+            point.corner = corner.index;
+            point.speed = 0.0f;
+            point.impulse = before.impulse;
+            point.friction = before.friction;
+            point.along = before.along;
+            point.blow = false;
         }
     }
 

@@ -393,11 +393,11 @@ void RowSolver::take_deep() {
     }
     for (size_t place = 0; place < depths_.size(); ++place) {
         if (depths_[place] == 0.0f) continue;
-        Row row = place < held_ ? contacts_[place] : held_rows_.row(place - held_);
+        const bool held = place >= held_;
+        Deep& deep = deep_[std::min(bundles_.of(held ? held_movers_[place - held_] : contacts_[place].a), bundles_.count())];
+        Row& row = (held ? deep.held : deep.between).emplace_back(held ? held_rows_.row(place - held_) : contacts_[place]);
         row.wanted = depths_[place];
         row.impulse = 0.0f;
-        Deep& deep = deep_[std::min(bundles_.of(row.a), bundles_.count())];
-        (place < held_ ? deep.between : deep.held).push_back(row);
     }
 }
 

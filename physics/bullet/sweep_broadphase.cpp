@@ -38,30 +38,31 @@ uint32_t ascending_bits(float value) {
 
 void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
                         const std::vector<Change>& changes, btDispatcher* dispatcher) {
-    next_.resizeNoInitialize(0);
+    btBroadphasePairArray &pairs = *pairs_, &next = *next_;
+    next.resizeNoInitialize(0);
     next_keys_.clear();
     set_.clear();
     const auto keep = [&](const btBroadphasePair& pair, Key key) {
-        next_.push_back(pair);
+        next.push_back(pair);
         next_keys_.push_back(key);
     };
     int old = 0;
     // Pairs before a key: those of two boxes that were not set stay.
     const auto pass = [&](Key until) {
-        for (; old < pairs_.size(); ++old) {
+        for (; old < pairs.size(); ++old) {
             const Key key = keys_[static_cast<size_t>(old)];
             if (key >= until) return;
             if (changes[key >> 32] == Change::none && changes[static_cast<uint32_t>(key)] == Change::none)
-                keep(pairs_[old], key);
+                keep(pairs[old], key);
             else
-                cleanOverlappingPair(pairs_[old], dispatcher);
+                cleanOverlappingPair(pairs[old], dispatcher);
         }
     };
     for (const Key key : found) {
         pass(key);
-        set_.push_back(next_.size());
-        if (old < pairs_.size() && keys_[static_cast<size_t>(old)] == key)
-            keep(pairs_[old++], key);
+        set_.push_back(next.size());
+        if (old < pairs.size() && keys_[static_cast<size_t>(old)] == key)
+            keep(pairs[old++], key);
         else
             keep(btBroadphasePair(*proxies[key >> 32], *proxies[static_cast<uint32_t>(key)]), key);
     }
@@ -71,15 +72,16 @@ void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::un
 }
 
 void SweptPairs::forget_gone(const std::vector<Change>& changes, const std::vector<uint32_t>& ranks) {
+    btBroadphasePairArray& pairs = *pairs_;
     int left = 0;
-    for (int i = 0; i < pairs_.size(); ++i) {
+    for (int i = 0; i < pairs.size(); ++i) {
         const Key key = keys_[static_cast<size_t>(i)];
         const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
         if (changes[first] == Change::gone || changes[second] == Change::gone) continue;
-        pairs_[left] = pairs_[i];
+        pairs[left] = pairs[i];
         keys_[static_cast<size_t>(left++)] = key_of(ranks[first], ranks[second]);
     }
-    pairs_.resize(left);
+    pairs.resize(left);
     keys_.resize(static_cast<size_t>(left));
 }
 
@@ -92,7 +94,7 @@ void SweptPairs::cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* disp
 }
 
 void SweptPairs::cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) {
-    for (const int index : pairs_of(*proxy)) cleanOverlappingPair(pairs_[index], dispatcher);
+    for (const int index : pairs_of(*proxy)) cleanOverlappingPair(pairs_->at(index), dispatcher);
 }
 
 // Those with a higher rank lie side by side, and behind all those with a lower one. Of these hardly any is the box's, so many
@@ -115,12 +117,13 @@ const std::vector<int>& SweptPairs::pairs_of(const btBroadphaseProxy& proxy) {
 }
 
 void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher*) {
-    for (int i = 0; i < pairs_.size(); ++i) callback->processOverlap(pairs_[i]);
+    for (int i = 0; i < pairs_->size(); ++i) callback->processOverlap(pairs_->at(i));
 }
 
 btBroadphasePair* SweptPairs::findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) {
-    for (int i = 0; i < pairs_.size(); ++i)
-        if (std::minmax(pairs_[i].m_pProxy0, pairs_[i].m_pProxy1) == std::minmax(first, second)) return &pairs_[i];
+    for (int i = 0; i < pairs_->size(); ++i)
+        if (btBroadphasePair& pair = pairs_->at(i); std::minmax(pair.m_pProxy0, pair.m_pProxy1) == std::minmax(first, second))
+            return &pair;
     return nullptr;
 }
 
@@ -131,6 +134,8 @@ void SweepBroadphase::Boxes::resize(size_t count) {
         low[axis].resize(count + 3, infinite);
         high[axis].resize(count + 3, -infinite);
     }
+    size.resize(count + 3);
+    least_partner.resize(count + 3);
 }
 
 void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) const {
@@ -138,6 +143,8 @@ void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) cons
         to.low[axis][to_place] = low[axis][place];
         to.high[axis][to_place] = high[axis][place];
     }
+    to.size[to_place] = size[place];
+    to.least_partner[to_place] = least_partner[place];
 }
 
 void SweepBroadphase::Sorted::resize(size_t count) {
@@ -177,9 +184,13 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
            & all_less_equal(box.low[0], ends(0), box.low[1], ends(1), box.low[2], ends(2));
 }
 
+uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_least_partner) const {
+    const Float4 sizes = Float4::load(size.data() + first), least_partners = Float4::load(least_partner.data() + first);
+    return all_less_equal(least_partners, own_size, own_least_partner, sizes, own_least_partner, sizes);
+}
+
 bool SweepBroadphase::Filter::meets(const Filter& other) const {
-    return (group & other.partners) != 0 && (other.group & partners) != 0 && size >= other.least_partner
-           && other.size >= least_partner;
+    return (group & other.partners) != 0 && (other.group & partners) != 0;
 }
 
 btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVector3& high, int, void* object,
@@ -205,19 +216,23 @@ void SweepBroadphase::put_in(std::unique_ptr<SweptProxy> proxy) {
     proxy->m_uniqueId = next_uid_++;
     proxy->rank = static_cast<uint32_t>(proxies_.size());
     changes_.push_back(SweptPairs::Change::set);
-    filters_.push_back({proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask, proxy->size, proxy->least_partner});
+    filters_.push_back({proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask});
     if (proxies_.empty()) boxes_.resize(0);
     for (size_t axis = 0; axis < 3; ++axis) {
         boxes_.low[axis].push_back(infinite);
         boxes_.high[axis].push_back(-infinite);
     }
+    for (std::vector<float>* sizes : {&boxes_.size, &boxes_.least_partner}) sizes->push_back(0.0f);
     boxes_.set(proxy->rank, proxy->m_aabbMin, proxy->m_aabbMax);
+    boxes_.size[proxy->rank] = proxy->size;
+    boxes_.least_partner[proxy->rank] = proxy->least_partner;
     proxies_.push_back(std::move(proxy));
 }
 
 bool SweepBroadphase::may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const {
-    const auto filter_of = [this](const btBroadphaseProxy& proxy) { return filters_[static_cast<const SweptProxy&>(proxy).rank]; };
-    return filter_of(a).meets(filter_of(b));
+    const auto &first = static_cast<const SweptProxy&>(a), &second = static_cast<const SweptProxy&>(b);
+    return filters_[first.rank].meets(filters_[second.rank]) && first.size >= second.least_partner
+           && second.size >= first.least_partner;
 }
 
 // Constant in time, so that many can go at once. The proxy's pairs have been cleaned before.
@@ -273,8 +288,9 @@ void SweepBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher) {
     found_.clear();
     sweep(moving_);
     sweep(moving_, debris_, false);
-    sweep(moving_, still_, true);
-    sweep(debris_, still_, true);
+    sweep(moving_, still_.boxes, false);
+    sweep(moving_, still_debris_.boxes, false);
+    sweep(debris_, still_.boxes, false);
     sort_found();
     pairs_.update(found_, proxies_, changes_, dispatcher);
     std::ranges::fill(changes_, SweptPairs::Change::none);
@@ -305,21 +321,28 @@ void SweepBroadphase::forget_gone() {
         }
         ++left;
     }
-    uint32_t still = 0; // the same ones in the same order
-    for (uint32_t place = 0; place < still_.ranks.size(); ++place) {
-        if (gone(still_.ranks[place])) continue;
-        still_.boxes.copy(place, still_.boxes, still);
-        still_.ranks[still++] = ranks[still_.ranks[place]];
-    }
-    still_.resize(still);
-    std::erase_if(still_ranks_, gone);
-    for (uint32_t& rank : still_ranks_) rank = ranks[rank];
+    for (Still* still : {&still_, &still_debris_}) forget_gone(*still, ranks);
     pairs_.forget_gone(changes_, ranks);
     std::erase(changes_, SweptPairs::Change::gone);
     proxies_.resize(left);
     filters_.resize(left);
     boxes_.resize(left);
     some_gone_ = false;
+}
+
+// The same ones in the same order. New ranks are by the old ones.
+void SweepBroadphase::forget_gone(Still& still, const std::vector<uint32_t>& ranks) {
+    const auto gone = [this](uint32_t rank) { return changes_[rank] == SweptPairs::Change::gone; };
+    uint32_t left = 0;
+    Sorted& sorted = still.boxes;
+    for (uint32_t place = 0; place < sorted.ranks.size(); ++place) {
+        if (gone(sorted.ranks[place])) continue;
+        sorted.boxes.copy(place, sorted.boxes, left);
+        sorted.ranks[left++] = ranks[sorted.ranks[place]];
+    }
+    sorted.resize(left);
+    std::erase_if(still.ranks, gone);
+    for (uint32_t& rank : still.ranks) rank = ranks[rank];
 }
 
 int SweepBroadphase::widest_axis() const {
@@ -352,24 +375,34 @@ void SweepBroadphase::sort(Sorted& sorted) {
 }
 
 // Of who was there before the order is known.
-void SweepBroadphase::merge_still() {
+void SweepBroadphase::merge(Still& still) {
     come_.ranks.clear();
-    std::ranges::set_difference(ranks_, still_ranks_, std::back_inserter(come_.ranks));
+    std::ranges::set_difference(still.ranks, still.known, std::back_inserter(come_.ranks));
     sort(come_);
-    merged_.resize(ranks_.size());
+    merged_.resize(still.ranks.size());
     const auto axis = static_cast<size_t>(axis_);
+    const Sorted& before = still.boxes;
     size_t merged = 0, come = 0;
     const auto take = [&](const Sorted& from, size_t place) {
         merged_.ranks[merged] = from.ranks[place];
         from.boxes.copy(place, merged_.boxes, merged++);
     };
-    for (size_t place = 0; place < still_.ranks.size(); ++place) {
-        if (is_set(still_.ranks[place])) continue;
-        while (come < come_.ranks.size() && come_.boxes.low[axis][come] < still_.boxes.low[axis][place]) take(come_, come++);
-        take(still_, place);
+    for (size_t place = 0; place < before.ranks.size(); ++place) {
+        if (is_set(before.ranks[place])) continue;
+        while (come < come_.ranks.size() && come_.boxes.low[axis][come] < before.boxes.low[axis][place]) take(come_, come++);
+        take(before, place);
     }
     while (come < come_.ranks.size()) take(come_, come++);
-    std::swap(still_, merged_);
+    std::swap(still.boxes, merged_);
+}
+
+void SweepBroadphase::put_in_order(Still& still, bool turned) {
+    if (turned) {
+        still.boxes.ranks = still.ranks;
+        sort(still.boxes);
+    } else if (still.ranks != still.known) {
+        merge(still);
+    }
 }
 
 bool SweepBroadphase::is_debris(uint32_t rank) const {
@@ -378,20 +411,23 @@ bool SweepBroadphase::is_debris(uint32_t rank) const {
 }
 
 void SweepBroadphase::find_moving() {
-    for (std::vector<uint32_t>* ranks : {&moving_.ranks, &debris_.ranks, &ranks_}) ranks->clear();
-    for (uint32_t rank = 0; rank < proxies_.size(); ++rank)
-        (!is_set(rank) ? ranks_ : is_debris(rank) ? debris_.ranks : moving_.ranks).push_back(rank);
+    for (Sorted* set : {&moving_, &debris_}) set->ranks.clear();
+    for (Still* still : {&still_, &still_debris_}) {
+        std::swap(still->ranks, still->known);
+        still->ranks.clear();
+    }
+    for (uint32_t rank = 0; rank < proxies_.size(); ++rank) {
+        const bool debris = is_debris(rank);
+        if (is_set(rank))
+            (debris ? debris_ : moving_).ranks.push_back(rank);
+        else
+            (debris ? still_debris_ : still_).ranks.push_back(rank);
+    }
     const int axis = widest_axis();
     const bool turned = std::exchange(axis_, axis) != axis;
     sort(moving_);
     sort(debris_);
-    if (turned) {
-        still_.ranks = ranks_;
-        sort(still_);
-    } else if (ranks_ != still_ranks_) {
-        merge_still();
-    }
-    std::swap(still_ranks_, ranks_);
+    for (Still* still : {&still_, &still_debris_}) put_in_order(*still, turned);
 }
 
 std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
@@ -401,7 +437,7 @@ std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
     sort(set_);
     found_.clear();
     sweep(set_);
-    for (const Sorted* others : {&moving_, &debris_, &still_}) sweep(set_, *others, true);
+    for (const Sorted* others : {&moving_, &debris_, &still_.boxes, &still_debris_.boxes}) sweep(set_, *others, true);
     sort_found();
     return found_;
 }
@@ -453,11 +489,15 @@ void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from
     if (from >= others.ranks.size() || begin[from] > end) return;
     const Filter own = filters_[rank];
     const Box4 box = boxes_.four_times(rank);
-    for (size_t first = from; first < others.ranks.size() && begin[first] <= end; first += 4)
-        for (uint32_t lanes = others.boxes.overlaps(first, box); lanes != 0; lanes &= lanes - 1) {
+    const Float4 size = Float4::all(boxes_.size[rank]), least_partner = Float4::all(boxes_.least_partner[rank]);
+    for (size_t first = from; first < others.ranks.size() && begin[first] <= end; first += 4) {
+        uint32_t lanes = others.boxes.overlaps(first, box);
+        if (lanes != 0) lanes &= others.boxes.large_enough(first, size, least_partner);
+        for (; lanes != 0; lanes &= lanes - 1) {
             const uint32_t other = others.ranks[first + static_cast<size_t>(std::countr_zero(lanes))];
             if (own.meets(filters_[other]) && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
         }
+    }
 }
 
 // By counting, first the higher ranks, then the lower ones.

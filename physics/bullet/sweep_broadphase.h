@@ -5,8 +5,8 @@
 // fall, every box leaves its slack in every step. Here boxes are as tight as they are given. Those whose box was set since the
 // last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
 // other and with those that were not, four at a time; pairs of two that were not stay as they are. Debris, which meets no debris,
-// has a list of its own and is not compared with itself. Of others that it overlaps it has no pair with those that are too small for it
-// (SweptProxy::least_partner).
+// has lists of its own, awake and asleep, which are not compared with each other. Of others that it overlaps it has no pair with
+// those that are too small for it (SweptProxy::least_partner).
 //
 // - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
 //   on what happened before.
@@ -46,6 +46,10 @@ class SweptPairs final : public btOverlappingPairCache {
     // What became of a box since pairs were last found.
     enum class Change : uint8_t { none, set, gone };
 
+    SweptPairs() = default;
+    SweptPairs(const SweptPairs&) = delete;
+    SweptPairs& operator=(const SweptPairs&) = delete;
+
     // Keeps, of the pairs with a box that was set, those that are found, adds what is new and drops what is not. Keys are
     // ascending; changes by rank, nobody gone.
     void update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
@@ -64,12 +68,12 @@ class SweptPairs final : public btOverlappingPairCache {
     // Of those of one box, in their order; until the next call.
     [[nodiscard]] const std::vector<int>& pairs_of(const btBroadphaseProxy& proxy);
 
-    btBroadphasePair* getOverlappingPairArrayPtr() override { return pairs_.size() > 0 ? &pairs_[0] : nullptr; }
+    btBroadphasePair* getOverlappingPairArrayPtr() override { return pairs_->size() > 0 ? &pairs_->at(0) : nullptr; }
     const btBroadphasePair* getOverlappingPairArrayPtr() const override {
-        return pairs_.size() > 0 ? &pairs_[0] : nullptr;
+        return pairs_->size() > 0 ? &pairs_->at(0) : nullptr;
     }
-    btBroadphasePairArray& getOverlappingPairArray() override { return pairs_; }
-    int getNumOverlappingPairs() const override { return pairs_.size(); }
+    btBroadphasePairArray& getOverlappingPairArray() override { return *pairs_; }
+    int getNumOverlappingPairs() const override { return pairs_->size(); }
 
     // Of Bullet's interface, but only asked for by its own broadphases.
     bool needsBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override { return true; }
@@ -83,7 +87,8 @@ class SweptPairs final : public btOverlappingPairCache {
     bool hasDeferredRemoval() override { return true; }
 
   private:
-    btBroadphasePairArray pairs_, next_;
+    std::array<btBroadphasePairArray, 2> arrays_; // take turns: to swap two of Bullet's is to copy them
+    btBroadphasePairArray *pairs_ = arrays_.data(), *next_ = pairs_ + 1;
     std::vector<Key> keys_, next_keys_; // of the pairs: proxies lie anywhere in memory
     std::vector<int> set_, of_one_;
 };
@@ -129,12 +134,15 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // Boxes side by side; behind the last one three that overlap nothing, so that four can be read anywhere.
     struct Boxes {
         std::array<std::vector<float>, 3> low, high;
+        std::vector<float> size, least_partner; // see make_proxy()
         void resize(size_t count);
         void set(size_t place, const btVector3& from, const btVector3& to);
         void copy(size_t place, Boxes& to, size_t to_place) const;
         [[nodiscard]] Box4 four_times(size_t place) const;
         // Bit i of the result: whether the box at first + i overlaps the given one.
         [[nodiscard]] uint32_t overlaps(size_t first, const Box4& box) const;
+        // Likewise: whether both are as large as the other one asks for, four times over.
+        [[nodiscard]] uint32_t large_enough(size_t first, Float4 size, Float4 least_partner) const;
     };
     // Boxes in ascending order of where they begin on the axis.
     struct Sorted {
@@ -142,21 +150,28 @@ class SweepBroadphase final : public btBroadphaseInterface {
         Boxes boxes;
         void resize(size_t count);
     };
-    // Of a proxy: what may_meet() asks for.
+    // Of a proxy: whom it meets, whatever their sizes.
     struct Filter {
         int group, partners;
-        btScalar size, least_partner;
         [[nodiscard]] bool meets(const Filter& other) const;
     };
 
+    // Those that were not set when pairs were last found.
+    struct Still {
+        Sorted boxes;
+        std::vector<uint32_t> ranks, known; // ascending; those that boxes has, until it is brought up to date
+    };
+
     void forget_gone(); // boxes that were destroyed
+    void forget_gone(Still& still, const std::vector<uint32_t>& ranks);
     // The axis on which boxes that were set spread most; one that is about as good is kept.
     [[nodiscard]] int widest_axis() const;
     void sort(Sorted& sorted);
     // Sorts boxes that were set, and puts the others in order.
     void find_moving();
-    // Those that were not set now, from those of the last time and who has come to rest since.
-    void merge_still();
+    void put_in_order(Still& still, bool turned); // turned: along another axis than the last time
+    // From those of the last time and who has come to rest since.
+    void merge(Still& still);
     [[nodiscard]] bool is_set(uint32_t rank) const { return changes_[rank] == SweptPairs::Change::set; }
     // One of those that do not meet each other.
     [[nodiscard]] bool is_debris(uint32_t rank) const;
@@ -178,13 +193,13 @@ class SweepBroadphase final : public btBroadphaseInterface {
     int next_uid_ = 0;
     bool some_gone_ = false;
     int axis_ = 0; // along which boxes are sorted
-    Sorted moving_, debris_, still_; // when pairs were last found: boxes that were set, of debris and not, and the others
-    Sorted set_;            // since then
-    std::vector<uint32_t> still_ranks_; // of still_, ascending
-    Sorted come_, merged_;              // of merge_still(): who is new in still_, and what becomes of it
-    std::vector<std::vector<SweptPairs::Key>> parts_;      // of one call, as are the next
+    Sorted moving_, debris_;     // when pairs were last found: boxes that were set, of debris and not
+    Still still_, still_debris_; // and the others, likewise
+    Sorted set_;                 // since then
+    Sorted come_, merged_;       // of merge(): who is new there, and what becomes of it
+    std::vector<std::vector<SweptPairs::Key>> parts_; // of one call, as are the next
     std::vector<SweptPairs::Key> found_, scratch_, order_;
-    std::vector<uint32_t> ranks_, starts_;
+    std::vector<uint32_t> starts_;
 };
 
 } // namespace brittle::physics
