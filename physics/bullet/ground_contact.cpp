@@ -120,9 +120,9 @@ class Manifolds {
 
 // What a contact keeps for the next step.
 struct Memory {
-    int corner = 0;
-    float impulse = 0.0f, friction = 0.0f;
-    std::array<float, 3> along{};
+    int corner;
+    float impulse, friction;
+    std::array<float, 3> along;
 };
 
 btScalar height_of(const btCollisionObject& plane) {
@@ -203,7 +203,7 @@ class HullOnPlane final : public FollowedContacts {
         const btScalar above = frame.getOrigin().y() - height;
         const btScalar highest = highest_contact(shape, *body, origin.length(), seconds);
         if (above - shape.radius() > highest) return corners;
-        const bool touched = manifold_ && manifold_->count > 0; // then it is not so high now
+        const bool touched = manifold_ && manifold_->count > 0; // seldom so high then; the corners say the same
         if (!touched && above - shape.reach(-frame.getBasis()[1]) - shape.getMargin() > highest) return corners;
         const btVector3 &at = frame.getOrigin(), &spin = body->getAngularVelocity();
         const std::span<const btScalar> groups = shape.groups();
@@ -211,7 +211,7 @@ class HullOnPlane final : public FollowedContacts {
             const auto turned = [&](int axis) { return HullShape::along(&groups[i], frame.getBasis()[axis]); };
             const Float4 y = turned(1) - Float4::all(shape.getMargin());
             const Float4 distance = (Float4::all(at.y()) + y) - Float4::all(height);
-            if (less(distance, Float4::all(highest)) == 0) continue;
+            if (less(distance, Float4::all(highest)) == 0) continue; // no corner is reached from higher
             const Float4 x = turned(0), z = turned(2);
             const Float4 turning = Float4::all(spin.z()) * (Float4::all(origin.x()) + x)
                                    - Float4::all(spin.x()) * (Float4::all(origin.z()) + z);
@@ -257,7 +257,7 @@ class HullOnPlane final : public FollowedContacts {
             GroundPoint& point = manifold.all[i];
             const auto same = std::ranges::find(memories, corner.index, &Memory::corner);
             const Memory before = same != memories.end() ? *same : Memory{};
-            // Member by member: the copy of a whole point waits until all its members are written.
+            // Member by member, each of them: the copy of a whole point waits until its members are written (store forwarding).
             point.position = packed(corner.position);
             point.local = hull >= 0 ? packed(to_hull * (corner.position - at)) : std::array<float, 3>{};
             point.distance = corner.distance;

@@ -391,14 +391,16 @@ void RowSolver::take_deep() {
         deep.between.clear();
         deep.held.clear();
     }
-    for (size_t place = 0; place < depths_.size(); ++place) {
-        if (depths_[place] == 0.0f) continue;
-        const bool held = place >= held_;
-        Deep& deep = deep_[std::min(bundles_.of(held ? held_movers_[place - held_] : contacts_[place].a), bundles_.count())];
-        Row& row = (held ? deep.held : deep.between).emplace_back(held ? held_rows_.row(place - held_) : contacts_[place]);
+    const auto take = [this](size_t place, Row& row) {
         row.wanted = depths_[place];
         row.impulse = 0.0f;
-    }
+    };
+    const auto deep_of = [this](uint32_t mover) -> Deep& { return deep_[std::min(bundles_.of(mover), bundles_.count())]; };
+    for (size_t place = 0; place < held_; ++place)
+        if (depths_[place] != 0.0f) take(place, deep_of(contacts_[place].a).between.emplace_back(contacts_[place]));
+    for (size_t place = held_; place < depths_.size(); ++place)
+        if (depths_[place] != 0.0f)
+            take(place, deep_of(held_movers_[place - held_]).held.emplace_back(held_rows_.row(place - held_)));
 }
 
 // With velocities of their own that only move the bodies and are then forgotten.

@@ -135,7 +135,8 @@ void SweepBroadphase::Boxes::resize(size_t count) {
         high[axis].resize(count + 3, -infinite);
     }
     size.resize(count + 3);
-    least_partner.resize(count + 3);
+    least_partner.resize(count);
+    least_partner.resize(count + 3, infinite); // what has no bounds overlaps what is empty
 }
 
 void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) const {
@@ -222,7 +223,8 @@ void SweepBroadphase::put_in(std::unique_ptr<SweptProxy> proxy) {
         boxes_.low[axis].push_back(infinite);
         boxes_.high[axis].push_back(-infinite);
     }
-    for (std::vector<float>* sizes : {&boxes_.size, &boxes_.least_partner}) sizes->push_back(0.0f);
+    boxes_.size.push_back(0.0f);
+    boxes_.least_partner.push_back(infinite);
     boxes_.set(proxy->rank, proxy->m_aabbMin, proxy->m_aabbMax);
     boxes_.size[proxy->rank] = proxy->size;
     boxes_.least_partner[proxy->rank] = proxy->least_partner;
@@ -330,7 +332,7 @@ void SweepBroadphase::forget_gone() {
     some_gone_ = false;
 }
 
-// The same ones in the same order. New ranks are by the old ones.
+// The same ones in the same order, with their new ranks, which are given by the old ones.
 void SweepBroadphase::forget_gone(Still& still, const std::vector<uint32_t>& ranks) {
     const auto gone = [this](uint32_t rank) { return changes_[rank] == SweptPairs::Change::gone; };
     uint32_t left = 0;

@@ -5,7 +5,7 @@
 // fall, every box leaves its slack in every step. Here boxes are as tight as they are given. Those whose box was set since the
 // last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
 // other and with those that were not, four at a time; pairs of two that were not stay as they are. Debris, which meets no debris,
-// has lists of its own, awake and asleep, which are not compared with each other. Of others that it overlaps it has no pair with
+// has lists of its own, awake and asleep, compared neither with themselves nor with each other. Of others that it overlaps it has no pair with
 // those that are too small for it (SweptProxy::least_partner).
 //
 // - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
@@ -72,7 +72,7 @@ class SweptPairs final : public btOverlappingPairCache {
     const btBroadphasePair* getOverlappingPairArrayPtr() const override {
         return pairs_->size() > 0 ? &pairs_->at(0) : nullptr;
     }
-    btBroadphasePairArray& getOverlappingPairArray() override { return *pairs_; }
+    btBroadphasePairArray& getOverlappingPairArray() override { return *pairs_; } // until pairs are next found
     int getNumOverlappingPairs() const override { return pairs_->size(); }
 
     // Of Bullet's interface, but only asked for by its own broadphases.
@@ -141,8 +141,8 @@ class SweepBroadphase final : public btBroadphaseInterface {
         [[nodiscard]] Box4 four_times(size_t place) const;
         // Bit i of the result: whether the box at first + i overlaps the given one.
         [[nodiscard]] uint32_t overlaps(size_t first, const Box4& box) const;
-        // Likewise: whether both are as large as the other one asks for, four times over.
-        [[nodiscard]] uint32_t large_enough(size_t first, Float4 size, Float4 least_partner) const;
+        // Likewise: whether both are as large as the other one asks for; the given one's in all four lanes.
+        [[nodiscard]] uint32_t large_enough(size_t first, Float4 own_size, Float4 own_least_partner) const;
     };
     // Boxes in ascending order of where they begin on the axis.
     struct Sorted {
@@ -159,7 +159,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // Those that were not set when pairs were last found.
     struct Still {
         Sorted boxes;
-        std::vector<uint32_t> ranks, known; // ascending; those that boxes has, until it is brought up to date
+        std::vector<uint32_t> ranks, known; // ascending: of boxes; in find_moving() those of the last time
     };
 
     void forget_gone(); // boxes that were destroyed

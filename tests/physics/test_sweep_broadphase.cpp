@@ -169,6 +169,22 @@ TEST_CASE("what spreads along another axis than before is still found") {
     }
 }
 
+TEST_CASE("debris that sleeps is still found where what moves spreads along another axis than before") {
+    Boxes boxes;
+    const int group = btBroadphaseProxy::DebrisFilter;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int i = 0; i < 300; ++i) {
+            btVector3 low = boxes.corner(-0.5f, 0.5f);
+            low[axis] *= 40.0f;
+            const bool debris = i % 2 == 0;
+            boxes.add(low, low + btVector3(1, 1, 1), debris ? group : 1, debris ? ~group : -1);
+        }
+        boxes.check();
+        for (size_t i = 1; i < boxes.boxes.size(); i += 2) boxes.move(i, 0.5f); // no debris
+        boxes.check();
+    }
+}
+
 TEST_CASE("boxes meet as their groups say") {
     Boxes boxes;
     for (int i = 0; i < 60; ++i) {
@@ -221,6 +237,21 @@ TEST_CASE("boxes that say so meet only what is as large as they ask for, whoever
             for (int i = 0; i < 6; ++i) boxes.add_sized(1.5f, 1.5f, i % 2 ? 2.0f : 0.0f);
         boxes.check();
     }
+}
+
+TEST_CASE("boxes meet only where both are as large as the other asks for") {
+    Boxes boxes;
+    for (const float asked : {0.0f, 0.5f, 0.9f})
+        for (int i = 0; i < 60; ++i) {
+            const btVector3 low = boxes.corner(-1.5f, 1.5f), sides = boxes.corner(0.2f, 1.5f);
+            const float longest = sides[sides.maxAxis()];
+            auto proxy = SweepBroadphase::make_proxy(low, low + sides, nullptr, 1, -1, longest, asked * longest);
+            boxes.boxes.push_back({proxy.get(), 1, -1, longest, asked * longest});
+            boxes.sweep.put_in(std::move(proxy));
+        }
+    boxes.check();
+    for (size_t i = 0; i < boxes.boxes.size(); i += 3) boxes.move(i, 0.3f);
+    boxes.check();
 }
 
 TEST_CASE("only pairs with a box that was set are looked at") {
