@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -187,7 +188,7 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
 
 uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_least_partner) const {
     const Float4 sizes = Float4::load(size.data() + first), least_partners = Float4::load(least_partner.data() + first);
-    return all_less_equal(least_partners, own_size, own_least_partner, sizes, own_least_partner, sizes);
+    return all_less_equal(least_partners, own_size, own_least_partner, sizes, own_least_partner, sizes); // the third is the second again
 }
 
 bool SweepBroadphase::Filter::meets(const Filter& other) const {
@@ -433,6 +434,7 @@ void SweepBroadphase::find_moving() {
 }
 
 std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
+    assert(!some_gone_);
     set_.ranks.clear();
     for (uint32_t rank = 0; rank < proxies_.size(); ++rank)
         if (is_set(rank)) set_.ranks.push_back(rank);

@@ -116,7 +116,8 @@ class SweepBroadphase final : public btBroadphaseInterface {
                  const btVector3& high) override;
     void aabbTest(const btVector3& low, const btVector3& high, btBroadphaseAabbCallback& callback) override;
     void calculateOverlappingPairs(btDispatcher* dispatcher) override;
-    // Pairs of boxes that were set since pairs were last found with all that they overlap, ascending; until the next call.
+    // Pairs of boxes that were set since pairs were last found with all that they overlap, ascending; until the next call. None may have
+    // been destroyed since then.
     [[nodiscard]] std::span<const SweptPairs::Key> find_set();
     [[nodiscard]] const btBroadphaseProxy& proxy(uint32_t rank) const { return *proxies_[rank]; }
     btOverlappingPairCache* getOverlappingPairCache() override { return &pairs_; }
