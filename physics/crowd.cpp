@@ -39,4 +39,9 @@ std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, b
     return debris;
 }
 
+float crowding(size_t awake_debris, uint32_t most_colliding) {
+    if (most_colliding == 0) return 1.0f;
+    return std::max(1.0f, static_cast<float>(awake_debris) / static_cast<float>(most_colliding) - 1.0f);
+}
+
 } // namespace brittle::physics

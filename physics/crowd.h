@@ -8,6 +8,7 @@
 //
 // - Decided when pieces come, from the state of the world alone, and never again: a run repeats, and nothing begins or
 //   ceases to collide while someone looks.
+// - As debris grows in number, what comes meets less of what moves: crowding().
 // - The largest of a batch collides in any case, as do several pieces that are bonded: they are what is left of what broke.
 //   A body that comes alone is such a largest one. Of debris that breaks, which took no room itself, all parts may be debris.
 //   So where there is no room a break adds nothing to those that collide, but the largest part of what was held.
@@ -17,7 +18,8 @@
 //     const std::vector<uint8_t> debris = crowded_out(batch, room_in(world));
 //     for each piece: desc.debris = debris[i];
 //
-// Pure functions of their arguments; add_pieces(), Structure and Destruction ask them, World::add_body() does not.
+// Pure functions of their arguments. add_pieces(), Structure and Destruction ask who is debris, World::add_body() does not; it asks for
+// crowding().
 #pragma once
 
 #include <cstddef>
@@ -42,5 +44,10 @@ struct Newcomer {
 // 1 for each of the batch that is debris, otherwise 0. Of equal sizes the first collide. of_debris: they come of a piece that
 // was debris.
 [[nodiscard]] std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, bool of_debris = false);
+
+// How many times as long as otherwise must be what debris meets of what moves, if it comes when, itself and its batch included, so
+// much debris is awake: once, up to twice the limit, then in proportion: twice with three times the limit, thrice with
+// four. So the next thousand cost less than the last one did. 1 without a limit.
+[[nodiscard]] float crowding(size_t awake_debris, uint32_t most_colliding);
 
 } // namespace brittle::physics

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "physics/bullet/world_impl.h"
+#include "physics/crowd.h"
 #include "physics/state_hash.h"
 #include "physics/world_check.h"
 
@@ -77,8 +78,12 @@ template<class Describe> Result<std::vector<BodyId>> World::Impl::add(size_t num
             make_compound(come[i], describe(i));
             set_place(*come[i].record, i);
         }
+        if (come[i].awake) ++awake.of(come[i].debris);
+    }
+    const float crowded = crowding(awake.debris, settings.most_colliding);
+    for (uint32_t i = 0; i < count; ++i) {
+        come[i].proxy->least_partner *= crowded;
         engine->world->put_in(come[i]);
-        if (come[i].collides) ++colliding;
         bodies.push_back(std::move(come[i].record));
     }
     ids.insert(ids.end(), added.begin(), added.end());
@@ -112,7 +117,7 @@ bool World::remove_body(BodyId id) {
     (void)impl_->engine->solver.solved_contacts(); // they still name it
     impl_->engine->world->siblings().remove(*body->rigid);
     for (const int other : impl_->engine->world->take_out(*body)) impl_->wake(*impl_->bodies[static_cast<size_t>(other)]);
-    if (body->collides()) --impl_->colliding;
+    if (body->awake()) --impl_->awake.of(body->debris);
     impl_->engine->solver.forget_sleeping();
     const auto order = static_cast<size_t>(body->rigid->getUserIndex());
     impl_->bodies.erase(impl_->bodies.begin() + static_cast<std::ptrdiff_t>(order));
@@ -162,16 +167,17 @@ void World::step() {
     impl_->engine->world->step(impl_->settings.step);
     ++impl_->steps;
     const std::span<BodyRecord* const> stepped = impl_->engine->world->stepped(); // nobody else is awake
-    std::atomic<size_t> colliding = 0;
+    std::atomic<size_t> colliding = 0, debris = 0;
     threads.for_chunks(static_cast<uint32_t>(stepped.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        size_t count = 0;
+        AwakeCount count;
         for (const BodyRecord* body : stepped.subspan(begin, end - begin)) {
             if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
-            if (body->collides()) ++count;
+            if (body->awake()) ++count.of(body->debris);
         }
-        colliding += count;
+        colliding += count.colliding;
+        debris += count.debris;
     });
-    impl_->colliding = colliding;
+    impl_->awake = {.colliding = colliding, .debris = debris};
 }
 
 float World::advance(double seconds, const std::function<void()>& after_step) {
@@ -312,12 +318,11 @@ Mechanics World::mechanics() const {
 }
 
 size_t World::awake_count() const {
-    return static_cast<size_t>(
-        std::ranges::count_if(impl_->bodies, [](const auto& body) { return body->awake(); }));
+    return impl_->awake.colliding + impl_->awake.debris;
 }
 
 size_t World::colliding_count() const {
-    return impl_->colliding;
+    return impl_->awake.colliding;
 }
 
 size_t World::contact_count() const {

@@ -70,7 +70,8 @@ struct WorldSettings {
     float separation_speed = 0.2f;
     // Bodies whose longest extent is below this, m, are debris: of what moves they collide with large bodies only, which are no
     // debris and at least twice as long (or BodyDesc::large). They lie on the ground and on what is fixed, but not on each
-    // other and their like. What a blow leaves by the hundred then costs a tenth. 0: no debris.
+    // other and their like. What a blow leaves by the hundred then costs a tenth. Where debris comes by the thousand, what it meets
+    // must be longer yet (crowding() in crowd.h). 0: no debris.
     float debris_size = 0.02f;
     // Awake bodies that collide with each other, at most, as far as pieces of what breaks add to them: where there would be
     // more, the smaller ones of those that come are debris, too, however large (crowd.h). It keeps a step from growing with
@@ -274,8 +275,9 @@ class World {
     [[nodiscard]] std::span<const Contact> solved_contacts() const;
 
     [[nodiscard]] Mechanics mechanics() const;
+    // Both are kept: asking costs nothing.
     [[nodiscard]] size_t awake_count() const;
-    [[nodiscard]] size_t colliding_count() const; // awake, and no debris; kept, so asking costs nothing
+    [[nodiscard]] size_t colliding_count() const; // awake, and no debris
     [[nodiscard]] size_t contact_count() const; // points that touch (not those that are merely near)
 
     // Of all poses and velocities, and of who sleeps, in body order.

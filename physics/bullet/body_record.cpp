@@ -188,7 +188,8 @@ void make_rigid(NewBody& made, const BodyDesc& desc, const WorldSettings& settin
     body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * bullet_units);
     if (desc.siblings != 0) Siblings::mark(rigid, desc.siblings);
     made.sibling = desc.siblings != 0;
-    made.collides = body.collides();
+    made.awake = body.awake();
+    made.debris = body.debris;
     made.proxy = proxy_of(body, desc.large);
     rigid.setBroadphaseHandle(made.proxy.get());
 }

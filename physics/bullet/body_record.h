@@ -91,7 +91,6 @@ struct BodyRecord : BodyMeasures {
     [[nodiscard]] bool has_moved() const { return was_repaired || !(rigid->getWorldTransform() == stepped_from); }
     [[nodiscard]] Velocity velocity() const { return {rigid->getLinearVelocity(), rigid->getAngularVelocity()}; }
     [[nodiscard]] bool awake() const { return !fixed && rigid->isActive(); }
-    [[nodiscard]] bool collides() const { return awake() && !debris; } // with others that are awake
     [[nodiscard]] Pose pose() const { return pose_in(rigid->getWorldTransform()); }
     // With Bullet's frame there.
     [[nodiscard]] Pose pose_in(const btTransform& frame) const {
@@ -105,7 +104,7 @@ struct NewBody {
     std::unique_ptr<BodyRecord> record;
     std::unique_ptr<SweptProxy> proxy; // null until the rigid body is made
     bool sibling = false;              // Siblings::mark()
-    bool collides = false;             // BodyRecord::collides()
+    bool awake = false, debris = false; // as the record
 };
 
 // What can be made of a description outside of a world, on any thread: all but its number and place there. Of several hulls the
@@ -126,8 +125,8 @@ void make_rigid(NewBody& body, const BodyDesc& desc, const WorldSettings& settin
 // either.
 [[nodiscard]] int group_of(bool fixed, bool debris);
 [[nodiscard]] int partners_of(bool fixed, bool debris);
-// Of what moves, debris meets what is at least so long (BodyMeasures::longest), others meet all. The same factor for what is debris by its
-// size and by its number: contacts with its like cost as much of either.
+// Of what moves, debris meets what is at least so long (BodyMeasures::longest), others meet all; where it comes into a crowd, so long
+// times crowding(). The same factor for what is debris by its size and by its number: contacts with its like cost as much of either.
 [[nodiscard]] float least_partner_of(const BodyRecord& body);
 
 // Sums of one body; see World::mechanics().

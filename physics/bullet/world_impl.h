@@ -48,6 +48,12 @@ struct Engine {
     static btDefaultCollisionConstructionInfo pool_sizes();
 };
 
+// How many bodies are awake, without those that are debris and of those.
+struct AwakeCount {
+    size_t colliding = 0, debris = 0;
+    [[nodiscard]] size_t& of(bool is_debris) { return is_debris ? debris : colliding; }
+};
+
 struct World::Impl {
     WorldSettings settings;
     std::vector<std::unique_ptr<BodyRecord>>
@@ -55,7 +61,7 @@ struct World::Impl {
     std::vector<BodyId> ids;           // in body order, and so ascending: they are given in that order
     // By body: see World::last_moved_step(). Apart from the rest of a body, as each step asks for all of them.
     std::vector<uint64_t> moved_steps;
-    size_t colliding = 0;              // bodies, by BodyRecord::collides(): right whenever World has returned
+    AwakeCount awake;                  // right whenever World has returned
     uint32_t last_siblings = 0;        // the last number given
     uint32_t next_id = 0;              // never goes back
     uint64_t removed = 0;              // nor does the number of those removed
@@ -79,7 +85,7 @@ struct World::Impl {
         bodies.clear();
         ids.clear();
         moved_steps.clear();
-        colliding = 0;
+        awake = {};
     }
     std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
     void make_compound(NewBody& made, const BodyDesc& desc); // what make_body() left out
@@ -104,7 +110,7 @@ struct World::Impl {
     void wake(BodyRecord& body) {
         body.still_seconds = body.quiet_seconds = body.rest_seconds = 0.0f;
         if (!settings.sleeping || body.fixed) return;
-        if (!body.awake() && !body.debris) ++colliding;
+        if (!body.awake()) ++awake.of(body.debris);
         body.rigid->forceActivationState(ACTIVE_TAG);
     }
 };

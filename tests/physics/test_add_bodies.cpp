@@ -180,7 +180,8 @@ TEST_CASE("a new body has a box around it, and meets whom it is large enough for
         CHECK((proxy.least_partner > body.longest) == body.debris);
         CHECK(proxy.m_collisionFilterGroup == group_of(body.fixed, body.debris));
         CHECK(proxy.m_collisionFilterMask == partners_of(body.fixed, body.debris));
-        CHECK(made->collides == (!body.fixed && !body.debris));
+        CHECK(made->awake == !body.fixed);
+        CHECK(made->debris == body.debris);
     }
 }
 

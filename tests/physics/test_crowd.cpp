@@ -35,10 +35,14 @@ constexpr size_t no_limit = std::numeric_limits<size_t>::max();
 constexpr float half = 0.05f; // m, of the boxes here: far above the size of small debris
 
 // By looking at each body.
-size_t count_slowly(const World& world) {
-    size_t count = 0;
-    for (const BodyId id : world.bodies()) count += world.awake(id) && !world.fixed(id) && !world.debris(id);
-    return count;
+void check_counts(const World& world) {
+    size_t awake = 0, colliding = 0;
+    for (const BodyId id : world.bodies()) {
+        awake += world.awake(id) && !world.fixed(id);
+        colliding += world.awake(id) && !world.fixed(id) && !world.debris(id);
+    }
+    REQUIRE(world.awake_count() == awake);
+    REQUIRE(world.colliding_count() == colliding);
 }
 
 size_t debris_count(const World& world) {
@@ -192,7 +196,7 @@ TEST_CASE("crowd: the count of who collides is right after all that changes it")
             } else {
                 for (int k = 0; k < (i < 1000 ? 3 : 10); ++k) world.step();
             }
-            REQUIRE(world.colliding_count() == count_slowly(world));
+            check_counts(world);
             most = std::max(most, world.colliding_count());
             if (i > 500) least = std::min(least, world.colliding_count());
         }
@@ -299,6 +303,65 @@ TEST_CASE("crowd: what moves drives debris if it is twice as long, and does not 
         const Mechanics after = world.mechanics();
         CHECK(glm::length(after.momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
         CHECK(after.kinetic <= before.kinetic);
+    }
+}
+
+TEST_CASE("crowd: what debris meets grows with its number beyond twice the limit, and nowhere without one") {
+    CHECK(crowding(0, 500) == 1.0f);
+    CHECK(crowding(1000, 500) == 1.0f);
+    CHECK(crowding(1001, 500) > 1.0f);
+    CHECK(crowding(1500, 500) == 2.0f);
+    CHECK(crowding(2000, 500) == 3.0f);
+    CHECK(crowding(1, 1) == 1.0f);
+    CHECK(crowding(4, 1) == 3.0f);
+    CHECK(crowding(no_limit, 0) == 1.0f);
+    CHECK(std::isfinite(crowding(no_limit, 1)));
+    for (size_t debris = 1; debris < 3000; ++debris) CHECK(crowding(debris, 500) >= crowding(debris - 1, 500));
+}
+
+// Plates that lie on the ground, by their longest sides, a block of debris 10 cm long above each, and debris far away.
+TEST_CASE("crowd: what comes into a crowd of debris falls through what carried the debris before it") {
+    struct Plate {
+        float length;
+        bool large, fixed;
+    };
+    const Plate plates[] = {{0.25f, false, false}, {0.39f, false, false}, {0.41f, false, false},
+                            {0.79f, false, false}, {0.81f, false, false}, {0.12f, true, false}, {0.3f, false, true}};
+    // Debris far away, and the longest plate that a block falls through then: with the blocks that lie there and those that come it is 14
+    // more.
+    for (const auto& [others, longest] : {std::pair(0, 0.2f), std::pair(6, 0.2f), std::pair(16, 0.4f), std::pair(36, 0.8f)}) {
+        for (const bool sleeping : {false, true}) { // the others, before the blocks come
+            CAPTURE(others);
+            CAPTURE(sleeping);
+            World world({.most_colliding = 10});
+            std::vector<BodyId> lie;
+            for (size_t i = 0; i < std::size(plates); ++i) {
+                const auto& [length, large, fixed] = plates[i];
+                BodyDesc plate = box({length / 2.0f, 0.02f, length / 2.0f}, 20.0f, {static_cast<float>(2 * i), 0.02f, 0.0f});
+                plate.large = large;
+                plate.fixed = fixed;
+                must_add(world, plate);
+                lie.push_back(must_add(world, block({static_cast<float>(2 * i), 0.04f + half, 0.0f}, true))); // before there is a crowd
+            }
+            std::vector<BodyDesc> crowd, blocks;
+            for (int i = 0; i < others; ++i) crowd.push_back(block({static_cast<float>(i), half, 9.0f}, true));
+            REQUIRE(world.add_bodies(crowd).has_value());
+            run(world, sleeping ? 3.0f : 0.02f);
+            CHECK(world.awake_count() == (sleeping ? 0 : crowd.size() + 2 * lie.size() - 1));
+            for (size_t i = 0; i < std::size(plates); ++i)
+                blocks.push_back(block({static_cast<float>(2 * i), 0.3f, 0.0f}, true));
+            const auto come = world.add_bodies(blocks);
+            REQUIRE(come.has_value());
+            run(world, 2.0f);
+            for (size_t i = 0; i < std::size(plates); ++i) {
+                CAPTURE(i);
+                const auto& [length, large, fixed] = plates[i];
+                const bool falls = !sleeping && !large && !fixed && length < longest;
+                CHECK(std::abs(world.pose((*come)[i]).position.y - half - (falls ? 0.0f : 0.04f)) < 2e-3f);
+                CHECK(std::abs(world.pose(lie[i]).position.y - half - 0.04f) < 2e-3f);
+            }
+            CHECK(world.awake_count() == 0);
+        }
     }
 }
 
@@ -499,7 +562,7 @@ TEST_CASE("crowd: however often things break, no more collide than the limit has
             run(world, destruction, 3, &log);
             broken_debris += was_debris && !destruction.contains(piece);
             CHECK(world.colliding_count() <= most);
-            CHECK(world.colliding_count() == count_slowly(world));
+            check_counts(world);
         }
         CHECK(destruction.pieces().size() > 40);
         CHECK(broken_debris > 0);
