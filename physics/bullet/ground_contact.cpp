@@ -15,6 +15,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "physics/bullet/convert.h"
+#include "physics/bullet/fetch.h"
 #include "physics/bullet/float4.h"
 #include "physics/bullet/hull_shape.h"
 #include "physics/bullet/narrow_phase.h"
@@ -155,6 +156,7 @@ class HullOnPlane final : public FollowedContacts {
     }
     bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                 const btDispatcherInfo& info, btManifoldResult&) override {
+        if (manifold_) fetch(manifold_); // the corners come first
         const btCollisionObjectWrapper& hull = first.getCollisionObject() == hull_ ? first : second;
         std::vector<Corner>& corners = find_corners(hull, info.m_timeStep);
         keep_best(corners);

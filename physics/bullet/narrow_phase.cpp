@@ -1,11 +1,14 @@
 #include "physics/bullet/narrow_phase.h"
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
+#include "physics/bullet/fetch.h"
 #include "physics/bullet/ground_contact.h"
+#include "physics/bullet/hull_shape.h"
 
 namespace brittle::physics {
 
@@ -13,17 +16,24 @@ namespace {
 
 // Fewer pairs than this are not worth waking another thread for.
 constexpr uint32_t least_pairs = 128;
-// Pairs lie anywhere in memory: so many ahead of the one at hand are fetched, with so much of what each keeps, in bytes.
-constexpr size_t fetched_ahead = 4, fetched_bytes = 320, cache_line = 64;
-
 btCollisionObject& object_of(const btBroadphaseProxy* proxy) {
     return *static_cast<btCollisionObject*>(proxy->m_clientObject);
 }
 
-void fetch(const btBroadphasePair& pair) {
-    for (const void* const at : {static_cast<const void*>(pair.m_algorithm), static_cast<const void*>(pair.m_pProxy1->m_clientObject)})
-        for (size_t byte = 0; at && byte < fetched_bytes; byte += cache_line)
-            __builtin_prefetch(static_cast<const char*>(at) + byte);
+// For who follows pairs in turn, at the first one's next: what each keeps and its second body, as the first is that of many in turn,
+// then that body's shape, and its points.
+[[gnu::always_inline]] inline void fetch_next(const btBroadphasePair* array, std::span<const int> next) {
+    constexpr size_t points_ahead = 2, shape_ahead = 4, pair_ahead = 8, most_kept = 320;
+    const auto shape_of = [&](size_t i) { return object_of(array[next[i]].m_pProxy1).getCollisionShape(); };
+    if (next.size() > pair_ahead) {
+        const btBroadphasePair& pair = array[next[pair_ahead]];
+        if (pair.m_algorithm) fetch(pair.m_algorithm, most_kept);
+        fetch(pair.m_pProxy1->m_clientObject, most_kept);
+    }
+    if (next.size() > shape_ahead) fetch(shape_of(shape_ahead), sizeof(HullShape));
+    if (next.size() <= points_ahead || shape_of(points_ahead)->getShapeType() != CONVEX_HULL_SHAPE_PROXYTYPE) return;
+    const std::span<const btScalar> points = static_cast<const HullShape*>(shape_of(points_ahead))->groups();
+    fetch(points.data(), points.size_bytes());
 }
 
 // The bodies of a pair, and what takes their contacts. There a hull of a compound has its index, and the only hull of a body
@@ -134,7 +144,7 @@ void find_contacts(SweptPairs& pairs, btCollisionDispatcher& dispatcher, const b
     std::vector<std::vector<int>> left(threads.chunks(count, least_pairs)); // to be done one by one, in order
     threads.for_chunks(count, least_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (size_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead < end) fetch(array[set[i + fetched_ahead]]);
+            fetch_next(array, std::span(set).subspan(i, end - i));
             if (!follow(array[set[i]], info)) left[chunk].push_back(set[i]);
         }
     });

@@ -174,11 +174,14 @@ void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& st
     coefficients_.resize(held_);
     depths_.resize(places_.size());
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i)
+        for (uint32_t i = begin; i < end; ++i) {
+            if (i + fetched_ahead + 1 < end) manifolds[i + fetched_ahead + 1].fetch_contacts();
+            if (i + fetched_ahead < end) manifolds[i + fetched_ahead].fetch_body();
             if (manifolds[i].ground)
                 make_rows(*manifolds[i].ground, places_of(i), step);
             else
                 make_rows(*manifolds[i].between, places_of(i), solved_of(i), step);
+        }
     });
 }
 
@@ -414,10 +417,14 @@ void RowSolver::move_apart(Deep& deep, int sweeps) {
 void RowSolver::hand_back(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
                           fracture::Threads& threads) {
     threads.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) hand_back(*bodies[i], i, seconds);
+        for (uint32_t i = begin; i < end; ++i) {
+            if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
+            hand_back(*bodies[i], i, seconds);
+        }
     });
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
+            if (i + fetched_ahead < end) manifolds[i + fetched_ahead].fetch_contacts();
             const std::span<const uint32_t> places = places_of(i);
             for (size_t k = 0; k < places.size(); ++k)
                 if (manifolds[i].ground)

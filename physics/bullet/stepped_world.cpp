@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "physics/bullet/fetch.h"
 #include "physics/bullet/narrow_phase.h"
 
 namespace brittle::physics {
@@ -55,19 +56,35 @@ void note(bool& true_now) {
     std::atomic_ref(true_now).store(true, std::memory_order_relaxed);
 }
 
+// For who looks at the hulls of bodies in turn, at the first one's next: bodies, their forms, and the points of those.
+[[gnu::always_inline]] inline void fetch_hulls(std::span<BodyRecord* const> bodies) {
+    constexpr size_t points_ahead = 2, form_ahead = 4, body_ahead = 6;
+    if (bodies.size() > body_ahead) fetch(bodies[body_ahead]);
+    if (bodies.size() > form_ahead) fetch(bodies[form_ahead]->form.get());
+    if (bodies.size() <= points_ahead || bodies[points_ahead]->compound) return;
+    const std::span<const btScalar> points = bodies[points_ahead]->form->shape->groups();
+    fetch(points.data(), points.size_bytes());
+}
+
 } // namespace
 
 void SteppedWorld::for_each_body(std::span<BodyRecord* const> bodies, const auto& visit) {
     threads_.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) visit(*bodies[i]);
+        for (uint32_t i = begin; i < end; ++i) {
+            if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
+            visit(*bodies[i]);
+        }
     });
 }
 
 void SteppedWorld::for_each_contact(const auto& visit) {
     const std::vector<AnyManifold>& all = islands_.manifolds();
     threads_.for_chunks(static_cast<uint32_t>(all.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i)
+        for (uint32_t i = begin; i < end; ++i) {
+            if (i + fetched_ahead + 1 < end) all[i + fetched_ahead + 1].fetch_contacts();
+            if (i + fetched_ahead < end) all[i + fetched_ahead].fetch_body();
             if (all[i].count() > 0) visit(all[i]);
+        }
     });
 }
 
@@ -111,10 +128,14 @@ void SteppedWorld::step(btScalar seconds) {
 void SteppedWorld::find_pairs(btScalar seconds) {
     const btScalar linear_kept = std::pow(1.0f - settings_.linear_damping, seconds);
     const btScalar angular_kept = std::pow(1.0f - settings_.angular_damping, seconds);
-    for_each_body(stepped_, [&](BodyRecord& body) {
-        body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * linear_kept);
-        body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * angular_kept);
-        set_box(body, seconds);
+    threads_.for_chunks(static_cast<uint32_t>(stepped_.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            fetch_hulls(std::span(stepped_).subspan(i, end - i));
+            BodyRecord& body = *stepped_[i];
+            body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * linear_kept);
+            body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * angular_kept);
+            set_box(body, seconds);
+        }
     });
     btDispatcherInfo& info = getDispatchInfo();
     info.m_timeStep = seconds;
