@@ -18,10 +18,12 @@ struct AnyManifold {
     [[nodiscard]] uint32_t count() const {
         return ground ? ground->count : static_cast<uint32_t>(between->getNumContacts());
     }
-    // For who will look at its contacts: as many as most have. And a round later for who then looks at what lies on the ground.
-    [[gnu::always_inline]] void fetch_contacts() const { fetch(ground ? static_cast<const void*>(ground) : between, 512); }
+    // For who will look at its contacts; and, a round later, for who then looks at what touches the ground.
+    [[gnu::always_inline]] void fetch_contacts() const {
+        fetch(ground ? static_cast<const void*>(ground) : between, 512); // as many as most have
+    }
     [[gnu::always_inline]] void fetch_body() const {
-        if (ground) fetch(ground->body, 448); // without what is of Bullet's own solver
+        if (ground) fetch(ground->body, 448); // all but what only Bullet's own solver asks for
     }
 };
 

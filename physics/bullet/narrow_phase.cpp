@@ -16,6 +16,7 @@ namespace {
 
 // Fewer pairs than this are not worth waking another thread for.
 constexpr uint32_t least_pairs = 128;
+
 btCollisionObject& object_of(const btBroadphaseProxy* proxy) {
     return *static_cast<btCollisionObject*>(proxy->m_clientObject);
 }
