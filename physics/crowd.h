@@ -46,8 +46,8 @@ struct Newcomer {
 [[nodiscard]] std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, bool of_debris = false);
 
 // How many times as long as otherwise must be what debris meets of what moves, if it comes when, itself and its batch included, so
-// much debris is awake: once, up to twice the limit, then in proportion: twice with three times the limit, thrice with
-// four. So the next thousand cost less than the last one did. 1 without a limit.
+// much debris is awake, small debris too: once, up to twice the limit, then in proportion: twice with three times the limit, thrice
+// with four. So the next thousand cost less than the last one did. 1 without a limit.
 [[nodiscard]] float crowding(size_t awake_debris, uint32_t most_colliding);
 
 } // namespace brittle::physics

@@ -14,7 +14,7 @@ namespace {
 
 // What is so many times as long as debris is large beside it. Of a thousand pieces that fall as debris onto a thousand of the same
 // sizes there are 2,674 contacts that press where all count as large, 654 with 1.5, 326 with 2 and 192 with 3.
-// With 3 steps after such a fall are shorter by a tenth; but thirty balls that are struck in a crowd then make 8 % more
+// With 3, before crowding(), steps after such a fall were shorter by a tenth; but thirty balls that are struck in a crowd then made 8 % more
 // pieces, in twice as many steps: less of what breaks off holds up what is left, which breaks again.
 constexpr float debris_factor = 2.0f;
 

@@ -59,6 +59,14 @@ inline BodyDesc in_slabs(BodyDesc box, const glm::vec3& half, int count) {
     return box;
 }
 
+// A block of a kilogram, 10 cm long: far above the size of small debris.
+inline constexpr float block_half = 0.05f;
+inline BodyDesc block(const glm::vec3& at, bool debris = false) {
+    BodyDesc desc = box(glm::vec3(block_half), 1.0f, at);
+    desc.debris = debris;
+    return desc;
+}
+
 inline BodyId must_add(World& world, const BodyDesc& desc) {
     const Result<BodyId> id = world.add_body(desc);
     REQUIRE_MESSAGE(id.has_value(), (id ? std::string() : id.error().message));
