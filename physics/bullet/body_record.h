@@ -72,7 +72,7 @@ struct BodyRecord : BodyMeasures {
     float rest_seconds = 0.0f;                     // how long it has touched something near there
     bool touching = false;                         // in the last step
     bool sunk = false;                             // likewise, and after the repair: in the ground, too deep to sleep
-    bool resting = false;      // in this step: held where it is, see SteppedWorld::find_resting()
+    bool resting = false;      // in this step: held where it is, see SteppedWorld::let_rest()
     float unmoved_seconds = 0.0f; // how long nothing has kept it from that
     uint32_t resting_on = 0;   // fours of contacts that it had when it came to rest, or in the last step
     std::vector<HullEdge>

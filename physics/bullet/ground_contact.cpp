@@ -179,7 +179,7 @@ class HullOnPlane final : public FollowedContacts {
         manifold_->count = static_cast<uint32_t>(std::remove_if(points.begin(), points.end(), gone) - points.begin());
     }
     void collect(std::vector<AnyManifold>& to) override {
-        if (manifold_ && manifold_->count > 0) to.push_back({.ground = manifold_});
+        if (manifold_ && manifold_->count > 0) to.emplace_back(*manifold_);
     }
 
     // Only asked for objects that sweep; ours do not.

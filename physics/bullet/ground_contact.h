@@ -21,6 +21,9 @@
 #include <memory>
 #include <span>
 
+#include "physics/bullet/convert.h"
+#include "physics/bullet/row.h"
+
 class btCollisionDispatcher;
 class btCollisionObject;
 class btRigidBody;
@@ -38,6 +41,12 @@ struct alignas(64) GroundPoint {
     std::array<float, 3> along{};
     bool blow = false; // so hard that the next solution does not start from it
 
+    // What became of it; its speed is known.
+    void take(float pressed, float rubbed) {
+        impulse = pressed;
+        friction = rubbed;
+        blow = speed > blow_speed * bullet_units;
+    }
     [[nodiscard]] float kept_impulse() const { return blow ? 0.0f : impulse; }
     [[nodiscard]] float kept_friction() const { return blow ? 0.0f : friction; }
 };

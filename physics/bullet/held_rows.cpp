@@ -2,54 +2,19 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 
-#include "physics/bullet/float4.h"
+#include "physics/bullet/four_rows.h"
 
 namespace brittle::physics {
 
 namespace {
 
-constexpr float no_limit = std::numeric_limits<float>::max();
 // Blocks that are solved in all sweeps at once come in groups of so many: each row waits for the one before, and in between those
 // of the other blocks are worked on.
 constexpr uint32_t group_size = 4;
 constexpr uint32_t most_counted = 48; // rows of a body: see sort_movers()
 
 } // namespace
-
-struct HeldRows::Moving {
-    std::array<Float4, 3> linear, angular; // x, y, z of four bodies
-    Float4 light;
-
-    Moving() = default;
-    Moving(const Block& block, const Motion* motions) : light(Float4::load(block.light.data())) {
-        const auto motion = [&](size_t lane) -> const Motion& { return motions[block.movers[lane]]; };
-        linear = columns(motion(0).linear, motion(1).linear, motion(2).linear, motion(3).linear);
-        angular = columns(motion(0).angular, motion(1).angular, motion(2).angular, motion(3).angular);
-    }
-    void store(const Block& block, Motion* motions) const {
-        for (size_t axis = 0; axis < 3; ++axis) {
-            Four of_linear, of_angular;
-            linear[axis].store(of_linear.data());
-            angular[axis].store(of_angular.data());
-            for (size_t lane = 0; lane < block.count; ++lane) {
-                motions[block.movers[lane]].linear[axis] = of_linear[lane];
-                motions[block.movers[lane]].angular[axis] = of_angular[lane];
-            }
-        }
-    }
-
-  private:
-    static std::array<Float4, 3> columns(const float* a, const float* b, const float* c, const float* d) {
-        std::array<Float4, 3> result;
-        for (size_t axis = 0; axis < 3; ++axis) {
-            const Four four{a[axis], b[axis], c[axis], d[axis]};
-            result[axis] = Float4::load(four.data());
-        }
-        return result;
-    }
-};
 
 // By bundle, those without one behind, of each those with most rows first. By counting; of those with very many rows, which are few,
 // by comparing.
@@ -171,59 +136,29 @@ HeldRows::Impulses HeldRows::impulses(size_t contact) const {
     return {contacts_[at].impulse[lane], frictions_[at].impulse[lane]};
 }
 
-inline void HeldRows::act(const FourRows& rows, const auto& impulse, Moving& moving) {
-    const Float4 speed = impulse * moving.light;
-    for (size_t axis = 0; axis < 3; ++axis) {
-        moving.linear[axis] = moving.linear[axis] + Float4::load(rows.normal[axis].data()) * speed;
-        moving.angular[axis] = moving.angular[axis] + Float4::load(rows.turn[axis].data()) * impulse;
+// Calls visit(place, motions of the bodies) for the rows of a bundle.
+void HeldRows::for_rows(uint32_t bundle, Motion* motions, const auto& visit) const {
+    for (const Block& block : of(bundle)) {
+        FourMotions moving(block.movers, block.light, motions);
+        for (size_t at = block.begin; at < block.end; ++at) visit(at, moving);
+        moving.store(block.movers, block.count, motions);
     }
-}
-
-inline void HeldRows::solve(FourRows& rows, const auto& low, const auto& high, Moving& moving) {
-    std::array<Float4, 3> along;
-    for (size_t axis = 0; axis < 3; ++axis)
-        along[axis] = Float4::load(rows.normal[axis].data()) * moving.linear[axis]
-                      + Float4::load(rows.arm[axis].data()) * moving.angular[axis];
-    const Float4 apart = (along[0] + along[1]) + along[2];
-    const Float4 before = Float4::load(rows.impulse.data());
-    const Float4 free = before + Float4::load(rows.wanted.data()) - apart * Float4::load(rows.gain.data());
-    const Float4 impulse = min(max(free, low), high);
-    impulse.store(rows.impulse.data());
-    act(rows, impulse - before, moving);
-}
-
-inline void HeldRows::press(size_t at, Moving& moving) {
-    solve(contacts_[at], Float4::all(0.0f), Float4::all(no_limit), moving);
-}
-
-inline void HeldRows::rub(size_t at, Moving& moving) {
-    const Float4 most = Float4::load(coefficients_[at].data()) * Float4::load(contacts_[at].impulse.data());
-    solve(frictions_[at], Float4::all(0.0f) - most, most, moving);
 }
 
 void HeldRows::give(uint32_t bundle, Motion* motions) const {
-    for (const Block& block : of(bundle)) {
-        Moving moving(block, motions);
-        for (size_t at = block.begin; at < block.end; ++at)
-            act(contacts_[at], Float4::load(contacts_[at].impulse.data()), moving);
-        moving.store(block, motions);
-    }
+    for_rows(bundle, motions, [this](size_t at, FourMotions& of) { of.act(contacts_[at], Float4::load(contacts_[at].impulse.data())); });
 }
 
 void HeldRows::press(uint32_t bundle, Motion* motions) {
-    for (const Block& block : of(bundle)) {
-        Moving moving(block, motions);
-        for (size_t at = block.begin; at < block.end; ++at) press(at, moving);
-        moving.store(block, motions);
-    }
+    for_rows(bundle, motions, [this](size_t at, FourMotions& of) { of.press(contacts_[at]); });
 }
 
 void HeldRows::rub(uint32_t bundle, Motion* motions) {
-    for (const Block& block : of(bundle)) {
-        Moving moving(block, motions);
-        for (size_t at = block.begin; at < block.end; ++at) rub(at, moving);
-        moving.store(block, motions);
-    }
+    for_rows(bundle, motions, [this](size_t at, FourMotions& of) { rub(at, of); });
+}
+
+inline void HeldRows::rub(size_t at, FourMotions& moving) {
+    moving.rub(frictions_[at], Float4::load(coefficients_[at].data()), contacts_[at]);
 }
 
 uint32_t HeldRows::lone_groups() const {
@@ -239,20 +174,20 @@ void HeldRows::settle(uint32_t begin, uint32_t end, int sweeps, Motion* motions)
 }
 
 void HeldRows::settle(std::span<const Block> group, int sweeps, Motion* motions) {
-    std::array<Moving, group_size> moving;
-    for (size_t i = 0; i < group.size(); ++i) moving[i] = Moving(group[i], motions);
+    std::array<FourMotions, group_size> moving;
+    for (size_t i = 0; i < group.size(); ++i) moving[i] = FourMotions(group[i].movers, group[i].light, motions);
     // The first row of each, then the second ones; the first block has most.
     const auto for_rows = [&](const auto& visit) {
         for (uint32_t row = 0; row < group[0].end - group[0].begin; ++row)
             for (size_t i = 0; i < group.size() && row < group[i].end - group[i].begin; ++i)
                 visit(group[i].begin + row, moving[i]);
     };
-    for_rows([this](size_t at, Moving& of) { act(contacts_[at], Float4::load(contacts_[at].impulse.data()), of); });
+    for_rows([this](size_t at, FourMotions& of) { of.act(contacts_[at], Float4::load(contacts_[at].impulse.data())); });
     for (int sweep = 0; sweep < sweeps; ++sweep) {
-        for_rows([this](size_t at, Moving& of) { press(at, of); });
-        for_rows([this](size_t at, Moving& of) { rub(at, of); });
+        for_rows([this](size_t at, FourMotions& of) { of.press(contacts_[at]); });
+        for_rows([this](size_t at, FourMotions& of) { rub(at, of); });
     }
-    for (size_t i = 0; i < group.size(); ++i) moving[i].store(group[i], motions);
+    for (size_t i = 0; i < group.size(); ++i) moving[i].store(group[i].movers, group[i].count, motions);
 }
 
 } // namespace brittle::physics

@@ -5,8 +5,9 @@
 // In a heap half of all contacts are with the ground. Each body's rows are solved in their order, with the same operations as
 // one at a time: not a bit is different.
 //
-// A body that has no other rows, as debris, waits for nobody between two sweeps: its rows are solved in all sweeps at once, while
-// they are at hand, on any thread. Bodies with other rows too are solved in sweeps, with their bundle.
+// A body that has no other rows waits for nobody between two sweeps: its rows are solved in all sweeps at once, while they are at
+// hand, on any thread. Bodies with other rows too are solved in sweeps, with their bundle. What touches nothing but the ground has no
+// rows here at all: lone_bodies.h.
 #pragma once
 
 #include <array>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "physics/bullet/bundles.h"
+#include "physics/bullet/four_rows.h"
 #include "physics/bullet/row.h"
 
 namespace brittle::physics {
@@ -53,14 +55,11 @@ class HeldRows {
         std::array<uint32_t, 4> movers{};
         Four light{};
     };
-    struct Moving; // the motions of a block's bodies
 
     void sort_movers(const Bundles& bundles);
     static void put(FourRows& rows, size_t lane, const Row& row);
-    static void act(const FourRows& rows, const auto& impulse, Moving& moving);
-    static void solve(FourRows& rows, const auto& low, const auto& high, Moving& moving);
-    void press(size_t at, Moving& moving);
-    void rub(size_t at, Moving& moving);
+    void for_rows(uint32_t bundle, Motion* motions, const auto& visit) const;
+    void rub(size_t at, FourMotions& moving);
     void settle(std::span<const Block> group, int sweeps, Motion* motions);
     [[nodiscard]] std::span<const Block> of(uint32_t bundle) const {
         return std::span(blocks_).subspan(firsts_[bundle], firsts_[bundle + 1] - firsts_[bundle]);

@@ -42,7 +42,7 @@ void for_each(const SweptPairs& pairs, bool all, uint32_t begin, uint32_t end, c
 
 } // namespace
 
-void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const SweptPairs& pairs,
+void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::span<BodyRecord* const> awake, const SweptPairs& pairs,
                    fracture::Threads& threads) {
     // Who belongs to whom among those that sleep is not kept: it is found again when one of them wakes.
     bool all = false;
@@ -50,11 +50,14 @@ void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const
     members_.clear();
     parents_.resize(bodies.size());
     lively_.assign(bodies.size(), 0);
-    for (uint32_t i = 0; i < bodies.size(); ++i)
-        if (!bodies[i]->fixed && (all || !sleeps(*bodies[i]->rigid))) {
-            members_.push_back(i);
-            parents_[i] = i;
-        }
+    if (all) {
+        for (uint32_t i = 0; i < bodies.size(); ++i)
+            if (!bodies[i]->fixed) members_.push_back(i);
+    } else {
+        for (const BodyRecord* body : awake)
+            if (!sleeps(*body->rigid)) members_.push_back(static_cast<uint32_t>(body->rigid->getUserIndex()));
+    }
+    for (const uint32_t member : members_) parents_[member] = member;
     for_each(pairs, all, 0, count_of(pairs, all), [this](const btBroadphasePair& pair) { unite(pair); });
     settle(bodies);
     collect(pairs, all, threads);

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
@@ -24,8 +25,10 @@ namespace brittle::physics {
 
 class Islands {
   public:
-    // Bodies are in the order of their user indices. Lets islands fall asleep and wakes them.
-    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, const SweptPairs& pairs, fracture::Threads& threads);
+    // Bodies are in the order of their user indices. Nobody is awake but some of those given for that, in the same order. Lets islands fall
+    // asleep and wakes them.
+    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::span<BodyRecord* const> awake, const SweptPairs& pairs,
+              fracture::Threads& threads);
 
     // In body order.
     [[nodiscard]] const std::vector<BodyRecord*>& awake() const { return awake_; }

@@ -110,7 +110,7 @@ btManifoldArray& manifolds_of(btCollisionAlgorithm& algorithm) {
 
 void add_manifolds(btCollisionAlgorithm& algorithm, std::vector<AnyManifold>& to) {
     const btManifoldArray& manifolds = manifolds_of(algorithm);
-    for (int i = 0; i < manifolds.size(); ++i) to.push_back({.between = manifolds[i]});
+    for (int i = 0; i < manifolds.size(); ++i) to.emplace_back(*manifolds[i]);
 }
 
 } // namespace

@@ -60,7 +60,7 @@ void PieceSolver::report_solved() {
             }
             continue;
         }
-        for (const auto end = solved + manifold.count(); solved != end; ++solved) {
+        for (const auto end = solved + manifold.count; solved != end; ++solved) {
             if (solved->impulse <= 0.0f) continue;
             Contact contact = contact_between(*solved->manifold, *solved->point);
             contact.point = metres_from_bullet(solved->position);

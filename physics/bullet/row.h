@@ -8,6 +8,11 @@
 
 namespace brittle::physics {
 
+// Contacts that were closing faster than this, in m/s, are blows. The next step's solution starts from the impulses of the
+// last one's, and what stopped a blow is a hundred times what will be needed: what the sweeps do not get rid of
+// would be energy from nothing.
+inline constexpr float blow_speed = 0.2f;
+
 // Of a contact or of its friction. Vectors lie without gaps; four floats can be read at each. Bullet's units.
 struct Row {
     float normal[3];          // from b to a
@@ -29,9 +34,9 @@ struct FourRows {
 
 // What rows are made of: a body as it enters the solution.
 struct Mover {
-    btVector3 turning[3]; // rows of the inverse inertia, in the world's axes
-    btVector3 centre, linear, angular; // gravity is in
-    float light; // inverse mass; 0 of a body that rests, as its inertia is
+    btVector3 turning[3]{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};           // rows of the inverse inertia, in the world's axes
+    btVector3 centre{0, 0, 0}, linear{0, 0, 0}, angular{0, 0, 0}; // gravity is in
+    float light = 0.0f; // inverse mass; 0 of a body that rests, as its inertia is
 };
 
 // How velocities have changed so far; the last of four is 0.

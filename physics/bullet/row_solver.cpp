@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "physics/bullet/float4.h"
-#include "physics/bullet/ground_rows.h"
 
 namespace brittle::physics {
 
@@ -21,10 +20,6 @@ constexpr float kept_impulse = 0.85f;
 // The part of an overlap that is undone in a step, and by how much less by turning than by moving.
 constexpr float undone_part = 0.2f;
 constexpr float undone_by_turning = 0.1f;
-// Contacts that were closing faster than this, in m/s, are blows. The next step's solution starts from the impulses of the
-// last one's, and what stopped a blow is a hundred times what will be needed: what the sweeps do not get rid of
-// would be energy from nothing.
-constexpr float blow_speed = 0.2f;
 
 void put(float* to, const btVector3& from) {
     for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis];
@@ -44,28 +39,35 @@ constexpr uint32_t least_bundle = 256;
 
 void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds,
                       const Step& step, fracture::Threads& threads) {
-    take_bodies(bodies, step);
+    take_bodies(bodies, step, threads);
     order(manifolds, threads);
     make_rows(manifolds, step, threads);
     take_deep();
-    solve_rows(step.sweeps, threads);
+    solve_rows(step, threads);
     hand_back(bodies, manifolds, step.seconds, threads);
 }
 
 // None of the tasks looks at what another one changes; side by side where that is worth it, the longest ones first.
-void RowSolver::solve_rows(int sweeps, fracture::Threads& threads) {
+void RowSolver::solve_rows(const Step& step, fracture::Threads& threads) {
+    const int sweeps = step.sweeps;
     motions_.assign(movers_.size(), {});
     parting_.assign(movers_.size(), {});
-    const bool few = places_.size() < least_contacts;
-    const uint32_t groups = held_rows_.lone_groups(), parts = few ? 1 : threads.chunks(groups, least_groups);
+    const bool few = places_.size() + points_of_lone_ < least_contacts;
+    const auto parts_of = [&](uint32_t groups) { return few ? 1 : threads.chunks(groups, least_groups); };
+    const uint32_t held_groups = held_rows_.lone_groups(), held_parts = parts_of(held_groups);
+    const uint32_t lone_groups = lone_.groups(), lone_parts = parts_of(lone_groups);
     const uint32_t bundles = bundles_.count(), in_bundles = 2 * bundles;
     const auto solve_some = [&](uint32_t task) {
         if (task < in_bundles && task % 2 == 0) return sweep(task / 2, sweeps);
         if (task <= in_bundles) return move_apart(deep_[task / 2], sweeps);
-        const auto bound = [&](uint32_t part) { return groups * part / parts; };
-        held_rows_.settle(bound(task - in_bundles - 1), bound(task - in_bundles), sweeps, motions_.data());
+        uint32_t part = task - in_bundles - 1;
+        if (part < held_parts)
+            return held_rows_.settle(held_groups * part / held_parts, held_groups * (part + 1) / held_parts, sweeps, motions_.data());
+        part -= held_parts;
+        lone_.solve(lone_groups * part / lone_parts, lone_groups * (part + 1) / lone_parts,
+                    {movers_.data(), motions_.data(), parting_.data()}, ground_step(step), sweeps);
     };
-    const uint32_t tasks = in_bundles + 1 + parts;
+    const uint32_t tasks = in_bundles + 1 + held_parts + lone_parts;
     if (few)
         for (uint32_t task = 0; task < tasks; ++task) solve_some(task);
     else
@@ -86,35 +88,33 @@ void RowSolver::sweep(uint32_t bundle, int count) {
     }
 }
 
-void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& step) {
-    movers_.clear();
-    lights_.clear();
-    for (const BodyRecord* body : bodies) {
-        const btRigidBody& rigid = *body->rigid;
-        const auto user = static_cast<size_t>(rigid.getUserIndex());
-        if (user >= indices_.size()) indices_.resize(user + 1);
-        indices_[user] = static_cast<uint32_t>(movers_.size());
-        lights_.push_back(body->resting ? 0.0f : rigid.getInvMass());
-        if (body->resting) {
-            movers_.push_back({{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, rigid.getCenterOfMassPosition(), {0, 0, 0}, {0, 0, 0}, 0.0f});
-            continue;
+void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& step, fracture::Threads& threads) {
+    const auto user_index = [](const BodyRecord& body) { return static_cast<size_t>(body.rigid->getUserIndex()); };
+    if (!bodies.empty()) indices_.resize(std::max(indices_.size(), user_index(*bodies.back()) + 1));
+    movers_.resize(bodies.size());
+    lights_.resize(bodies.size());
+    threads.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
+            const btRigidBody& rigid = *bodies[i]->rigid;
+            indices_[user_index(*bodies[i])] = i;
+            movers_[i] = bodies[i]->resting ? Mover{.centre = rigid.getCenterOfMassPosition()} : mover_of(rigid, step);
+            lights_[i] = movers_[i].light;
         }
-        const btMatrix3x3& turning = rigid.getInvInertiaTensorWorld();
-        movers_.push_back({{turning[0], turning[1], turning[2]},
-                           rigid.getCenterOfMassPosition(),
-                           rigid.getLinearVelocity() + step.gravity * step.seconds,
-                           rigid.getAngularVelocity(),
-                           rigid.getInvMass()});
-    }
+    });
+}
+
+Mover RowSolver::mover_of(const btRigidBody& rigid, const Step& step) {
+    const btMatrix3x3& turning = rigid.getInvInertiaTensorWorld();
+    return {.turning = {turning[0], turning[1], turning[2]},
+            .centre = rigid.getCenterOfMassPosition(),
+            .linear = rigid.getLinearVelocity() + step.gravity * step.seconds,
+            .angular = rigid.getAngularVelocity(),
+            .light = rigid.getInvMass()};
 }
 
 RowSolver::Between RowSolver::between(const AnyManifold& manifold) const {
-    const auto mover = [this](const btCollisionObject* object) {
-        return never_moves(object) ? nobody : indices_[static_cast<size_t>(object->getUserIndex())];
-    };
-    if (manifold.ground) return {manifold.ground->body, nullptr, mover(manifold.ground->body), nobody, manifold.count()};
-    const btCollisionObject *a = manifold.between->getBody0(), *b = manifold.between->getBody1();
-    return {a, b, mover(a), mover(b), manifold.count()};
+    return {manifold.a_moves ? indices_[manifold.a] : nobody, manifold.b_moves ? indices_[manifold.b] : nobody, manifold.count};
 }
 
 // A sort by counting.
@@ -127,19 +127,19 @@ void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads&
     for (const Between& two : betweens_)
         if (!two.held() && two.count > 0) bundles_.join(two.mover_a, two.mover_b, two.count);
     bundles_.finish(least_bundle);
+    take_lone(manifolds);
     keys_.clear();
     firsts_.clear();
     solved_firsts_.clear();
     starts_.assign((bundles_.count() + 1) * most_points + 1, 0);
-    const Between* before = nullptr;
     uint32_t place = 0; // among the points of the same two bodies
     uint32_t solved = 0;
-    for (const Between& two : betweens_) {
-        if (!before || before->a != two.a || before->b != two.b) place = 0;
-        before = &two;
+    for (size_t m = 0; m < manifolds.size(); ++m) {
+        const Between& two = betweens_[m];
+        if (m > 0 && (manifolds[m - 1].a != manifolds[m].a || manifolds[m - 1].b != manifolds[m].b)) place = 0;
         firsts_.push_back(static_cast<uint32_t>(keys_.size()));
         solved_firsts_.push_back(solved);
-        if (two.b) solved += two.count;
+        if (manifolds[m].between) solved += two.count;
         if (two.count == 0) continue;
         const uint32_t first_key = (two.held() ? bundles_.count() : bundles_.of(two.mover_a)) * most_points;
         for (uint32_t i = 0; i < two.count; ++i, ++place) {
@@ -155,6 +155,23 @@ void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads&
     places_.resize(keys_.size());
     for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
     order_held();
+}
+
+// They need no places among the others.
+void RowSolver::take_lone(std::span<const AnyManifold> manifolds) {
+    lone_.clear();
+    points_of_lone_ = 0;
+    touched_.assign(movers_.size(), 0);
+    for (const Between& two : betweens_)
+        for (const uint32_t mover : {two.mover_a, two.mover_b})
+            if (mover != nobody && two.count > 0) ++touched_[mover];
+    for (size_t m = 0; m < manifolds.size(); ++m) {
+        Between& two = betweens_[m];
+        if (!manifolds[m].ground || two.count == 0 || touched_[two.mover_a] > 1 || lights_[two.mover_a] == 0.0f) continue;
+        lone_.add(*manifolds[m].ground, two.mover_a);
+        points_of_lone_ += std::exchange(two.count, 0);
+    }
+    lone_.arrange();
 }
 
 void RowSolver::order_held() {
@@ -175,8 +192,8 @@ void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& st
     depths_.resize(places_.size());
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead + 1 < end) manifolds[i + fetched_ahead + 1].fetch_contacts();
-            if (i + fetched_ahead < end) manifolds[i + fetched_ahead].fetch_body();
+            if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0) manifolds[i + fetched_ahead].fetch_contacts();
+            if (betweens_[i].count == 0) continue;
             if (manifolds[i].ground)
                 make_rows(*manifolds[i].ground, places_of(i), step);
             else
@@ -227,15 +244,18 @@ void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32
     }
 }
 
+GroundStep RowSolver::ground_step(const Step& step) {
+    return {.seconds = step.seconds,
+            .gravity = step.gravity,
+            .least_bounce_speed = step.least_bounce_speed,
+            .kept_impulse = kept_impulse};
+}
+
 void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
     const Mover& mover = movers_[indices_[static_cast<size_t>(ground.body->getUserIndex())]];
     if (mover.light == 0.0f) return make_rows_of_resting(ground, places, step);
     for (size_t first = 0; first < places.size(); first += 4) {
-        const GroundRows made = ground_rows(mover, ground, first,
-                                            {.seconds = step.seconds,
-                                             .gravity = step.gravity,
-                                             .least_bounce_speed = step.least_bounce_speed,
-                                             .kept_impulse = kept_impulse});
+        const GroundRows made = ground_rows(mover, ground, first, ground_step(step));
         for (size_t i = first; i < std::min(places.size(), first + 4); ++i) {
             const size_t lane = i - first;
             GroundPoint& point = ground.all[i];
@@ -424,7 +444,7 @@ void RowSolver::hand_back(std::span<BodyRecord* const> bodies, std::span<const A
     });
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead < end) manifolds[i + fetched_ahead].fetch_contacts();
+            if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0) manifolds[i + fetched_ahead].fetch_contacts();
             const std::span<const uint32_t> places = places_of(i);
             for (size_t k = 0; k < places.size(); ++k)
                 if (manifolds[i].ground)
@@ -465,9 +485,7 @@ void RowSolver::hand_back(Solved& contact, size_t place) const {
 
 void RowSolver::hand_back(GroundPoint& contact, size_t place) const {
     const auto [pressed, rubbed] = impulses(place);
-    contact.impulse = pressed;
-    contact.friction = rubbed;
-    contact.blow = contact.speed > blow_speed * bullet_units;
+    contact.take(pressed, rubbed);
 }
 
 } // namespace brittle::physics

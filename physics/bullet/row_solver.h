@@ -6,13 +6,14 @@
 // that never moves comes behind all others, so that each sweep ends with nothing going into the ground: otherwise a heavy
 // piece presses a light one beneath it millimetres deep and holds it there. A sweep over contacts is followed by one over
 // their friction. Bodies that have nothing to do with each other have their sweeps on different threads (bundles.h), those that touch
-// nothing that moves, as debris, all of them at once; and beside them overlap is undone by moving (split impulses).
+// nothing that moves all of them at once (held_rows.h, and on the ground lone_bodies.h); and beside them overlap is undone by moving
+// (split impulses).
 //
 // - One friction direction a point: that in which it slides; where it does not, points beside each other take turns between
 //   two. No joints, no rolling friction.
 // - Where both bodies move they meet in one point, midway across a gap or an overlap. Bullet pushes each at its own side, and
 //   friction then turns the two by more than it should.
-// - A body that rests (SteppedWorld::find_resting) is moved by nothing; between those that do, impulses stay what they were.
+// - A body that rests (SteppedWorld::let_rest()) is moved by nothing; between those that do, impulses stay what they were.
 // - The solution starts from 0.85 of the impulses that the points have from the last one.
 // - Bullet's units throughout. Not thread-safe, but works on several threads itself.
 //
@@ -30,6 +31,7 @@
 #include "physics/bullet/body_record.h"
 #include "physics/bullet/bundles.h"
 #include "physics/bullet/held_rows.h"
+#include "physics/bullet/lone_bodies.h"
 #include "physics/bullet/row.h"
 
 namespace brittle::physics {
@@ -54,7 +56,7 @@ class RowSolver {
         btVector3 friction; // likewise, across it; until the sweeps are done, its direction
     };
 
-    // Of bodies that are awake, and all contacts that any of them has. Changes their velocities by gravity and contacts, leaves
+    // Of bodies that are awake, in their order, and all contacts that any of them has. Changes their velocities by gravity and contacts, leaves
     // impulses in the points of the manifolds, and in the bodies the repair of overlap.
     void solve(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
                fracture::Threads& threads);
@@ -62,10 +64,9 @@ class RowSolver {
     [[nodiscard]] std::span<const Solved> solved() const { return solved_; }
 
   private:
-    // A manifold in short.
+    // The movers of a manifold.
     static constexpr uint32_t nobody = UINT32_MAX;
     struct Between {
-        const btCollisionObject *a, *b;
         uint32_t mover_a, mover_b; // nobody where it never moves
         uint32_t count;            // points
         [[nodiscard]] bool held() const { return mover_a == nobody || mover_b == nobody; }
@@ -88,9 +89,12 @@ class RowSolver {
         bool odd;                       // the place among its manifold's points
     };
 
-    void take_bodies(std::span<BodyRecord* const> bodies, const Step& step);
+    static GroundStep ground_step(const Step& step);
+    static Mover mover_of(const btRigidBody& rigid, const Step& step);
+    void take_bodies(std::span<BodyRecord* const> bodies, const Step& step, fracture::Threads& threads);
     // Where each point is solved: by bundles, of each first points of pairs first; contacts with what never moves last.
     void order(std::span<const AnyManifold> manifolds, fracture::Threads& threads);
+    void take_lone(std::span<const AnyManifold> manifolds);
     void order_held();
     [[nodiscard]] Between between(const AnyManifold& manifold) const;
     void make_rows(std::span<const AnyManifold> manifolds, const Step& step, fracture::Threads& threads);
@@ -122,7 +126,7 @@ class RowSolver {
     };
     void take_deep();
     void move_apart(Deep& deep, int sweeps);
-    void solve_rows(int sweeps, fracture::Threads& threads);
+    void solve_rows(const Step& step, fracture::Threads& threads);
     void hand_back(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
                    fracture::Threads& threads);
     void hand_back(BodyRecord& body, size_t mover, float seconds) const;
@@ -147,6 +151,9 @@ class RowSolver {
     std::vector<float> depths_;                    // by place: wanted where overlap is undone; 0: there is none
     HeldRows held_rows_;                           // the others
     std::vector<uint32_t> held_movers_;            // of them
+    LoneBodies lone_;                              // which need none of that
+    uint32_t points_of_lone_ = 0;
+    std::vector<uint32_t> touched_; // by mover, scratch: how many it touches
     std::vector<Deep> deep_; // by bundle, and behind them of movers without one
     size_t held_ = 0; // places from here on are those of contacts with what never moves
     std::vector<Motion> motions_, parting_; // of velocities, and of moving apart

@@ -56,11 +56,14 @@ void note(bool& true_now) {
     std::atomic_ref(true_now).store(true, std::memory_order_relaxed);
 }
 
-// For who looks at the hulls of bodies in turn, at the first one's next: bodies, their forms, and the points of those.
+// For who gives bodies their boxes in turn, at the first one's next: the bodies, their forms and proxies, and the points of their hulls.
 [[gnu::always_inline]] inline void fetch_hulls(std::span<BodyRecord* const> bodies) {
     constexpr size_t points_ahead = 2, form_ahead = 4, body_ahead = 6;
     if (bodies.size() > body_ahead) fetch(bodies[body_ahead]);
-    if (bodies.size() > form_ahead) fetch(bodies[form_ahead]->form.get());
+    if (bodies.size() > form_ahead) {
+        fetch(bodies[form_ahead]->form.get());
+        fetch(bodies[form_ahead]->rigid->getBroadphaseHandle(), sizeof(SweptProxy));
+    }
     if (bodies.size() <= points_ahead || bodies[points_ahead]->compound) return;
     const std::span<const btScalar> points = bodies[points_ahead]->form->shape->groups();
     fetch(points.data(), points.size_bytes());
@@ -83,7 +86,7 @@ void SteppedWorld::for_each_contact(const auto& visit) {
         for (uint32_t i = begin; i < end; ++i) {
             if (i + fetched_ahead + 1 < end) all[i + fetched_ahead + 1].fetch_contacts();
             if (i + fetched_ahead < end) all[i + fetched_ahead].fetch_body();
-            if (all[i].count() > 0) visit(all[i]);
+            if (all[i].count > 0) visit(all[i]);
         }
     });
 }
@@ -115,11 +118,9 @@ void SteppedWorld::step(btScalar seconds) {
     stepped_.clear();
     for (const auto& body : bodies_)
         if (body->awake()) stepped_.push_back(body.get());
-    for_each_body(stepped_, [](BodyRecord& body) { body.start_step(); });
     find_pairs(seconds);
     siblings_.forget();
     find_islands();
-    if (settings_.sleeping) find_resting(seconds);
     solve(seconds);
     move_all(seconds);
     if (settings_.sleeping) find_who_settles(seconds);
@@ -132,6 +133,7 @@ void SteppedWorld::find_pairs(btScalar seconds) {
         for (uint32_t i = begin; i < end; ++i) {
             fetch_hulls(std::span(stepped_).subspan(i, end - i));
             BodyRecord& body = *stepped_[i];
+            body.start_step();
             body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * linear_kept);
             body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * angular_kept);
             set_box(body, seconds);
@@ -145,7 +147,13 @@ void SteppedWorld::find_pairs(btScalar seconds) {
     // After that, as the air meets each piece of a cut alone: at once they would not fly as one any more.
     const float unfelt = unfelt_part * glm::length(settings_.gravity) * seconds;
     if (settings_.air_density > 0.0f)
-        for_each_body(stepped_, [&](BodyRecord& body) { body.form->drag.brake(*body.rigid, settings_.air_density, seconds, unfelt); });
+        threads_.for_chunks(static_cast<uint32_t>(stepped_.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+            for (uint32_t i = begin; i < end; ++i) {
+                if (i + 2 * fetched_ahead < end) fetch(stepped_[i + 2 * fetched_ahead]);
+                if (i + fetched_ahead < end) fetch(&stepped_[i + fetched_ahead]->form->drag);
+                stepped_[i]->form->drag.brake(*stepped_[i]->rigid, settings_.air_density, seconds, unfelt);
+            }
+        });
     find_contacts(broadphase_.pairs(), static_cast<btCollisionDispatcher&>(*getDispatcher()), info, threads_);
 }
 
@@ -179,7 +187,7 @@ void SteppedWorld::set_box(BodyRecord& body, btScalar seconds) {
 }
 
 void SteppedWorld::find_islands() {
-    islands_.find(bodies_, broadphase_.pairs(), threads_);
+    islands_.find(bodies_, stepped_, broadphase_.pairs(), threads_);
     for (BodyRecord* body : islands_.woken()) {
         body->start_step();
         stepped_.push_back(body);
@@ -192,13 +200,13 @@ void SteppedWorld::find_islands() {
     }
 }
 
-void SteppedWorld::find_resting(btScalar seconds) {
+void SteppedWorld::find_company() {
     company_.assign(bodies_.size(), {});
-    const auto ready = [](const btRigidBody& rigid) { return rigid.getActivationState() == WANTS_DEACTIVATION; };
-    for (const BodyRecord* body : islands_.awake())
-        if (is_fast(*body) || (rises(*body) && waited(*body) >= settings_.sleep_seconds)) company_[islands_.of(*body)].busy = true;
-    const auto note_contacts = [&](const btCollisionObject& body, uint32_t fours, bool pressed) -> Company& {
-        Company& company = company_[static_cast<size_t>(body.getUserIndex())];
+    for_each_body(islands_.awake(), [&](const BodyRecord& body) {
+        if (is_fast(body) || (rises(body) && waited(body) >= settings_.sleep_seconds)) note(company_[islands_.of(body)].busy);
+    });
+    const auto note_contacts = [&](uint32_t body, uint32_t fours, bool pressed) -> Company& {
+        Company& company = company_[body];
         std::atomic_ref(company.fours).fetch_add(fours, std::memory_order_relaxed);
         if (pressed) note(company.pressed);
         return company;
@@ -206,50 +214,53 @@ void SteppedWorld::find_resting(btScalar seconds) {
     for_each_contact([&](const AnyManifold& manifold) {
         if (const GroundManifold* const ground = manifold.ground) {
             const bool pressed = std::ranges::any_of(ground->points(), [](const GroundPoint& p) { return p.kept_impulse() > 0.0f; });
-            note_contacts(*ground->body, (ground->count + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE, pressed);
+            note_contacts(manifold.a, (ground->count + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE, pressed);
             return;
         }
         const btPersistentManifold& between = *manifold.between;
         bool pressed = false;
         for (int p = 0; p < between.getNumContacts(); ++p)
             pressed = pressed || between.getContactPoint(p).m_appliedImpulse > 0.0f;
-        for (const auto& [one, other] :
-             {std::pair(between.getBody0(), between.getBody1()), std::pair(between.getBody1(), between.getBody0())}) {
-            if (one->isStaticObject()) continue;
-            Company& company = note_contacts(*one, 1, pressed);
-            if (other->isStaticObject()) continue;
-            const btRigidBody& touched = *btRigidBody::upcast(other);
-            if (!ready(touched) && speed_of(touched) > 1.0f) note(company.disturbed);
-        }
+        const auto note_other = [&](uint32_t body, uint32_t other, bool other_moves) {
+            Company& company = note_contacts(body, 1, pressed);
+            if (!other_moves) return;
+            const btRigidBody& touched = *bodies_[other]->rigid;
+            if (!is_ready(touched) && speed_of(touched) > 1.0f) note(company.disturbed);
+        };
+        if (manifold.a_moves) note_other(manifold.a, manifold.b, manifold.b_moves);
+        if (manifold.b_moves) note_other(manifold.b, manifold.a, manifold.a_moves);
     });
-    for (BodyRecord* body : islands_.awake()) {
-        const Company& company = company_[static_cast<size_t>(body->rigid->getUserIndex())];
-        const bool left = company.fours < body->resting_on;
-        const bool alone = company_[islands_.of(*body)].busy || company.disturbed || left || !ready(*body->rigid);
-        // What falls is too fast after its first step, and nothing presses on it.
-        const bool carried = body->resting || (company.pressed && speed_of(*body->rigid) <= 1.0f);
-        body->unmoved_seconds = alone ? 0.0f : body->unmoved_seconds + seconds;
-        const bool rests = body->unmoved_seconds >= let_go_seconds && carried;
-        if (!body->resting || !rests) body->resting_on = company.fours;
-        body->resting = rests;
-        if (!rests) continue;
-        body->rigid->setLinearVelocity({0, 0, 0});
-        body->rigid->setAngularVelocity({0, 0, 0});
-    }
+}
+
+void SteppedWorld::let_rest(BodyRecord& body, btScalar seconds) const {
+    const Company& company = company_[static_cast<size_t>(body.rigid->getUserIndex())];
+    const bool left = company.fours < body.resting_on;
+    const bool alone = company_[islands_.of(body)].busy || company.disturbed || left || !is_ready(*body.rigid);
+    // What falls is too fast after its first step, and nothing presses on it.
+    const bool carried = body.resting || (company.pressed && speed_of(*body.rigid) <= 1.0f);
+    body.unmoved_seconds = alone ? 0.0f : body.unmoved_seconds + seconds;
+    const bool rests = body.unmoved_seconds >= let_go_seconds && carried;
+    if (!body.resting || !rests) body.resting_on = company.fours;
+    body.resting = rests;
+    if (!rests) return;
+    body.rigid->setLinearVelocity({0, 0, 0});
+    body.rigid->setAngularVelocity({0, 0, 0});
 }
 
 // Notes the velocities that bodies would have without contacts.
 void SteppedWorld::solve(btScalar seconds) {
     const btVector3 fall = getGravity() * seconds;
-    for (BodyRecord* body : islands_.awake()) {
-        body->unhindered = body->velocity();
-        if (!body->resting) body->unhindered.linear += fall;
-    }
+    if (settings_.sleeping) find_company();
+    for_each_body(islands_.awake(), [&](BodyRecord& body) {
+        if (settings_.sleeping) let_rest(body, seconds);
+        body.unhindered = body.velocity();
+        if (!body.resting) body.unhindered.linear += fall;
+        body.moving_seconds = seconds;
+    });
     solver_.solve(islands_.awake(), islands_.manifolds(), threads_);
 }
 
 void SteppedWorld::move_all(btScalar seconds) {
-    for (BodyRecord* body : islands_.awake()) body->moving_seconds = seconds;
     for (const StepStops::Stop& stop : stops_.find(islands_.awake(), seconds, *getDispatcher())) {
         stop.body->moving_seconds = stop.seconds;
         lose_fall(*stop.body, seconds - stop.seconds);
@@ -300,7 +311,12 @@ float SteppedWorld::speed_of(const btRigidBody& body) const {
 
 void SteppedWorld::find_who_settles(btScalar seconds) {
     find_touching(seconds);
-    for_each_body(islands_.awake(), [&](BodyRecord& body) { count_still(body, seconds); });
+    for_each_body(islands_.awake(), [&](BodyRecord& body) {
+        const Touch& touch = touches_[static_cast<size_t>(body.rigid->getUserIndex())];
+        body.touching = touch.any;
+        body.sunk = touch.sunk;
+        count_still(body, seconds);
+    });
     find_calm();
     const float kept = std::pow(settling_kept_per_second, seconds);
     for_each_body(islands_.awake(), [&](BodyRecord& body) {
@@ -359,21 +375,17 @@ void SteppedWorld::count_quiet(BodyRecord& body, btScalar seconds) const {
 }
 
 void SteppedWorld::find_touching(btScalar seconds) {
-    for_each_body(islands_.awake(), [](BodyRecord& body) { body.touching = body.sunk = false; });
+    touches_.assign(bodies_.size(), {});
     for_each_contact([&](const AnyManifold& manifold) {
-        if (!manifold.ground) {
-            for (const btCollisionObject* object : {manifold.between->getBody0(), manifold.between->getBody1()})
-                note(bodies_[static_cast<size_t>(object->getUserIndex())]->touching);
-            return;
-        }
-        BodyRecord& body = *bodies_[static_cast<size_t>(manifold.ground->body->getUserIndex())];
-        note(body.touching);
+        note(touches_[manifold.a].any);
+        if (!manifold.ground) return note(touches_[manifold.b].any);
+        const BodyRecord& body = *bodies_[manifold.a];
         // Where it would sleep: after the step, which may have turned a corner down, and the repair of overlap that is due.
         for (const GroundPoint& point : manifold.ground->points()) {
             const btVector3 arm = unpacked(point.position) - body.blow_frame.getOrigin();
             btScalar rise = body.rigid->getVelocityInLocalPoint(arm).y() * seconds;
             if (body.repaired) rise += (body.repair * arm - arm).y();
-            if (point.distance + rise < -sunk_depth * bullet_units) note(body.sunk);
+            if (point.distance + rise < -sunk_depth * bullet_units) note(touches_[manifold.a].sunk);
         }
     });
 }

@@ -55,12 +55,13 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     // Around the body for all of the step.
     void set_box(BodyRecord& body, btScalar seconds);
     void find_islands();
+    void find_company(); // for those that rest: whom each touches
     // An island sleeps when all of it is ready to, but a large heap is never ready at once: the solver leaves every body some
     // creep, and every few seconds a piece that has crept far enough falls and keeps all others awake and creeping. So who is
     // ready is held where it is, as though it had no end of mass, until something disturbs it: what it touches moves and is
     // not ready itself, or is gone. Not where anything of the island is fast, as blows are taken by all, or waits to come up
     // from the ground, as all must give way.
-    void find_resting(btScalar seconds);
+    void let_rest(BodyRecord& body, btScalar seconds) const;
     void solve(btScalar seconds);
     // Bullet lets a body sleep when it is slower than 0.8 m/s for two seconds, wherever it is, and lets piles
     // jitter for ever. Here it must touch something, be really slow, and is damped on its way to rest.
@@ -71,6 +72,7 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     [[nodiscard]] float speed_of(const btRigidBody& body) const;
     [[nodiscard]] float waited(const BodyRecord& body) const; // s
     [[nodiscard]] bool rises(const BodyRecord& body) const;   // out of the ground, into which it was pressed
+    [[nodiscard]] static bool is_ready(const btRigidBody& body) { return body.getActivationState() == WANTS_DEACTIVATION; } // to sleep
     [[nodiscard]] bool is_fast(const BodyRecord& body) const; // too fast for a tremble
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);
@@ -99,7 +101,11 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
         bool busy = false;      // by island: nobody rests
     };
     std::vector<Company> company_; // by body; scratch of one step
-    std::vector<int> touched_;     // of one call
+    struct Touch {
+        bool any = false, sunk = false; // BodyRecord::touching and sunk
+    };
+    std::vector<Touch> touches_; // likewise
+    std::vector<int> touched_;   // of one call
 };
 
 } // namespace brittle::physics

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "convex_pieces.h"
+#include "one_row.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -31,22 +32,6 @@ Row random_row(test::Random& random, uint32_t mover, float light) {
     row.a = mover;
     row.light_a = light;
     return row;
-}
-
-// One row, as Gauss and Seidel have it.
-void push(const Row& row, float impulse, Motion& motion) {
-    for (int axis = 0; axis < 3; ++axis) {
-        motion.linear[axis] += row.normal[axis] * (impulse * row.light_a);
-        motion.angular[axis] += row.turn_a[axis] * impulse;
-    }
-}
-void solve(Row& row, float low, float high, Motion& motion) {
-    float along[3];
-    for (int axis = 0; axis < 3; ++axis)
-        along[axis] = row.normal[axis] * motion.linear[axis] + row.arm_a[axis] * motion.angular[axis];
-    const float apart = (along[0] + along[1]) + along[2], before = row.impulse;
-    row.impulse = std::clamp(before + row.wanted - apart * row.gain, low, high);
-    push(row, row.impulse - before, motion);
 }
 
 // Every so many movers have rows elsewhere, the others are solved at once; 0: none of them has.
@@ -76,7 +61,7 @@ void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t c
     for (size_t i = contact_count; i-- > 0;) rows.put(i, contacts[i].row, contacts[i].friction, contacts[i].coefficient);
 
     std::vector<Motion> expected(mover_count), found(mover_count);
-    for (const Contact& contact : contacts) push(contact.row, contact.row.impulse, expected[contact.row.a]);
+    for (const Contact& contact : contacts) test::push(contact.row, contact.row.impulse, expected[contact.row.a]);
     for (uint32_t bundle = bundles.count(); bundle-- > 0;) rows.give(bundle, found.data());
     const int sweeps = 5;
     const uint32_t groups = rows.lone_groups();
@@ -85,11 +70,11 @@ void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t c
     rows.settle(0, groups / 2, sweeps, found.data());
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (Contact& contact : contacts)
-            solve(contact.row, 0.0f, std::numeric_limits<float>::max(), expected[contact.row.a]);
+            test::solve(contact.row, 0.0f, std::numeric_limits<float>::max(), expected[contact.row.a]);
         for (uint32_t bundle = 0; bundle < bundles.count(); ++bundle) rows.press(bundle, found.data());
         for (Contact& contact : contacts) {
             const float most = contact.coefficient * contact.row.impulse;
-            solve(contact.friction, -most, most, expected[contact.row.a]);
+            test::solve(contact.friction, -most, most, expected[contact.row.a]);
         }
         for (uint32_t bundle = 0; bundle < bundles.count(); ++bundle) rows.rub(bundle, found.data());
     }
