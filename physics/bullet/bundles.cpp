@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "fracture/union_find.h"
+
 namespace brittle::physics {
 
 void Bundles::start(size_t movers) {
@@ -16,16 +18,13 @@ void Bundles::start(size_t movers) {
 
 void Bundles::join(uint32_t a, uint32_t b, uint32_t points) {
     points_[a] += points;
-    a = root(a);
-    b = root(b);
-    if (a > b) std::swap(a, b);
-    parents_[b] = a;
+    fracture::unite(parents_, a, b);
 }
 
 void Bundles::finish(uint32_t least_points) {
     groups_.clear();
     for (uint32_t mover = 0; mover < parents_.size(); ++mover) {
-        const uint32_t group = parents_[mover] = root(mover);
+        const uint32_t group = parents_[mover] = fracture::root_of(parents_, mover);
         if (group != mover)
             points_[group] += points_[mover];
         else
@@ -43,11 +42,6 @@ void Bundles::finish(uint32_t least_points) {
         filled += points_[group];
     }
     for (uint32_t mover = 0; mover < parents_.size(); ++mover) bundles_[mover] = bundles_[parents_[mover]];
-}
-
-uint32_t Bundles::root(uint32_t mover) {
-    while (parents_[mover] != mover) mover = parents_[mover] = parents_[parents_[mover]];
-    return mover;
 }
 
 } // namespace brittle::physics

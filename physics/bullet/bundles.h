@@ -28,8 +28,6 @@ class Bundles {
     [[nodiscard]] uint32_t of(uint32_t mover) const { return bundles_[mover]; }
 
   private:
-    uint32_t root(uint32_t mover);
-
     std::vector<uint32_t> parents_, points_, bundles_; // by mover
     std::vector<uint32_t> groups_;                     // scratch of finish(): roots
     uint32_t count_ = 0;

@@ -1,7 +1,10 @@
 #include "physics/bullet/islands.h"
 
-#include <utility>
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
 
+#include "fracture/union_find.h"
 #include "physics/bullet/narrow_phase.h"
 
 namespace brittle::physics {
@@ -27,45 +30,59 @@ bool wakes(const btBroadphasePair& pair) {
     return moves(first) && moves(second) && sleeps(first) != sleeps(second);
 }
 
+uint32_t rank_of(const btBroadphaseProxy* proxy) {
+    return static_cast<const SweptProxy*>(proxy)->rank;
+}
+
 // Fewer pairs than this are not worth waking another thread for.
 constexpr uint32_t least_pairs = 512;
 
-uint32_t count_of(const SweptPairs& pairs, bool all) {
-    return static_cast<uint32_t>(all ? static_cast<size_t>(pairs.getNumOverlappingPairs()) : pairs.set().size());
-}
-
-// Of all pairs, or those with a box that was set, some.
-void for_each(const SweptPairs& pairs, bool all, uint32_t begin, uint32_t end, const auto& visit) {
-    const btBroadphasePair* const array = pairs.getOverlappingPairArrayPtr();
-    for (uint32_t i = begin; i < end; ++i) visit(array[all ? static_cast<int>(i) : pairs.set()[i]]);
+uint32_t index_of(const btCollisionObject& object) {
+    return static_cast<uint32_t>(object.getUserIndex());
 }
 
 } // namespace
 
-void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::span<BodyRecord* const> awake, const SweptPairs& pairs,
-                   fracture::Threads& threads) {
-    // Who belongs to whom among those that sleep is not kept: it is found again when one of them wakes.
-    bool all = false;
-    for_each(pairs, false, 0, count_of(pairs, false), [&](const btBroadphasePair& pair) { all = all || wakes(pair); });
+void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::span<BodyRecord* const> awake,
+                   SweepBroadphase& broadphase, fracture::Threads& threads) {
+    const SweptPairs& pairs = broadphase.pairs();
     members_.clear();
+    for (const BodyRecord* body : awake)
+        if (!sleeps(*body->rigid)) members_.push_back(index_of(*body->rigid));
+    touched_.clear();
+    for (const int index : pairs.set())
+        if (const btBroadphasePair& pair = pairs.at(index); wakes(pair))
+            touched_.push_back(rank_of(sleeps(object_of(pair.m_pProxy0)) ? pair.m_pProxy0 : pair.m_pProxy1));
+    std::span<const int> looked_at = pairs.set();
+    if (!touched_.empty()) looked_at = add_touched(broadphase);
+
     parents_.resize(bodies.size());
+    std::iota(parents_.begin(), parents_.end(), 0u);
     lively_.assign(bodies.size(), 0);
-    if (all) {
-        for (uint32_t i = 0; i < bodies.size(); ++i)
-            if (!bodies[i]->fixed) members_.push_back(i);
-    } else {
-        for (const BodyRecord* body : awake)
-            if (!sleeps(*body->rigid)) members_.push_back(static_cast<uint32_t>(body->rigid->getUserIndex()));
-    }
-    for (const uint32_t member : members_) parents_[member] = member;
-    for_each(pairs, all, 0, count_of(pairs, all), [this](const btBroadphasePair& pair) { unite(pair); });
+    for (const int index : looked_at) unite(pairs.at(index));
     settle(bodies);
-    collect(pairs, all, threads);
+    collect(pairs, looked_at, threads);
+}
+
+// Who belongs to whom among those that sleep is not kept: it is found again when one of them is touched.
+std::span<const int> Islands::add_touched(SweepBroadphase& broadphase) {
+    std::ranges::sort(touched_);
+    touched_.erase(std::ranges::unique(touched_).begin(), touched_.end());
+    const auto passes = [](const btBroadphaseProxy& proxy) { return moves(object_of(&proxy)) && sleeps(object_of(&proxy)); };
+    const SweepBroadphase::Reached& reached = broadphase.reach(touched_, passes);
+    const auto awake = static_cast<std::ptrdiff_t>(members_.size());
+    for (const uint32_t rank : reached.ranks) members_.push_back(index_of(object_of(&broadphase.proxy(rank))));
+    std::ranges::sort(members_.begin() + awake, members_.end());
+    std::ranges::inplace_merge(members_, members_.begin() + awake);
+    const std::vector<int>& set = broadphase.pairs().set();
+    with_touched_.resize(set.size() + reached.pairs.size());
+    with_touched_.erase(std::ranges::set_union(set, reached.pairs, with_touched_.begin()).out, with_touched_.end());
+    return with_touched_;
 }
 
 void Islands::settle(const std::vector<std::unique_ptr<BodyRecord>>& bodies) {
     for (const uint32_t member : members_) {
-        parents_[member] = root(member);
+        parents_[member] = fracture::root_of(parents_, member);
         if (wants_to_be_awake(*bodies[member]->rigid)) lively_[parents_[member]] = 1;
     }
     awake_.clear();
@@ -81,29 +98,21 @@ void Islands::settle(const std::vector<std::unique_ptr<BodyRecord>>& bodies) {
     }
 }
 
-uint32_t Islands::root(uint32_t body) {
-    while (parents_[body] != body) body = parents_[body] = parents_[parents_[body]];
-    return body;
-}
-
-// The lowest index becomes the root.
 void Islands::unite(const btBroadphasePair& pair) {
     const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
-    if (!moves(first) || !moves(second)) return;
-    uint32_t a = root(static_cast<uint32_t>(first.getUserIndex())), b = root(static_cast<uint32_t>(second.getUserIndex()));
-    if (a > b) std::swap(a, b);
-    parents_[b] = a;
+    if (moves(first) && moves(second)) fracture::unite(parents_, index_of(first), index_of(second));
 }
 
-void Islands::collect(const SweptPairs& pairs, bool all, fracture::Threads& threads) {
-    const uint32_t count = count_of(pairs, all);
+void Islands::collect(const SweptPairs& pairs, std::span<const int> looked_at, fracture::Threads& threads) {
+    const auto count = static_cast<uint32_t>(looked_at.size());
     std::vector<std::vector<AnyManifold>> parts(threads.chunks(count, least_pairs));
     threads.for_chunks(count, least_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        for_each(pairs, all, begin, end, [&](const btBroadphasePair& pair) {
+        for (const int index : looked_at.subspan(begin, end - begin)) {
+            const btBroadphasePair& pair = pairs.at(index);
             const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);
             const bool rest = (!moves(first) || sleeps(first)) && (!moves(second) || sleeps(second));
             if (!rest) collect_manifolds(pair, parts[chunk]);
-        });
+        }
     });
     manifolds_.clear();
     for (const std::vector<AnyManifold>& part : parts) manifolds_.insert(manifolds_.end(), part.begin(), part.end());

@@ -27,7 +27,7 @@ class Islands {
   public:
     // Bodies are in the order of their user indices. Nobody is awake but some of those given for that, in the same order. Lets islands fall
     // asleep and wakes them.
-    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::span<BodyRecord* const> awake, const SweptPairs& pairs,
+    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::span<BodyRecord* const> awake, SweepBroadphase& broadphase,
               fracture::Threads& threads);
 
     // In body order.
@@ -42,15 +42,17 @@ class Islands {
     }
 
   private:
-    uint32_t root(uint32_t body);
+    // Of what is touched: who sleeps with it becomes a member. All pairs that are to be looked at then.
+    std::span<const int> add_touched(SweepBroadphase& broadphase);
     void unite(const btBroadphasePair& pair);
     void settle(const std::vector<std::unique_ptr<BodyRecord>>& bodies);
-    // Contacts of all pairs, or of those with a body whose box was set.
-    void collect(const SweptPairs& pairs, bool all, fracture::Threads& threads);
+    void collect(const SweptPairs& pairs, std::span<const int> looked_at, fracture::Threads& threads);
 
     std::vector<uint32_t> parents_; // by body; after find() the root itself
     std::vector<uint8_t> lively_;   // by root: whether one of the island wants to be awake
-    std::vector<uint32_t> members_; // bodies that are looked at
+    std::vector<uint32_t> members_; // bodies that are looked at, ascending
+    std::vector<uint32_t> touched_; // ranks of bodies that sleep and touch one that does not
+    std::vector<int> with_touched_; // pairs that have a box that was set, or one of theirs
     std::vector<BodyRecord*> awake_, woken_, asleep_;
     std::vector<AnyManifold> manifolds_;
 };

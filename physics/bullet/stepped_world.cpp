@@ -187,7 +187,7 @@ void SteppedWorld::set_box(BodyRecord& body, btScalar seconds) {
 }
 
 void SteppedWorld::find_islands() {
-    islands_.find(bodies_, stepped_, broadphase_.pairs(), threads_);
+    islands_.find(bodies_, stepped_, broadphase_, threads_);
     for (BodyRecord* body : islands_.woken()) {
         body->start_step();
         stepped_.push_back(body);

@@ -5,9 +5,12 @@
 #include <cassert>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <LinearMath/btAabbUtil2.h>
+
+#include "fracture/union_find.h"
 
 namespace brittle::physics {
 
@@ -444,6 +447,58 @@ std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
     for (const Sorted* others : {&moving_, &debris_, &still_.boxes, &still_debris_.boxes}) sweep(set_, *others, true);
     sort_found();
     return found_;
+}
+
+const SweepBroadphase::Reached& SweepBroadphase::reach(std::span<const uint32_t> ranks, const Passes& passes) {
+    if (!reach_few(ranks, passes)) reach_many(ranks, passes);
+    return reached_;
+}
+
+bool SweepBroadphase::reach_few(std::span<const uint32_t> ranks, const Passes& passes) {
+    constexpr size_t few = 12; // from here on the other way is faster among twenty thousand pairs
+    reached_.pairs.clear();
+    reached_.ranks.assign(ranks.begin(), ranks.end());
+    is_reached_.assign(proxies_.size(), 0);
+    for (const uint32_t rank : ranks) is_reached_[rank] = 1;
+    for (size_t i = 0; i < reached_.ranks.size(); ++i) {
+        if (reached_.ranks.size() > few) return false;
+        const uint32_t rank = reached_.ranks[i];
+        for (const int index : pairs_.pairs_of(*proxies_[rank])) {
+            const SweptPairs::Key key = pairs_.keys()[static_cast<size_t>(index)];
+            const auto first = static_cast<uint32_t>(key >> 32), other = first == rank ? static_cast<uint32_t>(key) : first;
+            reached_.pairs.push_back(index);
+            if (is_reached_[other] != 0 || !passes(*proxies_[other])) continue;
+            is_reached_[other] = 1;
+            reached_.ranks.push_back(other);
+        }
+    }
+    std::ranges::sort(reached_.ranks);
+    std::ranges::sort(reached_.pairs);
+    reached_.pairs.erase(std::ranges::unique(reached_.pairs).begin(), reached_.pairs.end());
+    return true;
+}
+
+void SweepBroadphase::reach_many(std::span<const uint32_t> ranks, const Passes& passes) {
+    const auto count = static_cast<uint32_t>(proxies_.size());
+    passes_.resize(count);
+    for (uint32_t rank = 0; rank < count; ++rank) passes_[rank] = passes(*proxies_[rank]);
+    parents_.resize(count);
+    std::iota(parents_.begin(), parents_.end(), 0u);
+    const std::span<const SweptPairs::Key> keys = pairs_.keys();
+    for (const SweptPairs::Key key : keys) {
+        const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
+        if ((passes_[first] & passes_[second]) != 0) fracture::unite(parents_, first, second);
+    }
+    is_reached_.assign(count, 0);
+    for (const uint32_t rank : ranks) is_reached_[fracture::root_of(parents_, rank)] = 1;
+    reached_.ranks.clear();
+    for (uint32_t rank = 0; rank < count; ++rank) { // a root comes before all of its own
+        is_reached_[rank] = is_reached_[fracture::root_of(parents_, rank)];
+        if (is_reached_[rank] != 0) reached_.ranks.push_back(rank);
+    }
+    reached_.pairs.clear();
+    for (size_t i = 0; i < keys.size(); ++i)
+        if ((is_reached_[keys[i] >> 32] | is_reached_[static_cast<uint32_t>(keys[i])]) != 0) reached_.pairs.push_back(static_cast<int>(i));
 }
 
 void SweepBroadphase::sweep_parts(size_t count, const auto& sweep) {

@@ -22,6 +22,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -64,6 +65,8 @@ class SweptPairs final : public btOverlappingPairCache {
 
     // Indices of the pairs of which a box was set when pairs were last found, in their order.
     [[nodiscard]] const std::vector<int>& set() const { return set_; }
+    [[nodiscard]] std::span<const Key> keys() const { return keys_; } // of all pairs
+    [[nodiscard]] const btBroadphasePair& at(int index) const { return pairs_->at(index); }
     [[nodiscard]] uint32_t higher_rank(int index) const { return static_cast<uint32_t>(keys_[static_cast<size_t>(index)]); }
     // Of those of one box, in their order; until the next call.
     [[nodiscard]] const std::vector<int>& pairs_of(const btBroadphaseProxy& proxy);
@@ -119,6 +122,14 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // Pairs of boxes that were set since pairs were last found with all that they overlap, ascending; until the next call. None may have
     // been destroyed since then.
     [[nodiscard]] std::span<const SweptPairs::Key> find_set();
+    // Ranks of all boxes that overlap some given ones, each once, directly or through others, and the pairs that they have; ascending.
+    // All of them pass, as those given do. As pairs were last found; until the next call.
+    struct Reached {
+        std::vector<uint32_t> ranks;
+        std::vector<int> pairs;
+    };
+    using Passes = std::function<bool(const btBroadphaseProxy&)>;
+    [[nodiscard]] const Reached& reach(std::span<const uint32_t> ranks, const Passes& passes);
     [[nodiscard]] const btBroadphaseProxy& proxy(uint32_t rank) const { return *proxies_[rank]; }
     btOverlappingPairCache* getOverlappingPairCache() override { return &pairs_; }
     const btOverlappingPairCache* getOverlappingPairCache() const override { return &pairs_; }
@@ -174,6 +185,9 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // From those of the last time and who has come to rest since.
     void merge(Still& still);
     [[nodiscard]] bool is_set(uint32_t rank) const { return changes_[rank] == SweptPairs::Change::set; }
+    // Two ways to do the same: one by one, false where there are many; and for all ranks.
+    bool reach_few(std::span<const uint32_t> ranks, const Passes& passes);
+    void reach_many(std::span<const uint32_t> ranks, const Passes& passes);
     // One of those that do not meet each other.
     [[nodiscard]] bool is_debris(uint32_t rank) const;
     // These find pairs: within a list; of one of each, where so wanted the second one not set; of a box with others from a place on
@@ -201,6 +215,9 @@ class SweepBroadphase final : public btBroadphaseInterface {
     std::vector<std::vector<SweptPairs::Key>> parts_; // of one call, as are the next
     std::vector<SweptPairs::Key> found_, scratch_, order_;
     std::vector<uint32_t> starts_;
+    Reached reached_; // of one call of reach(), as are the next, by rank
+    std::vector<uint32_t> parents_;
+    std::vector<uint8_t> passes_, is_reached_;
 };
 
 } // namespace brittle::physics

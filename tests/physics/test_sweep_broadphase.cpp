@@ -1,5 +1,6 @@
 #include "physics/bullet/sweep_broadphase.h"
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <random>
@@ -291,6 +292,44 @@ TEST_CASE("boxes that are set after pairs were found are found with all that the
     CHECK(expected.size() > 20);
     CHECK(found == expected);
     boxes.check(); // and pairs are found as ever
+}
+
+TEST_CASE("what boxes reach over others that pass is what hops from pair to pair reach, whether few or many") {
+    size_t few = 0, many = 0, alone = 0;
+    for (const float size : {0.3f, 0.9f, 1.4f}) {
+        Boxes boxes;
+        for (int i = 0; i < 300; ++i) boxes.add_random(4.0f, size);
+        boxes.check();
+        for (int i = 0; i < 30; ++i) boxes.remove(static_cast<size_t>(7 * i)); // ranks are not the order in which they came
+        boxes.check();
+        const auto rank_of = [](const btBroadphaseProxy* proxy) { return static_cast<const SweptProxy*>(proxy)->rank; };
+        const auto passes = [](const btBroadphaseProxy& proxy) { return proxy.m_uniqueId % 5 != 0; };
+        const btBroadphasePairArray& pairs = boxes.sweep.getOverlappingPairCache()->getOverlappingPairArray();
+        for (size_t start = 0; start < boxes.boxes.size(); start += 3) {
+            std::set<uint32_t> reached;
+            for (const size_t one : {start, (start * 7) % boxes.boxes.size()})
+                if (passes(*boxes.boxes[one].proxy)) reached.insert(rank_of(boxes.boxes[one].proxy));
+            const std::vector<uint32_t> from(reached.begin(), reached.end());
+            std::set<int> kept;
+            for (size_t before = SIZE_MAX; before != reached.size() + kept.size();) {
+                before = reached.size() + kept.size();
+                for (int i = 0; i < pairs.size(); ++i)
+                    for (const auto& [one, other] : {std::pair(pairs[i].m_pProxy0, pairs[i].m_pProxy1),
+                                                     std::pair(pairs[i].m_pProxy1, pairs[i].m_pProxy0)}) {
+                        if (!reached.contains(rank_of(one))) continue;
+                        kept.insert(i);
+                        if (passes(*other)) reached.insert(rank_of(other));
+                    }
+            }
+            const SweepBroadphase::Reached& found = boxes.sweep.reach(from, passes);
+            CHECK(found.ranks == std::vector<uint32_t>(reached.begin(), reached.end()));
+            CHECK(found.pairs == std::vector<int>(kept.begin(), kept.end()));
+            ++(reached.size() < 3 ? alone : reached.size() < 10 ? few : many);
+        }
+    }
+    CHECK(alone > 20);
+    CHECK(few > 20);
+    CHECK(many > 20);
 }
 
 TEST_CASE("pairs of one box are those that have it, in their order") {
