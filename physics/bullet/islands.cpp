@@ -1,7 +1,9 @@
 #include "physics/bullet/islands.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
+#include <functional>
 #include <numeric>
 
 #include "fracture/union_find.h"
@@ -56,6 +58,7 @@ void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::
     std::span<const int> looked_at = pairs.set();
     if (!touched_.empty()) looked_at = add_touched(broadphase);
 
+    assert(std::ranges::adjacent_find(members_, std::greater_equal{}) == members_.end()); // each once
     parents_.resize(bodies.size());
     std::iota(parents_.begin(), parents_.end(), 0u);
     lively_.assign(bodies.size(), 0);

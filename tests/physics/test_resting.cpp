@@ -57,6 +57,29 @@ TEST_CASE("who rests beside what does not stays where it is to the bit, and pres
     CHECK(three.world.awake(three.upper));
 }
 
+TEST_CASE("who rests by itself, near what does not, stays where it is to the bit, and presses by its weight") {
+    World world;
+    const BodyId rests = must_add(world, box(glm::vec3(0.1f), 8.0f, {0.0f, 0.1f, 0.0f}));
+    const BodyId restless = must_add(world, box(glm::vec3(0.1f), 8.0f, {0.2035f, 0.1f, 0.0f})); // boxes overlap, bodies do not touch
+    const auto step = [&] {
+        world.set_velocity(restless, {}, {});
+        world.step();
+    };
+    for (int i = 0; i < 240; ++i) step();
+    const glm::vec3 before = world.pose(rests).position;
+    for (int i = 0; i < 120; ++i) {
+        step();
+        REQUIRE(world.awake(rests));
+        CHECK(world.pose(rests).position == before);
+        double on_ground = 0.0;
+        for (const Contact& contact : world.contacts()) {
+            REQUIRE((contact.a == BodyId{} || contact.b == BodyId{}));
+            if (contact.a == rests) on_ground += static_cast<double>(contact.impulse);
+        }
+        CHECK(on_ground == doctest::Approx(8.0 * 9.81 / 120.0).epsilon(0.05));
+    }
+}
+
 TEST_CASE("who rests falls when what carries it is pushed away, fast or slowly") {
     for (const float speed : {5.0f, 0.15f}) {
         CAPTURE(speed);

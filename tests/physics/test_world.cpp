@@ -459,6 +459,31 @@ TEST_CASE("those that sleep change nothing for who is awake, bit for bit") {
     }
 }
 
+TEST_CASE("what flies past sleepers and wakes them goes its way as though alone, bit for bit") {
+    for (const int sleepers : {2, 40}) {
+        CAPTURE(sleepers);
+        const auto path = [](int others) {
+            World world({.air_density = 0.0f});
+            std::vector<BodyId> row;
+            for (int i = 0; i < others; ++i)
+                row.push_back(must_add(world, box(glm::vec3(0.1f), 8.0f, {0.2f * static_cast<float>(i), 0.1f, 0.0f})));
+            run(world, 3.0f);
+            REQUIRE(world.awake_count() == 0);
+            BodyDesc flies = box(glm::vec3(0.1f), 8.0f, {-0.4f, 0.25f, 0.203f}); // boxes overlap, bodies do not touch
+            flies.linear_velocity = {2.0f, 0.0f, 0.0f};
+            const BodyId id = must_add(world, flies);
+            std::vector<glm::vec3> positions;
+            for (int i = 0; i < 18; ++i) {
+                world.step();
+                positions.push_back(world.pose(id).position);
+            }
+            for (const BodyId sleeper : row) CHECK(world.awake(sleeper));
+            return positions;
+        };
+        CHECK(path(sleepers) == path(0));
+    }
+}
+
 TEST_CASE("what sleeps presses as before, while others wake, come and go") {
     World world;
     const auto stack_at = [&](float x) {
