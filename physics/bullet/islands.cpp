@@ -32,16 +32,15 @@ bool wakes(const btBroadphasePair& pair) {
     return moves(first) && moves(second) && sleeps(first) != sleeps(second);
 }
 
+uint32_t index_of(const btCollisionObject& object) {
+    return static_cast<uint32_t>(object.getUserIndex());
+}
 uint32_t rank_of(const btBroadphaseProxy* proxy) {
     return static_cast<const SweptProxy*>(proxy)->rank;
 }
 
 // Fewer pairs than this are not worth waking another thread for.
 constexpr uint32_t least_pairs = 512;
-
-uint32_t index_of(const btCollisionObject& object) {
-    return static_cast<uint32_t>(object.getUserIndex());
-}
 
 } // namespace
 

@@ -1,8 +1,8 @@
 // Which bodies can push each other, directly or through others; they sleep and wake together.
 //
 // Bodies whose boxes overlap are in one island; what never moves joins nobody. An island of which no body wants to be awake
-// falls asleep as a whole, and wakes as a whole when a body that is awake comes to it. In steps in which nobody wakes, those
-// that sleep cost nothing: only pairs with a body that is awake are looked at.
+// falls asleep as a whole, and wakes as a whole when a body that is awake comes to it. Of those that sleep only such islands
+// are looked at, and of pairs those with a body that is awake or in one of these.
 //
 // - Contacts come in the order of their pairs, which is that of the bodies: nothing depends on addresses or on what happened
 //   before.
