@@ -70,13 +70,25 @@ template<class Value> class Background {
         jobs_.erase(id);
         return std::move(*job->value);
     }
-    // Forgets a job; what it is in the middle of is thrown away when it ends.
+    // Forgets a job; what it is in the middle of, or has made, is thrown away on another thread.
     void cancel(uint32_t id) {
-        const std::scoped_lock lock(mutex_);
-        const std::shared_ptr<Job> job = jobs_.at(id);
-        job->cancelled = true;
-        std::erase(queue_, job);
-        jobs_.erase(id);
+        std::shared_ptr<Job> job;
+        {
+            const std::scoped_lock lock(mutex_);
+            assert(jobs_.contains(id));
+            job = std::move(jobs_.extract(id).mapped());
+            job->cancelled = true;
+            std::erase(queue_, job);
+        }
+        discard(std::move(job));
+    }
+    // Lets go of something on another thread, before the next job there: large blocks of memory take milliseconds to give back.
+    void discard(std::shared_ptr<const void> last) {
+        {
+            const std::scoped_lock lock(mutex_);
+            discarded_.push_back(std::move(last));
+        }
+        work_came_.notify_one();
     }
 
   private:
@@ -90,14 +102,20 @@ template<class Value> class Background {
     void run() {
         yield_to_frames();
         for (;;) {
+            std::vector<std::shared_ptr<const void>> discarded;
             std::shared_ptr<Job> job;
             {
                 std::unique_lock lock(mutex_);
-                work_came_.wait(lock, [this] { return ending_ || !queue_.empty(); });
+                work_came_.wait(lock, [this] { return ending_ || !queue_.empty() || !discarded_.empty(); });
                 if (ending_) return;
-                job = queue_.front();
-                queue_.pop_front();
+                discarded.swap(discarded_);
+                if (!queue_.empty()) {
+                    job = queue_.front();
+                    queue_.pop_front();
+                }
             }
+            discarded.clear();
+            if (!job) continue;
             Value value = job->work(job->cancelled);
             job->work = nullptr; // what it holds goes here, not on the owner's thread
             {
@@ -113,6 +131,7 @@ template<class Value> class Background {
     std::condition_variable work_came_, work_done_;
     std::deque<std::shared_ptr<Job>> queue_;
     std::map<uint32_t, std::shared_ptr<Job>> jobs_;
+    std::vector<std::shared_ptr<const void>> discarded_;
     bool ending_ = false;
     std::vector<std::thread> threads_;
 };

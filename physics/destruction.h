@@ -269,6 +269,7 @@ class Destruction {
     static void make_forms(Broken& broken);
     PieceId register_piece(Live piece);
     void forget_piece(PieceId id);
+    void let_go(SolidPtr solid);
     void remove_lost(const World& world);
     void take_up_blows(World& world);
     void update_structures(World& world);

@@ -77,7 +77,7 @@ bool Destruction::commit(World& world, uint32_t number) {
     Job job = jobs_.at(number);
     Live& piece = pieces_.at(job.piece);
     if (is_held(piece)) return false;
-    const Broken broken = background_.take(number);
+    Broken broken = background_.take(number);
     jobs_.erase(number);
     piece.job = none;
     std::optional<Hit> waiting = std::exchange(piece.waiting, std::nullopt);
@@ -94,6 +94,7 @@ bool Destruction::commit(World& world, uint32_t number) {
             const bool later = waiting && (job.parts || waiting->blow.energy > job.hit.blow.energy);
             knock(world, job.piece, later ? *waiting : job.hit);
         }
+        for (SolidPtr& unused : broken.pieces) let_go(std::move(unused));
     } else {
         ++statistics_.breaks;
         exchange(world, piece, crack_energy(piece, broken), job.hit);
@@ -109,7 +110,7 @@ bool Destruction::commit(World& world, uint32_t number) {
 
 // Takes a piece's body out and puts what it broke into in, with its motion.
 std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broken& broken) {
-    const Live parent = pieces_.at(old);
+    Live parent = pieces_.at(old);
     const Motion motion = *motion_of(world, parent);
     const bool was_debris = world.debris(body_of(parent));
     Object& object = objects_.at(parent.object);
@@ -136,6 +137,7 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broke
         else // a speck whose mass single precision cannot hold
             statistics_.last_failure = added.error().message;
     }
+    let_go(std::move(parent.solid)); // again: what forget_piece() handed over may be gone
     return made;
 }
 

@@ -40,7 +40,8 @@ struct SolidSettings {
     HeldBlockSettings blocks{}; // of what is held and breakable
     uint32_t threads = 1; // of one fracture; a Destruction's jobs cut on one each
     // What else is wanted of each piece, such as what a renderer uploads: made on the thread that makes the piece, when
-    // all but its parts is there, and kept as SolidPiece::look. May be called on several threads at once.
+    // all but its parts is there, and kept as SolidPiece::look. May be called on several threads at once,
+    // and what it made be let go of on any.
     std::function<std::shared_ptr<void>(const SolidPiece&)> look{};
 };
 

@@ -1,11 +1,13 @@
 #include "physics/destruction.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <thread>
 #include <utility>
@@ -545,6 +547,55 @@ TEST_CASE("an object that goes takes its jobs along, and so does a body that som
     CHECK(destruction.statistics().commits == 0);
     must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
     CHECK(strike_from_above(world, destruction, destruction.pieces()[0], 50.0)); // and left running at the end
+}
+
+// A frame would wait for it: a million triangles are 50 MB.
+TEST_CASE("large meshes that are needed no more are freed on other threads: what broke, what was taken out, a cut that is not used") {
+    const std::thread::id here = std::this_thread::get_id();
+    std::atomic<int> freed = 0, freed_here = 0;
+    BreakableDesc desc = desc_of(0.05);
+    desc.solid.look = [&](const SolidPiece& solid) { // goes with its solid
+        return std::shared_ptr<void>(new size_t(solid.mesh.triangles.size()), [&](const void* look) {
+            const std::unique_ptr<const size_t> triangles(static_cast<const size_t*>(look));
+            if (*triangles < 15'000) return;
+            freed_here += std::this_thread::get_id() == here;
+            ++freed;
+        });
+    };
+    const fracture::TriangleMesh ball = fracture::icosphere(5, 0.25);
+    World world(empty_space);
+    Destruction destruction;
+    const auto wait_for = [&](int count) {
+        while (freed < count) std::this_thread::yield();
+        CHECK(freed == count);
+        CHECK(freed_here == 0);
+    };
+    const ObjectId object = must_add(destruction, world, ball, desc);
+    (void)destruction.take_events();
+    REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 20.0));
+    run(world, destruction, 4);
+    REQUIRE(destruction.statistics().breaks == 1);
+    wait_for(1);
+    (void)destruction.take_events();
+    destruction.remove(world, object);
+    wait_for(2); // the rest
+
+    const ObjectId hard = must_add(destruction, world, ball, desc);
+    (void)destruction.take_events();
+    for (double energy = 1.0; energy < 8.0 && destruction.statistics().withstood == 0; energy *= 1.1) {
+        const PieceId whole = destruction.pieces()[0];
+        const auto cut = destruction.foresee(world, whole, {0.0f, 0.25f, 0.0f}, {0.0f, -1.0f, 0.0f}, energy);
+        if (!cut || carry_out(*cut)->size() > 1) continue;
+        freed = freed_here = 0; // of what was tried here
+        REQUIRE(strike_from_above(world, destruction, whole, energy));
+        run(world, destruction, 4);
+    }
+    REQUIRE(destruction.statistics().withstood == 1);
+    CHECK(freed_here == 0);
+    destruction.remove(world, hard);
+    (void)destruction.take_events();
+    while (freed < 2) std::this_thread::yield();
+    CHECK(freed_here == 0);
 }
 
 TEST_CASE("while one blow is worked on, the next waits, and hits what came of the first") {
