@@ -4,10 +4,10 @@
 
 namespace brittle::fracture {
 
-Box bounds(const TriangleMesh& mesh) {
-    if (mesh.positions.empty()) return {};
-    Box box{mesh.positions.front(), mesh.positions.front()};
-    for (const glm::dvec3& p : mesh.positions) {
+Box bounds(std::span<const glm::dvec3> positions) {
+    if (positions.empty()) return {};
+    Box box{positions.front(), positions.front()};
+    for (const glm::dvec3& p : positions) {
         box.min = glm::min(box.min, p);
         box.max = glm::max(box.max, p);
     }

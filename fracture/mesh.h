@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -30,7 +31,10 @@ struct Box {
     [[nodiscard]] glm::dvec3 centre() const { return (min + max) * 0.5; }
 };
 
-// The smallest axis-aligned box around all positions; the zero box for a mesh without positions.
-[[nodiscard]] Box bounds(const TriangleMesh& mesh);
+// The smallest axis-aligned box around all positions; the zero box where there are none.
+[[nodiscard]] Box bounds(std::span<const glm::dvec3> positions);
+[[nodiscard]] inline Box bounds(const TriangleMesh& mesh) {
+    return bounds(mesh.positions);
+}
 
 } // namespace brittle::fracture

@@ -42,7 +42,7 @@ Fragments break_by(const Pattern& pattern, const TriangleMesh& mesh) {
 
 Box box_of(const Fragments& f, const Piece& piece) {
     const auto positions = f.positions_of(piece);
-    return bounds({{positions.begin(), positions.end()}, {}});
+    return bounds(positions);
 }
 
 TriangleMesh wall() {

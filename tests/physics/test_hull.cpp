@@ -236,7 +236,7 @@ TEST_CASE("no corner of a piece sticks out far of its hull: what is below a floo
             for (const fracture::Piece& piece : fragments->pieces) {
                 const auto span = fragments->positions_of(piece);
                 const std::vector<glm::dvec3> points(span.begin(), span.end());
-                const glm::dvec3 size = fracture::bounds({points, {}}).size();
+                const glm::dvec3 size = fracture::bounds(points).size();
                 const CollisionHull hull = collision_hull(points, piece.mass.centre_of_mass);
                 shares.push_back(deviation(hull, points, piece.mass.centre_of_mass) / glm::length(size));
             }

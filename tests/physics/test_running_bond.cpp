@@ -158,7 +158,7 @@ TEST_CASE("a wall that is hit loses whole bricks as they are laid, the one that 
         for (size_t i = 0; i < pieces.pieces.size(); ++i) {
             if (i == largest) continue;
             const auto positions = pieces.positions_of(pieces.pieces[i]);
-            const fracture::Box box = fracture::bounds({{positions.begin(), positions.end()}, {}});
+            const fracture::Box box = fracture::bounds(positions);
             CHECK(is_brick(box));
             CHECK(pieces.pieces[i].mass.volume == doctest::Approx(box.size().x * box.size().y * box.size().z).epsilon(1e-9));
             hit = hit || (glm::all(glm::lessThanEqual(box.min, point + 1e-9)) && glm::all(glm::greaterThanEqual(box.max, point - 1e-9)));
@@ -241,7 +241,7 @@ TEST_CASE("bricks are taken from the wall that was hit, not from one behind it t
     CHECK(pieces.pieces.size() > 6);
     for (const fracture::Piece& piece : pieces.pieces) {
         const auto positions = pieces.positions_of(piece);
-        const fracture::Box box = fracture::bounds({{positions.begin(), positions.end()}, {}});
+        const fracture::Box box = fracture::bounds(positions);
         if (piece.mass.volume > 0.1) continue;
         CHECK(is_brick(box));
         CHECK(box.min.z > -1.0);

@@ -82,7 +82,7 @@ TEST_CASE("breakable: the recipe's brick is what comes off, and where no bricks 
     REQUIRE(cut);
     const auto made = physics::carry_out(*cut);
     REQUIRE(made);
-    const glm::dvec3 size = physics::fitted(options.world.bond, fracture::bounds({whole.positions, {}})).brick;
+    const glm::dvec3 size = physics::fitted(options.world.bond, fracture::bounds(whole.positions)).brick;
     CHECK(size.y > 0.2);
     CHECK(std::ranges::count_if(*made, [&](const physics::SolidPtr& piece) {
         return std::abs(piece->mass.volume / (size.x * size.y * size.z) - 1.0) < 1e-9;

@@ -94,7 +94,7 @@ void place_sites(SiteSet& set, const fracture::Box& from, const fracture::Box& o
 SiteSet sites_of_file(const FractureOptions& options, const fracture::TriangleMesh& mesh) {
     fracture::SiteList list = must(fracture::read_sites(options.sites_file));
     SiteSet set{std::move(list.sites), {}, std::move(list.weights)};
-    const fracture::Box own = fracture::bounds({set.sites, {}});
+    const fracture::Box own = fracture::bounds(set.sites);
     const fracture::Box onto = options.fit_sites ? fracture::bounds(mesh) : own;
     const fracture::Placement& p = options.sites_placement;
     if (options.fit_sites || p.scale != 1.0 || p.turn != glm::dvec3(0.0) || p.move != glm::dvec3(0.0))

@@ -57,7 +57,7 @@ physics::Material flawed_material(const physics::MaterialPreset* preset, const W
 std::vector<physics::AnchorRegion> anchor_regions(const fracture::Fragments& fragments, const WorldOptions& options) {
     std::vector<physics::AnchorRegion> regions;
     if (options.anchored) {
-        fracture::Box box = fracture::bounds({fragments.positions, {}});
+        fracture::Box box = fracture::bounds(fragments.positions);
         box.max.y = foot;
         box.min.y = -below;
         regions.push_back(box);
@@ -93,7 +93,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
         desc.pattern.kind = laid ? fracture::PatternKind::uniform : preset->pattern.kind; // single bricks crumble
         desc.pattern.slenderness = preset->pattern.slenderness;
     }
-    desc.pattern.bond = physics::fitted(options.bond, fracture::bounds({fragments.positions, {}}));
+    desc.pattern.bond = physics::fitted(options.bond, fracture::bounds(fragments.positions));
     desc.most_pieces = options.blow_pieces;
     desc.solid.anchors = anchor_regions(fragments, options);
     return desc;
