@@ -29,12 +29,18 @@ bool read_number(std::string_view word, Number& number) {
 } // namespace
 
 void FaultInjector::fail(Call kind, VkResult result, uint32_t n, uint32_t times) {
+    const std::scoped_lock lock(mutex_);
     Order& order = orders_[static_cast<size_t>(kind)];
     order.result = result;
     order.first = order.seen + n;
     order.last = times - 1 > std::numeric_limits<uint32_t>::max() - order.first
                      ? std::numeric_limits<uint32_t>::max()
                      : order.first + (times - 1);
+}
+
+uint32_t FaultInjector::count(Call kind) const {
+    const std::scoped_lock lock(mutex_);
+    return orders_[static_cast<size_t>(kind)].seen;
 }
 
 bool FaultInjector::hides(std::string_view name) const {
@@ -65,6 +71,7 @@ Result<void> FaultInjector::plan(std::string_view text) {
 }
 
 VkResult FaultInjector::next(Call kind) {
+    const std::scoped_lock lock(mutex_);
     Order& order = orders_[static_cast<size_t>(kind)];
     ++order.seen;
     const bool device_call = kind >= Call::submit;

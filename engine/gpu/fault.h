@@ -6,12 +6,13 @@
 //     faults.fail(Call::allocate, VK_ERROR_OUT_OF_DEVICE_MEMORY, 3); // the third allocation from now on
 //     faults.hide("drawIndirectFirstInstance");                              // before create(): no such feature
 //
-// Each kind of call is made in one place, by Device::attempt(). Without an injector that costs the test of a
+// Calls may come from any thread. Each kind is made in one place, by Device::attempt(). Without an injector that costs the test of a
 // null pointer. `brittle` takes a plan from the variable BRITTLE_FAULTS (see plan()).
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,7 +44,7 @@ class FaultInjector {
     [[nodiscard]] Result<void> plan(std::string_view text);
 
     // How often calls of the kind were made or answered since the injector was made.
-    [[nodiscard]] uint32_t count(Call kind) const { return orders_[static_cast<size_t>(kind)].seen; }
+    [[nodiscard]] uint32_t count(Call kind) const;
 
     // Makes the call, or answers in its place.
     template<class Function>
@@ -66,6 +67,7 @@ class FaultInjector {
     [[nodiscard]] VkResult next(Call kind);
     [[nodiscard]] static bool goes_through(Call kind, VkResult fault);
 
+    mutable std::mutex mutex_; // of orders_ and lost_
     std::array<Order, call_kinds> orders_{};
     std::vector<std::string> hidden_;
     bool lost_ = false;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <glm/vec2.hpp>
 #include <vulkan/vulkan.h>
@@ -81,7 +82,8 @@ struct Frame {
     Image picture;   // what is shown: `colour`, or another one into which that is enlarged
 
     PieceUpload upload; // of geometry, before anything is drawn
-    Buffer staging;     // what is to be uploaded; valid if upload.staged is not 0
+    Buffer staging;     // what is to be uploaded; valid if upload.staging_size is not 0
+    std::vector<Buffer> staged; // upload.staged
 
     // For the passes that draw into the target: the last of them resolves the samples.
     void write_colour(PassBuilder& pass, Access access, bool last);

@@ -103,11 +103,13 @@ void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
         frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
         frame.indices = import("piece indices", pieces.indices(), Access::index_read);
     }
-    if (frame.upload.staged > 0) {
-        reserve(device, slot.staging, "staging", frame.upload.staged, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
+    if (frame.upload.staging_size > 0) {
+        reserve(device, slot.staging, "staging", frame.upload.staging_size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
         pieces.write_staging(slot.staging.mapped());
         frame.staging = import("staging", slot.staging, Access::host_write);
     }
+    for (const PieceUpload::Staged& staged : frame.upload.staged)
+        frame.staged.push_back(import("staged pieces", *staged.buffer, Access::host_write));
     if (!frame.draws_pieces()) return;
     frame.draw_data = import("draw data", slot.draw_data, Access::host_write);
     frame.commands = import("draw commands", slot.draw_commands, Access::host_write);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "engine/gpu/commands.h"
@@ -25,8 +26,8 @@ struct FrameSlot {
     DeviceBuffer camera_commands, light_commands;
     DeviceBuffer draw_data, draw_commands; // one a draw range, of PieceArena::version()
     uint64_t pieces_version = 0;
-    DeviceBuffer staging;              // of geometry that this frame uploads
-    std::vector<DeviceBuffer> retired; // that nothing needs after this frame
+    DeviceBuffer staging; // of geometry that this frame uploads
+    std::vector<std::shared_ptr<const DeviceBuffer>> retired; // that nothing needs after this frame
     DeviceBuffer poses;
     uint32_t posed_bodies = 0; // the first so many of poses hold what was written at the moment
     uint64_t poses_moment = 0; // 0: not known

@@ -67,8 +67,10 @@ void append(std::vector<VkBufferCopy>& copies, const VkBufferCopy& next) {
 } // namespace
 
 bool PieceUpload::empty() const {
-    return std::ranges::all_of(
-        arenas, [](const Arena& a) { return a.from_staging.empty() && a.from_old.empty(); });
+    const auto none = [](const Copies& copies) {
+        return std::ranges::all_of(copies, &std::vector<VkBufferCopy>::empty);
+    };
+    return staged.empty() && none(from_old) && none(from_staging);
 }
 
 const char* PieceArena::name(size_t arena) {
@@ -89,51 +91,64 @@ void PieceArena::Spaces::free(const Piece& piece) {
     indices.free(piece.index, piece.batch.indices());
 }
 
-Result<void> PieceArena::check(const PieceBatch& batch, size_t others) const {
+Result<void> PieceArena::check(std::span<const PieceBatch> batches, size_t others) const {
     const uint64_t storage = device_.limits().maxStorageBufferRange;
     const uint64_t most_bodies = storage / sizeof(shared::Pose);
-    for (size_t i = 0; i < batch.pieces().size(); ++i)
-        if (const uint32_t body = batch.pieces()[i].body; body >= most_bodies)
-            return Error{Status::invalid_argument, "cannot draw piece " + std::to_string(i)
-                                                       + ": its body is number " + std::to_string(body)
-                                                       + ", the device takes " + std::to_string(most_bodies)
-                                                       + " bodies"};
-    const uint64_t all = others + batch.pieces().size();
+    uint64_t added = 0;
+    for (const PieceBatch& batch : batches)
+        for (const PieceBatch::Piece& piece : batch.pieces()) {
+            if (piece.body >= most_bodies)
+                return Error{Status::invalid_argument, "cannot draw piece " + std::to_string(added)
+                                                           + ": its body is number " + std::to_string(piece.body)
+                                                           + ", the device takes " + std::to_string(most_bodies)
+                                                           + " bodies"};
+            ++added;
+        }
+    const uint64_t all = others + added;
     if (2 * all > storage / sizeof(shared::DrawData)
-        || batch.pieces().size() > std::numeric_limits<uint32_t>::max() - last_handle_)
+        || added > std::numeric_limits<uint32_t>::max() - last_handle_)
         return Error{Status::invalid_argument,
                      "cannot draw " + std::to_string(all) + " pieces: too many to address"};
     return {};
 }
 
-Result<std::vector<PieceHandle>> PieceArena::add(PieceBatch batch) {
-    if (Result<void> valid = check(batch, pieces_.size()); !valid) return valid.error();
-    return add(std::move(batch), spaces_, pieces_);
+Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches) {
+    if (Result<void> valid = check(batches, pieces_.size()); !valid) return valid.error();
+    return add(std::move(batches), spaces_, pieces_);
 }
 
 Result<std::vector<PieceHandle>> PieceArena::replace_all(PieceBatch batch) {
-    if (Result<void> valid = check(batch, 0); !valid) return valid.error();
+    if (Result<void> valid = check({&batch, 1}, 0); !valid) return valid.error();
     Spaces spaces = spaces_;
     for (const Piece& piece : pieces_) spaces.free(piece);
-    return add(std::move(batch), std::move(spaces), {});
+    return add({std::move(batch)}, std::move(spaces), {});
 }
 
 // Works on copies until nothing can fail any more.
-Result<std::vector<PieceHandle>> PieceArena::add(PieceBatch batch, Spaces spaces, std::vector<Piece> pieces) {
-    const auto source = std::make_shared<const PieceBatch>(std::move(batch));
-    make_room_for_all(spaces.vertices, source->positions().size(), most_vertices);
-    make_room_for_all(spaces.indices, source->indices().size(), most_indices);
+Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches, Spaces spaces,
+                                                 std::vector<Piece> pieces) {
+    uint64_t vertices = 0, indices = 0, added = 0;
+    for (const PieceBatch& batch : batches) {
+        vertices += batch.positions().size();
+        indices += batch.indices().size();
+        added += batch.pieces().size();
+    }
+    make_room_for_all(spaces.vertices, vertices, most_vertices);
+    make_room_for_all(spaces.indices, indices, most_indices);
     std::vector<PieceHandle> handles;
-    handles.reserve(source->pieces().size());
-    pieces.reserve(pieces.size() + source->pieces().size());
+    handles.reserve(added);
+    pieces.reserve(pieces.size() + added);
     uint32_t handle = last_handle_;
-    for (const PieceBatch::Piece& part : source->pieces()) {
-        Piece piece{.handle = {++handle}, .batch = part, .source = source, .vertex = 0, .index = 0, .visible = solid};
-        if (!spaces.place(piece))
-            return Error{Status::invalid_argument, "cannot draw more than " + std::to_string(pieces.size())
-                                                       + " pieces: their geometry is too large to address"};
-        handles.push_back(piece.handle);
-        pieces.push_back(std::move(piece));
+    for (PieceBatch& batch : batches) {
+        const auto source = std::make_shared<const PieceBatch>(std::move(batch));
+        for (const PieceBatch::Piece& part : source->pieces()) {
+            Piece piece{.handle = {++handle}, .batch = part, .source = source, .vertex = 0, .index = 0, .visible = solid};
+            if (!spaces.place(piece))
+                return Error{Status::invalid_argument, "cannot draw more than " + std::to_string(pieces.size())
+                                                           + " pieces: their geometry is too large to address"};
+            handles.push_back(piece.handle);
+            pieces.push_back(std::move(piece));
+        }
     }
     fit_buffers(spaces);
     pending_ = pending_ || !handles.empty();
@@ -266,20 +281,38 @@ void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> p
     for (const uint64_t key : order) write_piece(pieces_[key & ~0u], lists, next);
 }
 
+PieceArena::Part PieceArena::part_of(const Piece& piece, size_t arena) {
+    const uint64_t element = kinds[arena].element;
+    const bool of_indices = arena == 2;
+    Part part{.to = element * (of_indices ? piece.index : piece.vertex),
+              .size = element * (of_indices ? piece.batch.indices() : piece.batch.vertices)};
+    if (!piece.source) return part;
+    const std::array<std::span<const std::byte>, piece_arenas> arrays{std::as_bytes(piece.source->positions()),
+                                                                      std::as_bytes(piece.source->normals()),
+                                                                      std::as_bytes(piece.source->indices())};
+    const uint64_t first = element * (of_indices ? piece.batch.first_index : piece.batch.first_vertex);
+    part.bytes = arrays[arena].subspan(first, part.size);
+    for (size_t before = 0; before < arena; ++before) part.from += arrays[before].size();
+    part.from += first;
+    return part;
+}
+
 PieceUpload PieceArena::next_upload() const {
     PieceUpload upload;
     if (!pending_) return upload;
     for (size_t i = 0; i < piece_arenas; ++i) {
-        PieceUpload::Arena& arena = upload.arenas[i];
-        const uint64_t element = kinds[i].element;
+        size_t at = 0; // in upload.staged: pieces of a batch lie side by side
         for (const Piece& piece : pieces_) {
-            const uint64_t offset = element * (i == 2 ? piece.index : piece.vertex);
-            const uint64_t size = element * (i == 2 ? piece.batch.indices() : piece.batch.vertices);
-            if (piece.source) {
-                append(arena.from_staging, {upload.staged, offset, size});
-                upload.staged += size;
-            } else if (old_[i].handle()) {
-                append(arena.from_old, {offset, offset, size});
+            const Part part = part_of(piece, i);
+            if (!piece.source) {
+                if (old_[i].handle()) append(upload.from_old[i], {part.to, part.to, part.size});
+            } else if (const auto& buffer = piece.source->staged()) {
+                at += at < upload.staged.size() && upload.staged[at].buffer != buffer;
+                if (at == upload.staged.size()) upload.staged.push_back({buffer, {}});
+                append(upload.staged[at].copies[i], {part.from, part.to, part.size});
+            } else {
+                append(upload.from_staging[i], {upload.staging_size, part.to, part.size});
+                upload.staging_size += part.size;
             }
         }
     }
@@ -289,26 +322,25 @@ PieceUpload PieceArena::next_upload() const {
 void PieceArena::write_staging(std::byte* staging) const {
     for (size_t i = 0; i < piece_arenas; ++i)
         for (const Piece& piece : pieces_) {
-            if (!piece.source) continue;
-            const std::span<const std::byte> all =
-                i == 0   ? std::as_bytes(piece.source->positions())
-                : i == 1 ? std::as_bytes(piece.source->normals())
-                         : std::as_bytes(piece.source->indices());
-            const uint64_t first = i == 2 ? piece.batch.first_index : piece.batch.first_vertex;
-            const uint64_t count = i == 2 ? piece.batch.indices() : piece.batch.vertices;
-            const std::span<const std::byte> bytes = all.subspan(first * kinds[i].element, count * kinds[i].element);
-            if (bytes.empty()) continue;
-            std::memcpy(staging, bytes.data(), bytes.size());
-            staging += bytes.size();
+            if (!piece.source || piece.source->staged()) continue;
+            const Part part = part_of(piece, i);
+            if (part.bytes.empty()) continue;
+            std::memcpy(staging, part.bytes.data(), part.bytes.size());
+            staging += part.bytes.size();
         }
 }
 
-void PieceArena::uploaded(std::vector<DeviceBuffer>& retired) {
+void PieceArena::uploaded(std::vector<std::shared_ptr<const DeviceBuffer>>& retired) {
     if (!pending_) return;
-    for (Piece& piece : pieces_) piece.source.reset();
+    for (Piece& piece : pieces_) {
+        if (!piece.source) continue;
+        const auto& buffer = piece.source->staged();
+        if (buffer && (retired.empty() || retired.back() != buffer)) retired.push_back(buffer);
+        piece.source.reset();
+    }
     for (size_t i = 0; i < piece_arenas; ++i) {
         resident_[i] = true;
-        if (old_[i].handle()) retired.push_back(std::move(old_[i]));
+        if (old_[i].handle()) retired.push_back(std::make_shared<const DeviceBuffer>(std::move(old_[i])));
     }
     pending_ = false;
 }

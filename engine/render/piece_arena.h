@@ -4,9 +4,9 @@
 // by the next frame, in a pass of its own (upload_pass.h), so that the frame graph orders the copy after the frames
 // that still read what lay there before. Arenas grow by doubling: the same pass moves what is there.
 //
-//     arena.add(batch);                                     // any number of changes
+//     arena.add(batches);                                   // any number of changes
 //     PieceUpload upload = arena.next_upload();             // each frame
-//     arena.write_staging(upload, mapped); ... record and submit the copies ...
+//     arena.write_staging(mapped); ... record and submit the copies ...
 //     arena.uploaded(retired);                              // only if that was submitted
 //
 // A piece has up to two draw ranges, side by side: exterior, then interior. Range i is instance i: its command has i as
@@ -39,12 +39,16 @@ using PieceBuffers = std::array<DeviceBuffer, piece_arenas>;
 
 // What the device is to copy before it draws the arenas.
 struct PieceUpload {
-    struct Arena {
-        std::vector<VkBufferCopy> from_staging; // ascending in it
-        std::vector<VkBufferCopy> from_old;
+    using Copies = std::array<std::vector<VkBufferCopy>, piece_arenas>; // into each
+    struct Staged {
+        std::shared_ptr<const DeviceBuffer> buffer;
+        Copies copies;
     };
-    std::array<Arena, piece_arenas> arenas;
-    uint64_t staged = 0; // bytes to come from the CPU
+
+    Copies from_old;
+    Copies from_staging; // of the frame; ascending in it
+    uint64_t staging_size = 0; // bytes to come from the CPU
+    std::vector<Staged> staged; // of batches that are in buffers of their own
 
     [[nodiscard]] bool empty() const;
 };
@@ -56,7 +60,7 @@ class PieceArena {
     explicit PieceArena(const Device& device) : device_(device) {}
 
     // Fail with invalid_argument, or throw VulkanFailure, and then change nothing. Renderer says more.
-    [[nodiscard]] Result<std::vector<PieceHandle>> add(PieceBatch batch);
+    [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches);
     [[nodiscard]] Result<std::vector<PieceHandle>> replace_all(PieceBatch batch);
     [[nodiscard]] Result<void> remove(std::span<const PieceHandle> handles);
     [[nodiscard]] Result<void> fade(std::span<const PieceHandle> handles, float fade);
@@ -84,9 +88,9 @@ class PieceArena {
     [[nodiscard]] const PieceBuffers& old_buffers() const { return old_; }
 
     [[nodiscard]] PieceUpload next_upload() const;
-    void write_staging(std::byte* staging) const; // as next_upload() planned it, of PieceUpload::staged bytes
+    void write_staging(std::byte* staging) const; // as next_upload() planned it, of PieceUpload::staging_size bytes
     // The copies were submitted. Appends buffers that may go once the device is done with that submission.
-    void uploaded(std::vector<DeviceBuffer>& retired);
+    void uploaded(std::vector<std::shared_ptr<const DeviceBuffer>>& retired);
 
   private:
     struct Piece {
@@ -103,8 +107,9 @@ class PieceArena {
         void free(const Piece& piece);
     };
 
-    [[nodiscard]] Result<void> check(const PieceBatch& batch, size_t others) const;
-    [[nodiscard]] Result<std::vector<PieceHandle>> add(PieceBatch batch, Spaces spaces, std::vector<Piece> pieces);
+    [[nodiscard]] Result<void> check(std::span<const PieceBatch> batches, size_t others) const;
+    [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches, Spaces spaces,
+                                                       std::vector<Piece> pieces);
     void fit_buffers(const Spaces& spaces);
     [[nodiscard]] Result<std::vector<size_t>> find(std::span<const PieceHandle> handles) const;
     void refresh();
@@ -112,6 +117,14 @@ class PieceArena {
     struct Places {
         uint32_t solid, fading;
     };
+    // What of a piece goes into an arena.
+    struct Part {
+        uint64_t to;   // bytes, in the arena
+        uint64_t size; // bytes
+        uint64_t from = 0; // bytes, in the arrays of its batch one after the other; if it has one still
+        std::span<const std::byte> bytes{}; // likewise
+    };
+    [[nodiscard]] static Part part_of(const Piece& piece, size_t arena);
     static void write_piece(const Piece& piece, const DrawLists& lists, Places& next);
 
     const Device& device_;

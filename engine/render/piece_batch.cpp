@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/packing.hpp>
 
+#include "engine/gpu/memory.h"
 #include "engine/render/smooth_normals.h"
 
 namespace brittle::engine {
@@ -48,6 +49,10 @@ glm::vec4 sphere_around(std::span<const glm::vec3> positions) {
     return {centre, std::sqrt(squared)};
 }
 
+uint32_t packed(const glm::vec3& tint) {
+    return glm::packUnorm4x8(glm::vec4(tint, 0.0f));
+}
+
 } // namespace
 
 Result<PieceBatch> PieceBatch::create(std::span<const PieceMesh> pieces) {
@@ -64,42 +69,61 @@ Result<PieceBatch> PieceBatch::create(std::span<const PieceMesh> pieces) {
                                                    + " triangles: too many to address"};
     PieceBatch batch;
     batch.pieces_.reserve(pieces.size());
-    batch.indices_.reserve(3 * triangles);
-    for (const PieceMesh& piece : pieces) batch.add(piece);
+    const auto arrays = std::make_shared<Arrays>();
+    arrays->indices.reserve(3 * triangles);
+    for (const PieceMesh& piece : pieces) batch.add(piece, *arrays);
+    batch.positions_ = arrays->positions;
+    batch.normals_ = arrays->normals;
+    batch.indices_ = arrays->indices;
+    batch.arrays_ = arrays;
     return batch;
 }
 
-void PieceBatch::append(const PieceBatch& other, uint32_t body, const glm::vec3& tint) {
-    assert(positions_.size() + other.positions_.size() <= std::numeric_limits<int32_t>::max());
-    for (Piece piece : other.pieces_) {
-        piece.first_vertex += static_cast<uint32_t>(positions_.size());
-        piece.first_index += static_cast<uint32_t>(indices_.size());
-        piece.body = body;
-        piece.tint = glm::packUnorm4x8(glm::vec4(tint, 0.0f));
-        pieces_.push_back(piece);
-    }
-    positions_.insert(positions_.end(), other.positions_.begin(), other.positions_.end());
-    normals_.insert(normals_.end(), other.normals_.begin(), other.normals_.end());
-    indices_.insert(indices_.end(), other.indices_.begin(), other.indices_.end());
+uint64_t PieceBatch::bytes() const {
+    return positions_.size_bytes() + normals_.size_bytes() + indices_.size_bytes();
 }
 
-void PieceBatch::add(const PieceMesh& piece) {
+void PieceBatch::assign(uint32_t body, const glm::vec3& tint) {
+    for (Piece& piece : pieces_) {
+        piece.body = body;
+        piece.tint = packed(tint);
+    }
+}
+
+void PieceBatch::move_to(std::shared_ptr<const DeviceBuffer> buffer) {
+    assert(buffer->mapped() && buffer->size() >= bytes());
+    uint64_t end = 0;
+    const auto move = [&]<class T>(std::span<const T>& array) {
+        const std::span<T> moved = buffer->mapped_as<T>(end, array.size());
+        std::ranges::copy(array, moved.begin());
+        end += moved.size_bytes();
+        array = moved;
+    };
+    move(positions_);
+    move(normals_);
+    move(indices_);
+    staged_ = std::move(buffer);
+    arrays_.reset();
+}
+
+void PieceBatch::add(const PieceMesh& piece, Arrays& arrays) {
+    auto& [positions, normals, indices] = arrays;
     const SmoothSurface exterior =
         smooth_normals(piece.positions, piece.triangles.first(piece.exterior_triangles));
     const std::span interior = piece.triangles.subspan(piece.exterior_triangles);
-    pieces_.push_back({.first_vertex = static_cast<uint32_t>(positions_.size()),
+    pieces_.push_back({.first_vertex = static_cast<uint32_t>(positions.size()),
                        .vertices = static_cast<uint32_t>(exterior.normals.size()),
-                       .first_index = static_cast<uint32_t>(indices_.size()),
+                       .first_index = static_cast<uint32_t>(indices.size()),
                        .exterior_indices = static_cast<uint32_t>(3 * exterior.triangles.size()),
                        .interior_indices = static_cast<uint32_t>(3 * interior.size()),
                        .body = piece.body,
-                       .tint = glm::packUnorm4x8(glm::vec4(piece.tint, 0.0f)),
+                       .tint = packed(piece.tint),
                        .sphere = sphere_around(piece.positions)});
-    positions_.insert(positions_.end(), piece.positions.begin(), piece.positions.end());
-    for (const uint32_t vertex : exterior.copies) positions_.push_back(piece.positions[vertex]);
-    normals_.insert(normals_.end(), exterior.normals.begin(), exterior.normals.end());
+    positions.insert(positions.end(), piece.positions.begin(), piece.positions.end());
+    for (const uint32_t vertex : exterior.copies) positions.push_back(piece.positions[vertex]);
+    normals.insert(normals.end(), exterior.normals.begin(), exterior.normals.end());
     for (const std::span<const glm::uvec3> range : {std::span<const glm::uvec3>(exterior.triangles), interior})
-        for (const glm::uvec3& corner : range) indices_.insert(indices_.end(), {corner.x, corner.y, corner.z});
+        for (const glm::uvec3& corner : range) indices.insert(indices.end(), {corner.x, corner.y, corner.z});
 }
 
 } // namespace brittle::engine

@@ -21,6 +21,7 @@
 #include "engine/render/shade_pass.h"
 #include "engine/render/shadow_pass.h"
 #include "engine/render/sphere_mesh.h"
+#include "engine/render/staging_pool.h"
 #include "engine/render/ui_pass.h"
 #include "engine/render/upload_pass.h"
 
@@ -35,6 +36,8 @@ constexpr float least_scale = 0.25f; // of pixels a side; with fewer, pictures s
 // Bytes of staging that a slot keeps from frame to frame, so that pieces that trickle in allocate nothing;
 // what a large mesh needed is given back.
 constexpr uint64_t most_staging_kept = 4 << 20;
+// Bytes of a batch from which it gets a buffer of its own: an allocation costs as much as copying fewer.
+constexpr uint64_t least_staged = 64 << 10;
 
 // Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
 // rates: the frame of a bunny at 1280x720 takes 1.5 to 2 times as long with 4 samples, 1.5 times with 16
@@ -113,7 +116,7 @@ struct Target {
 struct Renderer::State {
     State(Device& device_, const RendererSettings& settings_)
         : device(device_), settings(settings_), layout(device_, frames_in_flight, 2 * frames_in_flight),
-          sphere(device_), shadow_map(device_, *quality().shadow_size), pieces(device_) {
+          sphere(device_), shadow_map(device_, *quality().shadow_size), pieces(device_), staging(device_) {
         if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
     }
@@ -156,6 +159,7 @@ struct Renderer::State {
     ShadowMap shadow_map;
     std::optional<ShadowMap> small_shadow_map; // once a frame wants it; never kept
     PieceArena pieces;
+    StagingPool staging;
     std::map<Format, Passes> passes; // the window's format may differ from the pictures'
     std::array<std::unique_ptr<FrameSlot>, frames_in_flight> slots;
     uint32_t frame_number = 0;
@@ -446,10 +450,24 @@ Result<std::vector<PieceHandle>> Renderer::add_pieces(std::span<const PieceMesh>
 }
 
 Result<std::vector<PieceHandle>> Renderer::add_pieces(PieceBatch batch) {
+    std::vector<PieceBatch> one;
+    one.push_back(std::move(batch));
+    return add_pieces(std::move(one));
+}
+
+Result<std::vector<PieceHandle>> Renderer::add_pieces(std::vector<PieceBatch> batches) {
     return state_->run([&]() -> Result<std::vector<PieceHandle>> {
-        Result<std::vector<PieceHandle>> handles = state_->pieces.add(std::move(batch));
+        Result<std::vector<PieceHandle>> handles = state_->pieces.add(std::move(batches));
         if (handles) state_->forget_shadow();
         return handles;
+    });
+}
+
+void Renderer::stage(PieceBatch& batch) const {
+    if (batch.staged() || batch.bytes() < least_staged) return;
+    (void)guarded([&]() -> Result<void> {
+        batch.move_to(state_->staging.take(batch.bytes()));
+        return {};
     });
 }
 

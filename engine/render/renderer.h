@@ -115,6 +115,7 @@ class Renderer {
     // with invalid_argument as PieceBatch::create() says, and on a body or an amount that the device cannot address,
     // or with out_of_memory; then nothing changes. A piece whose frame fails comes with the next.
     [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(PieceBatch batch);
+    [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(std::vector<PieceBatch> batches); // all, or none
     [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(std::span<const PieceMesh> pieces);
     // Fails with invalid_argument on a handle of no piece that is there, and then removes none.
     [[nodiscard]] Result<void> remove_pieces(std::span<const PieceHandle> handles);
@@ -123,6 +124,10 @@ class Renderer {
     // as remove_pieces() does, and on other values. While pieces fade, they alone cost a depth test late in the
     // pipeline.
     [[nodiscard]] Result<void> fade_pieces(std::span<const PieceHandle> handles, float fade);
+    // Copies what a large batch holds to where the device reads it, so that the frame that shows it need not: a million
+    // triangles are some ten milliseconds. On any thread, beside all else. A small batch stays as it is, and so does one
+    // that there is no memory for. What was staged must go before the device does.
+    void stage(PieceBatch& batch) const;
     // Removes all pieces and adds these.
     [[nodiscard]] Result<std::vector<PieceHandle>> set_pieces(std::span<const PieceMesh> pieces);
     [[nodiscard]] uint32_t body_count() const; // one more than the largest PieceMesh::body; 0 without pieces

@@ -1,5 +1,7 @@
 #include "engine/render/upload_pass.h"
 
+#include <algorithm>
+
 namespace brittle::engine {
 
 void declare_upload(Frame& frame) {
@@ -19,11 +21,14 @@ void declare_upload(Frame& frame) {
     frame.graph.add_pass(
         "upload", PassKind::transfer,
         [&](PassBuilder& pass) {
+            const PieceUpload& upload = frame.upload;
             if (frame.staging.valid()) pass.read(frame.staging, Access::transfer_read);
+            for (const Buffer& staged : frame.staged) pass.read(staged, Access::transfer_read);
             for (size_t i = 0; i < piece_arenas; ++i) {
-                const PieceUpload::Arena& copies = frame.upload.arenas[i];
-                if (!copies.from_old.empty()) pass.read(old[i], Access::transfer_read);
-                if (!copies.from_old.empty() || !copies.from_staging.empty())
+                if (!upload.from_old[i].empty()) pass.read(old[i], Access::transfer_read);
+                const bool from_batch = std::ranges::any_of(
+                    upload.staged, [i](const PieceUpload::Staged& staged) { return !staged.copies[i].empty(); });
+                if (from_batch || !upload.from_old[i].empty() || !upload.from_staging[i].empty())
                     *arenas[i] = pass.write(*arenas[i], Access::transfer_write);
             }
         },
@@ -35,8 +40,10 @@ void declare_upload(Frame& frame) {
                                 static_cast<uint32_t>(regions.size()), regions.data());
             };
             for (size_t i = 0; i < piece_arenas; ++i) {
-                copy(frame.staging, i, frame.upload.arenas[i].from_staging);
-                copy(old[i], i, frame.upload.arenas[i].from_old);
+                copy(frame.staging, i, frame.upload.from_staging[i]);
+                for (size_t k = 0; k < frame.staged.size(); ++k)
+                    copy(frame.staged[k], i, frame.upload.staged[k].copies[i]);
+                copy(old[i], i, frame.upload.from_old[i]);
             }
         });
 }

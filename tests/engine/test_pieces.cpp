@@ -25,7 +25,8 @@ struct Made {
 
     explicit Made(uint32_t number) : body(number) {
         const float size = 0.04f + 0.01f * static_cast<float>(number % 7);
-        shape = number % 3 == 0 ? icosphere(size, static_cast<int>(number % 2))
+        // Every twelfth is large enough to be staged.
+        shape = number % 3 == 0 ? icosphere(size, number % 12 == 0 ? 4 : static_cast<int>(number % 2))
                                 : box({size, size * 0.7f, size * 0.5f}, number % 5);
         for (glm::vec3& p : shape.positions)
             p += glm::vec3(static_cast<float>(number % 12) * 0.17f - 0.9f,
@@ -36,6 +37,19 @@ struct Made {
 
 std::vector<PieceHandle> add(const Fixture& f, std::span<const PieceMesh> meshes) {
     Result<std::vector<PieceHandle>> handles = f.renderer->add_pieces(meshes);
+    REQUIRE(handles);
+    REQUIRE(handles->size() == meshes.size());
+    return *std::move(handles);
+}
+
+// Each in a batch of its own.
+std::vector<PieceHandle> add_staged(const Fixture& f, std::span<const PieceMesh> meshes) {
+    std::vector<PieceBatch> batches;
+    for (const PieceMesh& mesh : meshes) {
+        batches.push_back(*PieceBatch::create({&mesh, 1}));
+        f.renderer->stage(batches.back());
+    }
+    Result<std::vector<PieceHandle>> handles = f.renderer->add_pieces(std::move(batches));
     REQUIRE(handles);
     REQUIRE(handles->size() == meshes.size());
     return *std::move(handles);
@@ -137,21 +151,22 @@ TEST_CASE("a batch made on another thread is drawn like the meshes it was made o
     CHECK(f.draw(known.scene).pixels == expected.pixels);
 }
 
-TEST_CASE("batches appended to each other are drawn like the meshes they were made of") {
+TEST_CASE("batches added together, with bodies and tints given later, are drawn like the meshes they were made of") {
     const Fixture f;
     if (!f) return;
     const KnownScene known;
     const Bitmap expected = drawn_at_once(f, known);
-    PieceBatch batch;
-    batch.append({}, 7, glm::vec3(0.5f)); // nothing
+    std::vector<PieceBatch> batches(1); // one of nothing
     for (const PieceMesh& piece : known.pieces()) {
-        PieceMesh plain = piece; // body and tint are given by append()
+        PieceMesh plain = piece;
         plain.body = 99;
         plain.tint = glm::vec3(0.1f);
-        batch.append(*PieceBatch::create({&plain, 1}), piece.body, piece.tint);
+        batches.push_back(*PieceBatch::create({&plain, 1}));
+        batches.back().assign(piece.body, piece.tint);
     }
-    CHECK(batch.pieces().size() == 4);
-    REQUIRE(f.renderer->add_pieces(std::move(batch)));
+    const auto handles = f.renderer->add_pieces(std::move(batches));
+    REQUIRE(handles);
+    CHECK(handles->size() == 4);
     CHECK(f.draw(known.scene).pixels == expected.pixels);
 }
 
@@ -192,7 +207,8 @@ TEST_CASE("whatever came and went, pictures, numbers and counts are those of wha
                     numbers.push_back(number);
                     meshes.push_back(all[number].mesh());
                 }
-                const std::vector<PieceHandle> handles = add(changed, meshes);
+                const std::vector<PieceHandle> handles =
+                    random() % 2 == 0 ? add(changed, meshes) : add_staged(changed, meshes);
                 for (size_t i = 0; i < handles.size(); ++i) live[handles[i]] = numbers[i];
             }
         }
@@ -357,7 +373,7 @@ TEST_CASE("draws from front to back are the same draws, nearest piece first, pie
     std::vector<Made> made;
     for (uint32_t i = 0; i < 60; ++i) made.emplace_back(i);
     for (const Made& one : made) meshes.push_back(one.mesh());
-    const auto handles = arena.add(*PieceBatch::create(meshes));
+    const auto handles = arena.add({*PieceBatch::create(meshes)});
     REQUIRE(handles);
     REQUIRE(arena.fade(std::span(*handles).subspan(20, 10), 0.5f));
     REQUIRE(arena.fade(std::span(*handles).subspan(40, 5), 1.0f));

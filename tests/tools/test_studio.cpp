@@ -193,7 +193,7 @@ TEST_CASE("studio: a preview shows the pieces of the fracture, cracks on the sur
     options.pattern.count = 30;
     const auto object = Object::load(options);
     const Broken broken = break_input(object->with_sites(options), options);
-    Preview preview;
+    Preview preview(nullptr);
     preview.request({.object = object, .recipe = options, .key = 7});
     std::shared_ptr<Cracked> made;
     REQUIRE(soon([&] { return made || (made = preview.take()); }));

@@ -27,11 +27,15 @@ uint32_t packed(const glm::vec3& linear) {
 }
 
 // What is uploaded of a piece that is cut anew. Made by the thread that cuts; the stage takes it out when it comes.
-std::shared_ptr<void> look_of(const physics::SolidPiece& solid) {
-    const engine::PieceMesh mesh{.positions = solid.positions,
-                                 .triangles = solid.mesh.triangles,
-                                 .exterior_triangles = solid.exterior_triangles};
-    return std::make_shared<engine::PieceBatch>(must(engine::PieceBatch::create({&mesh, 1})));
+PieceLook look_for(const engine::Renderer& renderer) {
+    return [&renderer](const physics::SolidPiece& solid) -> std::shared_ptr<void> {
+        const engine::PieceMesh mesh{.positions = solid.positions,
+                                     .triangles = solid.mesh.triangles,
+                                     .exterior_triangles = solid.exterior_triangles};
+        const auto look = std::make_shared<engine::PieceBatch>(must(engine::PieceBatch::create({&mesh, 1})));
+        renderer.stage(*look);
+        return look;
+    };
 }
 
 // Whether bonds that carry too much lose health, or may come to: stresses are not in balance yet.
@@ -54,10 +58,18 @@ Input placed_on_stage(Input input, const WorldOptions& world) {
     return input;
 }
 
-PreparedPieces prepare_pieces(const fracture::Fragments& fragments, const WorldOptions& world,
-                              const std::string& material, uint32_t threads) {
+engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh) {
+    const std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
+    const engine::PieceMesh whole{.positions = positions,
+                                  .triangles = mesh.triangles,
+                                  .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size())};
+    return must(engine::PieceBatch::create({&whole, 1}));
+}
+
+PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
+                              const WorldOptions& world, const std::string& material, uint32_t threads) {
     PreparedPieces ahead;
-    ahead.bodies = prepare_bodies(fragments, world, material, look_of, threads);
+    ahead.bodies = prepare_bodies(fragments, world, material, look_for(renderer), threads);
     if (world.breakable) return ahead;
     std::vector<glm::vec3> positions(fragments.positions.size());
     std::vector<engine::PieceMesh> meshes;
@@ -76,29 +88,21 @@ PreparedPieces prepare_pieces(const fracture::Fragments& fragments, const WorldO
                           .tint = engine::piece_tint(body)});
     }
     ahead.batch = must(engine::PieceBatch::create(meshes));
+    renderer.stage(ahead.batch);
     return ahead;
 }
 
 Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material)
-    : renderer_(renderer), simulation_(material, look_of) {
-    reset(mesh);
-}
+    : Stage(renderer, fracture::bounds(mesh), batch_of(mesh), material) {}
 
-void Stage::reset(const fracture::TriangleMesh& mesh) {
-    simulation_.clear();
-    const fracture::Box box = fracture::bounds(mesh);
-    home_ = {glm::vec3(box.min), glm::vec3(box.max)};
-    const std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
-    const engine::PieceMesh whole{.positions = positions,
-                                  .triangles = mesh.triangles,
-                                  .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size())};
-    draw_anew(must(engine::PieceBatch::create({&whole, 1})));
-    radii_.clear();
+Stage::Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole, const std::string& material)
+    : renderer_(renderer), simulation_(material, look_for(renderer)), home_{glm::vec3(box.min), glm::vec3(box.max)} {
+    draw_anew(std::move(whole));
 }
 
 void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world) {
     const physics::MaterialPreset* material = simulation_.material();
-    stand(fragments, world, prepare_pieces(fragments, world, std::string(material ? material->name : "")));
+    stand(fragments, world, prepare_pieces(renderer_, fragments, world, std::string(material ? material->name : "")));
 }
 
 void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead) {
@@ -150,16 +154,17 @@ void Stage::take_events() {
         drawn_.erase(at);
     }
     must(renderer_.remove_pieces(gone));
-    engine::PieceBatch batch;
+    std::vector<engine::PieceBatch> batches;
     std::vector<glm::vec3> tints;
     for (const physics::PieceAdded& added : events.added) {
         auto& look = *static_cast<engine::PieceBatch*>(added.solid->look.get());
         tints.push_back(tint_of(added, events.added, before));
-        batch.append(std::exchange(look, {}), added.slot, tints.back());
+        batches.push_back(std::exchange(look, {}));
+        batches.back().assign(added.slot, tints.back());
         radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
         radii_[added.slot] = added.solid->radius;
     }
-    const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(batch)));
+    const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(batches)));
     for (size_t i = 0; i < handles.size(); ++i) drawn_[events.added[i].id] = {handles[i], tints[i]};
     for (const physics::PieceFading& fading : events.fading)
         must(renderer_.fade_pieces({&drawn_.at(fading.id).handle, 1}, 1.0f - fading.share));

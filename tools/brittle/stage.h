@@ -7,7 +7,7 @@
 //     Input input = placed_on_stage(load_input(options));
 //     Stage stage(renderer, input.mesh);
 //     Broken broken = break_input(input, options);                                  // these two on any thread
-//     PreparedPieces ahead = prepare_pieces(broken.fragments, world_of(options), options.material);
+//     PreparedPieces ahead = prepare_pieces(renderer, broken.fragments, world_of(options), options.material);
 //     stage.stand(broken.fragments, world_of(options), std::move(ahead));
 //     each frame: stage.advance(1.0 / 60.0); renderer.render(stage.scene(), size);
 #pragma once
@@ -31,6 +31,9 @@ namespace brittle::tools {
 // Mesh, sites and weights as placement_on_stage() wants them.
 [[nodiscard]] Input placed_on_stage(Input input, const WorldOptions& world = {});
 
+// The unbroken mesh, ready to be drawn. On any thread. Throws a Failure.
+[[nodiscard]] engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh);
+
 // All that costs milliseconds of putting pieces on the stage.
 struct PreparedPieces {
     PreparedBodies bodies;
@@ -38,15 +41,16 @@ struct PreparedPieces {
     std::vector<float> radii;   // of each piece in it around its centre of mass, m
 };
 
-// On any thread, for the stage's material. threads: 0 is one a core. Throws a Failure.
-[[nodiscard]] PreparedPieces prepare_pieces(const fracture::Fragments& fragments, const WorldOptions& world,
-                                            const std::string& material, uint32_t threads = 0);
+// On any thread, for the stage's renderer and material. threads: 0 is one a core. Throws a Failure.
+[[nodiscard]] PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
+                                            const WorldOptions& world, const std::string& material, uint32_t threads = 0);
 
 class Stage {
   public:
-    // Uploads the unbroken mesh. The renderer must outlive the stage.
+    // Shows the unbroken mesh, or what was made of it, in its box. The renderer must outlive the stage.
     // `material` is a preset's name, or empty.
     Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material = {});
+    Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole, const std::string& material = {});
 
     // Replaces the unbroken mesh by pieces that fall from where they are.
     void shatter(const fracture::Fragments& fragments) { stand(fragments, {}); }
@@ -56,8 +60,6 @@ class Stage {
     void stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead);
     // A ball flies from there, whenever the shot is for; nothing while the mesh is whole.
     void shoot(const Shot& shot);
-    // The unbroken mesh again.
-    void reset(const fracture::TriangleMesh& mesh);
 
     // Who looks at what is drawn from now on, without a shift: debris that no one sees goes first (Watch in action.h). Told to the
     // simulation by the next advance().

@@ -98,7 +98,7 @@ FrameTimes measure_frames(const Scenario& scenario, const Input& input, uint32_t
         Broken broken = break_input(input, scenario.fracture, {}, classifier, {}, trace ? &work : nullptr);
         cut = trace_clock();
         PreparedPieces ahead =
-            prepare_pieces(broken.fragments, {}, scenario.fracture.material, scenario.fracture.threads);
+            prepare_pieces(renderer, broken.fragments, {}, scenario.fracture.material, scenario.fracture.threads);
         ready = trace_clock();
         return std::pair(std::move(broken), std::move(ahead));
     });

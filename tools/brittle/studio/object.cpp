@@ -40,12 +40,7 @@ std::shared_ptr<const Object> Object::placed_for(const WorldOptions& world) cons
 Object::Object(Input file, const WorldOptions& world)
     : file_(std::move(file)), stage_(placed_on_stage(file_, world)), world_(world),
       placement_(placement_on_stage(file_.model.mesh, world)),
-      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)) {
-    const fracture::TriangleMesh& shown = stage_.model.mesh;
-    const std::vector<glm::vec3> positions(shown.positions.begin(), shown.positions.end());
-    const engine::PieceMesh whole{.positions = positions, .triangles = shown.triangles, .exterior_triangles = static_cast<uint32_t>(shown.triangles.size())};
-    batch_ = must(engine::PieceBatch::create({&whole, 1}));
-}
+      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), batch_(batch_of(stage_.model.mesh)) {}
 
 SiteSet Object::sites(const FractureOptions& options) const {
     SiteSet set = sites_for(options, file_.model.mesh);

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/render/piece_batch.h"
+#include "engine/render/renderer.h"
 #include "engine/render/scene.h"
 #include "fracture/fracture.h"
 #include "tools/brittle/studio/foresight.h"
@@ -53,6 +53,9 @@ struct Cracked {
 
 class Preview {
   public:
+    // What is taken is ready for that renderer, which must outlive it; null: for none.
+    explicit Preview(const engine::Renderer* renderer) : renderer_(renderer) {}
+
     void request(PreviewRequest request);
     // What was finished since, once.
     [[nodiscard]] std::shared_ptr<Cracked> take();
@@ -64,6 +67,7 @@ class Preview {
     void fracture(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made);
     void foresee_blow(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made);
 
+    const engine::Renderer* renderer_;
     fracture::Workspace workspace_; // the worker's
     Foresight foresight_;           // likewise
     mutable std::mutex mutex_;

@@ -66,7 +66,7 @@ void Session::leave_piece() {
 }
 
 void Session::make_stage() {
-    stage_ = std::make_unique<Stage>(renderer_, object_->mesh(), recipe().material);
+    stage_ = std::make_unique<Stage>(renderer_, fracture::bounds(object_->mesh()), object_->batch(), recipe().material);
     stage_->simulation().commit_as(physics::Timing::when_ready);
     stage_->simulation().observe(&*recorder_);
     ++stages_;
@@ -254,7 +254,7 @@ void Session::start_breaking(const WorldOptions& world) {
         const Input input = object->with_sites(options);
         auto made = std::make_shared<Broken>(
             break_input(input, options, [this](double share) { work_share_ = share; }, classifier_, cancelled));
-        auto ahead = std::make_shared<PreparedPieces>(prepare_pieces(made->fragments, stands, options.material));
+        auto ahead = std::make_shared<PreparedPieces>(prepare_pieces(renderer_, made->fragments, stands, options.material));
         post([this, made, ahead, stands, stage] {
             if (stages_ == stage) take_pieces(std::move(*made), std::move(*ahead), stands);
         });

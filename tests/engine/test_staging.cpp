@@ -1,0 +1,323 @@
+// Pieces that a worker copies to where the device reads; the oracle is the same pieces, copied by the frame.
+#include <algorithm>
+#include <thread>
+
+#include "engine/render/piece_arena.h"
+#include "engine/render/staging_pool.h"
+#include "renderer_fixture.h"
+
+using namespace brittle::engine;
+using namespace brittle::engine::test;
+
+namespace {
+
+constexpr uint64_t large = 64 << 10; // bytes: what is staged
+
+// Balls in a row, each by itself large enough to be staged.
+struct Row {
+    Shape ball = icosphere(0.3f, 4);
+
+    [[nodiscard]] PieceMesh mesh(uint32_t body) const { return ball.piece(body, piece_tint(body)); }
+    [[nodiscard]] PieceBatch batch(uint32_t body) const {
+        const PieceMesh one = mesh(body);
+        return *PieceBatch::create({&one, 1});
+    }
+    [[nodiscard]] static Scene scene() {
+        Scene scene = empty_stage();
+        scene.write_poses = [](std::span<BodyPose> poses, uint64_t) {
+            for (size_t i = 0; i < poses.size(); ++i) poses[i].position.x = 0.45f * static_cast<float>(i) - 0.9f;
+        };
+        return scene;
+    }
+};
+
+Bitmap picture_of(const Fixture& f, std::span<const PieceMesh> meshes) {
+    REQUIRE(f.renderer->set_pieces(meshes));
+    Bitmap picture = f.draw(Row::scene());
+    REQUIRE(f.renderer->set_pieces({}));
+    return picture;
+}
+
+std::vector<uint8_t> bytes_of(const PieceBatch& batch) {
+    std::vector<uint8_t> all;
+    const auto append = [&](std::span<const std::byte> bytes) {
+        for (const std::byte byte : bytes) all.push_back(static_cast<uint8_t>(byte));
+    };
+    append(std::as_bytes(batch.positions()));
+    append(std::as_bytes(batch.normals()));
+    append(std::as_bytes(batch.indices()));
+    return all;
+}
+
+} // namespace
+
+TEST_CASE("a large batch is staged whole, a small one is left as it is") {
+    const Fixture f;
+    if (!f) return;
+    const Row row;
+    PieceBatch batch = row.batch(0);
+    REQUIRE(batch.bytes() > large);
+    const std::vector<uint8_t> before = bytes_of(batch);
+    CHECK(before.size() == batch.bytes());
+    f.renderer->stage(batch);
+    REQUIRE(batch.staged());
+    CHECK(bytes_of(batch) == before);
+    const std::span<const uint8_t> staged = batch.staged()->mapped_as<uint8_t>(0, before.size());
+    CHECK(std::ranges::equal(staged, before));
+    const DeviceBuffer* buffer = batch.staged().get();
+    f.renderer->stage(batch);
+    CHECK(batch.staged().get() == buffer);
+
+    const Shape cube = box(glm::vec3(0.2f));
+    const PieceMesh few = cube.piece(0);
+    PieceBatch small_one = *PieceBatch::create({&few, 1}), none;
+    f.renderer->stage(small_one);
+    f.renderer->stage(none);
+    CHECK_FALSE(small_one.staged());
+    CHECK_FALSE(none.staged());
+}
+
+TEST_CASE("staged batches are drawn like the meshes that they were made of, alone and among others") {
+    const Fixture f;
+    if (!f) return;
+    const Row row;
+    const Shape cube = box({0.2f, 0.3f, 0.25f}, 2);
+    const std::vector<PieceMesh> meshes{row.mesh(0), cube.piece(1, piece_tint(7)), row.mesh(2), row.mesh(3), cube.piece(4)};
+    const Bitmap expected = picture_of(f, meshes);
+    for (const uint32_t stage : {0b11111u, 0b00100u, 0b01001u, 0b00000u}) { // by batch
+        std::vector<PieceBatch> batches;
+        for (size_t i = 0; i < 2; ++i) batches.push_back(*PieceBatch::create({&meshes[i], 1}));
+        batches.push_back(*PieceBatch::create(std::span(meshes).subspan(2, 2))); // two pieces in one buffer
+        batches.push_back(*PieceBatch::create({&meshes[4], 1}));
+        for (size_t i = 0; i < batches.size(); ++i)
+            if (stage >> i & 1) f.renderer->stage(batches[i]);
+        CHECK(static_cast<bool>(batches[2].staged()) == (stage >> 2 & 1));
+        const auto handles = f.renderer->add_pieces(std::move(batches));
+        REQUIRE(handles);
+        CHECK(handles->size() == 5);
+        CHECK(std::ranges::is_sorted(*handles));
+        CAPTURE(stage);
+        CHECK(f.draw(Row::scene()).pixels == expected.pixels);
+        // Moved into larger arenas, and drawn in another order.
+        REQUIRE(f.renderer->remove_pieces({&handles->front(), 1}));
+        PieceBatch again = row.batch(0);
+        f.renderer->stage(again);
+        REQUIRE(f.renderer->add_pieces(std::move(again)));
+        CHECK(f.draw(Row::scene()).pixels == expected.pixels);
+        REQUIRE(f.renderer->set_pieces({}));
+    }
+}
+
+TEST_CASE("copies of a staged batch share its buffer, with bodies and tints of their own") {
+    const Fixture f;
+    if (!f) return;
+    const Row row;
+    const std::vector<PieceMesh> meshes{row.mesh(0), row.mesh(1), row.mesh(2)};
+    const Bitmap expected = picture_of(f, meshes);
+    PieceBatch other = row.batch(9);
+    f.renderer->stage(other);
+    std::vector<PieceBatch> batches{other, row.batch(8), other};
+    for (uint32_t i = 0; i < 3; ++i) batches[i].assign(i, piece_tint(i));
+    CHECK(batches[0].staged() == batches[2].staged());
+    REQUIRE(f.renderer->add_pieces(std::move(batches)));
+    CHECK(f.draw(Row::scene()).pixels == expected.pixels);
+    other.assign(3, piece_tint(3)); // its buffer was read already, and may be read again
+    REQUIRE(f.renderer->add_pieces(std::move(other)));
+    const PieceMesh four[] = {meshes[0], meshes[1], meshes[2], row.mesh(3)};
+    const Bitmap all = f.draw(Row::scene());
+    CHECK(all.pixels == picture_of(f, four).pixels);
+}
+
+TEST_CASE("batches are added all or none, and the piece that cannot be is counted through them") {
+    const Fixture f;
+    if (!f) return;
+    const Row row;
+    std::vector<PieceBatch> batches{row.batch(0), PieceBatch{}, row.batch(1), row.batch(UINT32_MAX)};
+    const auto added = f.renderer->add_pieces(std::move(batches));
+    REQUIRE_FALSE(added);
+    CHECK(added.error().message.find("piece 2: ") != std::string::npos);
+    CHECK(f.renderer->body_count() == 0);
+    CHECK(f.renderer->add_pieces(std::vector<PieceBatch>{}));
+}
+
+TEST_CASE("the frame that shows staged pieces allocates nothing for them") {
+    const Fixture f, fresh;
+    if (!f) return;
+    const Row row;
+    const Shape other = icosphere(0.2f, 4);
+    const PieceMesh before = other.piece(0), after = row.mesh(0);
+    for (int frame = 0; frame < 3; ++frame) { // arenas, and what frames have
+        REQUIRE(f.renderer->set_pieces({&before, 1}));
+        (void)f.draw(Row::scene());
+    }
+    PieceBatch batch = row.batch(0);
+    f.renderer->stage(batch);
+    REQUIRE(f.renderer->set_pieces({}));
+    const uint32_t allocations = f.faults.count(Call::allocate), maps = f.faults.count(Call::map);
+    REQUIRE(f.renderer->add_pieces(std::move(batch)));
+    CHECK(f.draw(Row::scene()).pixels == picture_of(fresh, {&after, 1}).pixels);
+    CHECK(f.faults.count(Call::allocate) == allocations);
+    CHECK(f.faults.count(Call::map) == maps);
+}
+
+TEST_CASE("where there is no memory to stage a batch, the frame copies it") {
+    Fixture f;
+    if (!f) return;
+    const Row row;
+    const PieceMesh mesh = row.mesh(1);
+    const Bitmap expected = picture_of(f, {&mesh, 1});
+    for (const Call kind : {Call::allocate, Call::map}) {
+        PieceBatch batch = row.batch(1);
+        f.faults.fail(kind, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+        f.renderer->stage(batch);
+        f.faults.fail(kind, VK_SUCCESS);
+        CHECK_FALSE(batch.staged());
+        const auto handles = f.renderer->add_pieces(batch);
+        REQUIRE(handles);
+        CHECK(f.draw(Row::scene()).pixels == expected.pixels);
+        REQUIRE(f.renderer->remove_pieces(*handles));
+        f.renderer->stage(batch); // now there is
+        CHECK(batch.staged());
+        const auto staged = f.renderer->add_pieces(std::move(batch));
+        REQUIRE(staged);
+        CHECK(f.draw(Row::scene()).pixels == expected.pixels);
+        REQUIRE(f.renderer->remove_pieces(*staged));
+    }
+}
+
+TEST_CASE("staged pieces whose frame fails come with the next one") {
+    Fixture f;
+    if (!f) return;
+    const Row row;
+    const PieceMesh meshes[] = {row.mesh(0), row.mesh(1)};
+    const Bitmap expected = picture_of(f, meshes);
+    for (uint32_t body = 0; body < 2; ++body) {
+        PieceBatch batch = row.batch(body);
+        f.renderer->stage(batch);
+        REQUIRE(f.renderer->add_pieces(std::move(batch)));
+        f.faults.fail(Call::submit, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+        CHECK_FALSE(f.renderer->render(Row::scene(), small));
+    }
+    CHECK(f.draw(Row::scene()).pixels == expected.pixels);
+}
+
+TEST_CASE("what was staged and never drawn can go at any time before the device") {
+    Fixture f;
+    if (!f) return;
+    const Row row;
+    PieceBatch kept = row.batch(0), gone = row.batch(1);
+    f.renderer->stage(kept);
+    f.renderer->stage(gone);
+    const auto handles = f.renderer->add_pieces(std::move(gone));
+    REQUIRE(handles);
+    REQUIRE(f.renderer->remove_pieces(*handles)); // before any frame
+    (void)f.draw(Row::scene());
+    f.renderer.reset();
+    CHECK(kept.staged()); // the fixture's device outlives it
+}
+
+TEST_CASE("threads stage pieces while others are drawn") {
+    const Fixture f;
+    if (!f) return;
+    const Row row;
+    std::vector<Bitmap> expected;
+    for (uint32_t body = 0; body < 4; ++body) {
+        const PieceMesh mesh = row.mesh(body);
+        expected.push_back(picture_of(f, {&mesh, 1}));
+    }
+    std::vector<PieceBatch> ready(4);
+    for (uint32_t round = 0; round < 12; ++round) {
+        std::vector<PieceBatch> next(4);
+        std::vector<std::thread> workers;
+        for (uint32_t body = 0; body < 4; ++body)
+            workers.emplace_back([&, body] {
+                next[body] = row.batch(body);
+                f.renderer->stage(next[body]);
+            });
+        for (uint32_t body = 0; body < 4 && round > 0; ++body) {
+            const auto handles = f.renderer->add_pieces(std::move(ready[body]));
+            REQUIRE(handles);
+            REQUIRE(handles->size() == 1);
+            CHECK(f.draw(Row::scene()).pixels == expected[body].pixels);
+            REQUIRE(f.renderer->remove_pieces(*handles));
+        }
+        for (std::thread& worker : workers) worker.join();
+        for (const PieceBatch& batch : next) CHECK(batch.staged());
+        ready = std::move(next);
+    }
+}
+
+TEST_CASE("a staged buffer is not given out again before the copies from it are done") {
+    const std::unique_ptr<Device> device = make_device();
+    if (!device) return;
+    const Row row;
+    StagingPool pool(*device);
+    PieceArena arena(*device);
+    std::vector<PieceBatch> batches;
+    for (uint32_t body = 0; body < 2; ++body) {
+        batches.push_back(row.batch(body));
+        batches.back().move_to(pool.take(batches.back().bytes()));
+    }
+    const std::vector<PieceBatch> oracle = batches;
+    REQUIRE(arena.add(batches));
+    batches.clear();
+    const PieceUpload upload = arena.next_upload();
+    CHECK(upload.staging_size == 0);
+    REQUIRE(upload.staged.size() == 2);
+    for (size_t k = 0; k < 2; ++k) {
+        CHECK(upload.staged[k].buffer == oracle[k].staged());
+        const uint64_t sizes[] = {oracle[k].positions().size_bytes(), oracle[k].normals().size_bytes(),
+                                  oracle[k].indices().size_bytes()};
+        uint64_t from = 0;
+        for (size_t i = 0; i < piece_arenas; ++i) {
+            REQUIRE(upload.staged[k].copies[i].size() == 1);
+            const VkBufferCopy& copy = upload.staged[k].copies[i][0];
+            CHECK(copy.srcOffset == from);
+            CHECK(copy.dstOffset == k * sizes[i]);
+            CHECK(copy.size == sizes[i]);
+            from += sizes[i];
+        }
+    }
+    std::vector<std::shared_ptr<const DeviceBuffer>> retired;
+    arena.uploaded(retired);
+    CHECK(arena.next_upload().empty());
+    CHECK(retired.size() == 2);
+    for (size_t k = 0; k < retired.size(); ++k) CHECK(retired[k] == oracle[k].staged());
+}
+
+TEST_CASE("a pool gives out what came back where it fits, and keeps no more than it may") {
+    FaultInjector faults;
+    const std::unique_ptr<Device> device = make_device(&faults);
+    if (!device) return;
+    StagingPool pool(*device);
+    std::shared_ptr<DeviceBuffer> first = pool.take(1 << 20), second = pool.take(1 << 20);
+    CHECK(first->size() >= 1 << 20);
+    CHECK(first->mapped() != nullptr);
+    CHECK(first->handle() != second->handle());
+    const VkBuffer handle = first->handle();
+    CHECK(pool.idle_bytes() == 0);
+    first.reset();
+    CHECK(pool.idle_bytes() >= 1 << 20);
+    const std::shared_ptr<DeviceBuffer> small_one = pool.take(1 << 16); // does not take the large one
+    CHECK(small_one->handle() != handle);
+    const std::shared_ptr<DeviceBuffer> larger = pool.take(3 << 20);
+    CHECK(larger->size() >= 3 << 20);
+    first = pool.take(1000 << 10); // a little less than before
+    CHECK(first->handle() == handle);
+    CHECK(pool.idle_bytes() == 0);
+
+    faults.fail(Call::allocate, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+    CHECK_THROWS((void)pool.take(5 << 20));
+    CHECK(pool.idle_bytes() == 0);
+    CHECK(pool.take(5 << 20)->size() >= 5 << 20);
+    CHECK(pool.idle_bytes() >= 5 << 20);
+
+    std::vector<std::shared_ptr<DeviceBuffer>> many;
+    for (int i = 0; i < 12; ++i) many.push_back(pool.take(8 << 20));
+    many.clear();
+    CHECK(pool.idle_bytes() > StagingPool::most_idle);
+    second = pool.take(1 << 10); // who takes gives back what is too much
+    CHECK(pool.idle_bytes() <= StagingPool::most_idle);
+    CHECK(pool.idle_bytes() > StagingPool::most_idle / 2);
+    CHECK(device->validation_messages().empty());
+}
