@@ -28,6 +28,13 @@ inline ObjectId must_add(Destruction& destruction, World& world, const fracture:
     return *object;
 }
 
+// From above, onto the middle of the piece.
+inline bool strike_from_above(const World& world, Destruction& destruction, PieceId piece, double energy) {
+    const glm::vec3 centre = world.pose(destruction.body(piece)).position;
+    const glm::vec3 point = centre + glm::vec3(0.0f, destruction.solid(piece)->radius, 0.0f);
+    return destruction.strike(world, piece, point, {0.0f, -1.0f, 0.0f}, energy);
+}
+
 inline BodyId shoot(World& world, float radius, float mass, const glm::vec3& position, const glm::vec3& velocity) {
     const fracture::TriangleMesh mesh = fracture::icosphere(1, static_cast<double>(radius)); // corners evenly around
     BodyDesc desc;

@@ -1,13 +1,11 @@
 #include "physics/destruction.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <memory>
 #include <string>
 #include <thread>
 #include <utility>
@@ -44,13 +42,6 @@ uint64_t hash_of(const World& world, const Destruction& destruction) {
         for (const fracture::Triangle& t : solid.mesh.triangles) add(t.x), add(t.y), add(t.z);
     }
     return hash;
-}
-
-// From above, onto the middle of the piece.
-bool strike_from_above(const World& world, Destruction& destruction, PieceId piece, double energy) {
-    const glm::vec3 centre = world.pose(destruction.body(piece)).position;
-    const glm::vec3 point = centre + glm::vec3(0.0f, destruction.solid(piece)->radius, 0.0f);
-    return destruction.strike(world, piece, point, {0.0f, -1.0f, 0.0f}, energy);
 }
 
 // The pieces where they stand, in a world of their own, as strangers to each other: nobody looks at siblings that fly as one. Hulls are
@@ -549,55 +540,6 @@ TEST_CASE("an object that goes takes its jobs along, and so does a body that som
     CHECK(strike_from_above(world, destruction, destruction.pieces()[0], 50.0)); // and left running at the end
 }
 
-// A frame would wait for it: a million triangles are 50 MB.
-TEST_CASE("large meshes that are needed no more are freed on other threads: what broke, what was taken out, a cut that is not used") {
-    const std::thread::id here = std::this_thread::get_id();
-    std::atomic<int> freed = 0, freed_here = 0;
-    BreakableDesc desc = desc_of(0.05);
-    desc.solid.look = [&](const SolidPiece& solid) { // goes with its solid
-        return std::shared_ptr<void>(new size_t(solid.mesh.triangles.size()), [&](const void* look) {
-            const std::unique_ptr<const size_t> triangles(static_cast<const size_t*>(look));
-            if (*triangles < 15'000) return;
-            freed_here += std::this_thread::get_id() == here;
-            ++freed;
-        });
-    };
-    const fracture::TriangleMesh ball = fracture::icosphere(5, 0.25);
-    World world(empty_space);
-    Destruction destruction;
-    const auto wait_for = [&](int count) {
-        while (freed < count) std::this_thread::yield();
-        CHECK(freed == count);
-        CHECK(freed_here == 0);
-    };
-    const ObjectId object = must_add(destruction, world, ball, desc);
-    (void)destruction.take_events();
-    REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 20.0));
-    run(world, destruction, 4);
-    REQUIRE(destruction.statistics().breaks == 1);
-    wait_for(1);
-    (void)destruction.take_events();
-    destruction.remove(world, object);
-    wait_for(2); // the rest
-
-    const ObjectId hard = must_add(destruction, world, ball, desc);
-    (void)destruction.take_events();
-    for (double energy = 1.0; energy < 8.0 && destruction.statistics().withstood == 0; energy *= 1.1) {
-        const PieceId whole = destruction.pieces()[0];
-        const auto cut = destruction.foresee(world, whole, {0.0f, 0.25f, 0.0f}, {0.0f, -1.0f, 0.0f}, energy);
-        if (!cut || carry_out(*cut)->size() > 1) continue;
-        freed = freed_here = 0; // of what was tried here
-        REQUIRE(strike_from_above(world, destruction, whole, energy));
-        run(world, destruction, 4);
-    }
-    REQUIRE(destruction.statistics().withstood == 1);
-    CHECK(freed_here == 0);
-    destruction.remove(world, hard);
-    (void)destruction.take_events();
-    while (freed < 2) std::this_thread::yield();
-    CHECK(freed_here == 0);
-}
-
 TEST_CASE("while one blow is worked on, the next waits, and hits what came of the first") {
     World world(empty_space);
     Destruction destruction({.latency = 4});
@@ -642,107 +584,4 @@ TEST_CASE("pieces of a structure break when they are hit hard, the others stay b
     CHECK(destruction.body(pieces[0]) == destruction.body(pieces[3])); // the four that were not hit
     CHECK(destruction.depth(pieces[0]) == 0);
     CHECK(greatest_speed(world) < 1e-3f);
-}
-
-TEST_CASE("too much debris goes: what is unseen first, then what is small and old, what is seen fades") {
-    const DebrisLimits limits{.most_pieces = 4, .most_vertices = 1000, .sleep_seconds = 10.0};
-    CHECK(retire_debris({}, 100, 100, limits).empty());
-    std::vector<Debris> debris;
-    for (uint32_t i = 0; i < 4; ++i)
-        debris.push_back({.id = {i}, .volume = 1.0 + i, .age = 1.0, .vertices = 10, .visible = i != 3});
-    CHECK(retire_debris(debris, 4, 40, limits).empty());
-    CHECK(retire_debris(debris, 5, 40, limits) == std::vector{PieceId{3}});
-    CHECK(retire_debris(debris, 6, 40, limits) == std::vector{PieceId{3}, PieceId{0}});
-    debris[2].age = 100.0;
-    CHECK(retire_debris(debris, 6, 40, limits) == std::vector{PieceId{3}, PieceId{2}});
-    CHECK(retire_debris(debris, 4, 1015, limits) == std::vector{PieceId{3}, PieceId{2}});
-    CHECK(retire_debris(debris, 100, 0, limits).size() == 4);
-    debris[1].slept = 11.0;
-    CHECK(retire_debris(debris, 4, 40, limits) == std::vector{PieceId{1}});
-}
-
-TEST_CASE("debris beyond the limit fades in view and goes at once out of it, the unbroken and the held stay") {
-    for (const bool seen : {true, false}) {
-        World world(empty_space);
-        Destruction destruction({.debris = {.most_pieces = 10, .fade_seconds = 0.1}});
-        destruction.set_view([=](const glm::vec3&, float) { return seen; });
-        must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
-        REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 500.0));
-        run(world, destruction, 2);
-        const size_t made = destruction.pieces().size();
-        CHECK(destruction.take_events().removed.size() == 0);
-        if (seen) {
-            REQUIRE(made > 15);
-            float share = 1.0f;
-            for (int step = 0; step < 11; ++step) {
-                run(world, destruction, 1);
-                const DestructionEvents events = destruction.take_events();
-                CHECK(events.removed.empty());
-                REQUIRE(events.fading.size() == made - 10);
-                CHECK(events.fading[0].share < share);
-                share = events.fading[0].share;
-            }
-            CHECK(share < 0.1f);
-            run(world, destruction, 1);
-            CHECK(destruction.take_events().removed.size() == made - 10);
-        }
-        CHECK(destruction.pieces().size() == 10);
-        CHECK(world.body_count() == 10);
-    }
-}
-
-TEST_CASE("of debris in excess what is out of view goes at once, and what is in view stays as long as that is enough") {
-    const auto to_the_right = [](const glm::vec3& centre, float) { return centre.x > 0.0f; };
-    const auto broken_cube = [&](World& world, size_t most) {
-        auto destruction = std::make_unique<Destruction>(DestructionSettings{.debris = {.most_pieces = most}});
-        destruction->set_view(to_the_right);
-        must_add(*destruction, world, fracture::cube(1.0), desc_of(0.05));
-        REQUIRE(strike_from_above(world, *destruction, destruction->pieces()[0], 500.0));
-        run(world, *destruction, 2);
-        return destruction;
-    };
-    World roomy(empty_space), narrow(empty_space);
-    const auto all = broken_cube(roomy, 1000);
-    size_t unseen = 0;
-    for (const PieceId piece : all->pieces()) unseen += !to_the_right(roomy.pose(all->body(piece)).position, 0.0f);
-    REQUIRE(unseen > 5);
-    const size_t most = all->pieces().size() - unseen / 2;
-    const auto some = broken_cube(narrow, most);
-    CHECK(some->take_events().fading.empty());
-    CHECK(some->pieces().size() == most);
-    for (const PieceId piece : all->pieces())
-        if (!some->contains(piece)) CHECK(roomy.pose(all->body(piece)).position.x <= 0.0f);
-}
-
-TEST_CASE("a view is asked only where debris is to go") {
-    World world(empty_space);
-    Destruction destruction({.debris = {.most_pieces = 1000}});
-    must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
-    REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 500.0));
-    int asked = 0;
-    destruction.set_view([&](const glm::vec3&, float) { return ++asked, true; });
-    run(world, destruction, 10);
-    CHECK(destruction.pieces().size() > 20);
-    CHECK(asked == 0);
-}
-
-TEST_CASE("cycles of breaking and clearing leave nothing behind") {
-    World world(empty_space);
-    Destruction destruction({.latency = 1, .debris = {.most_pieces = 60, .fade_seconds = 0.0}});
-    uint32_t slots = 0;
-    for (int cycle = 0; cycle < 20; ++cycle) {
-        const ObjectId object = must_add(destruction, world, fracture::cube(1.0), desc_of(0.1));
-        for (int blow = 0; blow < 3; ++blow) {
-            strike_from_above(world, destruction, largest(destruction), 200.0);
-            run(world, destruction, 2);
-        }
-        CHECK(destruction.pieces().size() > 10);
-        CHECK(destruction.pieces().size() < 140); // the limit and what one blow adds before it is looked at
-        destruction.remove(world, object);
-        CHECK(destruction.take_events().added.empty());
-        if (cycle == 10) slots = destruction.slot_count();
-        if (cycle > 10) CHECK(destruction.slot_count() <= slots + 48);
-        CHECK(world.body_count() == 0);
-        CHECK(destruction.jobs_in_flight() == 0);
-    }
 }

@@ -1,10 +1,11 @@
-// What debris goes: of bonded pieces, too, what came off, while what is held stays.
+// What debris goes, and whether it is seen to: of single pieces, and of bonded ones what came off, while what is held stays.
 #include "physics/destruction.h"
 
 #include <algorithm>
 #include <array>
 #include <initializer_list>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +55,88 @@ bool unseen(const glm::vec3&, float) {
 }
 
 } // namespace
+
+TEST_CASE("too much debris goes: what is unseen first, then what is small and old, what is seen fades") {
+    const DebrisLimits limits{.most_pieces = 4, .most_vertices = 1000, .sleep_seconds = 10.0};
+    CHECK(retire_debris({}, 100, 100, limits).empty());
+    std::vector<Debris> debris;
+    for (uint32_t i = 0; i < 4; ++i)
+        debris.push_back({.id = {i}, .volume = 1.0 + i, .age = 1.0, .vertices = 10, .visible = i != 3});
+    CHECK(retire_debris(debris, 4, 40, limits).empty());
+    CHECK(retire_debris(debris, 5, 40, limits) == std::vector{PieceId{3}});
+    CHECK(retire_debris(debris, 6, 40, limits) == std::vector{PieceId{3}, PieceId{0}});
+    debris[2].age = 100.0;
+    CHECK(retire_debris(debris, 6, 40, limits) == std::vector{PieceId{3}, PieceId{2}});
+    CHECK(retire_debris(debris, 4, 1015, limits) == std::vector{PieceId{3}, PieceId{2}});
+    CHECK(retire_debris(debris, 100, 0, limits).size() == 4);
+    debris[1].slept = 11.0;
+    CHECK(retire_debris(debris, 4, 40, limits) == std::vector{PieceId{1}});
+}
+
+TEST_CASE("debris beyond the limit fades in view and goes at once out of it, the unbroken and the held stay") {
+    for (const bool seen : {true, false}) {
+        World world(empty_space);
+        Destruction destruction({.debris = {.most_pieces = 10, .fade_seconds = 0.1}});
+        destruction.set_view([=](const glm::vec3&, float) { return seen; });
+        must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
+        REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 500.0));
+        run(world, destruction, 2);
+        const size_t made = destruction.pieces().size();
+        CHECK(destruction.take_events().removed.size() == 0);
+        if (seen) {
+            REQUIRE(made > 15);
+            float share = 1.0f;
+            for (int step = 0; step < 11; ++step) {
+                run(world, destruction, 1);
+                const DestructionEvents events = destruction.take_events();
+                CHECK(events.removed.empty());
+                REQUIRE(events.fading.size() == made - 10);
+                CHECK(events.fading[0].share < share);
+                share = events.fading[0].share;
+            }
+            CHECK(share < 0.1f);
+            run(world, destruction, 1);
+            CHECK(destruction.take_events().removed.size() == made - 10);
+        }
+        CHECK(destruction.pieces().size() == 10);
+        CHECK(world.body_count() == 10);
+    }
+}
+
+TEST_CASE("of debris in excess what is out of view goes at once, and what is in view stays as long as that is enough") {
+    const auto to_the_right = [](const glm::vec3& centre, float) { return centre.x > 0.0f; };
+    const auto broken_cube = [&](World& world, size_t most) {
+        auto destruction = std::make_unique<Destruction>(DestructionSettings{.debris = {.most_pieces = most}});
+        destruction->set_view(to_the_right);
+        must_add(*destruction, world, fracture::cube(1.0), desc_of(0.05));
+        REQUIRE(strike_from_above(world, *destruction, destruction->pieces()[0], 500.0));
+        run(world, *destruction, 2);
+        return destruction;
+    };
+    World roomy(empty_space), narrow(empty_space);
+    const auto all = broken_cube(roomy, 1000);
+    size_t unseen = 0;
+    for (const PieceId piece : all->pieces()) unseen += !to_the_right(roomy.pose(all->body(piece)).position, 0.0f);
+    REQUIRE(unseen > 5);
+    const size_t most = all->pieces().size() - unseen / 2;
+    const auto some = broken_cube(narrow, most);
+    CHECK(some->take_events().fading.empty());
+    CHECK(some->pieces().size() == most);
+    for (const PieceId piece : all->pieces())
+        if (!some->contains(piece)) CHECK(roomy.pose(all->body(piece)).position.x <= 0.0f);
+}
+
+TEST_CASE("a view is asked only where debris is to go") {
+    World world(empty_space);
+    Destruction destruction({.debris = {.most_pieces = 1000}});
+    must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
+    REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 500.0));
+    int asked = 0;
+    destruction.set_view([&](const glm::vec3&, float) { return ++asked, true; });
+    run(world, destruction, 10);
+    CHECK(destruction.pieces().size() > 20);
+    CHECK(asked == 0);
+}
 
 TEST_CASE("of bonded pieces that all came off no more are left than the limit, and none that slept too long") {
     for (const double sleep_seconds : {never, 1.0}) {
