@@ -6,8 +6,8 @@
 //     faults.fail(Call::allocate, VK_ERROR_OUT_OF_DEVICE_MEMORY, 3); // the third allocation from now on
 //     faults.hide("drawIndirectFirstInstance");                              // before create(): no such feature
 //
-// Calls may come from any thread. Each kind is made in one place, by Device::attempt(). Without an injector that costs the test of a
-// null pointer. `brittle` takes a plan from the variable BRITTLE_FAULTS (see plan()).
+// Calls may come from any thread. Each kind is made in one place, by Device::attempt(). Without an injector
+// that costs the test of a null pointer. `brittle` takes a plan from the variable BRITTLE_FAULTS (see plan()).
 #pragma once
 
 #include <array>

@@ -13,6 +13,7 @@
 
 #include "engine/render/view_volume.h"
 #include "fracture/certificate.h"
+#include "tests/engine/support.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/failure.h"
 #include "tools/brittle/stage.h"
@@ -189,11 +190,14 @@ TEST_CASE("studio: rays meet the surface where it is, and leave it behind") {
 }
 
 TEST_CASE("studio: a preview shows the pieces of the fracture, cracks on the surface, and a ghost's crumbs") {
+    const auto device = engine::test::make_device();
+    if (!device) return;
+    const auto renderer = must(engine::Renderer::create(*device));
     FractureOptions options = options_of("shape:icosphere");
     options.pattern.count = 30;
     const auto object = Object::load(options);
     const Broken broken = break_input(object->with_sites(options), options);
-    Preview preview(nullptr);
+    Preview preview(*renderer);
     preview.request({.object = object, .recipe = options, .key = 7});
     std::shared_ptr<Cracked> made;
     REQUIRE(soon([&] { return made || (made = preview.take()); }));

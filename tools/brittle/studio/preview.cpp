@@ -146,7 +146,7 @@ std::shared_ptr<Cracked> Preview::make(const PreviewRequest& request, const Work
             for (engine::LineVertex& v : made->cracks) v.position -= centre;
         } else {
             made->batch = batch_of(*made);
-            if (renderer_) renderer_->stage(made->batch);
+            renderer_.stage(made->batch);
         }
     } catch (const Failure& failure) {
         made->fragments = {};

@@ -1,6 +1,7 @@
 // What a fracture would look like, before it happens: the pieces in their places, cracks on the surface, cells as lines.
 // Made on a worker, the newest request only; a bunny of 70,000 triangles at 100 sites takes about 10 ms.
 //
+//     Preview preview(renderer);
 //     preview.request({object, document.recipe(), {}, version});
 //     each frame: if (auto shown = preview.take()) renderer.add_pieces(std::move(shown->batch));
 #pragma once
@@ -53,8 +54,8 @@ struct Cracked {
 
 class Preview {
   public:
-    // What is taken is ready for that renderer, which must outlive it; null: for none.
-    explicit Preview(const engine::Renderer* renderer) : renderer_(renderer) {}
+    // What is taken is ready for that renderer, which must outlive it.
+    explicit Preview(const engine::Renderer& renderer) : renderer_(renderer) {}
 
     void request(PreviewRequest request);
     // What was finished since, once.
@@ -67,7 +68,7 @@ class Preview {
     void fracture(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made);
     void foresee_blow(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made);
 
-    const engine::Renderer* renderer_;
+    const engine::Renderer& renderer_;
     fracture::Workspace workspace_; // the worker's
     Foresight foresight_;           // likewise
     mutable std::mutex mutex_;

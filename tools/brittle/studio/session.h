@@ -241,7 +241,7 @@ class Session {
     std::shared_ptr<Cracked> cracks_ahead_;    // of the piece that is aimed at
     std::optional<AimedPiece> asked_ahead_;
     uint64_t preview_key_ = 0;
-    Preview preview_{&renderer_};
+    Preview preview_{renderer_};
 
     mutable std::mutex mutex_;
     std::vector<std::function<void()>> completions_;
