@@ -15,12 +15,12 @@
 #include "fracture/exact/exact.h"
 #include "fracture/exact/scene.h"
 #include "fracture/exact/surface.h"
-#include "fracture/half_edge.h"
-#include "fracture/islands.h"
-#include "fracture/mass_properties.h"
-#include "fracture/merging/merge.h"
+#include "fracture/mesh/half_edge.h"
+#include "fracture/mesh/islands.h"
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/pieces/merge.h"
 #include "fracture/sequential/sequential.h"
-#include "fracture/topology.h"
+#include "fracture/mesh/topology.h"
 
 namespace brittle::fracture {
 

@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/pattern.h"
+#include "fracture/sites/pattern.h"
 
 namespace brittle::physics {
 

@@ -8,7 +8,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 #include "shaders/classify.h"
 
 namespace brittle::engine {

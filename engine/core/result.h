@@ -7,7 +7,7 @@
 //     if (!device) { std::fputs(device.error().message.c_str(), stderr); return 1; }
 //     use(**device);
 //
-// The fracture library has a type of the same shape (fracture/error.h). They are two on purpose: neither
+// The fracture library has a type of the same shape (fracture/base/error.h). They are two on purpose: neither
 // library includes the other, and their lists of causes have nothing in common.
 #pragma once
 

@@ -9,7 +9,7 @@
 #include <glm/vec2.hpp>
 #include <vulkan/vulkan.h>
 
-#include "engine/graph/plan.h"
+#include "engine/core/format.h"
 
 namespace brittle::engine {
 

@@ -8,6 +8,7 @@
 // Transient memory must be idle when the frame starts: keep one set of heaps for each frame in flight.
 #pragma once
 
+#include "engine/core/format.h"
 #include "engine/graph/access.h"
 
 #include <compare>
@@ -22,17 +23,6 @@ namespace brittle::engine {
 class PassContext; // defined by the execute half: command buffer, resource look-up
 
 using Execute = std::function<void(PassContext&)>;
-
-enum class Format : std::uint8_t {
-    r8_unorm,
-    rgba8_unorm,
-    bgra8_unorm,
-    r32_uint,
-    r32_float,
-    rg16_float,
-    rgba16_float,
-    d32_float // the one depth format
-};
 
 struct ImageDesc {
     std::uint32_t width = 0;

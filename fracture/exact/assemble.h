@@ -14,9 +14,9 @@
 #include "fracture/exact/caps.h"
 #include "fracture/exact/cell_table.h"
 #include "fracture/exact/cut.h"
-#include "fracture/parallel.h"
+#include "fracture/base/parallel.h"
 #include "fracture/exact/surface.h"
-#include "fracture/fragments.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture::exact {
 

@@ -8,7 +8,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/fragments.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture::exact {
 

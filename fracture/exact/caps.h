@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "fracture/exact/cut.h"
-#include "fracture/parallel.h"
+#include "fracture/base/parallel.h"
 #include "fracture/exact/winding.h"
 #include "fracture/triangulation/triangulate.h"
-#include "fracture/voronoi.h"
+#include "fracture/exact/voronoi.h"
 
 namespace brittle::fracture::exact {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fracture/parallel.h"
+#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 

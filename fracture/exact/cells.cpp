@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fracture/exact/simd.h"
+#include "fracture/base/simd.h"
 
 namespace brittle::fracture::exact {
 

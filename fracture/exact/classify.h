@@ -11,7 +11,7 @@
 
 #include "fracture/classifier.h"
 #include "fracture/exact/frames.h"
-#include "fracture/parallel.h"
+#include "fracture/base/parallel.h"
 #include "fracture/exact/predicates.h"
 
 namespace brittle::fracture::exact {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "fracture/exact/cells.h"
-#include "fracture/parallel.h"
+#include "fracture/base/parallel.h"
 #include "fracture/exact/predicates.h"
-#include "fracture/voronoi.h"
+#include "fracture/exact/voronoi.h"
 
 namespace brittle::fracture::exact {
 

@@ -13,7 +13,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture::exact {
 

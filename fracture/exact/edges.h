@@ -15,7 +15,7 @@
 
 #include "fracture/exact/cut.h"
 #include "fracture/exact/frames.h"
-#include "fracture/parallel.h"
+#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 

@@ -15,11 +15,11 @@
 #include <memory>
 #include <span>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 #include "fracture/exact/classify.h"
-#include "fracture/fracture.h"
-#include "fracture/fragments.h"
-#include "fracture/mesh.h"
+#include "fracture/settings.h"
+#include "fracture/pieces/fragments.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture::exact {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fracture/exact/simd.h"
+#include "fracture/base/simd.h"
 
 namespace brittle::fracture::exact {
 

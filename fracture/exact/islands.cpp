@@ -6,9 +6,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/islands.h"
-#include "fracture/mass_properties.h"
-#include "fracture/union_find.h"
+#include "fracture/mesh/islands.h"
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/base/union_find.h"
 
 namespace brittle::fracture::exact {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "fracture/exact/assemble.h"
-#include "fracture/parallel.h"
-#include "fracture/fragments.h"
+#include "fracture/base/parallel.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture::exact {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "fracture/exact/expansion.h"
+#include "fracture/arithmetic/expansion.h"
 
 namespace brittle::fracture::exact {
 namespace {

@@ -48,7 +48,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture::exact {
 

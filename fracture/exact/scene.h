@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 #include "fracture/exact/predicates.h"
-#include "fracture/mesh.h"
-#include "fracture/parallel.h"
+#include "fracture/mesh/mesh.h"
+#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 

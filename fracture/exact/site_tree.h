@@ -11,7 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/exact/predicates.h"
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture::exact {
 

@@ -27,8 +27,8 @@
 #include <vector>
 
 #include "fracture/exact/assemble.h"
-#include "fracture/fragments.h"
-#include "fracture/parallel.h"
+#include "fracture/pieces/fragments.h"
+#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 

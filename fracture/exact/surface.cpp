@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string>
 
-#include "fracture/topology.h"
+#include "fracture/mesh/topology.h"
 
 namespace brittle::fracture::exact {
 

@@ -8,11 +8,11 @@
 
 #include <vector>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 #include "fracture/exact/scene.h"
-#include "fracture/manifold_check.h"
-#include "fracture/mesh.h"
-#include "fracture/parallel.h"
+#include "fracture/mesh/manifold_check.h"
+#include "fracture/mesh/mesh.h"
+#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "fracture/exact/cut.h"
-#include "fracture/parallel.h"
+#include "fracture/base/parallel.h"
 #include "fracture/exact/predicates.h"
-#include "fracture/voronoi.h"
+#include "fracture/exact/voronoi.h"
 
 namespace brittle::fracture::exact {
 

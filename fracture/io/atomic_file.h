@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <span>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 
 namespace brittle::fracture {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "fracture/fragments.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture {
 

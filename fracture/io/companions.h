@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 #include "fracture/io/model.h"
 
 namespace brittle::fracture {

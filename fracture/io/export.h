@@ -28,8 +28,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
-#include "fracture/error.h"
-#include "fracture/fragments.h"
+#include "fracture/base/error.h"
+#include "fracture/pieces/fragments.h"
 #include "fracture/io/model.h"
 
 namespace brittle::fracture {

@@ -16,7 +16,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 #include "fracture/io/bytes.h"
 #include "fracture/io/companions.h"
 

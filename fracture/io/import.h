@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 #include "fracture/io/model.h"
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {
 

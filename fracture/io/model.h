@@ -20,7 +20,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {
 

@@ -8,7 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "fracture/attributes.h"
+#include "fracture/pieces/attributes.h"
 
 namespace brittle::fracture {
 namespace {

@@ -10,7 +10,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "fracture/fragments.h"
+#include "fracture/pieces/fragments.h"
 #include "fracture/io/model.h"
 
 namespace brittle::fracture {

@@ -9,7 +9,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {
 

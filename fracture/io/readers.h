@@ -12,7 +12,7 @@
 #include <span>
 #include <string_view>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 #include "fracture/io/companions.h"
 #include "fracture/io/model.h"
 

@@ -2,7 +2,7 @@
 
 #include <glm/gtc/quaternion.hpp>
 
-#include "fracture/principal_axes.h"
+#include "fracture/mesh/principal_axes.h"
 
 namespace brittle::fracture {
 

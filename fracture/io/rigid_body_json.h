@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "fracture/mass_properties.h"
+#include "fracture/mesh/mass_properties.h"
 
 namespace brittle::fracture {
 

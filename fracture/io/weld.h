@@ -5,7 +5,7 @@
 // tolerance decides topology, and parts that merely come close stay apart.
 #pragma once
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "fracture/error.h"
+#include "fracture/base/error.h"
 #include "fracture/io/export.h"
 
 namespace brittle::fracture {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "fracture/sequential/clip.h"
-#include "fracture/half_edge.h"
+#include "fracture/mesh/half_edge.h"
 
 namespace brittle::fracture {
 

@@ -13,7 +13,7 @@
 #include <cstdint>
 
 #include "fracture/sequential/bisectors.h"
-#include "fracture/half_edge.h"
+#include "fracture/mesh/half_edge.h"
 
 namespace brittle::fracture {
 

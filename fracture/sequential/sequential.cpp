@@ -11,8 +11,8 @@
 #include <glm/common.hpp>
 
 #include "fracture/sequential/clip.h"
-#include "fracture/islands.h"
-#include "fracture/parallel.h"
+#include "fracture/mesh/islands.h"
+#include "fracture/base/parallel.h"
 
 namespace brittle::fracture {
 

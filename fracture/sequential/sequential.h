@@ -17,9 +17,9 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/sequential/bisectors.h"
-#include "fracture/fracture.h"
-#include "fracture/fragments.h"
-#include "fracture/half_edge.h"
+#include "fracture/settings.h"
+#include "fracture/pieces/fragments.h"
+#include "fracture/mesh/half_edge.h"
 
 namespace brittle::fracture {
 

@@ -1,6 +1,6 @@
 #include "fracture/triangulation/edge_flips.h"
 
-#include "fracture/plane_predicates.h"
+#include "fracture/arithmetic/plane_predicates.h"
 
 namespace brittle::fracture::triangulation {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 #include "fracture/triangulation/ring_nodes.h"
 
 namespace brittle::fracture::triangulation {

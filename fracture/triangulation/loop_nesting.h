@@ -15,7 +15,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "fracture/plane_predicates.h"
+#include "fracture/arithmetic/plane_predicates.h"
 #include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture::triangulation {

@@ -9,7 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "fracture/plane_predicates.h"
+#include "fracture/arithmetic/plane_predicates.h"
 
 namespace brittle::fracture::triangulation {
 namespace {

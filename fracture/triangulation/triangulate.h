@@ -14,7 +14,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {
 

@@ -1,10 +1,10 @@
 // Breaks a mesh into twenty pieces: consumer MESH
 #include <cstdio>
 
-#include <fracture/certificate.h>
+#include <fracture/pieces/certificate.h>
 #include <fracture/fracture.h>
 #include <fracture/io/import.h>
-#include <fracture/sites.h>
+#include <fracture/sites/sites.h>
 
 namespace bf = brittle::fracture;
 

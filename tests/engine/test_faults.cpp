@@ -8,7 +8,7 @@
 
 #include "engine/compute/gpu_classifier.h"
 #include "fracture/fracture.h"
-#include "fracture/shapes.h"
+#include "fracture/shapes/shapes.h"
 #include "renderer_fixture.h"
 
 using namespace brittle::engine;

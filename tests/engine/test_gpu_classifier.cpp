@@ -10,12 +10,12 @@
 #include <glm/geometric.hpp>
 
 #include "engine/compute/site_bins.h"
-#include "fracture/certificate.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
 #include "fracture/io/import.h"
-#include "fracture/random.h"
-#include "fracture/shapes.h"
-#include "fracture/sites.h"
+#include "fracture/base/random.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
 #include "tests/engine/support.h"
 
 using namespace brittle;

@@ -18,11 +18,11 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/certificate.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/exact/exact.h"
-#include "fracture/shapes.h"
-#include "fracture/sites.h"
-#include "fracture/topology.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
+#include "fracture/mesh/topology.h"
 
 namespace brittle::fracture::test {
 

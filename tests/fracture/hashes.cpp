@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <vector>
 
-#include "fracture/certificate.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
-#include "fracture/shapes.h"
-#include "fracture/sites.h"
-#include "lattice.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
+#include "tests/fracture/lattice.h"
 
 using namespace brittle::fracture;
 using namespace brittle::fracture::test;

@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 #include "tests/folder.h"
 
 namespace brittle::fracture::test {

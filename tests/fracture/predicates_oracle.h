@@ -12,7 +12,7 @@
 #include <boost/multiprecision/cpp_int.hpp>
 
 #include "fracture/exact/predicates.h"
-#include "fracture/random.h"
+#include "fracture/base/random.h"
 
 namespace brittle::fracture::exact::test {
 

@@ -8,9 +8,9 @@
 
 #include <doctest/doctest.h>
 
-#include "fracture/repair.h"
-#include "fracture/topology.h"
-#include "mesh_checks.h"
+#include "fracture/doctor/repair.h"
+#include "fracture/mesh/topology.h"
+#include "tests/fracture/mesh_checks.h"
 
 namespace brittle::fracture::test {
 

@@ -14,12 +14,12 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/certificate.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
-#include "fracture/random.h"
-#include "fracture/shapes.h"
-#include "fracture/sites.h"
-#include "fracture/topology.h"
+#include "fracture/base/random.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
+#include "fracture/mesh/topology.h"
 
 using namespace brittle::fracture;
 

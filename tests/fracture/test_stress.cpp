@@ -6,11 +6,11 @@
 
 #include <doctest/doctest.h>
 
-#include "fracture/certificate.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
 #include "fracture/io/atomic_file.h"
-#include "fracture/shapes.h"
-#include "fracture/sites.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
 #include "tests/fracture/mesh_checks.h"
 #include "tools/stress/case.h"
 #include "tools/stress/check.h"

@@ -1,7 +1,7 @@
 // Recipes. One that can be read is the same after writing and reading it again.
 #include "tests/fuzz/oracle.h"
-#include "tools/brittle/failure.h"
-#include "tools/brittle/recipe.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/recipe.h"
 
 using namespace brittle;
 using namespace brittle::tools;

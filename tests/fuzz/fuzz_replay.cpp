@@ -1,7 +1,7 @@
 // Replay logs. One that can be read is the same after writing and reading it again.
 #include "tests/fuzz/oracle.h"
 #include "tests/tools/log_text.h"
-#include "tools/brittle/failure.h"
+#include "tools/brittle/base/failure.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -1,7 +1,7 @@
 // Files of sites.
 #include <cmath>
 
-#include "fracture/sites.h"
+#include "fracture/sites/sites.h"
 #include "tests/fuzz/oracle.h"
 
 using namespace brittle;

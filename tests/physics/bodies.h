@@ -14,8 +14,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
-#include "physics/hull.h"
-#include "physics/world.h"
+#include "physics/world/hull.h"
+#include "physics/world/world.h"
 
 namespace brittle::physics::test_bodies {
 

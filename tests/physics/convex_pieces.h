@@ -12,7 +12,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
-#include "fracture/fragments.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::test {
 

@@ -5,10 +5,10 @@
 
 #include <doctest/doctest.h>
 
-#include "fracture/shapes.h"
-#include "physics/destruction.h"
-#include "physics/hull.h"
-#include "run_log.h"
+#include "fracture/shapes/shapes.h"
+#include "physics/cutting/destruction.h"
+#include "physics/world/hull.h"
+#include "tests/physics/run_log.h"
 
 namespace brittle::physics::test_destruction {
 

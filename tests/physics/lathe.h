@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "fracture/mesh.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::test {
 

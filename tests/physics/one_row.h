@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "physics/bullet/row.h"
+#include "physics/solver/row.h"
 
 namespace brittle::test {
 

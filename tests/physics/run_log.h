@@ -18,8 +18,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "physics/destruction.h"
-#include "physics/world.h"
+#include "physics/cutting/destruction.h"
+#include "physics/world/world.h"
 
 namespace brittle::physics {
 

@@ -1,5 +1,5 @@
 // What a test case that fails prints, and that it repeats the run.
-#include "run_log.h"
+#include "tests/physics/run_log.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -8,8 +8,8 @@
 
 #include <doctest/doctest.h>
 
-#include "bodies.h"
-#include "convex_pieces.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;

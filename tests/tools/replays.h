@@ -9,12 +9,12 @@
 
 #include <doctest/doctest.h>
 
-#include "tools/brittle/failure.h"
+#include "tools/brittle/base/failure.h"
 #include "tools/brittle/replay/log.h"
 #include "tools/brittle/replay/player.h"
 #include "tools/brittle/replay/recorder.h"
-#include "tools/brittle/simulation.h"
-#include "tools/brittle/stage.h"
+#include "tools/brittle/run/simulation.h"
+#include "tools/brittle/run/stage.h"
 
 namespace brittle::tools::test {
 

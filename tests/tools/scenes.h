@@ -16,12 +16,12 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/mass_properties.h"
-#include "fracture/topology.h"
-#include "physics/destruction.h"
-#include "tools/brittle/input.h"
-#include "tools/brittle/recipe.h"
-#include "tools/brittle/stage.h"
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/mesh/topology.h"
+#include "physics/cutting/destruction.h"
+#include "tools/brittle/recipe/input.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/stage.h"
 
 // A run without actions is its recipe: where a check fails from here on in the block, it is printed, and `brittle render RECIPE` repeats the run.
 #define BRITTLE_RUN_OF(options) INFO("the run of this recipe: ", brittle::tools::recipe_json(options))

@@ -1,7 +1,7 @@
 // A wall of 30 bricks of concrete that stands on the ground: bonded pieces for the tests of the program.
 #pragma once
 
-#include "tools/brittle/input.h"
+#include "tools/brittle/recipe/input.h"
 
 namespace brittle::tools::test {
 

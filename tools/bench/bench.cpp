@@ -24,14 +24,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include "fracture/certificate.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
 #include "fracture/io/import.h"
-#include "fracture/manifold_check.h"
+#include "fracture/mesh/manifold_check.h"
 
-#include "fracture/shapes.h"
-#include "fracture/sites.h"
-#include "fracture/topology.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
+#include "fracture/mesh/topology.h"
 #include "tools/bench/broken_bunny.h"
 #include "tools/bench/impacts.h"
 #include "tools/bench/memory_meter.h"

@@ -7,9 +7,9 @@
 
 #include "fracture/fracture.h"
 #include "fracture/io/import.h"
-#include "fracture/shapes.h"
-#include "fracture/sites.h"
-#include "physics/pieces.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
+#include "physics/world/pieces.h"
 
 namespace brittle::tools {
 

@@ -6,9 +6,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/fragments.h"
-#include "physics/pieces.h"
-#include "physics/world.h"
+#include "fracture/pieces/fragments.h"
+#include "physics/world/pieces.h"
+#include "physics/world/world.h"
 
 namespace brittle::tools {
 

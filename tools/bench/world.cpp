@@ -13,11 +13,11 @@
 #include <benchmark/benchmark.h>
 
 #include "fracture/fracture.h"
-#include "fracture/shapes.h"
-#include "fracture/sites.h"
-#include "physics/anchor.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
+#include "physics/bonds/anchor.h"
 #include "physics/material.h"
-#include "physics/structure.h"
+#include "physics/bonds/structure.h"
 #include "tools/bench/broken_bunny.h"
 #include "tools/bench/samples.h"
 

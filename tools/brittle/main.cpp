@@ -17,10 +17,10 @@
 #include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "fracture/io/text_cursor.h"
-#include "fracture/shapes.h"
-#include "tools/brittle/commands.h"
-#include "tools/brittle/failure.h"
-#include "tools/brittle/recipe.h"
+#include "fracture/shapes/shapes.h"
+#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/recipe.h"
 
 namespace brittle::tools {
 namespace {

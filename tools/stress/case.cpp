@@ -14,8 +14,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "fracture/random.h"
-#include "fracture/shapes.h"
+#include "fracture/base/random.h"
+#include "fracture/shapes/shapes.h"
 
 namespace brittle::stress {
 

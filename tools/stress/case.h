@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "fracture/error.h"
-#include "fracture/mesh.h"
+#include "fracture/base/error.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::stress {
 

@@ -11,7 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "fracture/certificate.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/exact/exact.h"
 #include "fracture/fracture.h"
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "fracture/topology.h"
+#include "fracture/mesh/topology.h"
 
 namespace brittle::stress {
 

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "tools/brittle/failure.h"
-#include "tools/brittle/json_reader.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/json_reader.h"
 
 namespace brittle::tools {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/brittle/failure.h"
+#include "tools/brittle/base/failure.h"
 #include "tools/brittle/profile/passes.h"
-#include "tools/brittle/progress.h"
+#include "tools/brittle/base/progress.h"
 
 namespace brittle::tools {
 

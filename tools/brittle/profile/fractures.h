@@ -2,8 +2,8 @@
 #pragma once
 
 #include "engine/compute/gpu_classifier.h"
-#include "fracture/work_log.h"
-#include "tools/brittle/input.h"
+#include "fracture/base/work_log.h"
+#include "tools/brittle/recipe/input.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
 #include "tools/brittle/profile/trace.h"

@@ -6,8 +6,8 @@
 
 #include "engine/compute/gpu_classifier.h"
 #include "engine/render/renderer.h"
-#include "tools/brittle/commands.h"
-#include "tools/brittle/input.h"
+#include "tools/brittle/recipe/view_options.h"
+#include "tools/brittle/recipe/input.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
 #include "tools/brittle/profile/trace.h"

@@ -2,12 +2,12 @@
 
 #include <filesystem>
 
-#include "tools/brittle/failure.h"
+#include "tools/brittle/base/failure.h"
 #include "tools/brittle/profile/frames.h"
 #include "tools/brittle/profile/fractures.h"
-#include "tools/brittle/recipe.h"
-#include "tools/brittle/stage.h"
-#include "tools/brittle/view.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/stage.h"
+#include "tools/brittle/pictures/view.h"
 
 namespace brittle::tools {
 

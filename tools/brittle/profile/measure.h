@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/render/renderer.h"
-#include "tools/brittle/commands.h"
+#include "tools/brittle/recipe/view_options.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/trace.h"
 

@@ -1,6 +1,6 @@
 #include "tools/brittle/profile/series.h"
 
-#include "tools/brittle/statistics.h"
+#include "tools/brittle/base/statistics.h"
 
 namespace brittle::tools {
 

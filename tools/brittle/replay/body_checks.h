@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "physics/world.h"
+#include "physics/world/world.h"
 
 namespace brittle::tools {
 

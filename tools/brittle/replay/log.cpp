@@ -5,9 +5,9 @@
 #include <fstream>
 #include <optional>
 
-#include "tools/brittle/failure.h"
-#include "tools/brittle/json_reader.h"
-#include "tools/brittle/recipe.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/json_reader.h"
+#include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/replay/action_json.h"
 #include "tools/brittle/replay/body_text.h"
 

@@ -12,9 +12,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "physics/destruction.h"
-#include "tools/brittle/action.h"
-#include "tools/brittle/input.h"
+#include "physics/cutting/destruction.h"
+#include "tools/brittle/run/action.h"
+#include "tools/brittle/recipe/input.h"
 
 namespace brittle::tools {
 

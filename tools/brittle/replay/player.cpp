@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "fracture/certificate.h"
-#include "tools/brittle/json_reader.h"
-#include "tools/brittle/profile/environment.h"
+#include "fracture/pieces/certificate.h"
+#include "tools/brittle/recipe/json_reader.h"
+#include "tools/brittle/base/environment.h"
 #include "tools/brittle/replay/body_text.h"
 
 namespace brittle::tools {

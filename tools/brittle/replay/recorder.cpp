@@ -4,11 +4,11 @@
 #include <span>
 #include <utility>
 
-#include "fracture/certificate.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/io/atomic_file.h"
-#include "tools/brittle/failure.h"
-#include "tools/brittle/interrupt.h"
-#include "tools/brittle/profile/environment.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/base/environment.h"
 
 namespace brittle::tools {
 

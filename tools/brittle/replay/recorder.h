@@ -21,7 +21,7 @@
 
 #include "tools/brittle/replay/body_checks.h"
 #include "tools/brittle/replay/log.h"
-#include "tools/brittle/simulation.h"
+#include "tools/brittle/run/simulation.h"
 
 namespace brittle::tools {
 

@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "tools/brittle/failure.h"
-#include "tools/brittle/recipe.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/recipe.h"
 
 namespace brittle::tools {
 

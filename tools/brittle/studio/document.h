@@ -21,7 +21,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "tools/brittle/input.h"
+#include "tools/brittle/recipe/input.h"
 
 namespace brittle::tools {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "tools/brittle/failure.h"
-#include "tools/brittle/state_export.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/run/state_export.h"
 #include "tools/brittle/studio/piece_view.h"
 
 namespace brittle::tools {

@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "fracture/fragments.h"
-#include "physics/destruction.h"
-#include "tools/brittle/simulation.h"
+#include "fracture/pieces/fragments.h"
+#include "physics/cutting/destruction.h"
+#include "tools/brittle/run/simulation.h"
 #include "tools/brittle/studio/object.h"
 
 namespace brittle::tools {

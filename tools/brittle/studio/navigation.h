@@ -3,7 +3,7 @@
 
 #include "engine/core/window.h"
 #include "engine/render/camera.h"
-#include "tools/brittle/picture.h"
+#include "tools/brittle/pictures/picture.h"
 #include "tools/brittle/studio/viewport.h"
 
 namespace brittle::tools {

@@ -7,9 +7,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/topology.h"
-#include "tools/brittle/failure.h"
-#include "tools/brittle/stage.h"
+#include "fracture/mesh/topology.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/run/stage.h"
 
 namespace brittle::tools {
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "engine/render/piece_batch.h"
-#include "fracture/triangle_tree.h"
-#include "tools/brittle/input.h"
-#include "tools/brittle/stage_placement.h"
+#include "fracture/mesh/triangle_tree.h"
+#include "tools/brittle/recipe/input.h"
+#include "tools/brittle/run/stage_placement.h"
 
 namespace brittle::tools {
 

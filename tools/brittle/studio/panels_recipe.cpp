@@ -7,7 +7,7 @@
 
 #include <imgui.h>
 
-#include "fracture/shapes.h"
+#include "fracture/shapes/shapes.h"
 #include "physics/material.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/style.h"

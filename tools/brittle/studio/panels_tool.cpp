@@ -9,7 +9,7 @@
 
 #include <imgui.h>
 
-#include "tools/brittle/recipe.h"
+#include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/widgets.h"
 

@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "fracture/triangle_tree.h"
-#include "physics/impact_pattern.h"
+#include "fracture/mesh/triangle_tree.h"
+#include "physics/cutting/impact_pattern.h"
 
 namespace brittle::tools {
 

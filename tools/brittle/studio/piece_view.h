@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "engine/render/scene.h"
-#include "fracture/fragments.h"
-#include "tools/brittle/simulation.h"
+#include "fracture/pieces/fragments.h"
+#include "tools/brittle/run/simulation.h"
 
 namespace brittle::tools {
 

@@ -5,9 +5,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "tools/brittle/failure.h"
-#include "tools/brittle/picture.h"
-#include "tools/brittle/stopwatch.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/pictures/picture.h"
+#include "tools/brittle/base/stopwatch.h"
 
 namespace brittle::tools {
 

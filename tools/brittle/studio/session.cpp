@@ -7,8 +7,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "tools/brittle/failure.h"
-#include "tools/brittle/recipe.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/recipe.h"
 
 namespace brittle::tools {
 

@@ -23,17 +23,18 @@
 #include <vector>
 
 #include "engine/render/renderer.h"
-#include "tools/brittle/commands.h"
-#include "tools/brittle/failure.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/piece_export.h"
+#include "tools/brittle/recipe/view_options.h"
 #include "tools/brittle/replay/recorder.h"
-#include "tools/brittle/stage.h"
-#include "tools/brittle/state_export.h"
+#include "tools/brittle/run/stage.h"
+#include "tools/brittle/run/state_export.h"
 #include "tools/brittle/studio/document.h"
 #include "tools/brittle/studio/object.h"
 #include "tools/brittle/studio/piece_view.h"
 #include "tools/brittle/studio/preview.h"
 #include "tools/brittle/studio/worker.h"
-#include "tools/brittle/video.h"
+#include "tools/brittle/pictures/video.h"
 
 namespace brittle::tools {
 

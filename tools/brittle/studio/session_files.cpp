@@ -1,9 +1,9 @@
 // What the session reads and writes: meshes, recipes, pieces, logs, videos.
 #include <utility>
 
-#include "tools/brittle/failure.h"
-#include "tools/brittle/recipe.h"
-#include "tools/brittle/state_export.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/state_export.h"
 #include "tools/brittle/studio/session.h"
 
 namespace brittle::tools {

@@ -3,7 +3,7 @@
 
 #include <glm/gtc/quaternion.hpp>
 
-#include "tools/brittle/failure.h"
+#include "tools/brittle/base/failure.h"
 #include "tools/brittle/studio/session.h"
 
 namespace brittle::tools {

@@ -11,9 +11,9 @@
 #include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "physics/material.h"
-#include "tools/brittle/failure.h"
-#include "tools/brittle/interrupt.h"
-#include "tools/brittle/picture_name.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/pictures/picture_name.h"
 
 namespace brittle::tools {
 

@@ -17,7 +17,7 @@
 #include "tools/brittle/studio/recent.h"
 #include "tools/brittle/studio/session.h"
 #include "tools/brittle/studio/tools.h"
-#include "tools/brittle/video.h"
+#include "tools/brittle/pictures/video.h"
 
 namespace brittle::tools {
 

@@ -1,0 +1,102 @@
+#include "fracture/base/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace brittle::fracture {
+
+namespace {
+// Chunks a thread takes on average: more even out unequal work, fewer keep the per-chunk tables small.
+constexpr uint32_t kChunksPerThread = 4;
+constexpr uint32_t kMostThreads = 256;
+
+#if defined(__SANITIZE_THREAD__)
+// ThreadSanitizer cannot see how Debian's TBB, which is built without it, synchronises: plain threads take its place.
+template<class Body>
+void parallel(uint32_t threads, uint32_t count, const Body& body) {
+    std::atomic<uint32_t> next = 0;
+    std::vector<std::jthread> workers;
+    for (uint32_t t = 0; t < threads; ++t) {
+        workers.emplace_back([&, t] {
+            for (uint32_t k = next++; k < count; k = next++) body(k, t);
+        });
+    }
+}
+#endif
+
+int64_t now() {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+} // namespace
+
+void WorkLog::clear() {
+    for (std::vector<Slice>& slices : slices_) slices.clear();
+}
+
+struct Threads::Arena {
+    explicit Arena(uint32_t threads) : arena(static_cast<int>(threads)) {}
+    tbb::task_arena arena;
+};
+
+Threads::Threads(uint32_t count)
+    : count_(std::clamp(count == 0 ? std::thread::hardware_concurrency() : count, 1u, kMostThreads)),
+      arena_(count_ > 1 ? std::make_unique<Arena>(std::clamp(std::thread::hardware_concurrency(), 2u, count_))
+                        : nullptr) {}
+
+Threads::~Threads() = default;
+Threads::Threads(Threads&&) noexcept = default;
+Threads& Threads::operator=(Threads&&) noexcept = default;
+
+uint32_t Threads::chunks(uint32_t n, uint32_t least) const {
+    if (count_ == 1) return 1;
+    return std::clamp(n / std::max(least, 1u), 1u, kChunksPerThread * count_);
+}
+
+void Threads::log_to(WorkLog* log) {
+    log_ = log;
+    if (log && log->slices_.size() < count_) log->slices_.resize(count_);
+}
+
+template<class Body>
+void Threads::each_chunk(uint32_t count, const Body& body) {
+    if (count == 1 || !arena_) {
+        for (uint32_t k = 0; k < count; ++k) body(k, 0u);
+        return;
+    }
+#if defined(__SANITIZE_THREAD__)
+    parallel(count_, count, body);
+#else
+    arena_->arena.execute([&] {
+        const auto chunk = [&](uint32_t k) {
+            body(k, static_cast<uint32_t>(tbb::this_task_arena::current_thread_index()));
+        };
+        tbb::parallel_for(uint32_t{0}, count, chunk, tbb::simple_partitioner{});
+    });
+#endif
+}
+
+void Threads::run(uint32_t n, uint32_t count, Call invoke, const void* body) {
+    void* const callee = const_cast<void*>(body);
+    const auto bound = [&](uint32_t k) {
+        return static_cast<uint32_t>(static_cast<uint64_t>(n) * k / count);
+    };
+    if (!log_) {
+        each_chunk(count, [&](uint32_t k, uint32_t) { invoke(callee, k, bound(k), bound(k + 1)); });
+        return;
+    }
+    each_chunk(count, [&](uint32_t k, uint32_t thread) {
+        const int64_t from = now();
+        invoke(callee, k, bound(k), bound(k + 1));
+        assert(thread < log_->slices_.size());
+        log_->slices_[thread].push_back({step_, bound(k), bound(k + 1), from, now()});
+    });
+}
+
+} // namespace brittle::fracture

@@ -1,0 +1,213 @@
+#include "fracture/mesh/intersections.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "fracture/arithmetic/expansion.h"
+#include "fracture/arithmetic/plane_predicates.h"
+#include "fracture/mesh/triangle_tree.h"
+
+namespace brittle::fracture {
+
+int orientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
+    const glm::dvec3 p = a - d, q = b - d, r = c - d;
+    const double yz = q.y * r.z, zy = q.z * r.y, zx = q.z * r.x, xz = q.x * r.z, xy = q.x * r.y, yx = q.y * r.x;
+    const double determinant = p.x * (yz - zy) + p.y * (zx - xz) + p.z * (xy - yx);
+    const double size = std::abs(p.x) * (std::abs(yz) + std::abs(zy)) + std::abs(p.y) * (std::abs(zx) + std::abs(xz))
+                        + std::abs(p.z) * (std::abs(xy) + std::abs(yx));
+    // Shewchuk's bound for the double stage is (7 + 56u)u times the sum of magnitudes, u = 2^-53.
+    if (std::abs(determinant) > 0x8.0p-53 * size) return determinant > 0.0 ? 1 : -1;
+    using exact::Expansion;
+    const auto differences = [&](const glm::dvec3& v) {
+        return std::array{Expansion::difference(v.x, d.x), Expansion::difference(v.y, d.y),
+                          Expansion::difference(v.z, d.z)};
+    };
+    const auto u = differences(a), v = differences(b), w = differences(c);
+    return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]))
+        .sign();
+}
+
+namespace {
+
+using Corners = std::array<glm::dvec3, 3>;
+
+int sign(double x) {
+    return x > 0.0 ? 1 : (x < 0.0 ? -1 : 0);
+}
+
+glm::dvec2 without(const glm::dvec3& p, int axis) {
+    return {p[(axis + 1) % 3], p[(axis + 2) % 3]};
+}
+
+// The axis along which the triangle is not seen as a line; -1 where it is one.
+int open_axis(const Corners& t) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (orientation(without(t[0], axis), without(t[1], axis), without(t[2], axis)) != 0.0) return axis;
+    return -1;
+}
+
+bool overlap_on_line(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
+    for (int k = 0; k < 2; ++k)
+        if (std::max(a[k], b[k]) < std::min(c[k], d[k]) || std::max(c[k], d[k]) < std::min(a[k], b[k])) return false;
+    return true;
+}
+
+bool segments_meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
+    const int abc = sign(orientation(a, b, c)), abd = sign(orientation(a, b, d));
+    const int cda = sign(orientation(c, d, a)), cdb = sign(orientation(c, d, b));
+    if (abc * abd > 0 || cda * cdb > 0) return false;
+    return abc != 0 || abd != 0 || overlap_on_line(a, b, c, d);
+}
+
+// In the plane of the triangle.
+bool meets_in_plane(const glm::dvec3& p, const glm::dvec3& q, const Corners& t, int axis) {
+    std::array<glm::dvec2, 3> c{};
+    for (size_t k = 0; k < 3; ++k) c[k] = without(t[k], axis);
+    const glm::dvec2 a = without(p, axis), b = without(q, axis);
+    int sides = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        if (segments_meet(a, b, c[k], c[(k + 1) % 3])) return true;
+        sides += sign(orientation(c[k], c[(k + 1) % 3], a));
+    }
+    return sides == 3 || sides == -3; // wholly inside
+}
+
+bool meets(const glm::dvec3& p, const glm::dvec3& q, const Corners& t, int axis) {
+    const int sp = orientation(t[0], t[1], t[2], p), sq = orientation(t[0], t[1], t[2], q);
+    if (sp * sq > 0) return false;
+    if (sp == 0 && sq == 0) return meets_in_plane(p, q, t, axis);
+    const int a = orientation(p, q, t[0], t[1]), b = orientation(p, q, t[1], t[2]), c = orientation(p, q, t[2], t[0]);
+    return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+class Finder {
+  public:
+    Finder(const TriangleMesh& mesh, uint64_t most_pairs, size_t most_listed)
+        : mesh_(mesh), most_pairs_(most_pairs), most_listed_(most_listed), tree_(mesh, find_axes()) {}
+
+    Intersections run() {
+        if (tree_.root() != none) join(tree_.root(), tree_.root());
+        std::sort(result_.listed.begin(), result_.listed.end(), before);
+        if (!result_.listed.empty()) result_.first = result_.listed.front();
+        if (result_.listed.size() > most_listed_) result_.listed.resize(most_listed_);
+        return std::move(result_);
+    }
+
+  private:
+    static constexpr uint32_t none = TriangleTree::none;
+
+    static bool before(const glm::uvec2& a, const glm::uvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
+
+    // Triangles with area.
+    std::vector<uint32_t> find_axes() {
+        std::vector<uint32_t> triangles;
+        for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+            axis_.push_back(open_axis(corners(t)));
+            if (axis_.back() >= 0) triangles.push_back(t);
+        }
+        return triangles;
+    }
+
+    [[nodiscard]] Corners corners(uint32_t t) const {
+        const Triangle& c = mesh_.triangles[t];
+        return {mesh_.positions[c.x], mesh_.positions[c.y], mesh_.positions[c.z]};
+    }
+
+    void join(uint32_t x, uint32_t y) {
+        if (!result_.complete) return;
+        const TriangleTree::Node &a = tree_[x], &b = tree_[y];
+        for (int k = 0; k < 3; ++k)
+            if (a.max[k] < b.min[k] || b.max[k] < a.min[k]) return;
+        if (a.low == none && b.low == none) {
+            for (uint32_t i = a.begin; i < a.end; ++i)
+                for (uint32_t j = x == y ? i + 1 : b.begin; j < b.end; ++j) look_at(tree_.order()[i], tree_.order()[j]);
+        } else if (x == y) {
+            join(a.low, a.low);
+            join(a.high, a.high);
+            join(a.low, a.high);
+        } else if (b.low == none || (a.low != none && a.end - a.begin >= b.end - b.begin)) {
+            join(a.low, y);
+            join(a.high, y);
+        } else {
+            join(x, b.low);
+            join(x, b.high);
+        }
+    }
+
+    void look_at(uint32_t s, uint32_t t) {
+        if (!result_.complete) return;
+        const Corners a = corners(s), b = corners(t);
+        for (int k = 0; k < 3; ++k)
+            if (std::max({a[0][k], a[1][k], a[2][k]}) < std::min({b[0][k], b[1][k], b[2][k]})
+                || std::max({b[0][k], b[1][k], b[2][k]}) < std::min({a[0][k], a[1][k], a[2][k]}))
+                return;
+        if (seen_++ == most_pairs_) {
+            result_.complete = false;
+            return;
+        }
+        if (!intersect(s, t)) return;
+        ++result_.pairs;
+        list({std::min(s, t), std::max(s, t)});
+    }
+
+    // Keeps the lowest: when twice as many as asked for are there, the upper half goes.
+    void list(const glm::uvec2& pair) {
+        std::vector<glm::uvec2>& listed = result_.listed;
+        listed.push_back(pair);
+        const size_t keep = std::max<size_t>(most_listed_, 1);
+        if (listed.size() < 2 * keep) return;
+        std::nth_element(listed.begin(), listed.begin() + static_cast<std::ptrdiff_t>(keep), listed.end(), before);
+        listed.resize(keep);
+    }
+
+    [[nodiscard]] bool intersect(uint32_t s, uint32_t t) const {
+        const Triangle &u = mesh_.triangles[s], &v = mesh_.triangles[t];
+        const Corners a = corners(s), b = corners(t);
+        std::array<size_t, 3> own{}, other{}; // corners of s and t that are one vertex
+        size_t shared = 0;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (u[i] == v[j] && shared < 3) {
+                    own[shared] = static_cast<size_t>(i);
+                    other[shared++] = static_cast<size_t>(j);
+                }
+        if (shared == 3) return false;
+        if (shared == 2) { // folded onto each other?
+            const size_t i = 3 - own[0] - own[1], j = 3 - other[0] - other[1];
+            if (orientation(a[0], a[1], a[2], b[j]) != 0) return false;
+            const int axis = axis_[s];
+            const auto side = [&](const glm::dvec3& p) {
+                return sign(orientation(without(a[own[0]], axis), without(a[own[1]], axis), without(p, axis)));
+            };
+            return side(a[i]) == side(b[j]);
+        }
+        if (shared == 1) {
+            const size_t i = own[0], j = other[0];
+            return meets(a[(i + 1) % 3], a[(i + 2) % 3], b, axis_[t]) || meets(b[(j + 1) % 3], b[(j + 2) % 3], a, axis_[s]);
+        }
+        for (size_t k = 0; k < 3; ++k)
+            if (meets(a[k], a[(k + 1) % 3], b, axis_[t]) || meets(b[k], b[(k + 1) % 3], a, axis_[s])) return true;
+        return false;
+    }
+
+    const TriangleMesh& mesh_;
+    uint64_t most_pairs_, seen_ = 0;
+    size_t most_listed_;
+    std::vector<int> axis_; // of each triangle, see open_axis()
+    TriangleTree tree_;
+    Intersections result_;
+};
+
+} // namespace
+
+Intersections find_intersections(const TriangleMesh& mesh, uint64_t most_pairs, size_t most_listed) {
+    return Finder(mesh, most_pairs, most_listed).run();
+}
+
+} // namespace brittle::fracture

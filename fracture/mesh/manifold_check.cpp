@@ -1,0 +1,176 @@
+#include "fracture/mesh/manifold_check.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "fracture/base/simd.h"
+
+namespace brittle::fracture {
+
+namespace {
+
+constexpr uint8_t crowded = 9; // the degree of a vertex with more corners than slots
+
+// Triangles a run: a thread that fills a range of vertices skips runs that refer to none of them.
+constexpr uint32_t run_length = 512;
+constexpr uint32_t least_runs = 16;
+constexpr uint32_t least_blocks = 256; // a range of vertices
+
+// A block holds the corners of eight consecutive vertices: the next of corner s of vertex k at s * lanes + k,
+// its prev as far behind as all nexts take.
+constexpr uint32_t lanes = 8;
+constexpr uint32_t slots = 8;
+constexpr uint32_t prevs = slots * lanes;
+constexpr uint32_t block_size = 2 * prevs;
+
+// Eight numbers in one register, or in two; GCC and Clang both know the extension.
+using Eight = uint32_t __attribute__((vector_size(4 * lanes)));
+
+} // namespace
+
+namespace simd {
+
+// A walk around eight vertices at once, without branches: a step goes to the corner whose next is the prev of
+// the one before. It is an error to find none or several, or to be back before the last corner. n corners
+// without an error are n different ones: a walk that runs into itself elsewhere never comes back.
+BRITTLE_SIMD bool are_rings(const uint32_t* corners, const uint8_t* degrees, size_t blocks) {
+    Eight bad{};
+    for (size_t b = 0; b < blocks; ++b, corners += block_size, degrees += lanes) {
+        Eight degree{};
+        uint32_t most = 0;
+        for (uint32_t k = 0; k < lanes; ++k) {
+            const uint32_t n = degrees[k] == crowded ? 0 : degrees[k];
+            degree[k] = n;
+            most = n > most ? n : most;
+        }
+        Eight next[slots], prev[slots];
+        for (uint32_t s = 0; s < slots; ++s) {
+            std::memcpy(&next[s], corners + s * lanes, sizeof next[s]);
+            std::memcpy(&prev[s], corners + prevs + s * lanes, sizeof prev[s]);
+            next[s] |= ~reinterpret_cast<Eight>(degree > s); // no vertex has all bits set
+        }
+        const Eight first = next[0];
+        Eight at = prev[0];
+        for (uint32_t step = 1; step < most; ++step) {
+            const Eight walks = reinterpret_cast<Eight>(degree > step);
+            Eight found{}, hits{};
+            for (uint32_t s = 0; s < slots; ++s) {
+                const Eight here = reinterpret_cast<Eight>(next[s] == at);
+                hits -= here;
+                found |= here & prev[s];
+            }
+            bad |= walks & (reinterpret_cast<Eight>(at == first) | reinterpret_cast<Eight>(hits != 1u));
+            at = (found & walks) | (at & ~walks);
+        }
+        bad |= reinterpret_cast<Eight>(at != first) & reinterpret_cast<Eight>(degree != 0u);
+    }
+    uint32_t any = 0;
+    for (uint32_t k = 0; k < lanes; ++k) any |= bad[k];
+    return any == 0;
+}
+
+} // namespace simd
+
+// Indices in range, no triangle that names a vertex twice; and what each run refers to.
+bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangle> triangles,
+                                    Threads& threads) {
+    const auto runs = static_cast<uint32_t>((triangles.size() + run_length - 1) / run_length);
+    reach_.resize(runs);
+    threads.for_chunks(runs, least_runs, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t r = begin; r < end; ++r) {
+            const size_t first = size_t{r} * run_length;
+            Reach reach{std::numeric_limits<uint32_t>::max(), 0};
+            bool degenerate = false;
+            for (const Triangle& t :
+                 triangles.subspan(first, std::min<size_t>(run_length, triangles.size() - first))) {
+                reach.lowest = std::min({reach.lowest, t.x, t.y, t.z});
+                reach.highest = std::max({reach.highest, t.x, t.y, t.z});
+                degenerate |= t.x == t.y || t.y == t.z || t.z == t.x;
+            }
+            if (degenerate) reach.highest = std::numeric_limits<uint32_t>::max(); // refused like a bad index
+            reach_[r] = reach;
+        }
+    });
+    return std::all_of(reach_.begin(), reach_.end(),
+                       [&](const Reach& r) { return r.highest < vertex_count; });
+}
+
+void ManifoldCheck::fill(uint32_t first, uint32_t last, std::span<const Triangle> triangles, Range& range) {
+    const auto place = [&](uint32_t v, uint32_t next, uint32_t prev) {
+        if (v - first >= last - first) return; // below first wraps around
+        const uint32_t n = degree_[v];
+        if (n < slots) {
+            uint32_t* const corner = corners_.data() + size_t{v / lanes} * block_size + n * lanes + v % lanes;
+            corner[0] = next;
+            corner[prevs] = prev;
+            degree_[v] = static_cast<uint8_t>(n + 1);
+        } else {
+            range.crowd.push_back({v, next, prev});
+            degree_[v] = crowded;
+        }
+    };
+    for (size_t r = 0; r < reach_.size(); ++r) {
+        if (reach_[r].lowest >= last || reach_[r].highest < first) continue;
+        const size_t begin = r * run_length;
+        for (const Triangle& t :
+             triangles.subspan(begin, std::min<size_t>(run_length, triangles.size() - begin))) {
+            place(t.x, t.y, t.z);
+            place(t.y, t.z, t.x);
+            place(t.z, t.x, t.y);
+        }
+    }
+}
+
+// The same walk for vertices of any degree, one after the other.
+bool ManifoldCheck::are_crowds_rings(std::vector<Corner>& crowd) const {
+    const auto vertex_of = [](const Corner& c) { return c.vertex; };
+    std::ranges::sort(crowd, {}, vertex_of);
+    for (size_t k = 0, late = crowd.size(); k < late; ++k) { // those that found room, once for each vertex
+        const uint32_t v = crowd[k].vertex;
+        if (k > 0 && crowd[k - 1].vertex == v) continue;
+        const uint32_t* const corner = corners_.data() + size_t{v / lanes} * block_size + v % lanes;
+        for (uint32_t s = 0; s < slots; ++s)
+            crowd.push_back({v, corner[s * lanes], corner[prevs + s * lanes]});
+    }
+    std::ranges::sort(crowd, {}, [](const Corner& c) { return uint64_t{c.vertex} << 32 | c.next; });
+    for (size_t begin = 0, end = 0; begin < crowd.size(); begin = end) {
+        while (end < crowd.size() && crowd[end].vertex == crowd[begin].vertex) ++end;
+        const std::span<const Corner> fan(crowd.data() + begin, end - begin);
+        uint32_t at = fan[0].prev;
+        for (size_t step = 1; step < fan.size(); ++step) {
+            // Not std::ranges: what it returns here does not compile with clang 14 and GCC 12's library.
+            const auto here = std::lower_bound(fan.begin(), fan.end(), at,
+                                               [](const Corner& c, uint32_t next) { return c.next < next; });
+            const bool found = here != fan.end() && here->next == at;
+            if (at == fan[0].next || !found || (here + 1 != fan.end() && (here + 1)->next == at)) return false;
+            at = here->prev;
+        }
+        if (at != fan[0].next) return false;
+    }
+    return true;
+}
+
+bool ManifoldCheck::run(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads) {
+    if (!look_at_indices(vertex_count, triangles, threads)) return false;
+    const auto blocks = static_cast<uint32_t>((vertex_count + lanes - 1) / lanes);
+    corners_.resize(size_t{blocks} * block_size);
+    degree_.resize(size_t{blocks} * lanes);
+    // One range a thread, not several: each looks at all triangles but for the runs it can skip.
+    const uint32_t ranges = std::clamp(blocks / least_blocks, 1u, threads.count());
+    if (ranges_.size() < ranges) ranges_.resize(ranges);
+    threads.for_each(ranges, [&](uint32_t r) {
+        Range& range = ranges_[r];
+        const auto first = static_cast<uint32_t>(uint64_t{blocks} * r / ranges);
+        const auto last = static_cast<uint32_t>(uint64_t{blocks} * (r + 1) / ranges);
+        range.crowd.clear();
+        std::fill(degree_.begin() + first * lanes, degree_.begin() + last * lanes, uint8_t{0});
+        fill(first * lanes, last * lanes, triangles, range);
+        range.sound = simd::are_rings(corners_.data() + size_t{first} * block_size,
+                                      degree_.data() + first * lanes, last - first)
+                      && are_crowds_rings(range.crowd);
+    });
+    return std::all_of(ranges_.begin(), ranges_.begin() + ranges, [](const Range& r) { return r.sound; });
+}
+
+} // namespace brittle::fracture

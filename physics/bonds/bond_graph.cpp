@@ -1,0 +1,173 @@
+#include "physics/bonds/bond_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace brittle::physics {
+
+namespace {
+
+constexpr double least_blow = 0.1;  // share of what a piece's bonds bear, below which a blow leaves no trace
+constexpr double passed_on = 0.5;   // of what is left of a blow behind a broken bond
+constexpr int blow_depth = 8;       // pieces that a blow can go through
+
+// How far a point is from a bond's area, taken as a disc.
+double distance_to(const BondGraph::Bond& bond, const glm::dvec3& point) {
+    const glm::dvec3 arm = point - bond.centroid;
+    const double out = glm::dot(arm, bond.normal);
+    const double beside = glm::length(arm - bond.normal * out) - std::sqrt(bond.area / std::numbers::pi);
+    return std::hypot(out, std::max(beside, 0.0));
+}
+
+double distance_to(const BondGraph::Bond& bond, const glm::dvec3& from, const glm::dvec3& to) {
+    const glm::dvec3 path = to - from;
+    const double square = glm::dot(path, path), along = glm::dot(path, bond.normal);
+    const auto at = [&](double t) { return distance_to(bond, from + path * std::clamp(t, 0.0, 1.0)); };
+    // Where the segment is nearest to the centre, and where it goes through the plane.
+    double nearest = at(square > 0.0 ? glm::dot(bond.centroid - from, path) / square : 0.0);
+    if (along != 0.0) nearest = std::min(nearest, at(glm::dot(bond.centroid - from, bond.normal) / along));
+    return nearest;
+}
+
+} // namespace
+
+BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& material) : material_(material) {
+    const auto count = static_cast<uint32_t>(fragments.pieces.size());
+    first_.assign(count + 1, 0);
+    for (const fracture::Bond& from : fragments.bonds) {
+        Bond bond{from.a, from.b, from.area, from.centroid, from.normal};
+        const bool sound = from.a < count && from.b < count && from.a != from.b && from.area > 0.0
+                           && std::isfinite(from.area);
+        if (sound) {
+            const glm::dvec3 span =
+                fragments.pieces[from.b].mass.centre_of_mass - fragments.pieces[from.a].mass.centre_of_mass;
+            bond.lever = std::min(1.0, from.area / std::max(glm::dot(span, span), 1e-300));
+            ++first_[from.a + 1], ++first_[from.b + 1];
+        } else {
+            bond.health = 0.0;
+        }
+        bonds_.push_back(bond);
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    of_piece_.resize(first_.back());
+    std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
+    for (uint32_t i = 0; i < bonds_.size(); ++i)
+        if (bonds_[i].live()) of_piece_[next[bonds_[i].a]++] = of_piece_[next[bonds_[i].b]++] = i;
+}
+
+std::span<const uint32_t> BondGraph::bonds_of(uint32_t piece) const {
+    return std::span(of_piece_).subspan(first_[piece], first_[piece + 1] - first_[piece]);
+}
+
+size_t BondGraph::live_count() const {
+    return static_cast<size_t>(std::ranges::count_if(bonds_, &Bond::live));
+}
+
+void BondGraph::weaken(uint32_t bond, double share) {
+    Bond& weakened = bonds_[bond];
+    if (!weakened.live() || !(share > 0.0)) return;
+    weakened.health = std::max(weakened.health - share, 0.0);
+    if (!weakened.live()) broken_.push_back(bond);
+}
+
+void BondGraph::damage(const glm::dvec3& point, double radius, double amount,
+                       std::span<const uint8_t> inside) {
+    for (uint32_t i = 0; i < bonds_.size(); ++i) {
+        if (!bonds_[i].live() || !inside[bonds_[i].a]) continue;
+        const double distance = distance_to(bonds_[i], point);
+        if (distance < radius) weaken(i, amount * (1.0 - distance / radius));
+    }
+}
+
+void BondGraph::damage_segment(const glm::dvec3& from, const glm::dvec3& to, double radius, double amount,
+                               std::span<const uint8_t> inside) {
+    for (uint32_t i = 0; i < bonds_.size(); ++i)
+        if (bonds_[i].live() && inside[bonds_[i].a] && distance_to(bonds_[i], from, to) <= radius)
+            weaken(i, amount);
+}
+
+double BondGraph::bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const {
+    const double along = glm::dot(direction, bond.normal) * (from == bond.a ? 1.0 : -1.0);
+    const double across = std::sqrt(std::max(1.0 - along * along, 0.0)) * bond.lever;
+    const double straight = along > 0.0 ? along * static_cast<double>(std::min(material_.tensile, material_.compressive))
+                                        : along * bond.lever * static_cast<double>(material_.tensile);
+    return std::hypot(straight, across * static_cast<double>(material_.shear))
+           * static_cast<double>(impact_seconds) * bond.area;
+}
+
+double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy, double most_passed) {
+    const double size = glm::length(impulse);
+    if (!(size > 0.0) || !(energy > 0.0)) return 0.0;
+    const glm::dvec3 direction = impulse / size;
+    double left = energy;
+    std::vector<std::pair<uint32_t, double>> front{{piece, size}}, next;
+    for (int depth = 0; depth < blow_depth && !front.empty() && left > 0.0; ++depth, front.swap(next)) {
+        next.clear();
+        for (const auto& [hit, share] : front) {
+            double borne = 0.0, area = 0.0;
+            for (const uint32_t bond : bonds_of(hit))
+                if (bonds_[bond].live()) borne += bears(bonds_[bond], hit, direction);
+            if (!(share > least_blow * borne) || borne == 0.0) continue;
+            const double loss = share / borne; // the same of each bond
+            for (const uint32_t bond : bonds_of(hit)) area += std::min(loss, bonds_[bond].health) * bonds_[bond].area;
+            const double costs = area * static_cast<double>(material_.fracture_energy), paid = std::min(left / costs, 1.0);
+            left = paid < 1.0 ? 0.0 : left - costs;
+            for (const uint32_t bond : bonds_of(hit)) {
+                if (!bonds_[bond].live()) continue;
+                const double rest =
+                    (loss - bonds_[bond].health) * bears(bonds_[bond], hit, direction) * passed_on;
+                weaken(bond, paid * std::min(loss, bonds_[bond].health));
+                if (bonds_[bond].live()) continue;
+                const uint32_t behind = bonds_[bond].other(hit);
+                const auto known = std::ranges::find(next, behind, &std::pair<uint32_t, double>::first);
+                if (known == next.end())
+                    next.emplace_back(behind, rest);
+                else
+                    known->second += rest;
+            }
+            if (left == 0.0) break;
+        }
+        double passed = 0.0;
+        for (const auto& [behind, share] : next) passed += share;
+        if (depth == 0 && passed > most_passed)
+            for (auto& [behind, share] : next) share *= most_passed / passed;
+    }
+    return energy - left;
+}
+
+std::vector<uint32_t> BondGraph::take_broken() {
+    return std::exchange(broken_, {});
+}
+
+std::vector<std::vector<uint32_t>> BondGraph::islands(std::span<const uint32_t> pieces) const {
+    constexpr uint32_t outside = UINT32_MAX;
+    std::vector<uint32_t> root(piece_count(), outside);
+    for (const uint32_t piece : pieces) root[piece] = piece;
+    const auto find = [&](uint32_t piece) {
+        while (root[piece] != piece) piece = root[piece] = root[root[piece]];
+        return piece;
+    };
+    for (const uint32_t piece : pieces)
+        for (const uint32_t bond : bonds_of(piece)) {
+            if (!bonds_[bond].live() || root[bonds_[bond].other(piece)] == outside) continue;
+            const uint32_t one = find(piece), two = find(bonds_[bond].other(piece));
+            root[std::max(one, two)] = std::min(one, two);
+        }
+    std::vector<uint32_t> sorted(pieces.begin(), pieces.end());
+    std::ranges::sort(sorted);
+    std::vector<std::vector<uint32_t>> parts;
+    std::vector<uint32_t> part_of(piece_count(), outside);
+    for (const uint32_t piece : sorted) {
+        const uint32_t at = find(piece); // the least piece of its island, so it comes first
+        if (part_of[at] == outside) part_of[at] = static_cast<uint32_t>(parts.size()), parts.emplace_back();
+        parts[part_of[at]].push_back(piece);
+    }
+    return parts;
+}
+
+} // namespace brittle::physics

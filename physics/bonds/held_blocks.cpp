@@ -1,0 +1,224 @@
+#include "physics/bonds/held_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/fracture.h"
+#include "fracture/base/random.h"
+#include "fracture/mesh/thickness.h"
+#include "fracture/base/union_find.h"
+
+namespace brittle::physics {
+
+namespace {
+
+constexpr uint32_t surface_samples = 2048;
+constexpr uint64_t sample_seed = 1; // where they lie; nothing else is random
+// Thicknesses below this share of the box's diagonal count as it: a rim is not cut into crumbs.
+constexpr double least_thickness = 0.01;
+constexpr double dense_enough = 0.5;  // thicknesses between sites
+constexpr double tolerance = 1e-3;    // of the stresses
+constexpr uint32_t most_iterations = 2000; // of one solution; far more than hundreds of blocks need
+// Contacts that part at once: those loaded at least so much as the worst. Fewer rounds, nearly the same cracks.
+constexpr double with_worst = 0.8;
+
+struct Middle { // of the solid, halfway through from a place of its surface
+    glm::dvec3 at;
+    double thickness;
+};
+
+// From places spread evenly over the surface.
+std::vector<Middle> middles(const fracture::TriangleMesh& mesh) {
+    const fracture::Thickness through(mesh);
+    const double least = least_thickness * glm::length(fracture::bounds(mesh).size());
+    std::vector<double> area; // running sum
+    double sum = 0.0;
+    for (const fracture::Triangle& t : mesh.triangles) {
+        const glm::dvec3& p = mesh.positions[t.x];
+        sum += glm::length(glm::cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p));
+        area.push_back(sum);
+    }
+    std::vector<Middle> found;
+    if (!(sum > 0.0) || !std::isfinite(sum)) return found;
+    fracture::Random random(sample_seed);
+    for (uint32_t k = 0; k < surface_samples; ++k) {
+        const double wanted = (k + random.uniform()) / surface_samples * sum;
+        const auto t = static_cast<uint32_t>(std::min<ptrdiff_t>(std::ranges::upper_bound(area, wanted) - area.begin(),
+                                                                 static_cast<ptrdiff_t>(area.size()) - 1));
+        double u = random.uniform(), v = random.uniform();
+        if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+        const fracture::Triangle& c = mesh.triangles[t];
+        const glm::dvec3& p = mesh.positions[c.x];
+        const glm::dvec3 on = p + u * (mesh.positions[c.y] - p) + v * (mesh.positions[c.z] - p);
+        if (const std::optional<double> thick = through.at(t, on))
+            found.push_back({on + 0.5 * *thick * through.inward(t), std::max(*thick, least)});
+    }
+    return found;
+}
+
+// Loads and what they part. Islands that nothing holds are left alone: what falls is not loaded.
+class Parting {
+  public:
+    Parting(const HeldBlocks& blocks, const Material& material)
+        : blocks_(blocks), material_(material), solver_(blocks.nodes, blocks.bonds), live_(blocks.bonds.size(), 1),
+          loads_(blocks.nodes.size()) {
+        find_islands();
+    }
+
+    void clear_loads() { std::ranges::fill(loads_, NodeLoad{}); }
+    void add_weight(const glm::dvec3& gravity) {
+        for (size_t i = 0; i < loads_.size(); ++i) loads_[i].force += blocks_.nodes[i].mass * gravity;
+    }
+    void add(uint32_t node, const PointLoad& push) {
+        loads_[node].force += push.force;
+        loads_[node].torque += glm::cross(push.point - blocks_.nodes[node].centre, push.force);
+    }
+    [[nodiscard]] uint32_t nearest(const glm::dvec3& point) const {
+        uint32_t best = 0;
+        double least = std::numeric_limits<double>::infinity();
+        for (uint32_t i = 0; i < blocks_.nodes.size(); ++i)
+            if (const double d = glm::distance(point, blocks_.nodes[i].centre); d < least) least = d, best = i;
+        return best;
+    }
+
+    // Parts the worst contacts that are loaded more than limit of their strength; false where there are none.
+    bool part_worst(double limit) {
+        for (size_t i = 0; i < loads_.size(); ++i) shown_[i] = held_[island_[i]] ? loads_[i] : NodeLoad{};
+        solver_.set_loads(shown_);
+        solver_.solve(most_iterations, tolerance);
+        std::vector<double> ratios(live_.size(), 0.0);
+        double worst = 0.0;
+        for (uint32_t bond = 0; bond < live_.size(); ++bond) {
+            if (!live_[bond] || !held_[island_[blocks_.bonds[bond].a]]) continue;
+            ratios[bond] = load_ratio(solver_.stress(bond), material_);
+            worst = std::max(worst, ratios[bond]);
+        }
+        if (!(worst > limit)) return false;
+        std::vector<uint32_t> parted;
+        for (uint32_t bond = 0; bond < live_.size(); ++bond)
+            if (ratios[bond] > limit && ratios[bond] >= with_worst * worst) parted.push_back(bond);
+        for (const uint32_t bond : parted) live_[bond] = 0;
+        solver_.remove_bonds(parted);
+        find_islands();
+        return true;
+    }
+
+    [[nodiscard]] bool is_held(uint32_t node) const { return held_[island_[node]] != 0; }
+    [[nodiscard]] const std::vector<uint32_t>& islands() const { return island_; }
+
+  private:
+    void find_islands() {
+        const auto count = static_cast<uint32_t>(blocks_.nodes.size());
+        std::vector<uint32_t> parent(count);
+        std::iota(parent.begin(), parent.end(), 0u);
+        for (uint32_t bond = 0; bond < live_.size(); ++bond)
+            if (live_[bond]) fracture::unite(parent, blocks_.bonds[bond].a, blocks_.bonds[bond].b);
+        island_.assign(count, 0);
+        held_.clear();
+        for (uint32_t i = 0; i < count; ++i) {
+            const uint32_t root = fracture::root_of(parent, i);
+            if (root == i) {
+                island_[i] = static_cast<uint32_t>(held_.size());
+                held_.push_back(0);
+            }
+            island_[i] = island_[root];
+            held_[island_[i]] |= blocks_.nodes[i].fixed ? 1 : 0;
+        }
+        shown_.resize(count);
+    }
+
+    const HeldBlocks& blocks_;
+    const Material& material_;
+    StressSolver solver_;
+    std::vector<uint8_t> live_; // by bond
+    std::vector<NodeLoad> loads_, shown_;
+    std::vector<uint32_t> island_; // by node
+    std::vector<uint8_t> held_;    // by island
+};
+
+Material scaled(Material material, float scale) {
+    for (float* strength : {&material.tensile, &material.compressive, &material.shear}) *strength *= scale;
+    return material;
+}
+
+} // namespace
+
+std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t most) {
+    const std::vector<Middle> candidates = middles(mesh);
+    if (candidates.empty()) return {};
+    std::vector<double> gap(candidates.size(), std::numeric_limits<double>::infinity()); // squared, in thicknesses
+    std::vector<glm::dvec3> sites;
+    auto next = static_cast<size_t>(std::ranges::min_element(candidates, {}, &Middle::thickness) - candidates.begin());
+    while (sites.size() < most && gap[next] > dense_enough * dense_enough) {
+        sites.push_back(candidates[next].at);
+        for (size_t i = 0; i < candidates.size(); ++i) {
+            const glm::dvec3 apart = (candidates[i].at - sites.back()) / candidates[i].thickness;
+            gap[i] = std::min(gap[i], glm::dot(apart, apart));
+        }
+        next = static_cast<size_t>(std::ranges::max_element(gap) - gap.begin());
+    }
+    return sites;
+}
+
+std::shared_ptr<const HeldBlocks>
+held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSettings& settings,
+            const std::function<bool(const fracture::Fragments&, const fracture::Piece&)>& held, uint32_t threads,
+            const std::function<bool()>& cancelled) {
+    auto blocks = std::make_shared<HeldBlocks>();
+    blocks->sites = block_sites(mesh, std::max(settings.most, 2u));
+    if (blocks->sites.size() < 2) return nullptr;
+    const fracture::Result<fracture::Fragments> cut =
+        fracture::fracture(mesh, blocks->sites, {.threads = threads, .cancelled = cancelled});
+    if (!cut || cut->pieces.size() < 2) return nullptr;
+    for (const fracture::Piece& piece : cut->pieces)
+        blocks->nodes.push_back({piece.mass.centre_of_mass, piece.mass.volume * static_cast<double>(density),
+                                 piece.mass.inertia * static_cast<double>(density), held(*cut, piece)});
+    blocks->least_area = std::numeric_limits<double>::infinity();
+    for (const fracture::Bond& bond : cut->bonds) {
+        blocks->bonds.push_back({bond.a, bond.b, bond.area, bond.centroid, bond.normal});
+        blocks->least_area = std::min(blocks->least_area, bond.area);
+    }
+    return blocks;
+}
+
+std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& material, float strength_scale,
+                                 const glm::dvec3& gravity, std::span<const PointLoad> pushes) {
+    const Material lasting = scaled(material, strength_scale);
+    Parting parting(blocks, lasting);
+    parting.add_weight(gravity);
+    for (const PointLoad& push : pushes) parting.add(parting.nearest(push.point), push);
+    while (parting.part_worst(1.0)) {}
+    return parting.islands();
+}
+
+std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material, float strength_scale,
+                                    const glm::dvec3& gravity, const PointLoad& impulse, double energy) {
+    const Material lasting = scaled(material, strength_scale);
+    // Which section goes is a matter of where stresses are worst, not of how large they are.
+    Parting under_blow(blocks, lasting);
+    const uint32_t hit = under_blow.nearest(impulse.point);
+    under_blow.add(hit, impulse);
+    while (under_blow.is_held(hit) && under_blow.part_worst(0.0)) {}
+    const std::vector<uint32_t>& islands = under_blow.islands();
+    double area = 0.0, mass = 0.0;
+    for (const StressBond& bond : blocks.bonds)
+        if ((islands[bond.a] == islands[hit]) != (islands[bond.b] == islands[hit])) area += bond.area;
+    for (size_t i = 0; i < islands.size(); ++i)
+        if (islands[i] == islands[hit]) mass += blocks.nodes[i].mass;
+    const double given = std::min(0.5 * glm::dot(impulse.force, impulse.force) / mass, energy);
+    const bool breaks = !under_blow.is_held(hit) && given > area * static_cast<double>(material.fracture_energy);
+    std::vector<uint32_t> whole(islands.size(), 0);
+    if (!breaks) return whole;
+    // What the crack let go of, and what is then too much for the rest.
+    HeldBlocks left = blocks;
+    std::erase_if(left.bonds, [&](const StressBond& bond) {
+        return (islands[bond.a] == islands[hit]) != (islands[bond.b] == islands[hit]);
+    });
+    return overloaded(left, material, strength_scale, gravity, {});
+}
+
+} // namespace brittle::physics

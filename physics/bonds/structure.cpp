@@ -1,0 +1,592 @@
+#include "physics/bonds/structure.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/base/parallel.h"
+#include "physics/world/body_motion.h"
+#include "physics/world/crowd.h"
+#include "physics/world/piece_mass.h"
+#include "physics/world/state_hash.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::Error;
+using fracture::Fragments;
+using fracture::Piece;
+using fracture::Status;
+
+constexpr int solver_sweeps = 10; // over contacts that are solved anew
+// That many contacts are solved anew at most: half a millisecond.
+constexpr size_t most_anew = 256;
+// Fewer pieces than this are not worth waking another thread for.
+constexpr uint32_t least_forms = 64;
+
+bool moves(const World& world, BodyId body) {
+    return world.contains(body) && !world.fixed(body);
+}
+
+// m/s, of a contact of the last step. What has become another one since, as one of the two broke, tells nothing of it.
+float approach_left(const World& world, const Contact& contact) {
+    if (contact.impulse != contact.blow) return 0.0f;
+    return speed_at(world, contact.b, contact.point, contact.normal) - speed_at(world, contact.a, contact.point, contact.normal);
+}
+
+} // namespace
+
+Result<Structure> Structure::create(World& world, const Fragments& fragments, const StructureDesc& desc) {
+    if (const Result<void> checked = check_pieces(fragments, desc.material); !checked) return checked.error();
+    for (const uint32_t piece : desc.anchored)
+        if (piece >= fragments.pieces.size())
+            return Error{Status::invalid_setting, "piece " + std::to_string(piece) + " is to be anchored, but there are "
+                                                      + std::to_string(fragments.pieces.size())};
+    if (!desc.hulls.empty() && desc.hulls.size() != fragments.pieces.size())
+        return Error{Status::invalid_setting, std::to_string(desc.hulls.size()) + " hulls were given for "
+                                                  + std::to_string(fragments.pieces.size()) + " pieces"};
+    const PieceHulls hulls = desc.hulls.empty() ? collision_hulls(fragments, desc.hull) : desc.hulls;
+    Structure structure;
+    structure.desc_ = desc;
+    structure.desc_.anchored.clear();
+    structure.desc_.hulls.clear();
+    structure.steps_seen_ = world.steps_taken();
+    structure.graph_ = BondGraph(fragments, desc.material);
+    std::vector<uint32_t> all;
+    for (const Piece& piece : fragments.pieces) {
+        const BodyMass mass = piece_mass(fragments, piece, desc.material.density);
+        PieceState& state = structure.pieces_.emplace_back();
+        state.centre = piece.mass.centre_of_mass;
+        state.mass = mass.mass;
+        state.inertia = mass.inertia;
+        state.bearable =
+            static_cast<double>(toughness(desc.material)) * std::pow(mass.mass / desc.material.density, 2.0 / 3.0);
+        state.hull = hulls[all.size()];
+        all.push_back(static_cast<uint32_t>(all.size()));
+    }
+    structure.make_forms(world.settings().threads);
+    for (const uint32_t piece : desc.anchored) structure.pieces_[piece].anchored = true;
+    const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
+                        desc.motion.angular_velocity, glm::dvec3(0.0)};
+    const std::vector<std::vector<uint32_t>> islands = structure.graph_.islands(all);
+    const Result<void> added = structure.add_islands(world, islands, motion, std::vector<uint8_t>(islands.size(), 0));
+    if (!added) return added.error();
+    structure.changes_ = {};
+    for (const BodyState& body : structure.bodies_)
+        for (const uint32_t piece : body.pieces) structure.pieces_[piece].began_with = body.pieces.size();
+    if (!desc.wear.enabled) return structure;
+    std::vector<StressNode> nodes;
+    for (const PieceState& piece : structure.pieces_)
+        nodes.push_back({piece.centre, piece.mass, piece.inertia, piece.anchored});
+    structure.wear_ = Wear(nodes, structure.graph_, desc.material, desc.wear);
+    return structure;
+}
+
+std::vector<uint8_t> Structure::debris_of(const World& world, std::span<const std::vector<uint32_t>> islands) const {
+    std::vector<Newcomer> batch;
+    for (const std::vector<uint32_t>& island : islands) {
+        Newcomer& one = batch.emplace_back();
+        one.bonded = island.size() > 1;
+        for (const uint32_t piece : island) {
+            one.size += pieces_[piece].mass;
+            one.fixed = one.fixed || pieces_[piece].anchored;
+        }
+    }
+    return crowded_out(batch, room_in(world));
+}
+
+// As bodies that come at once: they do not overlap.
+Result<void> Structure::add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
+                                    std::span<const uint8_t> debris) {
+    std::vector<BodyState> bodies(islands.size());
+    const uint32_t siblings = world.new_siblings();
+    const Result<std::vector<BodyId>> added = world.add_bodies(islands.size(), [&](size_t i) {
+        BodyDesc desc = describe(islands[i], motion, bodies[i]);
+        desc.debris = debris[i] != 0;
+        desc.siblings = siblings;
+        return desc;
+    });
+    if (!added) return added.error();
+    for (size_t i = 0; i < bodies.size(); ++i) {
+        bodies[i].id = (*added)[i];
+        const auto index = static_cast<uint32_t>(bodies_.size());
+        for (const uint32_t piece : bodies[i].pieces) pieces_[piece].body = index;
+        body_of_id_[bodies[i].id.value] = index;
+        bodies_.push_back(std::move(bodies[i]));
+        dirty_.push_back(0);
+        changes_.added.push_back((*added)[i]);
+    }
+    return {};
+}
+
+// What single pieces take when they come off, made ahead: most of it is how the air meets them.
+void Structure::make_forms(uint32_t threads) {
+    const auto count = static_cast<uint32_t>(pieces_.size());
+    fracture::Threads(threads).for_chunks(count, least_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (PieceState& piece : std::span(pieces_).subspan(begin, end - begin)) {
+            BodyDesc alone;
+            alone.parts = {{piece.hull, glm::vec3(0.0f)}};
+            alone.mass = static_cast<float>(piece.mass);
+            alone.inertia = glm::mat3(piece.inertia);
+            if (const Result<std::shared_ptr<const BodyForm>> form = make_form(alone)) piece.form = *form;
+        }
+    });
+}
+
+BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const {
+    body = {};
+    body.pieces = island;
+    double mass = 0.0;
+    for (const uint32_t piece : island) {
+        mass += pieces_[piece].mass;
+        body.centre += pieces_[piece].mass * pieces_[piece].centre;
+        body.fixed = body.fixed || pieces_[piece].anchored;
+    }
+    body.centre = island.size() == 1 ? pieces_[island[0]].centre : body.centre / mass;
+    BodyDesc desc;
+    if (island.size() == 1 && !body.fixed) desc.form = pieces_[island[0]].form;
+    if (!desc.form) {
+        glm::dmat3 inertia(0.0);
+        for (const uint32_t piece : island) {
+            const PieceState& part = pieces_[piece];
+            const glm::dvec3 arm = part.centre - body.centre;
+            inertia += part.inertia + part.mass * (glm::dmat3(glm::dot(arm, arm)) - glm::outerProduct(arm, arm));
+            desc.parts.push_back({part.hull, glm::vec3(arm)});
+        }
+        desc.mass = static_cast<float>(mass);
+        desc.inertia = glm::mat3(inertia);
+    }
+    const glm::dvec3 arm = body.centre - motion.centre;
+    desc.fixed = body.fixed;
+    desc.pose = moved(motion.pose, arm);
+    desc.previous = moved(motion.previous, arm);
+    desc.linear_velocity = glm::vec3(
+        glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
+    desc.angular_velocity = motion.angular;
+    desc.friction = desc_.material.friction;
+    desc.restitution = desc_.material.restitution;
+    return desc;
+}
+
+bool Structure::exists(const World& world, uint32_t body) const {
+    return body != none && world.contains(bodies_[body].id);
+}
+
+Structure::Motion Structure::motion_of(const World& world, const BodyState& body) const {
+    return {world.pose(body.id), world.previous_pose(body.id), world.linear_velocity(body.id),
+            world.angular_velocity(body.id), body.centre};
+}
+
+uint32_t Structure::index_of(BodyId body) const {
+    const auto at = body_of_id_.find(body.value);
+    return at == body_of_id_.end() ? none : at->second;
+}
+
+uint32_t Structure::piece_at(BodyId body, uint32_t part) const {
+    const uint32_t index = index_of(body);
+    if (index == none) return none;
+    const std::vector<uint32_t>& pieces = bodies_[index].pieces;
+    return part < pieces.size() ? pieces[part] : none;
+}
+
+void Structure::break_bonds(std::span<const uint32_t> bonds) {
+    for (const uint32_t bond : bonds) graph_.weaken(bond, 1.0);
+}
+
+void Structure::isolate(uint32_t piece) {
+    break_bonds(graph_.bonds_of(piece));
+}
+
+// Calls damage for each body with the function from the world to the fragments and the body's pieces as flags.
+template<class Damage> void Structure::damage_bodies(const World& world, const Damage& damage) {
+    std::vector<uint8_t> inside(pieces_.size(), 0);
+    for (uint32_t i = 0; i < bodies_.size(); ++i) {
+        const BodyState& body = bodies_[i];
+        if (body.pieces.size() < 2 || !exists(world, i)) continue;
+        for (const uint32_t piece : body.pieces) inside[piece] = 1;
+        const Pose pose = world.pose(body.id);
+        damage(
+            [&](const glm::vec3& point) {
+                const glm::dvec3 arm(glm::dvec3(point) - glm::dvec3(pose.position));
+                return glm::conjugate(glm::dquat(pose.orientation)) * arm + body.centre;
+            },
+            inside);
+        for (const uint32_t piece : body.pieces) inside[piece] = 0;
+    }
+}
+
+void Structure::damage(const World& world, glm::vec3 point, float radius, float amount) {
+    damage_bodies(world, [&](const auto& to_fragments, const std::vector<uint8_t>& inside) {
+        graph_.damage(to_fragments(point), radius, amount, inside);
+    });
+}
+
+void Structure::damage_segment(const World& world, glm::vec3 from, glm::vec3 to, float radius, float amount) {
+    damage_bodies(world, [&](const auto& to_fragments, const std::vector<uint8_t>& inside) {
+        graph_.damage_segment(to_fragments(from), to_fragments(to), radius, amount, inside);
+    });
+}
+
+void Structure::blow(const World& world, uint32_t piece, glm::vec3 impulse) {
+    if (!exists(world, pieces_[piece].body)) return;
+    const glm::dquat orientation(world.pose(body_of(piece)).orientation);
+    const double size = glm::length(glm::dvec3(impulse));
+    graph_.blow(piece, glm::conjugate(orientation) * glm::dvec3(impulse), 0.5 * size * size);
+}
+
+void Structure::release_anchors(std::span<const uint32_t> pieces) {
+    for (const uint32_t piece : pieces) {
+        pieces_[piece].anchored = false;
+        if (pieces_[piece].body != none) dirty_[pieces_[piece].body] = 1;
+    }
+    if (desc_.wear.enabled) wear_.release(pieces);
+}
+
+// All that one body did to one piece in the step counts as one.
+std::vector<BondBlows::OfStep> Structure::find_blows(const World& world) const {
+    std::vector<BondBlows::OfStep> blows;
+    for (const Contact& contact : world.solved_contacts()) {
+        if (!(contact.speed > desc_.impact_speed && contact.blow > 0.0f)) continue;
+        for (const bool first : {true, false}) {
+            const uint32_t piece =
+                first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
+            if (piece == none || !exists(world, pieces_[piece].body)) continue;
+            const BodyId other = first ? contact.b : contact.a;
+            auto at = std::ranges::find_if(blows, [&](const BondBlows::OfStep& known) {
+                return known.blow.piece == piece && known.blow.other == other;
+            });
+            if (at == blows.end())
+                at = blows.insert(blows.end(), {.blow = {.piece = piece, .other = other}});
+            Impact& blow = at->blow;
+            const float sum = blow.impulse + contact.blow;
+            blow.point += (contact.point - blow.point) * (contact.blow / sum);
+            if (contact.blow > 0.5f * sum) blow.normal = first ? contact.normal : -contact.normal;
+            at->left += (approach_left(world, contact) - at->left) * (contact.blow / sum);
+            blow.impulse = sum;
+            blow.energy += 0.5f * contact.blow * contact.speed;
+        }
+    }
+    return blows;
+}
+
+// Harder than the piece itself bears is told once, with the energy that the bonds leave of it.
+void Structure::strike(const World& world, const BondBlows::Judged& judged) {
+    const Impact& blow = judged.blow;
+    const PieceState& piece = pieces_[blow.piece];
+    if (!exists(world, piece.body)) return;
+    const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse), sharpness = static_cast<double>(blow.sharpness);
+    const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body_of(blow.piece)).orientation));
+    const double fresh = static_cast<double>(judged.fresh), given = 0.5 * fresh * speed;
+    const double spent = graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * fresh * sharpness, given,
+                                     piece.mass * speed * sharpness);
+    const double before = static_cast<double>(judged.before);
+    const bool told = before > 0.0 && before * std::cbrt(speed / before) > piece.bearable;
+    if (told || !(spent < given) || !(static_cast<double>(blow.impulse) * sharpness > piece.bearable)) return;
+    changes_.impacts.push_back(blow);
+    changes_.impacts.back().energy *= static_cast<float>(1.0 - spent / given);
+}
+
+const Structure::Changes& Structure::update(World& world) {
+    changes_ = {};
+    contacts_due_ = world.steps_taken() != steps_seen_;
+    steps_seen_ = world.steps_taken();
+    if (contacts_due_)
+        for (const BondBlows::Judged& judged : blows_.take_up(find_blows(world))) strike(world, judged);
+    if (contacts_due_ && desc_.wear.enabled) wear_bonds(world);
+    changes_.broken = graph_.take_broken();
+    for (const uint32_t bond : changes_.broken)
+        for (const uint32_t piece : {graph_.bonds()[bond].a, graph_.bonds()[bond].b})
+            if (pieces_[piece].body != none) dirty_[pieces_[piece].body] = 1;
+    if (desc_.wear.enabled) wear_.remove_bonds(changes_.broken);
+    split(world);
+    return changes_;
+}
+
+// Of bodies that move only contacts count: what gravity does to them it does to all their pieces alike.
+void Structure::wear_bonds(const World& world) {
+    weights_.assign(pieces_.size(), {});
+    pushes_.assign(pieces_.size(), {});
+    const double seconds = world.settings().step;
+    for (const BodyState& body : bodies_) {
+        if (!body.fixed || !world.contains(body.id)) continue;
+        const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body.id).orientation));
+        const glm::dvec3 gravity = to_fragments * glm::dvec3(world.settings().gravity);
+        for (const uint32_t piece : body.pieces) weights_[piece].force = pieces_[piece].mass * gravity;
+    }
+    for (const Contact& contact : world.contacts()) {
+        if (contact.speed > desc_.impact_speed) continue;
+        for (const bool first : {true, false}) {
+            const uint32_t piece =
+                first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
+            if (piece == none || !exists(world, pieces_[piece].body)) continue;
+            const BodyState& body = bodies_[pieces_[piece].body];
+            const Pose pose = world.pose(body.id);
+            const glm::dquat to_fragments = glm::conjugate(glm::dquat(pose.orientation));
+            const float load = blows_.load_of(piece, first ? contact.b : contact.a, contact.impulse);
+            if (!(load > 0.0f)) continue;
+            const glm::dvec3 impulse = static_cast<double>(load / contact.impulse)
+                                       * glm::dvec3(contact.impulse * contact.normal + contact.friction);
+            const glm::dvec3 force = to_fragments * (impulse * ((first ? 1.0 : -1.0) / seconds));
+            const glm::dvec3 point =
+                to_fragments * (glm::dvec3(contact.point) - glm::dvec3(pose.position)) + body.centre;
+            pushes_[piece].force += force;
+            pushes_[piece].torque += glm::cross(point - pieces_[piece].centre, force);
+        }
+    }
+    wear_.step(graph_, weights_, pushes_, seconds);
+}
+
+void Structure::split(World& world) {
+    std::vector<std::pair<uint32_t, std::vector<std::vector<uint32_t>>>> breaks;
+    std::vector<uint8_t> breaking(bodies_.size(), 0);
+    for (uint32_t i = 0; i < bodies_.size(); ++i) {
+        if (!std::exchange(dirty_[i], uint8_t{0}) || !exists(world, i)) continue;
+        auto islands = graph_.islands(bodies_[i].pieces);
+        const bool let_go = bodies_[i].fixed && std::ranges::none_of(bodies_[i].pieces, [&](uint32_t piece) {
+                                return pieces_[piece].anchored;
+                            });
+        if (islands.size() < 2 && !let_go) continue;
+        breaking[i] = 1;
+        breaks.emplace_back(i, std::move(islands));
+    }
+    if (breaks.empty()) return;
+
+    std::vector<TakenBack> taken;
+    std::map<BodyId, float> rewound; // s that each has yet to move on
+    for (const size_t index : contacts_to_take_back(world, breaking)) {
+        const Contact& contact = world.contacts()[index];
+        taken.push_back({index, contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
+        for (const BodyId body : {contact.a, contact.b})
+            if (world.contains(body)) rewound.emplace(body, 0.0f);
+    }
+    for (auto& [body, seconds] : rewound) seconds = world.rewind(body);
+    for (const auto& [index, islands] : breaks) {
+        const Motion motion = motion_of(world, bodies_[index]);
+        const BodyId old = bodies_[index].id;
+        world.remove_body(old);
+        changes_.removed.push_back(old);
+        body_of_id_.erase(old.value);
+        bodies_[index].id = {};
+        for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
+        const std::vector<uint8_t> debris = debris_of(world, islands);
+        const size_t first = bodies_.size();
+        [[maybe_unused]] const Result<void> added = add_islands(world, islands, motion, debris);
+        assert(added && "parts of a body that the world took are bodies, too");
+        if (const auto parent = rewound.find(old); parent != rewound.end())
+            for (const BodyState& body : std::span(bodies_).subspan(first)) rewound.emplace(body.id, parent->second);
+    }
+    solve_anew(world, taken);
+    for (const auto& [body, seconds] : rewound)
+        if (world.contains(body)) world.move_on(body, seconds);
+}
+
+// Between the islands contacts are dead blows without friction: what is left of a bounce went into the cracks. Each step
+// takes kinetic energy from where the bodies were before they touched, so none can come of it.
+void Structure::solve_anew(World& world, std::span<const TakenBack> taken) const {
+    // What our pieces bear of a blow was asked with what it pressed then: they give no more now. The rest comes as a blow of
+    // its own in the next step, which may break them, too.
+    const auto most = [&](const TakenBack& back) {
+        const auto yields = [&](uint32_t piece, BodyId body) { return piece != none || moves(world, body); };
+        return yields(back.piece_a, back.contact.a) && yields(back.piece_b, back.contact.b)
+                   ? back.contact.blow
+                   : std::numeric_limits<float>::infinity();
+    };
+    std::vector<float> given(taken.size(), 0.0f), responses;
+    std::vector<std::array<BodyId, 2>> sides; // a and b, as they are now
+    for (const TakenBack& back : taken) {
+        const glm::vec3 &point = back.contact.point, &normal = back.contact.normal;
+        const auto& [a, b] = sides.emplace_back(std::array{back.piece_a != none ? body_of(back.piece_a) : back.contact.a,
+                                                           back.piece_b != none ? body_of(back.piece_b) : back.contact.b});
+        responses.push_back(response_at(world, a, point, normal) + response_at(world, b, point, normal));
+    }
+    for (int sweep = 0; sweep < solver_sweeps; ++sweep)
+        for (size_t i = 0; i < taken.size(); ++i) {
+            if (!(responses[i] > 0.0f)) continue;
+            const TakenBack& back = taken[i];
+            const auto& [a, b] = sides[i];
+            const glm::vec3 &point = back.contact.point, &normal = back.contact.normal;
+            const float closing = std::max(back.contact.gap, 0.0f) / world.settings().step; // up to the touch
+            const float approach = speed_at(world, b, point, normal) - speed_at(world, a, point, normal) - closing;
+            const float before =
+                std::exchange(given[i], std::clamp(given[i] + approach / responses[i], 0.0f, most(back)));
+            const glm::vec3 impulse = (given[i] - before) * normal;
+            push(world, a, impulse, point);
+            push(world, b, -impulse, point);
+        }
+    for (size_t i = 0; i < taken.size(); ++i) {
+        Contact contact = taken[i].contact;
+        contact.impulse = given[i];
+        contact.friction = glm::vec3(0.0f);
+        name_part(taken[i].piece_a, contact.a, contact.part_a);
+        name_part(taken[i].piece_b, contact.b, contact.part_b);
+        world.amend_contact(taken[i].index, contact);
+    }
+}
+
+// Where a piece of ours is now.
+void Structure::name_part(uint32_t piece, BodyId& body, uint32_t& part) const {
+    if (piece == none) return;
+    const std::vector<uint32_t>& pieces = bodies_[pieces_[piece].body].pieces;
+    body = body_of(piece);
+    part = static_cast<uint32_t>(std::ranges::find(pieces, piece) - pieces.begin());
+}
+
+// All contacts of the bodies that break under a blow, of what they touch, of what that touches: an impulse that is taken
+// back while another one that answers it stays would throw a body into the air. What touches in so many points that solving
+// it anew would take long, or touches what is gone already, is left as it is.
+std::vector<size_t> Structure::contacts_to_take_back(const World& world,
+                                                     const std::vector<uint8_t>& breaking) const {
+    std::vector<size_t> contacts;
+    if (!contacts_due_) return contacts;
+    const auto breaks = [&](BodyId id) {
+        const uint32_t body = index_of(id);
+        return body != none && breaking[body];
+    };
+    const auto hits = [&](const Contact& contact) {
+        return contact.speed > desc_.impact_speed && (breaks(contact.a) || breaks(contact.b));
+    };
+    // Nothing hits what sleeps; and where thousands do, all contacts are many.
+    if (std::ranges::none_of(world.solved_contacts(), hits)) return contacts;
+    const std::span<const Contact> all = world.contacts();
+    const std::span<const BodyId> bodies = world.bodies();
+    const auto place_of = [&](BodyId id) {
+        const auto at = std::ranges::lower_bound(bodies, id);
+        return at != bodies.end() && *at == id ? static_cast<uint32_t>(at - bodies.begin()) : none;
+    };
+    std::vector<uint8_t> passes_on;
+    for (const BodyId id : bodies) passes_on.push_back(moves(world, id) || breaks(id));
+    std::vector<uint32_t> groups(bodies.size()); // of who touches whom, each named by one of its bodies
+    std::iota(groups.begin(), groups.end(), 0u);
+    const auto group_of = [&](uint32_t body) {
+        while (groups[body] != body) body = groups[body] = groups[groups[body]];
+        return body;
+    };
+    std::vector<uint32_t> touching; // by contact: a body of its group
+    for (const Contact& contact : all) {
+        const uint32_t a = place_of(contact.a), b = place_of(contact.b);
+        const bool from_a = a != none && passes_on[a], from_b = b != none && passes_on[b];
+        if (from_a && from_b) groups[group_of(a)] = group_of(b);
+        touching.push_back(from_a ? a : from_b ? b : none);
+    }
+    struct Group {
+        bool hit = false, left = false;
+        size_t contacts = 0;
+    };
+    std::vector<Group> found(bodies.size());
+    for (size_t i = 0; i < all.size(); ++i) {
+        if (touching[i] == none) continue;
+        Group& group = found[group_of(touching[i])];
+        ++group.contacts;
+        group.hit = group.hit || hits(all[i]);
+        for (const BodyId body : {all[i].a, all[i].b}) group.left = group.left || (body != BodyId{} && place_of(body) == none);
+    }
+    for (size_t i = 0; i < all.size(); ++i) {
+        if (touching[i] == none) continue;
+        const Group& group = found[group_of(touching[i])];
+        if (group.hit && !group.left && group.contacts <= most_anew) contacts.push_back(i);
+    }
+    return contacts;
+}
+
+std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) {
+    const uint32_t index = pieces_[piece].body;
+    if (!exists(world, index) || bodies_[index].pieces.size() != 1) return std::nullopt;
+    const Motion motion = motion_of(world, bodies_[index]);
+    PlacedMotion placed;
+    placed.placement = moved(motion.pose, -motion.centre);
+    placed.linear_velocity =
+        motion.linear - glm::vec3(glm::cross(glm::dvec3(motion.angular), turned(motion.pose, motion.centre)));
+    placed.angular_velocity = motion.angular;
+    remove_body(world, piece);
+    return placed;
+}
+
+void Structure::remove_body(World& world, uint32_t piece) {
+    if (pieces_[piece].body == none) return;
+    BodyState& body = bodies_[pieces_[piece].body];
+    world.remove_body(body.id);
+    body_of_id_.erase(std::exchange(body.id, {}).value);
+    for (const uint32_t part : std::exchange(body.pieces, {})) {
+        isolate(part);
+        pieces_[part].body = none;
+    }
+}
+
+void Structure::remove(World& world) {
+    for (BodyState& body : bodies_) {
+        world.remove_body(std::exchange(body.id, {}));
+        body.pieces.clear();
+    }
+    body_of_id_.clear();
+    for (PieceState& piece : pieces_) piece.body = none;
+}
+
+BodyId Structure::body_of(uint32_t piece) const {
+    return pieces_[piece].body == none ? BodyId{} : bodies_[pieces_[piece].body].id;
+}
+
+std::span<const uint32_t> Structure::together_with(uint32_t piece) const {
+    if (pieces_[piece].body == none) return {};
+    return bodies_[pieces_[piece].body].pieces;
+}
+
+bool Structure::came_off(uint32_t piece) const {
+    if (pieces_[piece].body == none) return false;
+    const BodyState& body = bodies_[pieces_[piece].body];
+    return !body.fixed && 2 * body.pieces.size() <= pieces_[piece].began_with;
+}
+
+glm::vec3 Structure::offset(uint32_t piece) const {
+    if (pieces_[piece].body == none) return glm::vec3(0.0f);
+    return glm::vec3(pieces_[piece].centre - bodies_[pieces_[piece].body].centre);
+}
+
+std::vector<BodyId> Structure::bodies() const {
+    std::vector<BodyId> ids;
+    for (const BodyState& body : bodies_)
+        if (body.id != BodyId{}) ids.push_back(body.id);
+    return ids;
+}
+
+uint64_t Structure::state_hash() const {
+    StateHash hash;
+    for (const BondGraph::Bond& bond : graph_.bonds()) hash.add(bond.health);
+    for (uint32_t piece = 0; piece < pieces_.size(); ++piece) {
+        hash.add(pieces_[piece].body);
+        hash.add(static_cast<uint8_t>(pieces_[piece].anchored));
+    }
+    return hash.value();
+}
+
+size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha,
+                                         uint64_t since) const {
+    const size_t count = std::min(out.size(), pieces_.size());
+    visit_poses(world, alpha, since, [&](uint32_t piece, const Pose& pose) {
+        if (piece < count) out[piece] = pose;
+    });
+    return count;
+}
+
+void Structure::visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const {
+    for (const BodyState& body : bodies_) {
+        if (body.pieces.empty() || !world.contains(body.id) || world.last_moved_step(body.id) < since) continue;
+        Pose pose = world.pose(body.id);
+        if (alpha < 1.0f && world.last_moved_step(body.id) == world.steps_taken()) {
+            const Pose before = world.previous_pose(body.id);
+            pose = {glm::mix(before.position, pose.position, alpha),
+                    glm::slerp(before.orientation, pose.orientation, alpha)};
+        }
+        for (const uint32_t piece : body.pieces) visit(piece, moved(pose, pieces_[piece].centre - body.centre));
+    }
+}
+
+} // namespace brittle::physics

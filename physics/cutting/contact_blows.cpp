@@ -1,0 +1,107 @@
+#include "physics/cutting/contact_blows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "physics/world/body_motion.h"
+
+namespace brittle::physics {
+
+namespace {
+
+// Of a point at an arm in world axes.
+glm::vec3 velocity_at(const World& world, BodyId body, const glm::vec3& arm) {
+    if (!world.contains(body)) return glm::vec3(0.0f);
+    return world.linear_velocity(body) + glm::cross(world.angular_velocity(body), arm);
+}
+
+} // namespace
+
+std::vector<BodyBlow> BlowBook::take_up(const World& world, float speed,
+                                        const std::function<bool(BodyId)>& wanted) {
+    std::vector<Running> now = of_step(world, speed, wanted);
+    std::vector<BodyBlow> over;
+    for (const Running& before : running_) {
+        if (!world.contains(before.blow.body) || !wanted(before.blow.body)) continue;
+        const auto next = std::ranges::find_if(now, [&](const Running& running) {
+            return running.blow.body == before.blow.body && running.blow.other == before.blow.other;
+        });
+        if (next == now.end())
+            over.push_back(ended(before));
+        else
+            join(*next, before);
+    }
+    running_.clear();
+    for (const Running& running : now)
+        if (running.steps < most_steps && goes_on(world, running, speed))
+            running_.push_back(running);
+        else
+            over.push_back(ended(running));
+    return over;
+}
+
+// Contacts are where bodies were when the step began.
+std::vector<BlowBook::Running> BlowBook::of_step(const World& world, float speed,
+                                                 const std::function<bool(BodyId)>& wanted) {
+    std::vector<Running> blows;
+    for (const Contact& contact : world.solved_contacts()) {
+        if (!(contact.speed > speed && contact.impulse > 0.0f)) continue;
+        for (const bool first : {true, false}) {
+            const BodyId own = first ? contact.a : contact.b, other = first ? contact.b : contact.a;
+            if (!world.contains(own) || !wanted(own)) continue;
+            auto at = std::ranges::find_if(blows, [&](const Running& known) {
+                return known.blow.body == own && known.blow.other == other;
+            });
+            if (at == blows.end())
+                at = blows.insert(blows.end(), Running{.blow = {.body = own, .other = other}});
+            at->pressed += contact.impulse;
+            BodyBlow& blow = at->blow;
+            const float part = contact.impulse / at->pressed;
+            const Pose pose = world.previous_pose(own);
+            blow.point += (glm::vec3(turned_back(pose, contact.point - pose.position)) - blow.point) * part;
+            if (world.contains(other))
+                blow.arm += (contact.point - world.previous_pose(other).position - blow.arm) * part;
+            blow.normal += contact.impulse * (first ? contact.normal : -contact.normal);
+            blow.friction += first ? contact.friction : -contact.friction;
+            blow.energy += 0.5f * contact.impulse * contact.speed;
+        }
+    }
+    for (Running& running : blows) running.speed = 2.0f * running.blow.energy / running.pressed;
+    return blows;
+}
+
+// What is left of an approach after a step is slower than it was, but it is the same mass that comes.
+void BlowBook::join(Running& now, const Running& before) {
+    const float part = before.pressed / (before.pressed + now.pressed);
+    now.blow.energy = std::max(now.blow.energy, 0.5f * now.pressed * before.speed) + before.blow.energy;
+    now.blow.point += (before.blow.point - now.blow.point) * part;
+    now.blow.arm += (before.blow.arm - now.blow.arm) * part;
+    now.blow.normal += before.blow.normal;
+    now.blow.friction += before.blow.friction;
+    now.pressed += before.pressed;
+    now.speed = before.speed;
+    now.steps = before.steps + 1;
+}
+
+bool BlowBook::goes_on(const World& world, const Running& running, float speed) {
+    const BodyBlow& blow = running.blow;
+    const float length = glm::length(blow.normal);
+    if (!(length > 0.0f)) return false;
+    const glm::vec3 own_arm(turned(world.pose(blow.body), glm::dvec3(blow.point)));
+    const glm::vec3 approach =
+        velocity_at(world, blow.other, blow.arm) - velocity_at(world, blow.body, own_arm);
+    return glm::dot(approach, blow.normal / length) > speed;
+}
+
+BodyBlow BlowBook::ended(const Running& running) {
+    BodyBlow blow = running.blow;
+    blow.impulse = glm::length(blow.normal);
+    if (blow.impulse > 0.0f) blow.normal /= blow.impulse;
+    const float mean_speed = 2.0f * blow.energy / running.pressed;
+    blow.sharp = blow.impulse > 0.0f ? blow.impulse * std::cbrt(mean_speed / blow.impulse) : 0.0f;
+    return blow;
+}
+
+} // namespace brittle::physics

@@ -1,0 +1,157 @@
+#include "physics/cutting/convex_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "fracture/fracture.h"
+#include "fracture/mesh/mass_properties.h"
+#include "physics/cutting/impact_pattern.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::Fragments;
+using fracture::Triangle;
+using fracture::TriangleMesh;
+
+constexpr size_t few_points = 500;     // below, all are candidates
+constexpr int directions_a_side = 10;  // of a cube
+constexpr int settling_rounds = 3;     // of the two sites towards the middles of their halves
+
+struct Part {
+    TriangleMesh mesh; // empty until it is to be cut, for a part of the solid itself
+    glm::dvec3 centre{0.0};
+    CollisionHull hull; // relative to centre
+    double volume = 0.0;
+    double excess = 0.0; // m^3 of the hull that are empty
+    bool final = false;  // cannot be cut
+};
+
+glm::dvec3 middle_of(std::span<const glm::dvec3> points) {
+    if (points.empty()) return glm::dvec3(0.0);
+    glm::dvec3 low = points[0], high = points[0];
+    for (const glm::dvec3& p : points) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    return (low + high) * 0.5;
+}
+
+Part part_of(std::span<const glm::dvec3> positions, double volume, const HullSettings& settings) {
+    Part part;
+    const std::vector<glm::dvec3> points = hull_candidates(positions);
+    part.centre = middle_of(points);
+    part.hull = collision_hull(points, part.centre, settings);
+    part.volume = volume;
+    // The hull itself, not the one that bounded vertices and the margin leave: those make it smaller than the solid.
+    const std::vector<glm::vec3> corners(points.begin(), points.end());
+    const TriangleMesh full = hull_mesh(corners);
+    part.excess = fracture::signed_volume(full.positions, full.triangles) - volume;
+    return part;
+}
+
+// Two sites in the middles of two halves of the surface that are far apart.
+std::array<glm::dvec3, 2> two_sites(const TriangleMesh& mesh) {
+    const std::vector<glm::dvec3> ends = spread_points(mesh.positions, 2, std::array{middle_of(mesh.positions)});
+    if (ends.size() < 2) return {};
+    std::array<glm::dvec3, 2> sites{ends[0], ends[1]};
+    for (int round = 0; round < settling_rounds; ++round) {
+        std::array<glm::dvec3, 2> sum{glm::dvec3(0.0), glm::dvec3(0.0)};
+        std::array<double, 2> weight{};
+        for (const Triangle& t : mesh.triangles) {
+            const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+            const glm::dvec3 centre = (a + b + c) / 3.0, to_first = centre - sites[0], to_second = centre - sites[1];
+            const size_t nearer = glm::dot(to_first, to_first) <= glm::dot(to_second, to_second) ? 0 : 1;
+            const double area = glm::length(glm::cross(b - a, c - a));
+            sum[nearer] += area * centre;
+            weight[nearer] += area;
+        }
+        for (size_t k = 0; k < 2; ++k)
+            if (weight[k] > 0.0) sites[k] = sum[k] / weight[k];
+    }
+    return sites;
+}
+
+// The halves; empty where it cannot be cut.
+std::vector<Part> cut(const TriangleMesh& mesh, const HullSettings& settings, fracture::Workspace& workspace,
+                      Fragments& scratch) {
+    std::vector<Part> parts;
+    const std::array<glm::dvec3, 2> sites = two_sites(mesh);
+    const fracture::Result<void> done = fracture::fracture(mesh, sites, {.threads = 1}, workspace, scratch);
+    if (!done || scratch.pieces.size() < 2) return parts;
+    for (const fracture::Piece& piece : scratch.pieces) {
+        const auto positions = scratch.positions_of(piece);
+        const auto triangles = scratch.triangles_of(piece);
+        Part part = part_of(positions, piece.mass.volume, settings);
+        part.mesh = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
+        parts.push_back(std::move(part));
+    }
+    return parts;
+}
+
+} // namespace
+
+std::vector<glm::dvec3> hull_candidates(std::span<const glm::dvec3> points) {
+    if (points.size() <= few_points) return {points.begin(), points.end()};
+    const glm::dvec3 middle = middle_of(points);
+    struct Farthest {
+        double square = -1.0;
+        size_t point = 0;
+    };
+    std::vector<Farthest> farthest(6 * directions_a_side * directions_a_side);
+    const auto bin = [](double at) {
+        return std::clamp(static_cast<int>((at + 1.0) * 0.5 * directions_a_side), 0, directions_a_side - 1);
+    };
+    for (size_t i = 0; i < points.size(); ++i) {
+        const glm::dvec3 arm = points[i] - middle, size = glm::abs(arm);
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        if (!(size[axis] > 0.0)) continue;
+        const int side = 2 * axis + (arm[axis] > 0.0 ? 1 : 0);
+        const int u = bin(arm[(axis + 1) % 3] / size[axis]), v = bin(arm[(axis + 2) % 3] / size[axis]);
+        Farthest& known = farthest[static_cast<size_t>((side * directions_a_side + u) * directions_a_side + v)];
+        if (const double square = glm::dot(arm, arm); square > known.square) known = {square, i};
+    }
+    std::vector<glm::dvec3> kept;
+    for (const Farthest& f : farthest)
+        if (f.square >= 0.0) kept.push_back(points[f.point]);
+    return kept;
+}
+
+std::vector<BodyPart> convex_parts(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                                   double volume, const glm::dvec3& origin, const ConvexPartSettings& settings) {
+    std::vector<Part> parts;
+    parts.push_back(part_of(positions, volume, settings.hull));
+    fracture::Workspace workspace;
+    Fragments scratch;
+    while (parts.size() < settings.most_parts) {
+        Part* worst = nullptr;
+        for (Part& part : parts) {
+            const bool empty = part.excess > settings.most_empty * (part.excess + part.volume)
+                               && part.excess > settings.least_excess * volume;
+            if (empty && !part.final && (!worst || part.excess > worst->excess)) worst = &part;
+        }
+        if (!worst) break;
+        if (worst->mesh.positions.empty())
+            worst->mesh = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
+        std::vector<Part> halves = cut(worst->mesh, settings.hull, workspace, scratch);
+        if (halves.empty() || parts.size() - 1 + halves.size() > settings.most_parts) {
+            worst->final = true;
+            continue;
+        }
+        *worst = std::move(halves[0]);
+        for (size_t k = 1; k < halves.size(); ++k) parts.push_back(std::move(halves[k]));
+    }
+    std::vector<BodyPart> result;
+    for (Part& part : parts)
+        result.push_back({std::make_shared<const CollisionHull>(std::move(part.hull)), glm::vec3(part.centre - origin)});
+    return result;
+}
+
+} // namespace brittle::physics

@@ -1,0 +1,424 @@
+#include "physics/cutting/destruction.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <ostream>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "physics/world/body_motion.h"
+#include "physics/cutting/destruction_seeds.h"
+#include "physics/world/state_hash.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::Error;
+using fracture::Status;
+
+uint64_t steps_of(double seconds, const World& world) {
+    const double steps = std::ceil(seconds / static_cast<double>(world.settings().step));
+    return steps < 1.0 ? 1 : steps > 1e15 ? uint64_t{1'000'000'000'000'000} : static_cast<uint64_t>(steps);
+}
+
+// Jobs cut on one thread each, as threads that such a one began would give way to others for good.
+std::shared_ptr<const BreakableDesc> for_jobs(BreakableDesc desc) {
+    desc.solid.threads = 1;
+    return std::make_shared<const BreakableDesc>(std::move(desc));
+}
+
+} // namespace
+
+std::ostream& operator<<(std::ostream& stream, PieceId id) {
+    return id == PieceId{} ? stream << "piece none" : stream << "piece " << id.value;
+}
+
+Destruction::Destruction(const DestructionSettings& settings) : settings_(settings), background_(settings.workers) {}
+
+Result<ObjectId> Destruction::add(World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc) {
+    Result<SolidPtr> whole = make_solid(mesh, desc.solid);
+    if (!whole) return whole.error();
+    return add(world, *whole, desc);
+}
+
+Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc) {
+    const ObjectId id{next_object_};
+    objects_.emplace(id, Object{for_jobs(desc), nullptr, {}, 0});
+    Live piece{.object = id, .solid = std::move(whole), .seed = seed_of(desc.pattern.seed, id.value),
+               .born = world.steps_taken()};
+    const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
+                        desc.motion.angular_velocity};
+    const Result<PieceId> added = add_piece(world, std::move(piece), motion, glm::dvec3(0.0), false);
+    if (!added) {
+        objects_.erase(id);
+        return added.error();
+    }
+    ++next_object_;
+    part_if_overloaded(world, *added);
+    return id;
+}
+
+Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
+                                  const BreakableDesc& pieces, std::span<const SolidPtr> solids) {
+    std::vector<SolidPtr> own;
+    if (solids.empty()) {
+        Result<std::vector<SolidPtr>> made = solids_of(fragments, pieces.solid, false, pieces.solid.threads);
+        if (!made) return made.error();
+        solids = own = std::move(*made);
+    }
+    assert(solids.size() == fragments.pieces.size());
+    StructureDesc desc = structure;
+    if (desc.hulls.empty())
+        for (const SolidPtr& solid : solids) desc.hulls.push_back(solid->parts[0].hull);
+    Result<Structure> made = Structure::create(world, fragments, desc);
+    if (!made) return made.error();
+    const ObjectId id{next_object_++};
+    Object& object = objects_[id];
+    object.desc = for_jobs(pieces);
+    object.structure = std::make_unique<Structure>(std::move(*made));
+    const uint64_t seed = seed_of(pieces.pattern.seed, id.value);
+    for (uint32_t i = 0; i < fragments.pieces.size(); ++i)
+        object.bonded.push_back(register_piece({.object = id,
+                                                .solid = solids[i],
+                                                .seed = seed_of(seed, i),
+                                                .bonded = i,
+                                                .born = world.steps_taken()}));
+    return id;
+}
+
+void Destruction::remove(World& world, ObjectId id) {
+    const auto object = objects_.find(id);
+    if (object == objects_.end()) return;
+    if (object->second.structure) object->second.structure->remove(world);
+    for (const PieceId piece : pieces()) {
+        const Live& live = pieces_.at(piece);
+        if (live.object != id) continue;
+        world.remove_body(live.own);
+        forget_piece(piece);
+    }
+    objects_.erase(id);
+}
+
+// What is held and too weak for its own weight from the start.
+void Destruction::part_if_overloaded(const World& world, PieceId id) {
+    const Live& piece = pieces_.at(id);
+    if (!piece.solid->blocks) return;
+    const SolidSettings& settings = desc_of(piece).solid;
+    std::vector<uint32_t> islands = overloaded(*piece.solid->blocks, settings.material, settings.blocks.strength_scale,
+                                               gravity_of(world, piece), {});
+    if (std::ranges::any_of(islands, [](uint32_t island) { return island != 0; }))
+        start_parting(world, id, {}, [found = std::move(islands)](const auto&...) { return found; });
+}
+
+BodyId Destruction::body_of(const Live& piece) const {
+    return piece.bonded == none ? piece.own : objects_.at(piece.object).structure->body_of(piece.bonded);
+}
+
+// Of the body that the piece is in: of the piece itself where it is alone in it.
+std::optional<Destruction::Motion> Destruction::motion_of(const World& world, const Live& piece) const {
+    const BodyId body = body_of(piece);
+    if (!world.contains(body)) return std::nullopt;
+    return Motion{world.pose(body), world.previous_pose(body), world.linear_velocity(body), world.angular_velocity(body)};
+}
+
+std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece, float alpha) const {
+    const BodyId body = body_of(piece);
+    if (!world.contains(body)) return std::nullopt;
+    Pose pose = world.pose(body);
+    if (alpha < 1.0f && world.last_moved_step(body) == world.steps_taken()) {
+        const Pose before = world.previous_pose(body);
+        pose = {glm::mix(before.position, pose.position, alpha), glm::slerp(before.orientation, pose.orientation, alpha)};
+    }
+    return in_body(piece, pose);
+}
+
+Pose Destruction::in_body(const Live& piece, const Pose& body) const {
+    if (piece.bonded == none) return body;
+    return moved(body, glm::dvec3(objects_.at(piece.object).structure->offset(piece.bonded)));
+}
+
+// Without where it is.
+BodyDesc Destruction::body_of(const SolidPiece& solid) {
+    BodyDesc body;
+    body.parts = solid.parts;
+    body.fixed = solid.anchored;
+    body.mass = static_cast<float>(solid.body.mass);
+    body.inertia = glm::mat3(solid.body.inertia);
+    return body;
+}
+
+// On the job's thread. What cannot become a body is told by who adds it.
+void Destruction::make_forms(Broken& broken) {
+    for (const SolidPtr& solid : broken.pieces) {
+        const Result<std::shared_ptr<const BodyForm>> form = make_form(body_of(*solid));
+        broken.forms.push_back(form ? *form : nullptr);
+    }
+}
+
+// The motion is of the point `from`, in the coordinates of the object.
+Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris,
+                                       const std::shared_ptr<const BodyForm>& form) {
+    const BreakableDesc& desc = desc_of(piece);
+    const SolidPiece& solid = *piece.solid;
+    const glm::dvec3 arm = solid.mass.centre_of_mass - from;
+    BodyDesc body = form ? BodyDesc{.form = form} : body_of(solid);
+    body.debris = debris;
+    body.pose = moved(motion.pose, arm);
+    body.previous = moved(motion.previous, arm);
+    body.linear_velocity = glm::vec3(glm::dvec3(motion.linear)
+                                     + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
+    body.angular_velocity = motion.angular;
+    body.friction = desc.solid.material.friction;
+    body.restitution = desc.solid.material.restitution;
+    const Result<BodyId> added = world.add_body(body);
+    if (!added) return added.error();
+    piece.own = *added;
+    const PieceId id = register_piece(std::move(piece));
+    piece_of_body_[added->value] = id;
+    return id;
+}
+
+PieceId Destruction::register_piece(Live piece) {
+    const PieceId id{next_piece_++};
+    if (free_slots_.empty())
+        piece.slot = slot_count_++;
+    else
+        piece.slot = free_slots_.extract(free_slots_.begin()).value();
+    ++objects_.at(piece.object).pieces;
+    added_[id] = {id, piece.object, piece.slot, piece.depth, piece.solid, piece.of};
+    pieces_.emplace(id, std::move(piece));
+    return id;
+}
+
+// Its body is gone already, or goes with its structure.
+void Destruction::forget_piece(PieceId id) {
+    const auto at = pieces_.find(id);
+    Live& piece = at->second;
+    if (piece.job != none) {
+        background_.cancel(piece.job);
+        jobs_.erase(piece.job);
+    }
+    if (piece.bonded == none) piece_of_body_.erase(piece.own.value);
+    free_slots_.insert(piece.slot);
+    --objects_.at(piece.object).pieces;
+    fading_.erase(id);
+    if (added_.erase(id) == 0) removed_[id] = {id, piece.slot};
+    let_go(std::move(piece.solid));
+    pieces_.erase(at);
+}
+
+// To free a mesh of a million triangles takes 4 to 8 ms: not on this thread.
+void Destruction::let_go(SolidPtr solid) {
+    constexpr size_t many_triangles = 10'000; // the blocks of smaller ones stay with the allocator
+    if (solid->mesh.triangles.size() > many_triangles) background_.discard(std::move(solid));
+}
+
+// Bodies that someone else took out of the world.
+void Destruction::remove_lost(const World& world) {
+    if (world.removed_count() == removed_seen_) return;
+    removed_seen_ = world.removed_count();
+    std::vector<PieceId> lost;
+    for (const auto& [id, piece] : pieces_)
+        if (!world.contains(body_of(piece))) lost.push_back(id);
+    for (const PieceId id : lost) forget_piece(id);
+}
+
+void Destruction::update(World& world, double budget) {
+    commits_.clear();
+    remove_lost(world);
+    if (world.steps_taken() != steps_seen_) {
+        take_up_blows(world);
+        update_loads(world);
+    }
+    steps_seen_ = world.steps_taken();
+    update_structures(world);
+    commit_due(world, budget);
+    update_debris(world);
+    std::erase_if(objects_, [](const auto& entry) { return entry.second.pieces == 0; });
+}
+
+// Asked only where an answer counts.
+void Destruction::see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const {
+    if (!visible_) return;
+    const DebrisLimits& limits = settings_.debris;
+    const bool excess = pieces > limits.most_pieces || vertices > limits.most_vertices;
+    for (Debris& debris : candidates)
+        if (excess || debris.slept > limits.sleep_seconds)
+            debris.visible = std::ranges::any_of(together_with(debris.id),
+                                                 [&](PieceId id) { return is_seen(world, pieces_.at(id)); });
+}
+
+// A frame may show a piece anywhere between its last two poses.
+bool Destruction::is_seen(const World& world, const Live& piece) const {
+    const BodyId body = body_of(piece);
+    const glm::vec3 at = in_body(piece, world.pose(body)).position;
+    return visible_(at, piece.solid->radius + glm::distance(at, in_body(piece, world.previous_pose(body)).position));
+}
+
+// A piece and all that are bonded to it.
+std::vector<PieceId> Destruction::together_with(PieceId id) const {
+    const Live& piece = pieces_.at(id);
+    if (piece.bonded == none) return {id};
+    const Object& object = objects_.at(piece.object);
+    std::vector<PieceId> pieces;
+    for (const uint32_t other : object.structure->together_with(piece.bonded)) pieces.push_back(object.bonded[other]);
+    return pieces;
+}
+
+bool Destruction::came_off(const Live& piece) const {
+    return piece.bonded == none ? piece.depth > 0 && !piece.solid->anchored
+                                : objects_.at(piece.object).structure->came_off(piece.bonded);
+}
+
+// Of several that are bonded the first is debris for all.
+bool Destruction::is_debris(const Live& piece) const {
+    if (!came_off(piece) || piece.job != none || piece.fading > 0) return false;
+    if (piece.bonded == none) return true;
+    const Object& object = objects_.at(piece.object);
+    const std::span<const uint32_t> together = object.structure->together_with(piece.bonded);
+    return together.front() == piece.bonded && std::ranges::all_of(together, [&](uint32_t other) {
+               return pieces_.at(object.bonded[other]).job == none;
+           });
+}
+
+void Destruction::update_debris(World& world) {
+    const double step = world.settings().step;
+    const DebrisLimits& limits = settings_.debris;
+    std::vector<PieceId> faded;
+    size_t count = 0, vertices = 0;
+    bool slept_too_long = false;
+    for (auto& [id, piece] : pieces_) {
+        if (piece.fading > 0) {
+            const auto all = static_cast<float>(steps_of(limits.fade_seconds, world));
+            if (--piece.fading == 0)
+                faded.push_back(id);
+            else
+                fading_[id] = {id, piece.slot, static_cast<float>(piece.fading) / all};
+            continue;
+        }
+        ++count;
+        vertices += piece.solid->positions.size();
+        if (piece.bonded != none && !came_off(piece)) piece.born = world.steps_taken();
+        if (!is_debris(piece)) continue;
+        piece.slept = world.awake(body_of(piece)) ? 0 : piece.slept + 1;
+        slept_too_long = slept_too_long || static_cast<double>(piece.slept) * step > limits.sleep_seconds;
+    }
+    take_out(world, faded); // first: what has faded is no candidate
+    if (slept_too_long || count > limits.most_pieces || vertices > limits.most_vertices)
+        take_out(world, retire_debris(world, count, vertices));
+}
+
+void Destruction::take_out(World& world, std::span<const PieceId> gone) {
+    for (const PieceId id : gone) {
+        const Live& piece = pieces_.at(id);
+        if (piece.bonded == none)
+            world.remove_body(piece.own);
+        else
+            objects_.at(piece.object).structure->remove_body(world, piece.bonded);
+        forget_piece(id);
+    }
+}
+
+// What is seen fades, the rest is returned.
+std::vector<PieceId> Destruction::retire_debris(const World& world, size_t count, size_t vertices) {
+    const double step = world.settings().step;
+    std::vector<Debris> candidates;
+    for (const auto& [id, piece] : pieces_) {
+        if (!is_debris(piece)) continue;
+        Debris& debris = candidates.emplace_back(Debris{.id = id, .pieces = 0});
+        debris.age = static_cast<double>(world.steps_taken() - piece.born) * step;
+        debris.slept = static_cast<double>(piece.slept) * step;
+        for (const PieceId part : together_with(id)) {
+            const SolidPiece& solid = *pieces_.at(part).solid;
+            ++debris.pieces;
+            debris.volume += solid.mass.volume;
+            debris.vertices += solid.positions.size();
+        }
+    }
+    see_debris(world, candidates, count, vertices);
+    std::vector<PieceId> gone;
+    for (const PieceId id : physics::retire_debris(candidates, count, vertices, settings_.debris)) {
+        const auto seen = std::ranges::lower_bound(candidates, id, {}, &Debris::id);
+        for (const PieceId part : together_with(id)) {
+            ++statistics_.retired;
+            if (seen->visible)
+                pieces_.at(part).fading = steps_of(settings_.debris.fade_seconds, world);
+            else
+                gone.push_back(part);
+        }
+    }
+    return gone;
+}
+
+DestructionEvents Destruction::take_events() {
+    DestructionEvents events;
+    for (const auto& [id, removed] : removed_) events.removed.push_back(removed);
+    for (auto& [id, added] : added_) events.added.push_back(std::move(added));
+    for (const auto& [id, fading] : fading_) events.fading.push_back(fading);
+    removed_.clear();
+    added_.clear();
+    fading_.clear();
+    return events;
+}
+
+void Destruction::visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const {
+    for (const auto& [id, piece] : pieces_) {
+        const BodyId body = body_of(piece);
+        if (!world.contains(body) || world.last_moved_step(body) < since) continue;
+        visit(piece.slot, *pose_of(world, piece, alpha));
+    }
+}
+
+size_t Destruction::write_poses(const World& world, std::span<Pose> out, float alpha) const {
+    visit_poses(world, alpha, 0, [&](uint32_t slot, const Pose& pose) {
+        if (slot < out.size()) out[slot] = pose;
+    });
+    return slot_count_;
+}
+
+Structure* Destruction::structure(ObjectId object) {
+    const auto at = objects_.find(object);
+    return at == objects_.end() ? nullptr : at->second.structure.get();
+}
+
+const Structure* Destruction::structure(ObjectId object) const {
+    const auto at = objects_.find(object);
+    return at == objects_.end() ? nullptr : at->second.structure.get();
+}
+
+std::optional<uint32_t> Destruction::bonded(PieceId piece) const {
+    const uint32_t index = pieces_.at(piece).bonded;
+    return index == none ? std::nullopt : std::optional(index);
+}
+
+std::vector<PieceId> Destruction::pieces() const {
+    std::vector<PieceId> ids;
+    for (const auto& [id, piece] : pieces_) ids.push_back(id);
+    return ids;
+}
+
+uint64_t Destruction::state_hash() const {
+    StateHash hash;
+    for (const auto& [id, piece] : pieces_) {
+        hash.add(id.value);
+        hash.add(piece.solid->mass.volume);
+        hash.add(piece.seed);
+        hash.add(piece.depth);
+        hash.add(piece.blows);
+        hash.add(piece.fading);
+        hash.add(piece.load);
+        hash.add(piece.looked_at);
+        hash.add(static_cast<uint8_t>(piece.job != none));
+        hash.add(static_cast<uint8_t>(piece.unbreakable));
+        hash.add(piece.waiting ? piece.waiting->blow.energy : 0.0);
+    }
+    for (const auto& [id, object] : objects_)
+        if (object.structure) hash.add(object.structure->state_hash());
+    return hash.value();
+}
+
+} // namespace brittle::physics

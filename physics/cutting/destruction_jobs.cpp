@@ -1,0 +1,319 @@
+// What begins a job: blows that break, and what is held and bears too much.
+#include "physics/cutting/destruction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "physics/world/body_motion.h"
+#include "physics/cutting/destruction_seeds.h"
+#include "physics/bonds/nearest.h"
+
+namespace brittle::physics {
+
+namespace {
+
+// Blows after a piece's first, among its children: those are fewer.
+constexpr uint64_t first_blow = uint64_t{1} << 32;
+// What rests on a held piece counts by its mean over so long, s, and is looked at again where it has become so many times
+// what it was, and by this share of the piece's weight more: a job each.
+constexpr double load_seconds = 0.1, more_load = 1.25, new_load = 0.05;
+
+bool finite(const glm::vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// Of pieces that a cut has left, those that are held and now bear too much come apart as well.
+std::vector<SolidPtr> standing(std::vector<SolidPtr> pieces, const SolidSettings& settings, const glm::dvec3& gravity,
+                               const std::function<bool()>& cancelled) {
+    std::vector<SolidPtr> all;
+    for (SolidPtr& piece : pieces) {
+        if (!piece->blocks) {
+            all.push_back(std::move(piece));
+            continue;
+        }
+        const std::vector<uint32_t> islands =
+            overloaded(*piece->blocks, settings.material, settings.blocks.strength_scale, gravity, {});
+        Result<std::vector<SolidPtr>> parts(std::vector<SolidPtr>{piece});
+        if (std::ranges::any_of(islands, [](uint32_t island) { return island != 0; }))
+            parts = break_apart(*piece, islands, settings, cancelled);
+        if (parts)
+            all.insert(all.end(), parts->begin(), parts->end());
+        else
+            all.push_back(std::move(piece)); // stands though it should not
+    }
+    return all;
+}
+
+} // namespace
+
+void Destruction::take_up_blows(World& world) {
+    float least = std::numeric_limits<float>::infinity();
+    for (const auto& [id, object] : objects_) least = std::min(least, object.desc->impact_speed);
+    const auto ours = [&](BodyId body) { return piece_of_body_.contains(body.value); };
+    for (const BodyBlow& blow : blows_.take_up(world, least, ours)) {
+        const auto at = piece_of_body_.find(blow.body.value);
+        const PieceId id = at->second;
+        const Live& piece = pieces_.at(id);
+        if (2.0f * blow.energy <= desc_of(piece).impact_speed * blow.impulse) continue;
+        Hit hit{.blow = {glm::dvec3(blow.point) + piece.solid->mass.centre_of_mass,
+                         turned_back(world.pose(blow.body), blow.normal), blow.energy},
+                .sharp = blow.sharp,
+                .striker = blow.other,
+                .arm = blow.arm,
+                .lost = blow.energy};
+        // What the ground or a fixed body gave is not solved anew.
+        if (world.contains(blow.other) && !world.fixed(blow.other)) hit.owed = blow.impulse * blow.normal;
+        if (cuts(world, piece, hit)) take_back_bounce(world, blow.body, hit);
+        if (glm::length(hit.owed) > 0.0f && world.fixed(blow.body)) {
+            hit.rubbed = blow.friction;
+            hit.lost = std::max(hit.lost, lost_by(world, hit, hit.owed + hit.rubbed));
+        }
+        hit_piece(world, id, hit);
+    }
+}
+
+void Destruction::update_structures(World& world) {
+    for (auto& [id, object] : objects_) {
+        if (!object.structure) continue;
+        for (const Impact& impact : object.structure->update(world).impacts) {
+            const PieceId piece = object.bonded[impact.piece];
+            const auto at = pieces_.find(piece);
+            if (at == pieces_.end() || !world.contains(body_of(at->second))) continue;
+            const Pose pose = *pose_of(world, at->second, 1.0f);
+            const Hit hit{
+                .blow = {turned_back(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
+                         turned_back(pose, impact.normal), impact.energy},
+                .sharp = static_cast<double>(impact.impulse * impact.sharpness),
+                .striker = impact.other};
+            hit_piece(world, piece, hit);
+            if (pieces_.at(piece).job != none) object.structure->isolate(impact.piece);
+        }
+    }
+}
+
+bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point, const glm::vec3& normal, double energy) {
+    const auto at = pieces_.find(id);
+    if (at == pieces_.end()) return false;
+    const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy);
+    if (!blow) return false;
+    Hit hit;
+    hit.blow = *blow;
+    hit.sharp = std::numeric_limits<double>::infinity();
+    hit_piece(world, id, hit);
+    if (at->second.bonded != none && at->second.job != none)
+        objects_.at(at->second.object).structure->isolate(at->second.bonded);
+    return at->second.job != none;
+}
+
+std::optional<PlannedCut> Destruction::foresee(const World& world, PieceId id, const glm::vec3& point,
+                                               const glm::vec3& normal, double energy) const {
+    const auto at = pieces_.find(id);
+    if (at == pieces_.end() || at->second.job != none) return std::nullopt;
+    const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy);
+    return blow ? plan(world, at->second, *blow) : std::nullopt;
+}
+
+std::optional<Blow> Destruction::blow_at(const World& world, const Live& piece, const glm::vec3& point,
+                                         const glm::vec3& normal, double energy) const {
+    if (!finite(point) || !finite(normal) || !(glm::length(normal) > 0.0f)) return std::nullopt;
+    const std::optional<Pose> pose = pose_of(world, piece, 1.0f);
+    if (!pose || !(energy > 0.0) || !std::isfinite(energy)) return std::nullopt;
+    return Blow{turned_back(*pose, point - pose->position) + piece.solid->mass.centre_of_mass,
+                turned_back(*pose, glm::normalize(normal)), energy};
+}
+
+// Whether a blow cuts a piece, or may cut what comes of the job that runs.
+bool Destruction::cuts(const World& world, const Live& piece, const Hit& hit) const {
+    return hit.sharp > piece.solid->bearable && (piece.job != none || plan(world, piece, hit.blow));
+}
+
+// Begins a job, or lays the blow by for when the one that runs is done.
+void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
+    Live& piece = pieces_.at(id);
+    if (!cuts(world, piece, hit)) return knock(world, id, hit);
+    if (piece.job == none) {
+        start_job(world, id, hit);
+        return;
+    }
+    if (!piece.waiting) {
+        piece.waiting = hit;
+        return;
+    }
+    const double energy = piece.waiting->blow.energy + hit.blow.energy;
+    if (hit.blow.energy > piece.waiting->blow.energy) piece.waiting = hit; // what the other gave stays with the whole
+    piece.waiting->blow.energy = energy;
+}
+
+std::optional<PlannedCut> Destruction::plan(const World& world, const Live& piece, const Blow& blow) const {
+    if (!piece.solid->breakable || piece.unbreakable || piece.fading > 0) return std::nullopt;
+    const std::shared_ptr<const BreakableDesc>& desc = objects_.at(piece.object).desc;
+    const double least = desc->solid.min_size * desc->solid.min_size * desc->solid.min_size;
+    const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume, {desc->most_pieces, least});
+    if (damage.pieces == 0) return std::nullopt;
+    const uint64_t seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, first_blow + piece.blows);
+    return PlannedCut{piece.solid, desc, blow, damage, seed, gravity_of(world, piece)};
+}
+
+Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled) {
+    ImpactPattern pattern = cut.desc->pattern;
+    pattern.seed = cut.seed;
+    Blow on_surface = cut.blow;
+    on_surface.point = nearest_on(cut.solid->mesh, cut.blow.point);
+    ImpactSites sites;
+    const auto broken = [&] {
+        sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, cut.damage, pattern);
+        return break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
+    };
+    Result<std::vector<SolidPtr>> pieces = broken();
+    const auto withstands = [&] { return pieces && pieces->size() < 2 && !(cancelled && cancelled()); };
+    // Another cut that is refused leaves it as it is.
+    const auto take = [&](Result<std::vector<SolidPtr>> other) {
+        if (other) pieces = std::move(other);
+    };
+    if (withstands() && sites.bricks) { // no brick comes off by itself: crumbs do
+        pattern.kind = fracture::PatternKind::uniform;
+        take(broken());
+    }
+    if (withstands() && sites.rest > 1 && std::ranges::find(sites.groups, sites.rest) != sites.groups.end()) {
+        // Crumbs that are each too small come off together.
+        for (uint32_t& group : sites.groups) group = group < sites.rest ? 0 : 1;
+        take(break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled));
+    }
+    if (pieces) *pieces = standing(std::move(*pieces), cut.desc->solid, cut.gravity, cancelled);
+    return pieces;
+}
+
+void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
+    Live& piece = pieces_.at(id);
+    const std::optional<PlannedCut> cut = plan(world, piece, hit.blow);
+    if (!cut) return;
+    ++piece.blows;
+    piece.job = next_job_++;
+    jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit};
+    ++statistics_.blows;
+    background_.start(piece.job, [cut = *cut](const std::atomic<bool>& cancelled) {
+        Broken broken;
+        Result<std::vector<SolidPtr>> pieces = carry_out(cut, [&] { return cancelled.load(); });
+        if (pieces)
+            broken.pieces = std::move(*pieces);
+        else
+            broken.failure = pieces.error().message;
+        make_forms(broken);
+        return broken;
+    });
+}
+
+// In the coordinates of the object.
+glm::dvec3 Destruction::gravity_of(const World& world, const Live& piece) const {
+    const BodyId body = body_of(piece);
+    return world.contains(body) ? turned_back(world.pose(body), world.settings().gravity) : glm::dvec3(0.0);
+}
+
+// A blow that breaks nothing where it lands may break what is held elsewhere. While a job runs, such blows are let pass.
+void Destruction::knock(const World& world, PieceId id, const Hit& hit) {
+    Live& piece = pieces_.at(id);
+    if (!piece.solid->blocks || piece.job != none || piece.unbreakable || piece.fading > 0) return;
+    const double impulse = static_cast<double>(glm::length(hit.owed));
+    if (!(impulse > 0.0)) return;
+    const Material& material = desc_of(piece).solid.material;
+    if (!(hit.blow.energy > piece.solid->blocks->least_area * static_cast<double>(material.fracture_energy))) return;
+    start_parting(world, id, hit, [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
+                                 const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
+        return knocked_loose(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, blow, energy);
+    });
+}
+
+// What rests on held things: their blocks are looked at again where it has become more.
+void Destruction::update_loads(const World& world) {
+    std::map<BodyId, PieceId> held; // in the order of either
+    for (const auto& [id, piece] : pieces_)
+        if (piece.solid->blocks && piece.bonded == none) held.emplace(piece.own, id);
+    if (held.empty()) return;
+    std::map<PieceId, std::vector<PointLoad>> loads;
+    const double step = world.settings().step;
+    for (const Contact& contact : world.contacts())
+        for (const bool first : {true, false}) {
+            const auto at = held.find(first ? contact.a : contact.b);
+            if (at == held.end()) continue;
+            const Live& piece = pieces_.at(at->second);
+            if (contact.speed > desc_of(piece).impact_speed) continue;
+            const Pose pose = world.pose(at->first);
+            const glm::vec3 impulse = (first ? 1.0f : -1.0f) * (contact.impulse * contact.normal + contact.friction);
+            loads[at->second].push_back({turned_back(pose, contact.point - pose.position) + piece.solid->mass.centre_of_mass,
+                                         turned_back(pose, impulse) / step});
+        }
+    for (const auto& [body, id] : held) {
+        Live& piece = pieces_.at(id);
+        const auto found = loads.find(id);
+        double sum = 0.0;
+        if (found != loads.end())
+            for (const PointLoad& load : found->second) sum += glm::length(load.force);
+        piece.load += (sum - piece.load) * std::min(1.0, step / load_seconds);
+        piece.looked_at = std::min(piece.looked_at, piece.load);
+        const double weight = piece.solid->body.mass * static_cast<double>(glm::length(world.settings().gravity));
+        const bool more = piece.load > more_load * piece.looked_at + new_load * weight;
+        if (!more || found == loads.end() || piece.job != none || piece.unbreakable || piece.fading > 0) continue;
+        piece.looked_at = piece.load;
+        for (PointLoad& load : found->second) load.force *= piece.load / sum; // their mean, as they lie now
+        start_parting(world, id, {}, [=, pushes = std::move(found->second)](
+                                     const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
+            return overloaded(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, pushes);
+        });
+    }
+}
+
+// A job that cuts a held piece along its blocks, where they part: of a blow elsewhere, or of a load and no hit.
+void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts) {
+    Live& piece = pieces_.at(id);
+    piece.job = next_job_++;
+    jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit, true};
+    background_.start(piece.job, [=, solid = piece.solid, gravity = gravity_of(world, piece),
+                                  desc = objects_.at(piece.object).desc](const std::atomic<bool>& cancelled) {
+        Broken broken;
+        const std::vector<uint32_t> islands = parts(*solid, desc->solid, gravity);
+        if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size())) return broken;
+        Result<std::vector<SolidPtr>> pieces = break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); });
+        if (pieces)
+            broken.pieces = std::move(*pieces);
+        else
+            broken.failure = pieces.error().message;
+        make_forms(broken);
+        return broken;
+    });
+}
+
+// What hit the piece comes to rest at it until the pieces are there: half a bounce off a pane that then has a hole would
+// be seen, as would something that falls into it. What the contact stopped is owed to both.
+void Destruction::take_back_bounce(World& world, BodyId own, Hit& hit) {
+    const float most = glm::length(hit.owed);
+    if (!(most > 0.0f)) return;
+    const glm::vec3 normal = hit.owed / most;
+    // A fast one has gone far since the contact: it gets the impulse at the arm that it had, or would come to spin.
+    const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
+    const float apart = speed_at(world, own, point, normal) - speed_at(world, hit.striker, point, normal);
+    const float response = response_at(world, own, point, normal) + response_at(world, hit.striker, point, normal);
+    if (!(response > 0.0f)) return;
+    const float bounce = std::clamp(apart / response, 0.0f, most);
+    push(world, own, -bounce * normal, point);
+    push(world, hit.striker, bounce * normal, point);
+    hit.owed = (most - bounce) * normal;
+}
+
+// J that what hit a held piece lost by an impulse which it gave just before.
+double Destruction::lost_by(const World& world, const Hit& hit, const glm::vec3& impulse) {
+    const float size = glm::length(impulse);
+    if (!(size > 0.0f)) return 0.0;
+    const glm::vec3 direction = impulse / size, point = world.pose(hit.striker).position + hit.arm;
+    return static_cast<double>(size * (speed_at(world, hit.striker, point, direction)
+                                       + 0.5f * size * response_at(world, hit.striker, point, direction)));
+}
+
+} // namespace brittle::physics

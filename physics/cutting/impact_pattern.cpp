@@ -1,0 +1,303 @@
+#include "physics/cutting/impact_pattern.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "fracture/mesh/inside.h"
+#include "fracture/mesh/principal_axes.h"
+#include "fracture/base/random.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::PatternKind;
+using fracture::Random;
+
+constexpr double pi = std::numbers::pi;
+constexpr double pieces_per_size = 24.0; // n = so many sqrt(A) / L
+constexpr uint32_t least_pieces = 4;
+constexpr double half_ball = 2.0 / 3.0 * pi;
+// Surface between n cubes that fill a half ball: so much times R^2 n^(1/3). 3 V^(2/3), V = half_ball R^3.
+const double surface_per_radius = 3.0 * std::pow(half_ball, 2.0 / 3.0);
+// Sites of the shell around the damage, and of the rest beyond: so that the rest's cells, which are its collision hulls, are
+// not larger than the solid's own features.
+constexpr uint32_t shell_sites = 16, outer_sites = 12;
+constexpr uint32_t shell_around = 5; // of a layer of splinters
+// Radius of the shell by that of the damage: bisectors between the outermost pieces and the shell are near the damage's rim.
+constexpr double shell_ratio = 1.35;
+constexpr double inner_ratio = 0.75; // the pieces' sites keep so far within the damage
+
+struct Frame {
+    glm::dvec3 along, u, v;
+};
+
+Frame frame_along(const glm::dvec3& axis) {
+    const glm::dvec3 other = std::abs(axis.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
+    const glm::dvec3 u = glm::normalize(glm::cross(other, axis));
+    return {axis, u, glm::cross(axis, u)};
+}
+
+bool finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+glm::dvec3 direction(Random& random) {
+    const double z = 2.0 * random.uniform() - 1.0, angle = 2.0 * pi * random.uniform();
+    const double r = std::sqrt(1.0 - z * z);
+    return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+// In the unit half ball about +along; power 1/3 fills it evenly, larger ones crowd the middle.
+glm::dvec3 in_half_ball(Random& random, const glm::dvec3& along, double power) {
+    glm::dvec3 d = direction(random);
+    if (glm::dot(d, along) < 0.0) d = -d;
+    return d * std::pow(random.uniform(), power);
+}
+
+// The longest extent has the least moment about it.
+glm::dvec3 longest_axis(const fracture::MassProperties& mass) {
+    const fracture::PrincipalAxes principal = fracture::principal_axes(mass.inertia);
+    int least = 0;
+    for (int axis = 1; axis < 3; ++axis)
+        if (principal.moments[axis] < principal.moments[least]) least = axis;
+    return principal.axes[least];
+}
+
+class Maker {
+  public:
+    Maker(const fracture::TriangleMesh& solid, const Blow& blow, const Damage& damage, const ImpactPattern& pattern)
+        : solid_(solid), blow_(blow), damage_(damage), pattern_(pattern), random_(pattern.seed) {
+        double farthest = 0.0;
+        for (const glm::dvec3& p : solid_.positions) {
+            depth_ = std::max(depth_, glm::dot(p - blow_.point, blow_.normal));
+            farthest = std::max(farthest, glm::distance(p, blow_.point));
+        }
+        reach_ = inner_ratio * std::min(damage_.radius, farthest);
+    }
+
+    ImpactSites run(const fracture::MassProperties& mass) {
+        bool ended = false; // the damage, by sites of the rest around it
+        switch (pattern_.kind) {
+        case PatternKind::radial: radial(); break;
+        case PatternKind::splinters:
+            splinters(longest_axis(mass));
+            ended = true;
+            break;
+        case PatternKind::clustered:
+        case PatternKind::thickness: crowd(damage_.pieces, 1.0); break;
+        case PatternKind::bricks:
+            ended = result_.bricks = bricks();
+            if (ended) break;
+            [[fallthrough]];
+        default:
+            crowd(damage_.pieces / 2, 1.0);
+            crowd(damage_.pieces - damage_.pieces / 2, 1.0 / 3.0);
+        }
+        if (!ended) shell();
+        rest();
+        return finished();
+    }
+
+    ImpactSites from_diagram() {
+        fracture::Box from{glm::dvec3(std::numeric_limits<double>::infinity()),
+                           glm::dvec3(-std::numeric_limits<double>::infinity())};
+        for (const glm::dvec3& site : pattern_.diagram) {
+            from.min = glm::min(from.min, site);
+            from.max = glm::max(from.max, site);
+        }
+        fracture::Placement placement = pattern_.placement;
+        placement.turn.y += 360.0 * random_.uniform();
+        result_.sites = fracture::place(pattern_.diagram, from, fracture::bounds(solid_), placement);
+        for (const glm::dvec3& site : result_.sites)
+            result_.groups.push_back(glm::distance(site, blow_.point) <= damage_.radius ? result_.rest++ : stays);
+        return finished();
+    }
+
+  private:
+    static constexpr uint32_t stays = UINT32_MAX; // the rest's group, until all pieces are counted
+
+    ImpactSites finished() {
+        std::ranges::replace(result_.groups, stays, result_.rest);
+        return std::move(result_);
+    }
+
+    void add(const glm::dvec3& site, uint32_t group) {
+        result_.sites.push_back(site);
+        result_.groups.push_back(group);
+    }
+    void add_piece(const glm::dvec3& site) { add(site, result_.rest++); }
+    void add_rest(const glm::dvec3& site) { add(site, stays); }
+
+    // In what is thinner than the damage is deep, the half ball is flattened into it.
+    void crowd(uint32_t count, double power) {
+        const double flatter = 1.0 - std::min(1.0, depth_ / reach_);
+        for (uint32_t i = 0; i < count; ++i) {
+            const glm::dvec3 at = in_half_ball(random_, blow_.normal, power);
+            add_piece(blow_.point + reach_ * (at - flatter * glm::dot(at, blow_.normal) * blow_.normal));
+        }
+    }
+
+    // Rings and rays, the shards longer the farther out; half a turn between rings, as glass breaks.
+    void radial() {
+        const Frame frame = frame_along(blow_.normal);
+        const auto rings = std::max(1u, static_cast<uint32_t>(std::lround(std::sqrt(damage_.pieces / 3.0))));
+        const uint32_t rays = std::max(3u, (damage_.pieces + rings - 1) / rings);
+        for (uint32_t ring = 0, made = 0; ring < rings; ++ring) {
+            const double turn = random_.uniform();
+            for (uint32_t ray = 0; ray < rays && made < damage_.pieces; ++ray, ++made) {
+                const double angle = 2.0 * pi * (ray + turn + 0.5 * (random_.uniform() - 0.5)) / rays;
+                const double r = reach_ * std::pow((ring + 0.5 + 0.4 * (random_.uniform() - 0.5)) / rings, 1.4);
+                add_piece(blow_.point + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
+            }
+        }
+    }
+
+    // Layers across the grain, in each a crowd of sites nearly level with each other: their bisectors run along the grain. An
+    // odd number, so that one is at the contact. The shell has sites around each layer, level with it: elsewhere they would be
+    // nearer to what is between two layers than those are, and the rest would keep it, the contact above all.
+    void splinters(const glm::dvec3& grain) {
+        const Frame frame = frame_along(grain);
+        const double stretch = std::cbrt(pattern_.slenderness); // the damage keeps its volume
+        const double length = reach_ * stretch * stretch, width = reach_ / stretch;
+        // Pieces of n / k in each of k layers are 0.9 sqrt(n) / k^1.5 times as slender as was asked for: k = (0.81 n)^(1/3).
+        const uint32_t layers = 2 * (static_cast<uint32_t>(std::cbrt(0.81 * damage_.pieces)) / 2) + 1;
+        const double apart = 1.6 * length / layers;
+        const auto at = [&](double along, double r, double angle) {
+            return blow_.point + along * frame.along + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v);
+        };
+        const auto middle = [&](uint32_t layer) { return (layer - 0.5 * (layers - 1.0)) * apart; };
+        for (uint32_t i = 0; i < damage_.pieces; ++i) {
+            const double tilt = 0.1 * (random_.uniform() - 0.5) * length / layers;
+            const double angle = 2.0 * pi * random_.uniform();
+            add_piece(at(middle(i % layers) + tilt, width * std::sqrt(random_.uniform()), angle));
+        }
+        const double beside = shell_ratio * damage_.radius / stretch;
+        for (uint32_t layer = 0; layer < layers; ++layer) {
+            const double turn = random_.uniform();
+            for (uint32_t k = 0; k < shell_around; ++k)
+                add_rest(at(middle(layer), beside, 2.0 * pi * (k + turn) / shell_around));
+        }
+        for (const double end : {-0.5 * (layers + 1.0), 0.5 * (layers + 1.0)}) add_rest(at(end * apart, 0.0, 0.0));
+    }
+
+    // Halves beside those that come off are the rest's, or what lies farther off would give the bricks other faces.
+    bool bricks() {
+        const fracture::InsideTest inside(solid_);
+        const BricksTaken taken = bricks_near(pattern_.bond, fracture::bounds(solid_), blow_.point, damage_.radius, damage_.pieces,
+                                              [&](const glm::dvec3& middle) { return inside(middle); });
+        for (const auto& halves : taken.bricks) {
+            for (const glm::dvec3& site : halves) add(site, result_.rest);
+            ++result_.rest;
+        }
+        clear_ = taken.diagonal;
+        for (const glm::dvec3& site : taken.beside) add_rest(site);
+        return !taken.bricks.empty();
+    }
+
+    // Evenly on a ball around the contact (a spiral), in the rest's group.
+    void shell() {
+        const double golden = pi * (3.0 - std::sqrt(5.0)), turn = 2.0 * pi * random_.uniform();
+        for (uint32_t i = 0; i < shell_sites; ++i) {
+            const double z = 1.0 - (2.0 * i + 1.0) / shell_sites, r = std::sqrt(1.0 - z * z);
+            const glm::dvec3 on(r * std::cos(golden * i + turn), r * std::sin(golden * i + turn), z);
+            add_rest(blow_.point + shell_ratio * damage_.radius * on);
+        }
+    }
+
+    void rest() {
+        // Not into the shell: what is far from it and from each other.
+        std::vector<glm::dvec3> far;
+        const double beyond = 2.0 * shell_ratio * damage_.radius;
+        const std::vector<glm::dvec3> near(result_.sites);
+        const auto clear = [&](const glm::dvec3& p) { // surely, where it is so far from the damage
+            return glm::distance(p, blow_.point) > beyond + 2.0 * clear_
+                   || std::ranges::all_of(near, [&](const glm::dvec3& site) { return glm::distance(p, site) >= clear_; });
+        };
+        for (const glm::dvec3& p : solid_.positions)
+            if (glm::distance(p, blow_.point) > beyond && clear(p)) far.push_back(p);
+        for (const glm::dvec3& p : spread_points(far, outer_sites, result_.sites)) add_rest(p);
+    }
+
+    const fracture::TriangleMesh& solid_;
+    const Blow& blow_;
+    const Damage& damage_;
+    const ImpactPattern& pattern_;
+    Random random_;
+    double reach_ = 0.0; // m, of the pieces' sites: within the damage, and within the solid where that is smaller
+    double depth_ = 0.0; // m, of the solid behind the contact
+    double clear_ = 0.0; // m, from the sites so far to those of the rest beyond
+    ImpactSites result_; // its rest is the number of pieces so far
+};
+
+} // namespace
+
+double energy_of(double radius, const Material& material, double volume, uint32_t most_pieces) {
+    if (!(radius > 0.0) || !(volume > 0.0) || !std::isfinite(radius) || !std::isfinite(volume)) return 0.0;
+    // The radius grows with the energy, and does so between the bounds that the numbers of pieces give.
+    const auto energy = [&](double pieces) {
+        return surface_per_radius * radius * radius * std::cbrt(pieces) * static_cast<double>(material.fracture_energy);
+    };
+    double low = energy(1.0), high = energy(std::max<double>(most_pieces, least_pieces));
+    for (int k = 0; k < 60; ++k) {
+        const double middle = 0.5 * (low + high);
+        const Blow blow{.energy = middle};
+        (damage_of(blow, material, volume, {.most_pieces = most_pieces}).radius < radius ? low : high) = middle;
+    }
+    return high;
+}
+
+Damage damage_of(const Blow& blow, const Material& material, double volume, const DamageLimits& limits) {
+    if (!finite(blow.point) || !finite(blow.normal) || !(glm::length(blow.normal) > 0.5) || !(blow.energy > 0.0)
+        || !std::isfinite(blow.energy) || !(volume > 0.0) || !std::isfinite(volume))
+        return {};
+    const double surface = blow.energy / static_cast<double>(material.fracture_energy);
+    double pieces = std::max(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)), double{least_pieces});
+    pieces = std::min(pieces, static_cast<double>(std::max(limits.most_pieces, 1u)));
+    const double radius = std::sqrt(surface / (surface_per_radius * std::cbrt(pieces)));
+    if (limits.least_volume > 0.0) {
+        const double damaged = std::min(half_ball * radius * radius * radius, volume);
+        if (volume < 2.0 * limits.least_volume || damaged < limits.least_volume) return {};
+        pieces = std::min(pieces, std::floor(damaged / limits.least_volume));
+    }
+    return {radius, static_cast<uint32_t>(pieces)};
+}
+
+ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass, const Blow& blow,
+                         const Damage& damage, const ImpactPattern& pattern) {
+    if (!(damage.radius > 0.0) || damage.pieces == 0) return {};
+    Maker maker(solid, blow, damage, pattern);
+    return pattern.diagram.empty() ? maker.run(mass) : maker.from_diagram();
+}
+
+std::vector<glm::dvec3> spread_points(std::span<const glm::dvec3> vertices, uint32_t count,
+                                      std::span<const glm::dvec3> given) {
+    constexpr size_t most_looked_at = 4096;
+    const size_t stride = std::max<size_t>(1, vertices.size() / most_looked_at);
+    std::vector<glm::dvec3> points;
+    for (size_t i = 0; i < vertices.size(); i += stride) points.push_back(vertices[i]);
+    std::vector<double> gap(points.size(), std::numeric_limits<double>::infinity());
+    const auto note = [&](const glm::dvec3& from) {
+        for (size_t i = 0; i < points.size(); ++i) {
+            const glm::dvec3 apart = points[i] - from;
+            gap[i] = std::min(gap[i], glm::dot(apart, apart));
+        }
+    };
+    for (const glm::dvec3& site : given) note(site);
+    std::vector<glm::dvec3> chosen;
+    while (chosen.size() < count && !points.empty()) {
+        const auto farthest = std::ranges::max_element(gap);
+        if (*farthest == 0.0) break; // only duplicates are left
+        chosen.push_back(points[static_cast<size_t>(farthest - gap.begin())]);
+        note(chosen.back());
+    }
+    return chosen;
+}
+
+} // namespace brittle::physics

@@ -1,0 +1,260 @@
+#include "physics/cutting/solid_piece.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "fracture/fracture.h"
+#include "fracture/pieces/merge.h"
+#include "fracture/base/parallel.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::Box;
+using fracture::Error;
+using fracture::Fragments;
+using fracture::Piece;
+using fracture::Result;
+using fracture::Status;
+using fracture::Triangle;
+
+// Hulls of one cell of a broken solid: a cell is convex, so few parts do.
+constexpr uint32_t most_parts_of_cell = 4;
+
+double cube(double x) {
+    return x * x * x;
+}
+
+// All but the parts, from mesh, exterior_triangles, source and mass.
+void finish(SolidPiece& solid, const SolidSettings& settings) {
+    const std::vector<glm::dvec3>& positions = solid.mesh.positions;
+    solid.positions.reserve(positions.size());
+    for (const glm::dvec3& p : positions) {
+        solid.positions.emplace_back(p - solid.mass.centre_of_mass);
+        solid.radius = std::max(solid.radius, glm::length(solid.positions.back()));
+    }
+    Piece piece;
+    piece.mass = solid.mass;
+    const BodyMass exact = true_mass(piece, settings.material.density);
+    solid.body = is_possible(exact) ? exact : box_mass(positions, settings.material.density);
+    solid.bearable = bearable_impulse(settings.material, solid.mass.volume, fracture::bounds(solid.mesh));
+    solid.anchored = reaches(settings.anchors, positions, solid.mesh.triangles);
+    solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
+    if (settings.look) solid.look = settings.look(solid);
+}
+
+// What loads are found with, of what is held.
+void add_blocks(SolidPiece& solid, const SolidSettings& settings, const std::function<bool()>& cancelled = {}) {
+    if (!settings.blocks.enabled || !solid.anchored || !solid.breakable) return;
+    const auto anchored = [&](const Fragments& fragments, const Piece& piece) {
+        return reaches(settings.anchors, fragments.positions_of(piece), fragments.triangles_of(piece));
+    };
+    solid.blocks = held_blocks(solid.mesh, settings.material.density, settings.blocks, anchored, settings.threads, cancelled);
+}
+
+Result<void> check(const SolidSettings& settings) {
+    if (std::string fault = fault_of(settings.material); !fault.empty())
+        return Error{Status::invalid_setting, std::move(fault)};
+    if (!(settings.min_size > 0.0) || !std::isfinite(settings.min_size))
+        return Error{Status::invalid_setting, "the least size of a piece is " + std::to_string(settings.min_size)
+                                                  + " m; it must be positive"};
+    return {};
+}
+
+// Exterior are the parts of what was exterior in the solid: cuts of before stay interior.
+SolidPiece mesh_of(const SolidPiece& from, const Fragments& fragments, const Piece& piece) {
+    SolidPiece solid;
+    const auto positions = fragments.positions_of(piece);
+    solid.mesh.positions.assign(positions.begin(), positions.end());
+    solid.mass = piece.mass;
+    solid.mesh.triangles.reserve(piece.triangles.size());
+    for (const bool exterior : {true, false})
+        for (uint32_t k = 0; k < piece.triangles.size(); ++k) {
+            const uint32_t t = piece.triangles.begin + k;
+            const bool outside =
+                k < piece.exterior_triangles && fragments.triangle_source[t] < from.exterior_triangles;
+            if (outside != exterior) continue;
+            solid.mesh.triangles.push_back(fragments.triangles[t]);
+            if (exterior) solid.source.push_back(from.source[fragments.triangle_source[t]]);
+        }
+    solid.exterior_triangles = static_cast<uint32_t>(solid.source.size());
+    return solid;
+}
+
+std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const ConvexPartSettings& settings) {
+    ConvexPartSettings few = settings;
+    few.most_parts = std::min(settings.most_parts, most_parts_of_cell);
+    std::vector<std::vector<BodyPart>> parts;
+    for (const Piece& piece : cells.pieces)
+        parts.push_back(convex_parts(cells.positions_of(piece), cells.triangles_of(piece), piece.mass.volume,
+                                     piece.mass.centre_of_mass, few));
+    return parts;
+}
+
+Error cancelled_error() {
+    return {Status::cancelled, "breaking a solid was cancelled"};
+}
+
+} // namespace
+
+double bearable_impulse(const Material& material, double volume, const Box& box) {
+    const double side = std::max({box.size().x, box.size().y, box.size().z});
+    return side > 0.0 ? static_cast<double>(toughness(material)) * std::max(volume, 0.0) / side : 0.0;
+}
+
+Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSettings& settings) {
+    if (const Result<void> valid = check(settings); !valid) return valid.error();
+    // One cell: the front door's checks, and the mesh as pieces have it, solids that touch in a vertex apart.
+    const glm::dvec3 site = fracture::bounds(mesh).centre();
+    const Result<Fragments> whole = fracture::fracture(mesh, {&site, 1}, {.threads = settings.threads, .groups = {0}});
+    if (!whole) return whole.error();
+    SolidPiece solid;
+    for (const Piece& piece : whole->pieces) { // parts that do not touch are one object all the same
+        const auto positions = whole->positions_of(piece);
+        const auto base = static_cast<uint32_t>(solid.mesh.positions.size());
+        solid.mesh.positions.insert(solid.mesh.positions.end(), positions.begin(), positions.end());
+        for (uint32_t t = piece.triangles.begin; t < piece.triangles.end; ++t) {
+            solid.mesh.triangles.push_back(whole->triangles[t] + base);
+            solid.source.push_back(whole->triangle_source[t]);
+        }
+    }
+    solid.exterior_triangles = static_cast<uint32_t>(solid.mesh.triangles.size());
+    solid.mass = fracture::mass_properties(solid.mesh.positions, solid.mesh.triangles);
+    finish(solid, settings);
+    solid.parts = convex_parts(solid.mesh.positions, solid.mesh.triangles, solid.mass.volume, solid.mass.centre_of_mass,
+                               settings.parts);
+    add_blocks(solid, settings);
+    return std::make_shared<const SolidPiece>(std::move(solid));
+}
+
+namespace {
+
+// The pieces of a cut, those of one representative joined.
+Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& cut, const std::vector<uint32_t>& goes_to,
+                                            const SolidSettings& settings, const std::function<bool()>& cancelled) {
+    const std::vector<std::vector<BodyPart>> parts = parts_of_cells(cut, settings.parts);
+    if (cancelled && cancelled()) return cancelled_error();
+    std::vector<glm::dvec3> centres;
+    for (const Piece& cell : cut.pieces) centres.push_back(cell.mass.centre_of_mass);
+    fracture::Threads threads(settings.threads);
+    fracture::merge_pieces(cut, goes_to, threads);
+
+    std::vector<SolidPtr> pieces;
+    for (uint32_t cell = 0; cell < goes_to.size(); ++cell) {
+        if (goes_to[cell] != cell) continue;
+        if (cancelled && cancelled()) return cancelled_error();
+        SolidPiece piece = mesh_of(solid, cut, cut.pieces[pieces.size()]);
+        finish(piece, settings);
+        add_blocks(piece, settings, cancelled);
+        for (uint32_t other = 0; other < goes_to.size(); ++other) {
+            if (goes_to[other] != cell) continue;
+            for (BodyPart part : parts[other]) {
+                part.offset += glm::vec3(centres[other] - piece.mass.centre_of_mass);
+                piece.parts.push_back(std::move(part));
+            }
+        }
+        if (!piece.breakable) piece.mesh.positions = {};
+        pieces.push_back(std::make_shared<const SolidPiece>(std::move(piece)));
+    }
+    return pieces;
+}
+
+// The first piece of the island of each, where islands that are too small have joined those that they touch most.
+std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uint32_t> islands, double least_volume) {
+    std::vector<uint32_t> island(islands.begin(), islands.end());
+    for (;;) {
+        std::map<uint32_t, double> volumes;
+        for (size_t i = 0; i < island.size(); ++i) volumes[island[i]] += cut.pieces[i].mass.volume;
+        std::erase_if(volumes, [&](const auto& entry) { return entry.second >= least_volume; });
+        std::map<std::pair<uint32_t, uint32_t>, double> contacts; // small one, other: area
+        for (const fracture::Bond& bond : cut.bonds)
+            for (const auto& [from, to] : {std::pair(island[bond.a], island[bond.b]), {island[bond.b], island[bond.a]}})
+                if (from != to && volumes.contains(from)) contacts[{from, to}] += bond.area;
+        const auto widest = std::ranges::max_element(contacts, {}, [](const auto& entry) { return entry.second; });
+        if (widest == contacts.end()) break;
+        std::ranges::replace(island, widest->first.first, widest->first.second);
+    }
+    std::vector<uint32_t> first(island.size());
+    for (size_t i = 0; i < island.size(); ++i)
+        first[i] = static_cast<uint32_t>(std::ranges::find(island, island[i]) - island.begin());
+    return first;
+}
+
+} // namespace
+
+Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites,
+                                          std::span<const uint32_t> groups, const SolidSettings& settings,
+                                          const std::function<bool()>& cancelled) {
+    Result<Fragments> cut = fracture::fracture(solid.mesh, sites, {.threads = settings.threads, .cancelled = cancelled});
+    if (!cut) return cut.error();
+    const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
+    return joined_pieces(solid, *cut, goes_to, settings, cancelled);
+}
+
+Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid, std::span<const uint32_t> islands,
+                                          const SolidSettings& settings, const std::function<bool()>& cancelled) {
+    assert(solid.blocks && islands.size() == solid.blocks->nodes.size());
+    Result<Fragments> cut =
+        fracture::fracture(solid.mesh, solid.blocks->sites, {.threads = settings.threads, .cancelled = cancelled});
+    if (!cut) return cut.error();
+    const std::vector<uint32_t> goes_to = first_of_islands(*cut, islands, cube(settings.min_size));
+    return joined_pieces(solid, *cut, goes_to, settings, cancelled);
+}
+
+namespace {
+
+// Without parts.
+SolidPiece copy_of(const Fragments& fragments, const Piece& piece, const SolidSettings& settings) {
+    SolidPiece solid;
+    const auto positions = fragments.positions_of(piece);
+    const auto triangles = fragments.triangles_of(piece);
+    solid.mesh = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
+    solid.exterior_triangles = piece.exterior_triangles;
+    const auto source = fragments.triangle_source.begin() + piece.triangles.begin;
+    solid.source.assign(source, source + piece.exterior_triangles);
+    solid.mass = piece.mass;
+    finish(solid, settings);
+    return solid;
+}
+
+} // namespace
+
+SolidPtr solid_of(const Fragments& fragments, const Piece& piece, const SolidSettings& settings) {
+    SolidPiece solid = copy_of(fragments, piece, settings);
+    solid.parts.push_back({std::make_shared<const CollisionHull>(
+        collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, settings.parts.hull))});
+    return std::make_shared<const SolidPiece>(std::move(solid));
+}
+
+Result<std::vector<SolidPtr>> solids_of(const Fragments& fragments, const SolidSettings& settings, bool hollow,
+                                        uint32_t threads) {
+    if (const Result<void> valid = check(settings); !valid) return valid.error();
+    std::vector<SolidPtr> solids(fragments.pieces.size());
+    fracture::Threads pool(threads);
+    pool.for_chunks(static_cast<uint32_t>(solids.size()), 4, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            const Piece& piece = fragments.pieces[i];
+            if (!hollow) {
+                solids[i] = solid_of(fragments, piece, settings);
+                continue;
+            }
+            SolidPiece solid = copy_of(fragments, piece, settings);
+            solid.parts = convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece),
+                                       piece.mass.volume, piece.mass.centre_of_mass, settings.parts);
+            add_blocks(solid, settings);
+            solids[i] = std::make_shared<const SolidPiece>(std::move(solid));
+        }
+    });
+    return solids;
+}
+
+} // namespace brittle::physics

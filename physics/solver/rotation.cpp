@@ -1,0 +1,37 @@
+#include "physics/solver/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace brittle::physics {
+
+Spin free_spin(const Spin& spin, const glm::dvec3& moments, double seconds) {
+    const double fastest = max_turn_per_substep * max_spin_substeps / seconds;
+    glm::dvec3 velocity = spin.velocity;
+    const double speed = glm::length(velocity);
+    if (!(speed > 0.0)) return spin;
+    if (speed > fastest) velocity *= fastest / speed;
+
+    const int substeps =
+        std::clamp(static_cast<int>(std::ceil(speed * seconds / max_turn_per_substep)), 1, max_spin_substeps);
+    const double h = seconds / substeps, settled = 1e-12 * speed;
+    glm::dquat orientation = spin.orientation;
+    glm::dvec3 body = glm::conjugate(orientation) * velocity;
+    for (int substep = 0; substep < substeps; ++substep) {
+        // Euler's equation at the midpoint: I (m - w) = h/2 (I m) x m, where m = (w + w') / 2.
+        glm::dvec3 middle = body;
+        for (int iteration = 0; iteration < 40; ++iteration) {
+            const glm::dvec3 next = body + 0.5 * h * glm::cross(moments * middle, middle) / moments;
+            const glm::dvec3 change = next - middle;
+            middle = next;
+            if (glm::dot(change, change) <= settled * settled) break;
+        }
+        body = 2.0 * middle - body;
+        // The Cayley map of h m is the quaternion (1, h m / 2), normalised: the same rational map that turned
+        // the angular momentum in the body's axes, so that in the world it stands still.
+        orientation = glm::normalize(orientation * glm::dquat(1.0, 0.5 * h * middle));
+    }
+    return {orientation, orientation * body};
+}
+
+} // namespace brittle::physics

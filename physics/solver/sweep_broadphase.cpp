@@ -1,0 +1,575 @@
+#include "physics/solver/sweep_broadphase.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <LinearMath/btAabbUtil2.h>
+
+#include "fracture/base/union_find.h"
+
+namespace brittle::physics {
+
+namespace {
+
+// Another axis is taken when boxes spread by this factor more along it: what is sorted along the old one is lost.
+constexpr float worth_another_axis = 1.25f;
+
+// Fewer boxes than this are not worth waking another thread for.
+constexpr uint32_t least_boxes = 128;
+
+constexpr float infinite = std::numeric_limits<float>::infinity();
+
+SweptProxy& swept(btBroadphaseProxy* proxy) {
+    return *static_cast<SweptProxy*>(proxy);
+}
+
+SweptPairs::Key key_of(uint32_t first, uint32_t second) {
+    return static_cast<SweptPairs::Key>(std::min(first, second)) << 32 | std::max(first, second);
+}
+
+// Ascends with the number, which is none of those that are not.
+uint32_t ascending_bits(float value) {
+    const auto bits = std::bit_cast<uint32_t>(value + 0.0f); // -0 is 0
+    return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+}
+
+} // namespace
+
+void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
+                        const std::vector<Change>& changes, btDispatcher* dispatcher) {
+    btBroadphasePairArray &pairs = *pairs_, &next = *next_;
+    next.resizeNoInitialize(0);
+    next_keys_.clear();
+    set_.clear();
+    const auto keep = [&](const btBroadphasePair& pair, Key key) {
+        next.push_back(pair);
+        next_keys_.push_back(key);
+    };
+    int old = 0;
+    // Pairs before a key: those of two boxes that were not set stay.
+    const auto pass = [&](Key until) {
+        for (; old < pairs.size(); ++old) {
+            const Key key = keys_[static_cast<size_t>(old)];
+            if (key >= until) return;
+            if (changes[key >> 32] == Change::none && changes[static_cast<uint32_t>(key)] == Change::none)
+                keep(pairs[old], key);
+            else
+                cleanOverlappingPair(pairs[old], dispatcher);
+        }
+    };
+    for (const Key key : found) {
+        pass(key);
+        set_.push_back(next.size());
+        if (old < pairs.size() && keys_[static_cast<size_t>(old)] == key)
+            keep(pairs[old++], key);
+        else
+            keep(btBroadphasePair(*proxies[key >> 32], *proxies[static_cast<uint32_t>(key)]), key);
+    }
+    pass(std::numeric_limits<Key>::max());
+    std::swap(pairs_, next_);
+    std::swap(keys_, next_keys_);
+}
+
+void SweptPairs::forget_gone(const std::vector<Change>& changes, const std::vector<uint32_t>& ranks) {
+    btBroadphasePairArray& pairs = *pairs_;
+    int left = 0;
+    for (int i = 0; i < pairs.size(); ++i) {
+        const Key key = keys_[static_cast<size_t>(i)];
+        const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
+        if (changes[first] == Change::gone || changes[second] == Change::gone) continue;
+        pairs[left] = pairs[i];
+        keys_[static_cast<size_t>(left++)] = key_of(ranks[first], ranks[second]);
+    }
+    pairs.resize(left);
+    keys_.resize(static_cast<size_t>(left));
+}
+
+void SweptPairs::cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* dispatcher) {
+    if (!pair.m_algorithm || !dispatcher) return;
+    pair.m_algorithm->~btCollisionAlgorithm();
+    dispatcher->freeCollisionAlgorithm(pair.m_algorithm);
+    pair.m_algorithm = nullptr;
+    pair.m_internalInfo1 = nullptr;
+}
+
+void SweptPairs::cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) {
+    for (const int index : pairs_of(*proxy)) cleanOverlappingPair(pairs_->at(index), dispatcher);
+}
+
+// Those with a higher rank lie side by side, and behind all those with a lower one. Of these hardly any is the box's, so many
+// are looked at at once.
+const std::vector<int>& SweptPairs::pairs_of(const btBroadphaseProxy& proxy) {
+    constexpr size_t at_once = 64;
+    const uint32_t rank = static_cast<const SweptProxy&>(proxy).rank;
+    const auto own = static_cast<size_t>(std::ranges::lower_bound(keys_, key_of(rank, rank)) - keys_.begin());
+    of_one_.clear();
+    for (size_t first = 0; first < own; first += at_once) {
+        const size_t end = std::min(first + at_once, own);
+        uint32_t some = 0;
+        for (size_t i = first; i < end; ++i) some |= static_cast<uint32_t>(keys_[i]) == rank ? 1u : 0u;
+        if (some == 0) continue;
+        for (size_t i = first; i < end; ++i)
+            if (static_cast<uint32_t>(keys_[i]) == rank) of_one_.push_back(static_cast<int>(i));
+    }
+    for (size_t i = own; i < keys_.size() && keys_[i] >> 32 == rank; ++i) of_one_.push_back(static_cast<int>(i));
+    return of_one_;
+}
+
+void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher*) {
+    for (int i = 0; i < pairs_->size(); ++i) callback->processOverlap(pairs_->at(i));
+}
+
+btBroadphasePair* SweptPairs::findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) {
+    for (int i = 0; i < pairs_->size(); ++i)
+        if (btBroadphasePair& pair = pairs_->at(i); std::minmax(pair.m_pProxy0, pair.m_pProxy1) == std::minmax(first, second))
+            return &pair;
+    return nullptr;
+}
+
+void SweepBroadphase::Boxes::resize(size_t count) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+        low[axis].resize(count);
+        high[axis].resize(count);
+        low[axis].resize(count + 3, infinite);
+        high[axis].resize(count + 3, -infinite);
+    }
+    size.resize(count + 3);
+    least_partner.resize(count);
+    least_partner.resize(count + 3, infinite); // what has no bounds overlaps what is empty
+}
+
+void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) const {
+    for (size_t axis = 0; axis < 3; ++axis) {
+        to.low[axis][to_place] = low[axis][place];
+        to.high[axis][to_place] = high[axis][place];
+    }
+    to.size[to_place] = size[place];
+    to.least_partner[to_place] = least_partner[place];
+}
+
+void SweepBroadphase::Sorted::resize(size_t count) {
+    ranks.resize(count);
+    boxes.resize(count);
+}
+
+void SweepBroadphase::Boxes::set(size_t place, const btVector3& from, const btVector3& to) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+        low[axis][place] = from[static_cast<int>(axis)];
+        high[axis][place] = to[static_cast<int>(axis)];
+    }
+}
+
+SweepBroadphase::Box4 SweepBroadphase::Boxes::four_times(size_t place) const {
+    Box4 box;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        box.low[axis] = Float4::all(low[axis][place]);
+        box.high[axis] = Float4::all(high[axis][place]);
+    }
+    return box;
+}
+
+SweepBroadphase::Box4 SweepBroadphase::four_times(const btVector3& from, const btVector3& to) {
+    Box4 box;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        box.low[axis] = Float4::all(from[static_cast<int>(axis)]);
+        box.high[axis] = Float4::all(to[static_cast<int>(axis)]);
+    }
+    return box;
+}
+
+uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
+    const auto begins = [&](size_t axis) { return Float4::load(low[axis].data() + first); };
+    const auto ends = [&](size_t axis) { return Float4::load(high[axis].data() + first); };
+    return all_less_equal(begins(0), box.high[0], begins(1), box.high[1], begins(2), box.high[2])
+           & all_less_equal(box.low[0], ends(0), box.low[1], ends(1), box.low[2], ends(2));
+}
+
+uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_least_partner) const {
+    const Float4 sizes = Float4::load(size.data() + first), least_partners = Float4::load(least_partner.data() + first);
+    return all_less_equal(least_partners, own_size, own_least_partner, sizes, own_least_partner, sizes); // the third is the second again
+}
+
+bool SweepBroadphase::Filter::meets(const Filter& other) const {
+    return (group & other.partners) != 0 && (other.group & partners) != 0;
+}
+
+btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVector3& high, int, void* object,
+                                                int group, int mask, btDispatcher*) {
+    put_in(make_proxy(low, high, object, group, mask));
+    return proxies_.back().get();
+}
+
+std::unique_ptr<SweptProxy> SweepBroadphase::make_proxy(const btVector3& low, const btVector3& high, void* object, int group,
+                                                        int mask, btScalar size, btScalar least_partner) {
+    auto proxy = std::make_unique<SweptProxy>();
+    proxy->m_aabbMin = low;
+    proxy->m_aabbMax = high;
+    proxy->m_clientObject = object;
+    proxy->m_collisionFilterGroup = group;
+    proxy->m_collisionFilterMask = mask;
+    proxy->size = size;
+    proxy->least_partner = least_partner;
+    return proxy;
+}
+
+void SweepBroadphase::put_in(std::unique_ptr<SweptProxy> proxy) {
+    proxy->m_uniqueId = next_uid_++;
+    proxy->rank = static_cast<uint32_t>(proxies_.size());
+    changes_.push_back(SweptPairs::Change::set);
+    filters_.push_back({proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask});
+    if (proxies_.empty()) boxes_.resize(0);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        boxes_.low[axis].push_back(infinite);
+        boxes_.high[axis].push_back(-infinite);
+    }
+    boxes_.size.push_back(0.0f);
+    boxes_.least_partner.push_back(infinite);
+    boxes_.set(proxy->rank, proxy->m_aabbMin, proxy->m_aabbMax);
+    boxes_.size[proxy->rank] = proxy->size;
+    boxes_.least_partner[proxy->rank] = proxy->least_partner;
+    proxies_.push_back(std::move(proxy));
+}
+
+bool SweepBroadphase::may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const {
+    const auto &first = static_cast<const SweptProxy&>(a), &second = static_cast<const SweptProxy&>(b);
+    return filters_[first.rank].meets(filters_[second.rank]) && first.size >= second.least_partner
+           && second.size >= first.least_partner;
+}
+
+// Constant in time, so that many can go at once. The proxy's pairs have been cleaned before.
+void SweepBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher*) {
+    SweptProxy& leaving = swept(proxy);
+    changes_[leaving.rank] = SweptPairs::Change::gone;
+    boxes_.set(leaving.rank, {infinite, infinite, infinite}, {-infinite, -infinite, -infinite});
+    some_gone_ = true;
+}
+
+void SweepBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& low, const btVector3& high, btDispatcher*) {
+    SweptProxy& moved = swept(proxy);
+    moved.m_aabbMin = low;
+    moved.m_aabbMax = high;
+    changes_[moved.rank] = SweptPairs::Change::set;
+    boxes_.set(moved.rank, low, high);
+}
+
+void SweepBroadphase::getAabb(btBroadphaseProxy* proxy, btVector3& low, btVector3& high) const {
+    low = proxy->m_aabbMin;
+    high = proxy->m_aabbMax;
+}
+
+void SweepBroadphase::rayTest(const btVector3& from, const btVector3& to, btBroadphaseRayCallback& callback,
+                              const btVector3& low, const btVector3& high) {
+    btVector3 start = from, end = from;
+    start.setMin(to);
+    end.setMax(to);
+    start += low;
+    end += high;
+    const Box4 around = four_times(start, end);
+    for (size_t first = 0; first < proxies_.size(); first += 4)
+        for (uint32_t lanes = boxes_.overlaps(first, around); lanes != 0; lanes &= lanes - 1) {
+            const SweptProxy& proxy = *proxies_[first + static_cast<size_t>(std::countr_zero(lanes))];
+            const btVector3 bounds[2] = {proxy.m_aabbMin - high, proxy.m_aabbMax - low};
+            btScalar where = 0.0f;
+            if (btRayAabb2(from, callback.m_rayDirectionInverse, callback.m_signs, bounds, where, 0.0f,
+                           callback.m_lambda_max))
+                callback.process(&proxy);
+        }
+}
+
+void SweepBroadphase::aabbTest(const btVector3& low, const btVector3& high, btBroadphaseAabbCallback& callback) {
+    const Box4 around = four_times(low, high);
+    for (size_t first = 0; first < proxies_.size(); first += 4)
+        for (uint32_t lanes = boxes_.overlaps(first, around); lanes != 0; lanes &= lanes - 1)
+            callback.process(proxies_[first + static_cast<size_t>(std::countr_zero(lanes))].get());
+}
+
+void SweepBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher) {
+    if (some_gone_) forget_gone();
+    find_moving();
+    found_.clear();
+    sweep(moving_);
+    sweep(moving_, debris_, false);
+    sweep(moving_, still_.boxes, false);
+    sweep(moving_, still_debris_.boxes, false);
+    sweep(debris_, still_.boxes, false);
+    sort_found();
+    pairs_.update(found_, proxies_, changes_, dispatcher);
+    std::ranges::fill(changes_, SweptPairs::Change::none);
+}
+
+void SweepBroadphase::getBroadphaseAabb(btVector3& low, btVector3& high) const {
+    low.setValue(infinite, infinite, infinite);
+    high = -low;
+    for (const auto& proxy : proxies_) {
+        if (changes_[proxy->rank] == SweptPairs::Change::gone) continue;
+        low.setMin(proxy->m_aabbMin);
+        high.setMax(proxy->m_aabbMax);
+    }
+}
+
+void SweepBroadphase::forget_gone() {
+    const auto gone = [this](uint32_t rank) { return changes_[rank] == SweptPairs::Change::gone; };
+    std::vector<uint32_t> ranks; // by the old ones
+    uint32_t left = 0;
+    for (uint32_t rank = 0; rank < proxies_.size(); ++rank) {
+        ranks.push_back(left);
+        if (gone(rank)) continue;
+        if (left != rank) {
+            proxies_[left] = std::move(proxies_[rank]);
+            proxies_[left]->rank = left;
+            filters_[left] = filters_[rank];
+            boxes_.copy(rank, boxes_, left);
+        }
+        ++left;
+    }
+    for (Still* still : {&still_, &still_debris_}) forget_gone(*still, ranks);
+    pairs_.forget_gone(changes_, ranks);
+    std::erase(changes_, SweptPairs::Change::gone);
+    proxies_.resize(left);
+    filters_.resize(left);
+    boxes_.resize(left);
+    some_gone_ = false;
+}
+
+// The same ones in the same order, with their new ranks, which are given by the old ones.
+void SweepBroadphase::forget_gone(Still& still, const std::vector<uint32_t>& ranks) {
+    const auto gone = [this](uint32_t rank) { return changes_[rank] == SweptPairs::Change::gone; };
+    uint32_t left = 0;
+    Sorted& sorted = still.boxes;
+    for (uint32_t place = 0; place < sorted.ranks.size(); ++place) {
+        if (gone(sorted.ranks[place])) continue;
+        sorted.boxes.copy(place, sorted.boxes, left);
+        sorted.ranks[left++] = ranks[sorted.ranks[place]];
+    }
+    sorted.resize(left);
+    std::erase_if(still.ranks, gone);
+    for (uint32_t& rank : still.ranks) rank = ranks[rank];
+}
+
+int SweepBroadphase::widest_axis() const {
+    std::array<float, 3> spread{};
+    for (size_t axis = 0; axis < 3; ++axis) {
+        float low = infinite, high = -infinite; // twice the middles
+        for (const Sorted* boxes : {&moving_, &debris_})
+            for (const uint32_t rank : boxes->ranks) {
+                const float middle = boxes_.low[axis][rank] + boxes_.high[axis][rank];
+                low = std::min(low, middle);
+                high = std::max(high, middle);
+            }
+        spread[axis] = high - low;
+    }
+    const auto widest = std::ranges::max_element(spread);
+    return *widest > worth_another_axis * spread[static_cast<size_t>(axis_)] ? static_cast<int>(widest - spread.begin()) : axis_;
+}
+
+void SweepBroadphase::sort(Sorted& sorted) {
+    const std::vector<float>& begin = boxes_.low[static_cast<size_t>(axis_)];
+    order_.clear();
+    for (const uint32_t rank : sorted.ranks)
+        order_.push_back(static_cast<uint64_t>(ascending_bits(begin[rank])) << 32 | rank);
+    std::ranges::sort(order_);
+    sorted.resize(order_.size());
+    for (size_t place = 0; place < order_.size(); ++place) {
+        sorted.ranks[place] = static_cast<uint32_t>(order_[place]);
+        boxes_.copy(sorted.ranks[place], sorted.boxes, place);
+    }
+}
+
+// Of who was there before the order is known.
+void SweepBroadphase::merge(Still& still) {
+    come_.ranks.clear();
+    std::ranges::set_difference(still.ranks, still.known, std::back_inserter(come_.ranks));
+    sort(come_);
+    merged_.resize(still.ranks.size());
+    const auto axis = static_cast<size_t>(axis_);
+    const Sorted& before = still.boxes;
+    size_t merged = 0, come = 0;
+    const auto take = [&](const Sorted& from, size_t place) {
+        merged_.ranks[merged] = from.ranks[place];
+        from.boxes.copy(place, merged_.boxes, merged++);
+    };
+    for (size_t place = 0; place < before.ranks.size(); ++place) {
+        if (is_set(before.ranks[place])) continue;
+        while (come < come_.ranks.size() && come_.boxes.low[axis][come] < before.boxes.low[axis][place]) take(come_, come++);
+        take(before, place);
+    }
+    while (come < come_.ranks.size()) take(come_, come++);
+    std::swap(still.boxes, merged_);
+}
+
+void SweepBroadphase::put_in_order(Still& still, bool turned) {
+    if (turned) {
+        still.boxes.ranks = still.ranks;
+        sort(still.boxes);
+    } else if (still.ranks != still.known) {
+        merge(still);
+    }
+}
+
+bool SweepBroadphase::is_debris(uint32_t rank) const {
+    const Filter own = filters_[rank];
+    return own.group == btBroadphaseProxy::DebrisFilter && (own.group & own.partners) == 0;
+}
+
+void SweepBroadphase::find_moving() {
+    for (Sorted* set : {&moving_, &debris_}) set->ranks.clear();
+    for (Still* still : {&still_, &still_debris_}) {
+        std::swap(still->ranks, still->known);
+        still->ranks.clear();
+    }
+    for (uint32_t rank = 0; rank < proxies_.size(); ++rank) {
+        const bool debris = is_debris(rank);
+        if (is_set(rank))
+            (debris ? debris_ : moving_).ranks.push_back(rank);
+        else
+            (debris ? still_debris_ : still_).ranks.push_back(rank);
+    }
+    const int axis = widest_axis();
+    const bool turned = std::exchange(axis_, axis) != axis;
+    sort(moving_);
+    sort(debris_);
+    for (Still* still : {&still_, &still_debris_}) put_in_order(*still, turned);
+}
+
+std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
+    assert(!some_gone_);
+    set_.ranks.clear();
+    for (uint32_t rank = 0; rank < proxies_.size(); ++rank)
+        if (is_set(rank)) set_.ranks.push_back(rank);
+    sort(set_);
+    found_.clear();
+    sweep(set_);
+    for (const Sorted* others : {&moving_, &debris_, &still_.boxes, &still_debris_.boxes}) sweep(set_, *others, true);
+    sort_found();
+    return found_;
+}
+
+const SweepBroadphase::Reached& SweepBroadphase::reach(std::span<const uint32_t> ranks, const Passes& passes) {
+    if (!reach_few(ranks, passes)) reach_many(ranks, passes);
+    return reached_;
+}
+
+bool SweepBroadphase::reach_few(std::span<const uint32_t> ranks, const Passes& passes) {
+    constexpr size_t few = 12; // from here on the other way is faster among twenty thousand pairs
+    reached_.pairs.clear();
+    reached_.ranks.assign(ranks.begin(), ranks.end());
+    is_reached_.assign(proxies_.size(), 0);
+    for (const uint32_t rank : ranks) is_reached_[rank] = 1;
+    for (size_t i = 0; i < reached_.ranks.size(); ++i) {
+        if (reached_.ranks.size() > few) return false;
+        const uint32_t rank = reached_.ranks[i];
+        for (const int index : pairs_.pairs_of(*proxies_[rank])) {
+            const SweptPairs::Key key = pairs_.keys()[static_cast<size_t>(index)];
+            const auto first = static_cast<uint32_t>(key >> 32), other = first == rank ? static_cast<uint32_t>(key) : first;
+            reached_.pairs.push_back(index);
+            if (is_reached_[other] != 0 || !passes(*proxies_[other])) continue;
+            is_reached_[other] = 1;
+            reached_.ranks.push_back(other);
+        }
+    }
+    std::ranges::sort(reached_.ranks);
+    std::ranges::sort(reached_.pairs);
+    reached_.pairs.erase(std::ranges::unique(reached_.pairs).begin(), reached_.pairs.end());
+    return true;
+}
+
+void SweepBroadphase::reach_many(std::span<const uint32_t> ranks, const Passes& passes) {
+    const auto count = static_cast<uint32_t>(proxies_.size());
+    passes_.resize(count);
+    for (uint32_t rank = 0; rank < count; ++rank) passes_[rank] = passes(*proxies_[rank]);
+    parents_.resize(count);
+    std::iota(parents_.begin(), parents_.end(), 0u);
+    const std::span<const SweptPairs::Key> keys = pairs_.keys();
+    for (const SweptPairs::Key key : keys) {
+        const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
+        if ((passes_[first] & passes_[second]) != 0) fracture::unite(parents_, first, second);
+    }
+    is_reached_.assign(count, 0);
+    for (const uint32_t rank : ranks) is_reached_[fracture::root_of(parents_, rank)] = 1;
+    reached_.ranks.clear();
+    for (uint32_t rank = 0; rank < count; ++rank) { // a root comes before all of its own
+        is_reached_[rank] = is_reached_[fracture::root_of(parents_, rank)];
+        if (is_reached_[rank] != 0) reached_.ranks.push_back(rank);
+    }
+    reached_.pairs.clear();
+    for (size_t i = 0; i < keys.size(); ++i)
+        if ((is_reached_[keys[i] >> 32] | is_reached_[static_cast<uint32_t>(keys[i])]) != 0) reached_.pairs.push_back(static_cast<int>(i));
+}
+
+void SweepBroadphase::sweep_parts(size_t count, const auto& sweep) {
+    parts_.resize(std::max<size_t>(parts_.size(), threads_.chunks(static_cast<uint32_t>(count), least_boxes)));
+    for (auto& part : parts_) part.clear();
+    threads_.for_chunks(static_cast<uint32_t>(count), least_boxes, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        sweep(begin, end, parts_[chunk]);
+    });
+    for (const auto& part : parts_) found_.insert(found_.end(), part.begin(), part.end());
+}
+
+void SweepBroadphase::sweep(const Sorted& boxes) {
+    sweep_parts(boxes.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
+        for (size_t i = begin; i < end; ++i) sweep_one(boxes.ranks[i], boxes, i + 1, false, found);
+    });
+}
+
+// One of the others that begins where a box is, or the other way round.
+void SweepBroadphase::sweep(const Sorted& boxes, const Sorted& others, bool skip_set) {
+    if (boxes.ranks.empty() || others.ranks.empty()) return;
+    const auto axis = static_cast<size_t>(axis_);
+    const auto begins_of = [axis](const Sorted& of) { return std::span(of.boxes.low[axis]).first(of.ranks.size()); };
+    const std::span<const float> begins = begins_of(boxes), other_begins = begins_of(others);
+    sweep_parts(boxes.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
+        auto from = std::ranges::lower_bound(other_begins, begins[begin]);
+        for (size_t i = begin; i < end; ++i) {
+            while (from != other_begins.end() && *from < begins[i]) ++from;
+            if (from == other_begins.end()) return; // so do those that follow
+            sweep_one(boxes.ranks[i], others, static_cast<size_t>(from - other_begins.begin()), skip_set, found);
+        }
+    });
+    sweep_parts(others.ranks.size(), [&](size_t begin, size_t end, std::vector<SweptPairs::Key>& found) {
+        auto from = std::ranges::upper_bound(begins, other_begins[begin]);
+        for (size_t i = begin; i < end; ++i) {
+            while (from != begins.end() && *from <= other_begins[i]) ++from;
+            if (from == begins.end()) return;
+            if (!skip_set || !is_set(others.ranks[i]))
+                sweep_one(others.ranks[i], boxes, static_cast<size_t>(from - begins.begin()), false, found);
+        }
+    });
+}
+
+void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from, bool skip_set,
+                                std::vector<SweptPairs::Key>& found) const {
+    const std::vector<float>& begin = others.boxes.low[static_cast<size_t>(axis_)];
+    const float end = boxes_.high[static_cast<size_t>(axis_)][rank];
+    if (from >= others.ranks.size() || begin[from] > end) return;
+    const Filter own = filters_[rank];
+    const Box4 box = boxes_.four_times(rank);
+    const Float4 size = Float4::all(boxes_.size[rank]), least_partner = Float4::all(boxes_.least_partner[rank]);
+    for (size_t first = from; first < others.ranks.size() && begin[first] <= end; first += 4) {
+        uint32_t lanes = others.boxes.overlaps(first, box);
+        if (lanes != 0) lanes &= others.boxes.large_enough(first, size, least_partner);
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const uint32_t other = others.ranks[first + static_cast<size_t>(std::countr_zero(lanes))];
+            if (own.meets(filters_[other]) && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
+        }
+    }
+}
+
+// By counting, first the higher ranks, then the lower ones.
+void SweepBroadphase::sort_found() {
+    scratch_.resize(found_.size());
+    for (const uint32_t shift : {0u, 32u}) {
+        const auto rank_of = [shift](SweptPairs::Key key) { return static_cast<uint32_t>(key >> shift); };
+        starts_.assign(proxies_.size() + 1, 0);
+        for (const SweptPairs::Key key : found_) ++starts_[rank_of(key) + 1];
+        for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
+        for (const SweptPairs::Key key : found_) scratch_[starts_[rank_of(key)]++] = key;
+        std::swap(found_, scratch_);
+    }
+}
+
+} // namespace brittle::physics

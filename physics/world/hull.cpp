@@ -1,0 +1,402 @@
+#include "physics/world/hull.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <LinearMath/btConvexHullComputer.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/base/parallel.h"
+#include "fracture/mesh/principal_axes.h"
+
+namespace brittle::physics {
+
+namespace {
+
+// Below this ratio of thinnest to longest extent a point set counts as flat (or as a needle, or as a point):
+// float contact code cannot tell its two sides apart.
+constexpr double flat_ratio = 1e-3;
+// Half thickness given to a flat set, as a ratio of its longest extent, and in metres where it has none.
+constexpr double flat_half_thickness = 5e-5;
+constexpr double point_half_thickness = 5e-5;
+// Range of HullSettings::margin_fraction: something to stand on, and something left in the middle.
+constexpr double least_fraction = 1e-3, greatest_fraction = 0.45;
+// Directions in which a piece's points are looked through, 16 degrees apart, and as many again closer to the thin axes.
+constexpr size_t even_directions = 160;
+constexpr double golden_angle = 2.399963229728653; // rad; of Vogel's spiral
+// Cosine of 3 degrees: planes closer in direction are one face to the eye.
+constexpr double same_face = 0.9986;
+
+struct Plane {
+    glm::dvec3 normal{0.0}; // outwards, unit
+    double distance = 0.0;  // normal . x <= distance inside
+};
+
+struct FullHull {
+    std::vector<glm::dvec3> vertices;
+    std::vector<Plane> planes;
+    glm::dvec3 centre{0.0}; // mean of the vertices
+    double inner = 0.0;     // least distance from the centre to a plane
+    CrossSection section;
+};
+
+glm::dvec3 to_glm(const btVector3& v) {
+    return {v.x(), v.y(), v.z()};
+}
+
+std::vector<glm::dvec3> finite_points(std::span<const glm::dvec3> points, const glm::dvec3& origin) {
+    std::vector<glm::dvec3> kept;
+    kept.reserve(points.size());
+    for (const glm::dvec3& point : points) {
+        const glm::dvec3 local = point - origin;
+        if (std::isfinite(local.x) && std::isfinite(local.y) && std::isfinite(local.z)) kept.push_back(local);
+    }
+    return kept;
+}
+
+// Of points in convex position, at most count that span nearly the same hull: the extremes along the axes,
+// then always the point farthest from those chosen. Distances are relative to the extents, so thin pieces
+// keep both sides.
+std::vector<glm::dvec3> spread_subset(const std::vector<glm::dvec3>& points, size_t count) {
+    if (points.size() <= count) return points;
+    glm::dvec3 low = points[0], high = points[0];
+    std::array<size_t, 6> extremes{};
+    for (size_t i = 0; i < points.size(); ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            if (points[i][axis] < points[extremes[2 * axis]][axis]) extremes[2 * axis] = i;
+            if (points[i][axis] > points[extremes[2 * axis + 1]][axis]) extremes[2 * axis + 1] = i;
+        }
+        low = glm::min(low, points[i]);
+        high = glm::max(high, points[i]);
+    }
+    const glm::dvec3 scale = 1.0 / glm::max(high - low, glm::dvec3(1e-30));
+    std::vector<double> gap(points.size(), std::numeric_limits<double>::infinity());
+    std::vector<glm::dvec3> chosen;
+    const auto choose = [&](size_t index) {
+        if (gap[index] == 0.0) return;
+        chosen.push_back(points[index]);
+        for (size_t i = 0; i < points.size(); ++i) {
+            const glm::dvec3 apart = (points[i] - points[index]) * scale;
+            gap[i] = std::min(gap[i], glm::dot(apart, apart));
+        }
+    };
+    for (const size_t index : extremes) choose(index);
+    while (chosen.size() < count) {
+        const auto farthest = std::max_element(gap.begin(), gap.end());
+        if (*farthest == 0.0) break; // only duplicates are left
+        choose(static_cast<size_t>(farthest - gap.begin()));
+    }
+    return chosen;
+}
+
+std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
+    btConvexHullComputer computer;
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)), static_cast<int>(points.size()),
+                     0.0f, 0.0f);
+    if (computer.vertices.size() < 4 || computer.faces.size() < 4) return std::nullopt;
+    FullHull hull;
+    // The computer's own coordinates are rounded to its grid: take the points they came from.
+    for (int i = 0; i < computer.vertices.size(); ++i) {
+        hull.vertices.push_back(points[static_cast<size_t>(computer.original_vertex_index[i])]);
+        hull.centre += hull.vertices.back();
+    }
+    hull.centre /= static_cast<double>(hull.vertices.size());
+    hull.inner = std::numeric_limits<double>::infinity();
+    std::vector<glm::dvec3> areas;
+    for (int face = 0; face < computer.faces.size(); ++face) {
+        const btConvexHullComputer::Edge* first = &computer.edges[computer.faces[face]];
+        const glm::dvec3& apex = hull.vertices[static_cast<size_t>(first->getSourceVertex())];
+        glm::dvec3 area(0.0);
+        for (const auto* edge = first;; edge = edge->getNextEdgeOfFace()) {
+            area += glm::cross(hull.vertices[static_cast<size_t>(edge->getSourceVertex())] - apex,
+                               hull.vertices[static_cast<size_t>(edge->getTargetVertex())] - apex);
+            if (edge->getNextEdgeOfFace() == first) break;
+        }
+        areas.push_back(0.5 * area);
+        const double length = glm::length(area);
+        if (!(length > 0.0)) continue; // a face that has no area once its vertices are off the grid
+        Plane plane{area / length, 0.0};
+        if (glm::dot(plane.normal, apex - hull.centre) < 0.0) plane.normal = -plane.normal;
+        // The farthest vertex, not the face's own: rounding to the grid may have put a neighbour inside.
+        plane.distance = glm::dot(plane.normal, apex);
+        for (const glm::dvec3& vertex : hull.vertices)
+            plane.distance = std::max(plane.distance, glm::dot(plane.normal, vertex));
+        hull.inner = std::min(hull.inner, plane.distance - glm::dot(plane.normal, hull.centre));
+        hull.planes.push_back(plane);
+    }
+    hull.section = section_of_faces(areas);
+    return hull.planes.size() < 4 ? std::nullopt : std::optional(std::move(hull));
+}
+
+struct InnerHull {
+    std::vector<glm::dvec3> vertices;
+    double margin = 0.0; // least distance of a vertex to a plane of the full hull
+};
+
+// Planes moved inwards by the margin. btConvexHullComputer works on a grid of about 10^4 cells an axis, so
+// what was reached is measured afterwards, in double; nothing where that is far less than was asked for.
+std::optional<InnerHull> planes_moved_in(const FullHull& hull, double margin) {
+    btConvexHullComputer computer;
+    const btScalar moved =
+        computer.compute(&hull.vertices[0].x, static_cast<int>(sizeof(glm::dvec3)),
+                         static_cast<int>(hull.vertices.size()), static_cast<btScalar>(margin), 0.0f);
+    if (moved < 0.0f || computer.vertices.size() < 4) return std::nullopt;
+    InnerHull inner{{}, margin};
+    for (int i = 0; i < computer.vertices.size(); ++i) {
+        inner.vertices.push_back(to_glm(computer.vertices[i]));
+        for (const Plane& plane : hull.planes)
+            inner.margin =
+                std::min(inner.margin, plane.distance - glm::dot(plane.normal, inner.vertices.back()));
+    }
+    return inner.margin < 0.7 * margin ? std::nullopt : std::optional(std::move(inner));
+}
+
+// A hull whose distance s * d + margin from the centre stays within d for every plane as s = 1 - margin /
+// inner.
+InnerHull scaled_in(const FullHull& hull, double margin) {
+    InnerHull inner{hull.vertices, margin};
+    for (glm::dvec3& vertex : inner.vertices)
+        vertex = hull.centre + (vertex - hull.centre) * (1.0 - margin / hull.inner);
+    return inner;
+}
+
+struct OrientedExtents {
+    glm::dvec3 centre{0.0}; // middle of the extents
+    glm::dmat3 axes{1.0};   // of the covariance of the points
+    glm::dvec3 half{0.0};   // half extents along them
+};
+
+OrientedExtents oriented_extents(const std::vector<glm::dvec3>& points) {
+    OrientedExtents extents;
+    if (points.empty()) return extents;
+    glm::dvec3 mean(0.0);
+    for (const glm::dvec3& point : points) mean += point / static_cast<double>(points.size());
+    glm::dmat3 covariance(0.0);
+    for (const glm::dvec3& point : points) covariance += glm::outerProduct(point - mean, point - mean);
+    extents.axes = fracture::principal_axes(covariance).axes;
+    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+    for (const glm::dvec3& point : points) {
+        const glm::dvec3 local = glm::transpose(extents.axes) * (point - mean);
+        low = glm::min(low, local);
+        high = glm::max(high, local);
+    }
+    extents.centre = mean + extents.axes * ((low + high) * 0.5);
+    extents.half = (high - low) * 0.5;
+    return extents;
+}
+
+CrossSection section_of(const OrientedExtents& extents) {
+    return section_of_box(extents.half, {extents.axes[0], extents.axes[1], extents.axes[2]});
+}
+
+// Unit directions, in the axes of the points: single precision and an array an axis, for loops over all of them at once.
+struct Directions {
+    static constexpr size_t count = 2 * even_directions;
+    std::array<float, count> x, y, z;
+};
+
+// Evenly over the sphere (a spiral of equal areas), and evenly once the piece is scaled to a cube: in a plate most of these
+// are near its normal, so that what tilts it is seen.
+Directions directions_for(const OrientedExtents& extents) {
+    static const std::array<glm::dvec3, even_directions> even = [] {
+        std::array<glm::dvec3, even_directions> sphere;
+        for (size_t i = 0; i < even_directions; ++i) {
+            const double y = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(even_directions);
+            const double angle = golden_angle * static_cast<double>(i), around = std::sqrt(1.0 - y * y);
+            sphere[i] = {around * std::cos(angle), y, around * std::sin(angle)};
+        }
+        return sphere;
+    }();
+    Directions directions;
+    for (size_t i = 0; i < Directions::count; ++i) {
+        const glm::dvec3& direction = even[i % even_directions];
+        const glm::vec3 unit(i < even_directions ? direction
+                                                 : glm::normalize(extents.axes * (direction / extents.half)));
+        directions.x[i] = unit.x;
+        directions.y[i] = unit.y;
+        directions.z[i] = unit.z;
+    }
+    return directions;
+}
+
+// At most count of the points, whose hull comes close to that of all: always the one that sticks out farthest of the hull of
+// those before, in any of the directions. That is how deep it would be in a floor which that hull stands on.
+std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points, const Directions& directions, size_t count) {
+    if (points.size() <= count) return points;
+    std::array<float, Directions::count> all, chosen_reach;
+    std::array<uint32_t, Directions::count> farthest{};
+    all.fill(-std::numeric_limits<float>::infinity());
+    chosen_reach = all;
+    const auto reach_of = [&](const glm::vec3& p, size_t d) {
+        return directions.x[d] * p.x + directions.y[d] * p.y + directions.z[d] * p.z;
+    };
+    for (uint32_t i = 0; i < points.size(); ++i) {
+        const glm::vec3 p(points[i]);
+        for (size_t d = 0; d < Directions::count; ++d) {
+            const float reach = reach_of(p, d);
+            farthest[d] = reach > all[d] ? i : farthest[d];
+            all[d] = reach > all[d] ? reach : all[d];
+        }
+    }
+    std::vector<glm::dvec3> chosen;
+    while (chosen.size() < count) {
+        size_t worst = 0;
+        float most = 0.0f;
+        for (size_t d = 0; d < Directions::count; ++d)
+            if (all[d] - chosen_reach[d] > most) most = all[d] - chosen_reach[d], worst = d;
+        if (!(most > 0.0f)) break;
+        chosen.push_back(points[farthest[worst]]);
+        const glm::vec3 p(chosen.back());
+        for (size_t d = 0; d < Directions::count; ++d) {
+            const float reach = reach_of(p, d);
+            chosen_reach[d] = reach > chosen_reach[d] ? reach : chosen_reach[d];
+        }
+    }
+    return chosen;
+}
+
+// For flakes, needles and points: every thin axis gets a thickness, the others keep their outline. The margin
+// takes half of the thickness.
+CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExtents& extents,
+                        size_t max_vertices) {
+    const double longest = std::max({extents.half.x, extents.half.y, extents.half.z});
+    const double thickness = longest > 0.0 ? 2.0 * longest * flat_half_thickness : point_half_thickness;
+    glm::dmat3 flatten(0.0); // projects onto the axes that are not thin
+    std::vector<glm::dvec3> offsets{glm::dvec3(0.0)};
+    const double thinnest = std::min({extents.half.x, extents.half.y, extents.half.z});
+    for (int axis = 0; axis < 3; ++axis) {
+        if (extents.half[axis] > longest * flat_ratio && extents.half[axis] > thinnest) {
+            flatten += glm::outerProduct(extents.axes[axis], extents.axes[axis]);
+            continue;
+        }
+        const glm::dvec3 side = extents.axes[axis] * (thickness * 0.5);
+        for (size_t i = offsets.size(); i-- > 0;) {
+            offsets.push_back(offsets[i] - side);
+            offsets[i] += side;
+        }
+    }
+    std::vector<glm::dvec3> outline;
+    for (const glm::dvec3& point : points)
+        outline.push_back(flatten * (point - extents.centre) * (1.0 - 2.0 * flat_half_thickness));
+    if (outline.empty()) outline.push_back(glm::dvec3(0.0));
+    outline = spread_subset(outline, std::max<size_t>(max_vertices / offsets.size(), 1));
+
+    CollisionHull hull;
+    hull.margin = static_cast<float>(thickness * 0.5);
+    OrientedExtents thick = extents;
+    thick.half = glm::max(thick.half, glm::dvec3(thickness * 0.5));
+    hull.section = section_of(thick);
+    for (const glm::dvec3& point : outline)
+        for (const glm::dvec3& offset : offsets)
+            hull.points.push_back(glm::vec3(extents.centre + point + offset));
+    return hull;
+}
+
+} // namespace
+
+CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin,
+                             const HullSettings& settings) {
+    const std::vector<glm::dvec3> local = finite_points(points, origin);
+    const OrientedExtents extents = oriented_extents(local);
+    const double longest = std::max({extents.half.x, extents.half.y, extents.half.z});
+    const double thinnest = std::min({extents.half.x, extents.half.y, extents.half.z});
+    const bool crumb = 2.0 * longest < settings.crumb_size;
+    const size_t max_vertices = std::max<size_t>(
+        crumb ? std::min(settings.max_vertices, settings.crumb_vertices) : settings.max_vertices, 8);
+    if (thinnest <= longest * flat_ratio) return flat_hull(local, extents, max_vertices);
+    // Exact hulls are of few points: one of 700 costs two milliseconds, and so does moving its planes in.
+    const Directions directions = directions_for(extents);
+    const std::optional<FullHull> full = full_hull(supporting_subset(local, directions, max_vertices));
+    if (!full || full->inner <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
+
+    const double fraction = std::clamp<double>(settings.margin_fraction, least_fraction, greatest_fraction);
+    const double margin = std::min(std::max<double>(settings.max_margin, 1e-6), 2.0 * fraction * full->inner);
+    std::optional<InnerHull> inner = planes_moved_in(*full, margin);
+    if (!inner) inner = scaled_in(*full, margin);
+
+    CollisionHull hull;
+    hull.margin = static_cast<float>(inner->margin);
+    hull.section = full->section;
+    for (const glm::dvec3& vertex : supporting_subset(inner->vertices, directions, max_vertices))
+        hull.points.push_back(glm::vec3(vertex));
+    return hull;
+}
+
+PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSettings& settings,
+                           uint32_t threads) {
+    PieceHulls hulls(fragments.pieces.size());
+    fracture::Threads pool(threads);
+    pool.for_chunks(static_cast<uint32_t>(hulls.size()), 4, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            const fracture::Piece& piece = fragments.pieces[i];
+            hulls[i] = std::make_shared<const CollisionHull>(
+                collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, settings));
+        }
+    });
+    return hulls;
+}
+
+CrossSection cross_section(std::span<const glm::vec3> points) {
+    const std::vector<glm::dvec3> exact(points.begin(), points.end());
+    if (exact.size() >= 4)
+        if (const std::optional<FullHull> full = full_hull(exact)) return full->section;
+    return section_of(oriented_extents(exact));
+}
+
+std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points) {
+    std::vector<HullEdge> edges;
+    if (points.empty()) return edges;
+    btConvexHullComputer computer;
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f,
+                     0.0f);
+    const auto index_of = [&](int vertex) {
+        return static_cast<uint32_t>(computer.original_vertex_index[vertex]);
+    };
+    // Of the face on an edge's left; the computer's faces are planar polygons.
+    const auto normal_of = [&](const btConvexHullComputer::Edge* first) {
+        const glm::dvec3 apex(points[index_of(first->getSourceVertex())]);
+        glm::dvec3 area(0.0);
+        for (const auto* edge = first->getNextEdgeOfFace(); edge != first; edge = edge->getNextEdgeOfFace())
+            area += glm::cross(glm::dvec3(points[index_of(edge->getSourceVertex())]) - apex,
+                               glm::dvec3(points[index_of(edge->getTargetVertex())]) - apex);
+        return area;
+    };
+    for (int i = 0; i < computer.edges.size(); ++i) {
+        const btConvexHullComputer::Edge* edge = &computer.edges[i];
+        const HullEdge ends(index_of(edge->getSourceVertex()), index_of(edge->getTargetVertex()));
+        if (ends.first > ends.second) continue;
+        const glm::dvec3 left = normal_of(edge), right = normal_of(edge->getReverseEdge());
+        if (glm::dot(left, right) < same_face * glm::length(left) * glm::length(right)) edges.push_back(ends);
+    }
+    return edges;
+}
+
+fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points) {
+    fracture::TriangleMesh mesh;
+    if (points.empty()) return mesh;
+    btConvexHullComputer computer;
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f,
+                     0.0f);
+    for (int v = 0; v < computer.vertices.size(); ++v) {
+        const btVector3& p = computer.vertices[v];
+        mesh.positions.emplace_back(p.x(), p.y(), p.z());
+    }
+    for (int f = 0; f < computer.faces.size(); ++f) {
+        const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[f]];
+        const auto apex = static_cast<uint32_t>(first->getSourceVertex());
+        for (const auto* edge = first->getNextEdgeOfFace(); edge->getTargetVertex() != static_cast<int>(apex);
+             edge = edge->getNextEdgeOfFace())
+            mesh.triangles.emplace_back(apex, static_cast<uint32_t>(edge->getSourceVertex()),
+                                        static_cast<uint32_t>(edge->getTargetVertex()));
+    }
+    if (fracture::signed_volume(mesh.positions, mesh.triangles)
+        < 0.0) // whichever way the computer goes around faces
+        for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
+    return mesh;
+}
+
+} // namespace brittle::physics

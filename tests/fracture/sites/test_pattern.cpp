@@ -1,0 +1,257 @@
+#include "fracture/sites/pattern.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/pieces/certificate.h"
+#include "fracture/fracture.h"
+#include "fracture/mesh/inside.h"
+#include "fracture/mesh/islands.h"
+#include "fracture/base/random.h"
+#include "fracture/shapes/shapes.h"
+
+using namespace brittle::fracture;
+
+namespace {
+
+constexpr PatternKind all_kinds[] = {PatternKind::uniform, PatternKind::clustered, PatternKind::radial,
+                                     PatternKind::grid,    PatternKind::bricks,    PatternKind::slices,
+                                     PatternKind::splinters, PatternKind::curve,   PatternKind::curvature, PatternKind::thickness};
+
+PatternSites make(const Pattern& pattern, const TriangleMesh& mesh) {
+    const auto made = make_sites(pattern, mesh);
+    REQUIRE_MESSAGE(made, (made ? std::string() : made.error().message));
+    REQUIRE((made->groups.empty() || made->groups.size() == made->sites.size()));
+    return *made;
+}
+
+Fragments break_by(const Pattern& pattern, const TriangleMesh& mesh) {
+    const PatternSites made = make(pattern, mesh);
+    const auto fragments = fracture(mesh, made.sites, {.groups = made.groups});
+    REQUIRE_MESSAGE(fragments, (fragments ? std::string() : fragments.error().message));
+    const Certificate certificate = certify(mesh, *fragments);
+    CHECK(certificate.closed);
+    CHECK(certificate.volume_error < 1e-12);
+    return *fragments;
+}
+
+Box box_of(const Fragments& f, const Piece& piece) {
+    const auto positions = f.positions_of(piece);
+    return bounds(positions);
+}
+
+TriangleMesh wall() {
+    TriangleMesh mesh = cube(1.0);
+    for (glm::dvec3& p : mesh.positions) p *= glm::dvec3(4.0, 2.0, 0.3);
+    return mesh;
+}
+
+} // namespace
+
+TEST_CASE("pattern: grading spreads the sizes of pieces") {
+    const TriangleMesh mesh = cube();
+    const auto spread = [&](double grading) { // standard deviation of volumes by their mean
+        const PatternSites made = make({.kind = PatternKind::uniform, .count = 200, .grading = grading}, mesh);
+        CHECK(made.weights.size() == (grading > 0.0 ? made.sites.size() : 0));
+        const auto fragments = fracture(mesh, made.sites, {.weights = made.weights});
+        REQUIRE(fragments);
+        double sum = 0.0, squares = 0.0;
+        for (const Piece& piece : fragments->pieces) {
+            sum += piece.mass.volume;
+            squares += piece.mass.volume * piece.mass.volume;
+        }
+        const auto n = static_cast<double>(fragments->pieces.size());
+        return std::sqrt(squares / n - sum * sum / n / n) / (sum / n);
+    };
+    const double even = spread(0.0);
+    CHECK(spread(0.5) > even);
+    CHECK(spread(1.0) > 1.3 * even);
+}
+
+TEST_CASE("pattern: where the solid is thin there are more sites for its volume") {
+    // A cube and a plate of a tenth of its height, apart.
+    TriangleMesh mesh = cube(1.0);
+    for (glm::dvec3 p : cube(1.0).positions) mesh.positions.emplace_back(p.x + 2.0, p.y * 0.1, p.z);
+    for (const Triangle& t : cube(1.0).triangles) mesh.triangles.push_back(t + glm::uvec3(8));
+    const PatternSites made = make({.kind = PatternKind::thickness, .count = 2000}, mesh);
+    REQUIRE(made.sites.size() == 2000);
+    double plate = 0.0;
+    for (const glm::dvec3& s : made.sites) {
+        const bool in_cube = std::abs(s.x) < 0.5 && std::abs(s.y) < 0.5;
+        const bool in_plate = std::abs(s.x - 2.0) < 0.5 && std::abs(s.y) < 0.05;
+        CHECK((in_cube || in_plate));
+        plate += in_plate ? 1.0 : 0.0;
+    }
+    // Faces of the plate's ends and of the cube are a metre from their opposite, the plate's sides a tenth: weights of
+    // 2 x 100 and 4 x 0.1 to 6.
+    CHECK(plate / 2000.0 == doctest::Approx(200.4 / 206.4).epsilon(0.02));
+}
+
+TEST_CASE("inside: the same answer as the solid angle of the surface") {
+    TriangleMesh two = hollow_sphere(2);
+    for (const Triangle& t : cube(1.0).triangles) two.triangles.push_back(t + Triangle(static_cast<uint32_t>(two.positions.size())));
+    for (const glm::dvec3& p : cube(1.0).positions) two.positions.push_back(p + glm::dvec3(0.9, 0.0, 0.0)); // overlaps
+    for (const TriangleMesh& mesh : {icosphere(3), torus(24, 12), torus_knot(2, 3, 100, 8), lattice_cube(5), two, menger_sponge(2)}) {
+        CAPTURE(mesh.triangles.size());
+        const InsideTest inside(mesh);
+        Box box = bounds(mesh);
+        const glm::dvec3 margin = box.size() * 0.1;
+        box = {box.min - margin, box.max + margin};
+        Random random(3);
+        int in = 0;
+        for (int k = 0; k < 400; ++k) {
+            const glm::dvec3 p = random.uniform_in(box);
+            const bool expected = winding_number(p, mesh.positions, mesh.triangles) > 0.5;
+            CHECK(inside(p) == expected);
+            in += expected ? 1 : 0;
+        }
+        CHECK(in > 20);
+    }
+}
+
+TEST_CASE("inside: rays through vertices and along edges and faces") {
+    const TriangleMesh mesh = lattice_cube(4); // from -1 to 1 in steps of a half
+    const InsideTest inside(mesh);
+    for (int x = -3; x <= 3; ++x)
+        for (int y = -3; y <= 3; ++y)
+            for (int z = -3; z <= 3; ++z) CHECK(inside(glm::dvec3(x, y, z) * 0.25));
+    CHECK_FALSE(inside({1.5, 0.0, 0.0}));
+    CHECK_FALSE(inside({-1.5, 0.5, 0.5}));
+    CHECK_FALSE(inside({0.0, 0.0, std::numeric_limits<double>::quiet_NaN()}));
+    const TriangleMesh sponge = menger_sponge(1);
+    CHECK_FALSE(InsideTest(sponge)({0.0, 0.0, 0.0}));
+}
+
+TEST_CASE("pattern: every kind breaks every shape, equal seeds equally, and says what it cannot do") {
+    for (const PatternKind kind : all_kinds) {
+        CAPTURE(pattern_names()[static_cast<size_t>(kind)]);
+        for (const TriangleMesh& mesh : {icosphere(2), torus(24, 12), wall()}) {
+            const Pattern pattern{.kind = kind, .count = 24, .seed = 5};
+            CHECK(break_by(pattern, mesh).pieces.size() > 3);
+            CHECK(make(pattern, mesh).sites == make(pattern, mesh).sites);
+            Pattern other = pattern;
+            other.seed = 6;
+            other.jitter = 0.5;
+            CHECK(make(other, mesh).sites != make(pattern, mesh).sites);
+        }
+    }
+}
+
+TEST_CASE("pattern: counts are as promised, and sites inside are inside") {
+    const TriangleMesh ring = torus(32, 16);
+    for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::slices, PatternKind::curvature,
+                                   PatternKind::thickness})
+        CHECK(make({.kind = kind, .count = 37}, ring).sites.size() == 37);
+    for (const PatternKind kind : all_kinds) {
+        CAPTURE(pattern_names()[static_cast<size_t>(kind)]);
+        const auto made = make_sites({.kind = kind, .count = 200, .inside = true}, ring);
+        // No slice has its centre in the ring.
+        if (!made) {
+            CHECK(kind == PatternKind::slices);
+            CHECK(made.error().message.find("inside") != std::string::npos);
+            continue;
+        }
+        for (const glm::dvec3& site : made->sites) CHECK(winding_number(site, ring.positions, ring.triangles) > 0.4);
+        if (kind == PatternKind::uniform || kind == PatternKind::clustered) CHECK(made->sites.size() == 200);
+    }
+    // Pieces of a quarter of a metre in a cube of two: 8^3.
+    CHECK(make({.piece_size = 0.25}, cube()).sites.size() == 512);
+}
+
+TEST_CASE("pattern: a grid without jitter is boxes of one size") {
+    const Fragments f = break_by({.kind = PatternKind::grid, .count = 27}, cube());
+    REQUIRE(f.pieces.size() == 27);
+    for (const Piece& piece : f.pieces) {
+        CHECK(piece.mass.volume == doctest::Approx(8.0 / 27.0));
+        CHECK(piece.triangles.size() == 12);
+    }
+}
+
+TEST_CASE("pattern: bricks are boxes in running bond") {
+    const Fragments f = break_by({.kind = PatternKind::bricks, .count = 60}, wall());
+    std::set<double> starts[2]; // along X, by course
+    std::set<long> courses;
+    for (const Piece& piece : f.pieces) {
+        const Box box = box_of(f, piece);
+        CHECK(piece.mass.volume == doctest::Approx(box.size().x * box.size().y * box.size().z));
+        const long course = std::lround((box.min.y + 1.0) / box.size().y);
+        courses.insert(course);
+        starts[course % 2].insert(std::round(box.min.x * 1e6) / 1e6);
+        CHECK(box.size().x >= 0.99 * box.size().y);
+    }
+    CHECK(courses.size() >= 3);
+    for (const double x : starts[0]) CHECK((x == -2.0 || !starts[1].contains(x)));
+    // The same number of whole bricks in even courses, one more, two of them half, in odd ones.
+    CHECK(starts[1].size() == starts[0].size() + 1);
+}
+
+TEST_CASE("pattern: slices are flat and equally thick") {
+    const Fragments f = break_by({.kind = PatternKind::slices, .count = 8, .axis = {1.0, 0.0, 0.0}}, wall());
+    REQUIRE(f.pieces.size() == 8);
+    for (const Piece& piece : f.pieces) CHECK(box_of(f, piece).size().x == doctest::Approx(0.5));
+}
+
+TEST_CASE("pattern: splinters are long along the axis, glass is cut through and finest at the blow") {
+    const Fragments wood = break_by({.kind = PatternKind::splinters, .count = 60, .axis = {1.0, 0.0, 0.0}}, cube());
+    double longer = 0.0;
+    for (const Piece& piece : wood.pieces) {
+        const glm::dvec3 size = box_of(wood, piece).size();
+        longer += size.x > 1.5 * std::max(size.y, size.z) ? 1.0 : 0.0;
+    }
+    CHECK(longer > 0.7 * static_cast<double>(wood.pieces.size()));
+
+    const Fragments glass = break_by({.kind = PatternKind::radial, .count = 60, .axis = {0.0, 0.0, 1.0}}, wall());
+    double near = 0.0, far = 0.0, near_count = 0.0, far_count = 0.0;
+    for (const Piece& piece : glass.pieces) {
+        CHECK(box_of(glass, piece).size().z == doctest::Approx(0.3));
+        const bool is_near = glm::length(piece.mass.centre_of_mass) < 0.7;
+        (is_near ? near : far) += piece.mass.volume;
+        (is_near ? near_count : far_count) += 1.0;
+    }
+    CHECK(near / near_count < 0.5 * far / far_count);
+}
+
+TEST_CASE("pattern: a crack follows its line") {
+    // Straight, without jitter: two rows of boxes, cut along the middle.
+    const Fragments f = break_by({.kind = PatternKind::curve, .count = 16, .jitter = 0.0}, wall());
+    CHECK(f.pieces.size() == 16);
+    for (const Piece& piece : f.pieces) {
+        const Box box = box_of(f, piece);
+        CHECK(box.min.z * box.max.z == doctest::Approx(0.0).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("pattern: nonsense is refused by the name of the field") {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto refused = [](const Pattern& pattern, const char* field) {
+        const auto made = make_sites(pattern, cube());
+        REQUIRE_FALSE(made);
+        CHECK(made.error().status == Status::invalid_setting);
+        CHECK(made.error().message.find(field) != std::string::npos);
+    };
+    refused({.count = 0}, "count");
+    refused({.count = 1'000'000'000}, "count");
+    refused({.piece_size = nan}, "piece_size");
+    refused({.piece_size = 1e-9}, "piece_size");
+    refused({.jitter = nan}, "jitter");
+    refused({.jitter = 1.5}, "jitter");
+    refused({.focus = {nan, 0.0, 0.0}}, "focus");
+    refused({.axis = {0.0, 0.0, 0.0}}, "axis");
+    refused({.spread = 0.0}, "spread");
+    refused({.slenderness = 0.5}, "slenderness");
+    refused({.kind = PatternKind::curve, .line = {{0.0, 0.0, 0.0}}}, "line");
+    CHECK(make_sites({}, {}).error().status == Status::empty_mesh);
+}
+
+TEST_CASE("pattern: a diagram is turned, scaled and moved onto another box") {
+    const Box from{{0.0, 0.0, 0.0}, {2.0, 1.0, 1.0}}, onto{{9.0, 9.0, 9.0}, {10.0, 13.0, 10.0}};
+    const std::vector<glm::dvec3> sites = {{1.0, 0.5, 0.5}, {2.0, 0.5, 0.5}};
+    const auto placed = place(sites, from, onto, {.turn = {0.0, 0.0, 90.0}, .scale = 0.5, .move = {0.0, 0.0, 1.0}});
+    CHECK(glm::length(placed[0] - glm::dvec3(9.5, 11.0, 10.5)) < 1e-12);
+    CHECK(glm::length(placed[1] - glm::dvec3(9.5, 12.0, 10.5)) < 1e-12); // X became Y, twice as long, by half
+}

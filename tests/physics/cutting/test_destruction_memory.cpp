@@ -1,0 +1,136 @@
+// What breaking leaves behind, in the long run nothing that grows; and who frees it.
+#include "physics/cutting/destruction.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <thread>
+
+#include <malloc.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/physics/bodies.h"
+#include "tests/physics/destruction_fixture.h"
+#include "fracture/shapes/shapes.h"
+
+using namespace brittle;
+using namespace brittle::physics;
+using namespace brittle::physics::test_bodies;
+using namespace brittle::physics::test_destruction;
+
+// A frame would wait for it: a million triangles are 50 MB.
+TEST_CASE("large meshes that are needed no more are freed on other threads: what broke, what was taken out, a cut that is not used") {
+    const std::thread::id here = std::this_thread::get_id();
+    std::atomic<int> freed = 0, freed_here = 0;
+    BreakableDesc desc = desc_of(0.05);
+    desc.solid.look = [&](const SolidPiece& solid) { // goes with its solid
+        return std::shared_ptr<void>(new size_t(solid.mesh.triangles.size()), [&](const void* look) {
+            const std::unique_ptr<const size_t> triangles(static_cast<const size_t*>(look));
+            if (*triangles < 15'000) return;
+            freed_here += std::this_thread::get_id() == here;
+            ++freed;
+        });
+    };
+    const fracture::TriangleMesh ball = fracture::icosphere(5, 0.25);
+    World world(empty_space);
+    Destruction destruction;
+    const auto wait_for = [&](int count) {
+        while (freed < count) std::this_thread::yield();
+        CHECK(freed == count);
+        CHECK(freed_here == 0);
+    };
+    const ObjectId object = must_add(destruction, world, ball, desc);
+    (void)destruction.take_events();
+    REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 20.0));
+    run(world, destruction, 4);
+    REQUIRE(destruction.statistics().breaks == 1);
+    wait_for(1);
+    (void)destruction.take_events();
+    destruction.remove(world, object);
+    wait_for(2); // the rest
+
+    const ObjectId hard = must_add(destruction, world, ball, desc);
+    (void)destruction.take_events();
+    for (double energy = 1.0; energy < 8.0 && destruction.statistics().withstood == 0; energy *= 1.1) {
+        const PieceId whole = destruction.pieces()[0];
+        const auto cut = destruction.foresee(world, whole, {0.0f, 0.25f, 0.0f}, {0.0f, -1.0f, 0.0f}, energy);
+        if (!cut || carry_out(*cut)->size() > 1) continue;
+        freed = freed_here = 0; // of what was tried here
+        REQUIRE(strike_from_above(world, destruction, whole, energy));
+        run(world, destruction, 4);
+    }
+    REQUIRE(destruction.statistics().withstood == 1);
+    CHECK(freed_here == 0);
+    destruction.remove(world, hard);
+    (void)destruction.take_events();
+    while (freed < 2) std::this_thread::yield();
+    CHECK(freed_here == 0);
+}
+
+TEST_CASE("cycles of breaking and clearing leave nothing behind") {
+    World world(empty_space);
+    Destruction destruction({.latency = 1, .debris = {.most_pieces = 60, .fade_seconds = 0.0}});
+    uint32_t slots = 0;
+    for (int cycle = 0; cycle < 20; ++cycle) {
+        const ObjectId object = must_add(destruction, world, fracture::cube(1.0), desc_of(0.1));
+        for (int blow = 0; blow < 3; ++blow) {
+            strike_from_above(world, destruction, largest(destruction), 200.0);
+            run(world, destruction, 2);
+        }
+        CHECK(destruction.pieces().size() > 10);
+        CHECK(destruction.pieces().size() < 140); // the limit and what one blow adds before it is looked at
+        destruction.remove(world, object);
+        CHECK(destruction.take_events().added.empty());
+        if (cycle == 10) slots = destruction.slot_count();
+        if (cycle > 10) CHECK(destruction.slot_count() <= slots + 48);
+        CHECK(world.body_count() == 0);
+        CHECK(destruction.jobs_in_flight() == 0);
+    }
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // they have allocators of their own
+namespace {
+
+// Bytes that are in use, of all threads.
+double heap_in_use() {
+    const struct mallinfo2 heap = mallinfo2();
+    return static_cast<double>(heap.uordblks) + static_cast<double>(heap.hblkhd);
+}
+
+} // namespace
+
+TEST_CASE("four hundred cycles of breaking while pieces live on leave the heap as large as it was") {
+    constexpr int quarter = 100;
+    World world;
+    Destruction destruction({.latency = 1, .debris = {.most_pieces = 30, .fade_seconds = 0.05}});
+    BreakableDesc desc = desc_of(0.1);
+    desc.most_pieces = 8;
+    const SolidPtr cube = *make_solid(fracture::cube(0.5), desc.solid);
+    std::array<double, 4> mean{}; // bytes in use at the end of a cycle, by quarter
+    size_t least = SIZE_MAX, most = 0;
+    for (int cycle = 0; cycle < 4 * quarter; ++cycle) {
+        const float angle = 2.4f * static_cast<float>(cycle);
+        desc.motion.placement.position = {3.0f * std::cos(angle), 0.26f, 3.0f * std::sin(angle)};
+        REQUIRE(destruction.add(world, cube, desc).has_value());
+        const PieceId whole = destruction.pieces().back();
+        const glm::vec3 top = desc.motion.placement.position + glm::vec3(0.0f, 0.25f, 0.0f);
+        REQUIRE(destruction.strike(world, whole, top, {0.0f, -1.0f, 0.0f}, 200.0));
+        run(world, destruction, 8);
+        (void)destruction.take_events();
+        mean[static_cast<size_t>(cycle / quarter)] += heap_in_use() / quarter;
+        if (cycle < quarter) continue;
+        least = std::min(least, destruction.pieces().size());
+        most = std::max(most, destruction.pieces().size());
+    }
+    MESSAGE("in use ", mean[0] / 1024.0, ", ", mean[1] / 1024.0, ", ", mean[2] / 1024.0, " and ", mean[3] / 1024.0, " KB by quarter; ",
+            least, " to ", most, " pieces, ", destruction.statistics().retired, " retired of ", destruction.next_piece().value);
+    CHECK(least > 20);
+    CHECK(most < 45); // the limit, a blow's pieces and what fades
+    CHECK(destruction.statistics().retired > 2000);
+    CHECK(mean[3] < 1.01 * mean[1]); // 300 bytes a cycle that nobody freed are more
+}
+#endif

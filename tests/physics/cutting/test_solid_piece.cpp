@@ -1,0 +1,162 @@
+#include "physics/cutting/solid_piece.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/fracture.h"
+#include "fracture/base/random.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
+#include "fracture/mesh/topology.h"
+
+using namespace brittle;
+using namespace brittle::physics;
+
+namespace {
+
+SolidPtr must_make(const fracture::TriangleMesh& mesh, const SolidSettings& settings = {}) {
+    const fracture::Result<SolidPtr> solid = make_solid(mesh, settings);
+    REQUIRE_MESSAGE(solid.has_value(), (solid ? std::string() : solid.error().message));
+    return *solid;
+}
+
+std::vector<SolidPtr> must_break(const SolidPiece& solid, uint32_t count, uint64_t seed, const SolidSettings& settings) {
+    const auto sites = fracture::uniform_sites(fracture::bounds(solid.mesh), count, seed);
+    std::vector<uint32_t> groups;
+    for (uint32_t i = 0; i < count; ++i) groups.push_back(i);
+    const auto pieces = break_solid(solid, sites, groups, settings);
+    REQUIRE_MESSAGE(pieces.has_value(), (pieces ? std::string() : pieces.error().message));
+    return *pieces;
+}
+
+} // namespace
+
+TEST_CASE("what is no solid, and settings that are none, are refused") {
+    CHECK_FALSE(make_solid({}).has_value());
+    fracture::TriangleMesh open = fracture::cube();
+    open.triangles.pop_back();
+    CHECK(make_solid(open).error().status == fracture::Status::not_closed);
+    for (const double size : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+        CHECK(make_solid(fracture::cube(), {.min_size = size}).error().message.find("least size") != std::string::npos);
+    CHECK_FALSE(make_solid(fracture::cube(), {.material = {.fracture_energy = 0.0f}}).has_value());
+    const SolidPtr cube = must_make(fracture::cube());
+    CHECK_FALSE(break_solid(*cube, {}, {}, {}).has_value());
+    const glm::dvec3 site(0.0);
+    const uint32_t group = 0;
+    CHECK(break_solid(*cube, {&site, 1}, {&group, 1}, {}, [] { return true; }).error().status
+          == fracture::Status::cancelled);
+}
+
+TEST_CASE("after three levels pieces are closed, their volumes sum to the whole, and old cuts stay interior") {
+    const fracture::TriangleMesh mesh = fracture::four_legged_animal(48);
+    const double volume = fracture::signed_volume(mesh.positions, mesh.triangles);
+    double area = 0.0;
+    for (const fracture::Triangle& t : mesh.triangles)
+        area += 0.5 * glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
+    const SolidSettings settings{.min_size = 1e-6};
+    std::vector<SolidPtr> pieces{must_make(mesh, settings)};
+    for (int level = 1; level <= 3; ++level) {
+        std::vector<SolidPtr> next;
+        for (size_t i = 0; i < pieces.size(); ++i)
+            for (const SolidPtr& piece : must_break(*pieces[i], level == 3 ? 4 : 6, 10 * i + static_cast<size_t>(level), settings))
+                next.push_back(piece);
+        pieces = std::move(next);
+        double sum = 0.0, exterior = 0.0;
+        std::set<uint32_t> sources;
+        for (const SolidPtr& piece : pieces) {
+            REQUIRE(piece->breakable);
+            const fracture::TriangleMesh& m = piece->mesh;
+            CHECK(fracture::check_topology(m.positions.size(), m.triangles).manifold());
+            sum += fracture::signed_volume(m.positions, m.triangles);
+            CHECK(piece->source.size() == piece->exterior_triangles);
+            CHECK(piece->positions.size() == m.positions.size());
+            CHECK_FALSE(piece->parts.empty());
+            for (uint32_t k = 0; k < piece->exterior_triangles; ++k) {
+                const glm::dvec3 a = m.positions[m.triangles[k].x], b = m.positions[m.triangles[k].y], c = m.positions[m.triangles[k].z];
+                exterior += 0.5 * glm::length(glm::cross(b - a, c - a));
+                // The exterior triangle lies in the plane of the one of the mesh that it says it is of.
+                const fracture::Triangle& from = mesh.triangles[piece->source[k]];
+                sources.insert(piece->source[k]);
+                const glm::dvec3 p = mesh.positions[from.x];
+                const glm::dvec3 n = glm::cross(mesh.positions[from.y] - p, mesh.positions[from.z] - p);
+                if (glm::length(n) > 1e-9)
+                    for (const glm::dvec3& at : {a, b, c}) CHECK(std::abs(glm::dot(glm::normalize(n), at - p)) < 1e-6);
+            }
+        }
+        MESSAGE("level ", level, ": ", pieces.size(), " pieces, volume off by ", std::abs(sum - volume) / volume);
+        CHECK(std::abs(sum - volume) < 1e-9 * volume);
+        CHECK(std::abs(exterior - area) < 1e-9 * area);
+        CHECK(sources.size() == mesh.triangles.size());
+    }
+}
+
+TEST_CASE("no piece is below the least size, and what is too small for two is not cut") {
+    const SolidSettings settings{.min_size = 0.3};
+    const SolidPtr cube = must_make(fracture::cube(1.0), settings);
+    const std::vector<SolidPtr> pieces = must_break(*cube, 200, 7, settings);
+    CHECK(pieces.size() > 5);
+    for (const SolidPtr& piece : pieces) {
+        CHECK(std::cbrt(piece->mass.volume) >= 0.3);
+        CHECK(piece->breakable == (piece->mass.volume >= 2.0 * 0.027));
+        CHECK(piece->mesh.positions.empty() != piece->breakable);
+    }
+    CHECK_FALSE(must_make(fracture::cube(0.37), settings)->breakable); // 0.0507 m^3
+}
+
+TEST_CASE("a group stays one piece with a hull for each of its cells, no hull reaches into another piece") {
+    const SolidSettings settings{.min_size = 0.01};
+    const SolidPtr cube = must_make(fracture::cube(1.0), settings);
+    const auto sites = fracture::uniform_sites(fracture::bounds(cube->mesh), 30, 3);
+    std::vector<uint32_t> groups(30, 20);
+    for (uint32_t i = 0; i < 20; ++i) groups[i] = i;
+    const auto pieces = break_solid(*cube, sites, groups, settings);
+    REQUIRE(pieces.has_value());
+    size_t parts = 0;
+    double sum = 0.0;
+    for (const SolidPtr& piece : *pieces) {
+        parts += piece->parts.size();
+        sum += piece->mass.volume;
+        for (const BodyPart& part : piece->parts) {
+            // All corners of a hull are nearest to one site: that of its cell.
+            std::set<size_t> cells;
+            for (const glm::vec3& corner : part.hull->points) {
+                const glm::dvec3 at = glm::dvec3(corner + part.offset) + piece->mass.centre_of_mass;
+                size_t nearest = 0;
+                for (size_t i = 1; i < sites.size(); ++i)
+                    if (glm::distance(at, sites[i]) < glm::distance(at, sites[nearest])) nearest = i;
+                cells.insert(nearest);
+            }
+            CHECK(cells.size() == 1);
+        }
+    }
+    CHECK(parts == 30);
+    CHECK(pieces->size() < 30);
+    CHECK(pieces->size() >= 21);
+    CHECK(sum == doctest::Approx(1.0).epsilon(1e-12));
+}
+
+TEST_CASE("a piece that reaches into an anchor is anchored, whether a vertex lies there or not") {
+    const SolidSettings settings{.min_size = 0.01, .anchors = {fracture::Box{{-0.05, -0.6, -0.05}, {0.05, -0.45, 0.05}}}};
+    const SolidPtr cube = must_make(fracture::cube(1.0), settings);
+    CHECK(cube->anchored); // the box pierces the middle of its floor
+    const glm::dvec3 sites[] = {{0.0, -0.25, 0.0}, {0.0, 0.25, 0.0}};
+    const uint32_t groups[] = {0, 1};
+    const auto halves = break_solid(*cube, sites, groups, settings);
+    REQUIRE(halves->size() == 2);
+    CHECK((*halves)[0]->anchored);
+    CHECK_FALSE((*halves)[1]->anchored);
+}
+
+TEST_CASE("thin and slender solids bear less than a cube of their volume") {
+    const Material material;
+    const auto bears = [&](const glm::dvec3& size) {
+        return must_make(fracture::cuboid(size), {.material = material})->bearable;
+    };
+    CHECK(bears({1.0, 1.0, 1.0}) == doctest::Approx(toughness(material)));
+    CHECK(bears({1.0, 1.0, 0.1}) == doctest::Approx(0.1 * toughness(material)));
+    CHECK(bears({10.0, 0.1, 0.1}) == doctest::Approx(0.01 * toughness(material)));
+}

@@ -1,0 +1,362 @@
+#include "tests/tools/support.h"
+#include "tools/brittle/recipe/recipe.h"
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "fracture/shapes/shapes.h"
+#include "physics/material.h"
+#include "tools/brittle/base/failure.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using namespace brittle::tools::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+// What reading the text says, "" if it is read.
+std::string message_of(const std::string& text) {
+    const Folder folder;
+    FractureOptions options;
+    try {
+        read_recipe(folder.write("recipe.json", text), options);
+    } catch (const Failure& failure) {
+        CHECK(failure.code() == exit_input);
+        CHECK(std::string(failure.what()).find("recipe.json: ") != std::string::npos);
+        return failure.what();
+    }
+    return "";
+}
+
+bool says(const std::string& text, const std::string& words) {
+    const std::string message = message_of(text);
+    CAPTURE(message);
+    const bool found = message.find(words) != std::string::npos;
+    CHECK(found);
+    return found;
+}
+
+FractureOptions everything() {
+    FractureOptions options;
+    options.mesh = "shape:torus";
+    options.repair = true;
+    options.algorithm = fracture::Algorithm::sequential;
+    options.min_volume = 0.25;
+    options.material = "wood";
+    options.pattern = {.kind = fracture::PatternKind::curve,
+                       .count = 33,
+                       .piece_size = 0.5,
+                       .seed = 18446744073709551615u,
+                       .jitter = 0.1,
+                       .focus = {0.1, 0.2, 0.3},
+                       .axis = {0.0, 0.6, 0.8},
+                       .spread = 0.7,
+                       .slenderness = 3.5,
+                       .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
+                       .grading = 0.75,
+                       .inside = true};
+    options.world = {.bonded = true, .anchored = true, .height = 1.5, .air_density = 0.3, .most_colliding = 700, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .bond = {.brick = {0.3, 0.05, 1.0 / 3.0}, .along = 2}, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+    options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
+    options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
+                       .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
+    return options;
+}
+
+// Sites of a file, moved about.
+FractureOptions points() {
+    FractureOptions options;
+    options.mesh = "shape:cube";
+    options.sites_file = "/sites/fan.txt";
+    options.fit_sites = true;
+    options.pattern.seed = 77;
+    options.sites_placement = {.turn = {10.0, -20.0, 1.0 / 3.0}, .scale = 0.5, .move = {0.0, 1e-3, 2.0}};
+    return options;
+}
+
+// Sites that the recipe lists itself.
+FractureOptions listed() {
+    FractureOptions options;
+    options.mesh = "shape:cube";
+    options.points = {{{0.1, -0.2, 1.0 / 3.0}}, {{1e-300, 5e-324, -0.0}}, {{0.5, 0.5, 0.5}}};
+    return options;
+}
+FractureOptions weighted() {
+    FractureOptions options = listed();
+    options.points[0].weight = 1.0 / 3.0;
+    options.points[2].weight = -0.25;
+    return options;
+}
+FractureOptions grouped() {
+    FractureOptions options = weighted();
+    options.points[0].group = options.points[2].group = 1'000'000;
+    return options;
+}
+
+} // namespace
+
+TEST_CASE("recipe: what is written is read again, to the bit") {
+    const Folder folder;
+    for (const FractureOptions& options : {FractureOptions{}, everything(), points(), listed(), weighted(), grouped()}) {
+        FractureOptions again;
+        read_recipe(folder.write("recipe.json", recipe_json(options)), again);
+        CHECK((again.points == options.points || !options.strikes.empty()));
+        CHECK(recipe_json(again) == recipe_json(options));
+        write_recipe(folder.path / "saved.json", options);
+        FractureOptions saved;
+        read_recipe(folder.path / "saved.json", saved);
+        CHECK(recipe_json(saved) == recipe_json(options));
+    }
+}
+
+TEST_CASE("recipe: what differs from the material's pattern is written, also where it is as without a material") {
+    const Folder folder;
+    FractureOptions options;
+    use_material("glass", options);
+    REQUIRE(options.pattern.axis != fracture::Pattern{}.axis);
+    options.pattern.axis = fracture::Pattern{}.axis;
+    FractureOptions again;
+    read_recipe(folder.write("recipe.json", recipe_json(options)), again);
+    CHECK(again.pattern.axis == options.pattern.axis);
+    CHECK(again.pattern.jitter == options.pattern.jitter);
+}
+
+TEST_CASE("recipe: what it does not mention stays") {
+    const Folder folder;
+    FractureOptions options = everything();
+    read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "grid"}})"), options);
+    CHECK(options.pattern.kind == fracture::PatternKind::grid);
+    CHECK(options.pattern.count == 33);
+    CHECK(options.mesh == "shape:torus");
+}
+
+TEST_CASE("recipe: a material says how it breaks, and the pattern outdoes it") {
+    const Folder folder;
+    for (const physics::MaterialPreset& preset : physics::material_presets()) {
+        FractureOptions options;
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "material": ")" + std::string(preset.name) + "\"}"), options);
+        CHECK(options.pattern.kind == preset.pattern.kind);
+        CHECK(fracture::make_sites(options.pattern, fracture::cube()));
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "grid"}, "material": ")" + std::string(preset.name) + "\"}"),
+                    options);
+        CHECK(options.pattern.kind == fracture::PatternKind::grid);
+        CHECK(options.material == preset.name);
+    }
+    says(R"({"brittle": 1, "material": "cheese"})", "/material: there is no material 'cheese'; there are: glass, stone");
+}
+
+TEST_CASE("recipe: listed sites are the sites, and another pattern forgets them") {
+    const Folder folder;
+    FractureOptions options = points();
+    read_recipe(folder.write("recipe.json", recipe_json(listed())), options);
+    CHECK(options.sites_file.empty());
+    const SiteSet set = sites_for(options, fracture::cube());
+    REQUIRE(set.sites.size() == 3);
+    for (size_t s = 0; s < 3; ++s) CHECK(set.sites[s] == listed().points[s].at);
+    CHECK(set.weights.empty());
+    CHECK(set.groups.empty());
+    read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "uniform", "count": 7}})"), options);
+    CHECK(options.points.empty());
+    CHECK(sites_for(options, fracture::cube()).sites.size() == 7);
+}
+
+TEST_CASE("recipe: listed sites have weights and groups, those alone in a group none") {
+    CHECK(sites_for(weighted(), fracture::cube()).weights == std::vector{1.0 / 3.0, 0.0, -0.25});
+    CHECK(sites_for(weighted(), fracture::cube()).groups.empty());
+    const std::vector<uint32_t> groups = sites_for(grouped(), fracture::cube()).groups;
+    REQUIRE(groups.size() == 3);
+    CHECK(groups[0] == groups[2]);
+    CHECK(groups[0] != groups[1]);
+    FractureOptions alone = listed();
+    alone.points[1].group = 5;
+    CHECK(sites_for(alone, fracture::cube()).groups.empty());
+    // There and back.
+    const SiteSet set{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {9, 4, 9, 7}, {0.0, 1.0, 0.0, 2.0}};
+    const std::vector<PlacedSite> placed = placed_sites(set);
+    REQUIRE(placed.size() == 4);
+    CHECK(placed[0].group == placed[2].group);
+    CHECK(placed[0].group > 0);
+    CHECK(placed[1].group == 0);
+    CHECK(placed[3].group == 0);
+    FractureOptions again = listed();
+    again.points = placed;
+    CHECK(sites_for(again, fracture::cube()).sites == set.sites);
+    CHECK(sites_for(again, fracture::cube()).weights == set.weights);
+    CHECK(placed_sites({}).empty());
+}
+
+TEST_CASE("recipe: cells of one group are one piece, and a heavy site has more than a light one") {
+    FractureOptions options;
+    options.mesh = "shape:cube";
+    options.points = {{{-0.5, 0.0, 0.0}}, {{0.0, 0.0, 0.0}}, {{0.5, 0.0, 0.0}}};
+    const auto volumes = [&] { // by their place along x
+        std::map<double, double> at;
+        const Broken broken = break_input(load_input(options), options);
+        CHECK(broken.certificate.closed);
+        for (const fracture::Piece& piece : broken.fragments.pieces) at[piece.mass.centre_of_mass.x] = piece.mass.volume;
+        std::vector<double> in_order;
+        for (const auto& [x, volume] : at) in_order.push_back(volume);
+        return in_order;
+    };
+    const std::vector<double> plain = volumes();
+    REQUIRE(plain.size() == 3);
+    const double area = 2.0 * plain[1]; // of a section: the one in the middle is half a metre thick
+    options.points[1].weight = 0.1; // moves both its bisectors by w / 2 d
+    const std::vector<double> heavy = volumes();
+    REQUIRE(heavy.size() == 3);
+    CHECK(heavy[1] - plain[1] == doctest::Approx(2.0 * area * 0.1 / (2.0 * 0.5)).epsilon(1e-9));
+    options.points[1].weight = 0.0;
+    options.points[0].group = options.points[1].group = 3;
+    const std::vector<double> joined = volumes();
+    REQUIRE(joined.size() == 2);
+    CHECK(joined[0] == doctest::Approx(plain[0] + plain[1]).epsilon(1e-12));
+}
+
+TEST_CASE("recipe: weights and groups that fit no sites are refused") {
+    const auto with = [](const std::string& more) {
+        return R"({"brittle": 1, "mesh": "shape:cube", "pattern": {"type": "points", "sites": [[0, 0, 0], [1, 0, 0]], )" + more + "}}";
+    };
+    says(with(R"("weights": [1])"), "/pattern/weights: expected a list of one for each of the 2 sites");
+    says(with(R"("weights": [1, "much"])"), "/pattern/weights/1: expected a number");
+    says(with(R"("weights": [1, 1e300])"), "/pattern/weights/1: expected a number");
+    says(with(R"("groups": 3)"), "/pattern/groups: expected a list of one for each of the 2 sites");
+    says(with(R"("groups": [0, -1])"), "/pattern/groups/1: expected a whole number");
+    says(with(R"("groups": [0, 1000001])"), "/pattern/groups/1: expected a whole number");
+}
+
+TEST_CASE("recipe: paths count from its folder") {
+    const Folder folder;
+    FractureOptions options;
+    const std::string text =
+        R"({"brittle": 1, "mesh": "meshes/a.obj", "pattern": {"type": "points", "file": "../sites.txt"}})";
+    read_recipe(folder.write("recipe.json", text), options);
+    CHECK(options.mesh == (folder.path / "meshes/a.obj").string());
+    CHECK(options.sites_file == (folder.path.parent_path() / "sites.txt").string());
+    options.mesh = fs::proximate(folder.path / "b.obj").string();
+    write_recipe(folder.path / "saved.json", options);
+    const auto json = nlohmann::json::parse(std::ifstream(folder.path / "saved.json"));
+    CHECK(json["mesh"] == "b.obj");
+}
+
+TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what was expected") {
+    says(R"({"brittle": 1, "pattern": {"cuont": 4}})", "/pattern/cuont: unknown key; there are: type, count");
+    says(R"({"brittle": 1, "mseh": ""})", "/mseh: unknown key");
+    says(R"({"brittle": 1, "pattern": {"count": 0}})", "/pattern/count: expected a whole number from 1 to 1000000, found 0");
+    says(R"({"brittle": 1, "pattern": {"count": 2.5}})", "found 2.5");
+    says(R"({"brittle": 1, "pattern": {"seed": -1}})", "/pattern/seed: expected a whole number from 0");
+    says(R"({"brittle": 1, "pattern": {"jitter": "lots"}})", "/pattern/jitter: expected a number from 0.0 to 1.0, found \"lots\"");
+    says(R"({"brittle": 1, "pattern": {"focus": [1, 2]}})", "/pattern/focus: expected three numbers");
+    says(R"({"brittle": 1, "pattern": {"line": [[0, 0, 0], [1, "x", 0]]}})", "/pattern/line/1: expected three numbers");
+    says(R"({"brittle": 1, "pattern": {"type": "glass"}})", "there is no pattern \"glass\"; there are: uniform");
+    says(R"({"brittle": 1, "pattern": {"type": "points"}})", "/pattern/file: a pattern of points needs");
+    says(R"({"brittle": 1, "pattern": {"type": "points", "file": "a", "sites": [[0, 0, 0]]}})", "/pattern/file: a pattern of points needs");
+    says(R"({"brittle": 1, "pattern": {"type": "points", "sites": []}})", "/pattern/sites: expected 1 to 10000 points");
+    says(R"({"brittle": 1, "pattern": {"type": "points", "sites": [[0, 0, 0], [0, 1]]}})", "/pattern/sites/1: expected three numbers");
+    says(R"({"brittle": 1, "strikes": [{"at": [0, 0, 0]}, {"radius": -1}]})", "/strikes/1/radius: expected a number");
+    says(R"({"brittle": 1, "strikes": [{"where": 1}]})", "/strikes/0/where: unknown key");
+    says(R"({"brittle": 1, "strikes": {}})", "/strikes: expected a list");
+    says(R"({"brittle": 1, "world": {"most_colliding": -1}})", "/world/most_colliding: expected a whole number from 0 to 1000000, found -1");
+    says(R"({"brittle": 1, "world": {"most_colliding": 1000001}})", "/world/most_colliding: expected a whole number");
+    says(R"({"brittle": 1, "world": {"anchors": 1}})", "/world/anchors: expected a list");
+    says(R"({"brittle": 1, "world": {"anchors": [{"radius": 0}]}})", "/world/anchors/0/radius: expected a number");
+    says(R"({"brittle": 1, "world": {"anchors": [{"at": [0, 0, 0], "size": 1}]}})", "/world/anchors/0");
+    says(R"({"brittle": 1, "pattern": 7})", "/pattern: expected an object { }, found 7");
+    says(R"({"brittle": 1, "repair": "yes"})", "/repair: expected true or false");
+    says(R"({"brittle": 1, "algorithm": "fast"})", "/algorithm: expected \"exact\" or \"sequential\"");
+    says(R"({"brittle": 1, "min_volume": -1})", "/min_volume: expected a number");
+    says(R"({"mesh": "shape:cube"})", "/brittle: expected the recipe's version");
+    says(R"({"brittle": 2})", "which is 1");
+    says("[1]", "expected an object");
+    says("{", "the JSON cannot be read: parse error at line 1");
+    says(std::string(100'000, '['), "nested too deeply");
+    // Brackets in text do not count.
+    const std::string deep = R"(, "repair": )" + std::string(100'000, '[') + std::string(100'000, ']') + "}";
+    says(R"({"brittle": 1, "mesh": ")" + std::string(200'000, ']') + "\"" + deep, "nested too deeply");
+    says(std::string(size_t{2} << 20, ' '), "more than 1 MiB");
+}
+
+TEST_CASE("recipe: a brick has length, height and thickness, and an axis that its length lies along") {
+    const Folder folder;
+    const auto bond_of = [&](const std::string& brick) {
+        FractureOptions options;
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "world": {"brick": )" + brick + "}}"), options);
+        return options.world.bond;
+    };
+    const physics::RunningBond plain;
+    CHECK(bond_of("{}").brick == plain.brick);
+    CHECK(bond_of("{}").along == 0);
+    CHECK(bond_of(R"({"size": [0.4, 0.2, 0.3]})").brick == glm::dvec3(0.4, 0.2, 0.3));
+    CHECK(bond_of(R"({"size": [0.4, 0.2, 0.3], "along": "y"})").brick == glm::dvec3(0.2, 0.4, 0.3));
+    CHECK(bond_of(R"({"size": [0.4, 0.2, 0.3], "along": "z"})").brick == glm::dvec3(0.3, 0.2, 0.4));
+    CHECK(bond_of(R"({"along": "z"})").brick == glm::dvec3(plain.brick.z, plain.brick.y, plain.brick.x));
+    CHECK(bond_of(R"({"along": "z"})").along == 2);
+    const auto with = [](const std::string& brick) { return R"({"brittle": 1, "world": {"brick": )" + brick + "}}"; };
+    const std::string sizes = "/world/brick/size: expected length, height and thickness in metres, such as [0.25, 0.075, 0.12], found ";
+    says(with("0.25"), "/world/brick: expected an object { }, found 0.25");
+    says(with(R"({"size": 0.25})"), sizes + "0.25");
+    says(with(R"({"size": [0.25, 0.12]})"), sizes + "[0.25,0.12]");
+    for (const char* bad : {"0", "-0.1", "0.0009", "10.5", "1e300", "5e-324", "null", "\"long\"", "[1]"}) {
+        CAPTURE(bad);
+        says(with(R"({"size": [0.25, )" + std::string(bad) + ", 0.12]}"), "/world/brick/size/1: expected a number from 0.001 to 10.0, found ");
+    }
+    for (const char* none : {"nan", "Infinity", "1e999"}) says(with(R"({"size": [0.25, )" + std::string(none) + ", 0.12]}"), "the JSON cannot be read");
+    says(with(R"({"along": "w"})"), "/world/brick/along: expected \"x\", \"y\" or \"z\", found \"w\"");
+    says(with(R"({"along": 0})"), "/world/brick/along: expected text in quotes");
+    says(with(R"({"length": 0.25})"), "/world/brick/length: unknown key; there are: size, along");
+}
+
+TEST_CASE("recipe: messages hold nothing that a terminal would obey, and do not quote a whole file") {
+    const std::string escape = R"(\u001b[31m)";
+    for (const std::string& text :
+         {R"({"brittle": 1, ")" + escape + R"(": 1})", R"({"brittle": 1, "algorithm": ")" + escape + R"("})",
+          R"({"brittle": 1, "pattern": {"type": ")" + escape + R"("}})",
+          R"({"brittle": 1, ")" + std::string(100'000, 'x') + R"(": 1})", "{\"" + std::string(100'000, 'x')}) {
+        const std::string message = message_of(text);
+        CAPTURE(message);
+        CHECK(message.size() > 10);
+        CHECK(message.size() < 1000);
+        CHECK(message.find('\x1b') == std::string::npos);
+    }
+}
+
+TEST_CASE("recipe: the schema knows the keys that are written and read, and no others") {
+    const auto schema = nlohmann::json::parse(std::ifstream(BRITTLE_ASSETS "/recipe.schema.json"));
+    const auto all = nlohmann::json::parse(recipe_json(everything()));
+    for (const auto& [key, value] : all.items()) CHECK(schema["properties"].contains(key));
+    for (const auto& [key, value] : all["pattern"].items())
+        CHECK(schema["properties"]["pattern"]["properties"].contains(key));
+    for (const auto& [key, value] : schema["properties"].items()) CHECK(all.contains(key));
+    for (const char* part : {"picture", "world"})
+        for (const auto& [key, value] : schema["properties"][part]["properties"].items()) CHECK(all[part].contains(key));
+    for (const auto& [key, value] : all["world"].items())
+        CHECK(schema["properties"]["world"]["properties"].contains(key));
+    for (const auto& [key, value] : all["picture"].items())
+        CHECK(schema["properties"]["picture"]["properties"].contains(key));
+    const auto of_points = nlohmann::json::parse(recipe_json(points()))["pattern"];
+    for (const auto& [key, value] : of_points.items())
+        CHECK(schema["properties"]["pattern"]["properties"].contains(key));
+    const auto of_list = nlohmann::json::parse(recipe_json(grouped()))["pattern"];
+    for (const auto& [key, value] : of_list.items()) CHECK(schema["properties"]["pattern"]["properties"].contains(key));
+    for (const auto& [key, value] : schema["properties"]["pattern"]["properties"].items())
+        CHECK((all["pattern"].contains(key) || of_points.contains(key) || of_list.contains(key)));
+    const auto& of_strike = schema["properties"]["strikes"]["items"]["properties"];
+    for (const auto& [key, value] : of_strike.items()) CHECK(all["strikes"][0].contains(key));
+    for (const auto& [key, value] : all["strikes"][0].items()) CHECK(of_strike.contains(key));
+    const auto& of_anchor = schema["properties"]["world"]["properties"]["anchors"]["items"]["properties"];
+    for (const auto& [key, value] : of_anchor.items()) CHECK(all["world"]["anchors"][0].contains(key));
+    for (const auto& [key, value] : all["world"]["anchors"][0].items()) CHECK(of_anchor.contains(key));
+    const auto& of_brick = schema["properties"]["world"]["properties"]["brick"]["properties"];
+    for (const auto& [key, value] : of_brick.items()) CHECK(all["world"]["brick"].contains(key));
+    for (const auto& [key, value] : all["world"]["brick"].items()) CHECK(of_brick.contains(key));
+    const auto& materials = schema["properties"]["material"]["enum"];
+    REQUIRE(materials.size() == physics::material_presets().size());
+    for (size_t k = 0; k < materials.size(); ++k) CHECK(materials[k] == std::string(physics::material_presets()[k].name));
+    const auto& types = schema["properties"]["pattern"]["properties"]["type"]["enum"];
+    REQUIRE(types.size() == fracture::pattern_names().size() + 1);
+    for (size_t k = 0; k + 1 < types.size(); ++k) CHECK(types[k] == std::string(fracture::pattern_names()[k]));
+}

@@ -1,0 +1,254 @@
+// Scenes of what is cut anew where it is hit: the statue that breaks again and again, and that no cut brings
+// momentum, but where it is held what the world had taken.
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "tests/tools/scenes.h"
+#include "tools/brittle/run/simulation.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using namespace brittle::tools::test;
+
+namespace {
+
+// Around each update of the destruction.
+struct Books : SimulationObserver {
+    physics::Mechanics before;
+    int cuts = 0;
+    double worst = 0.0; // relative to all that moves
+
+    void moved(const Simulation& simulation) override { before = simulation.world().mechanics(); }
+    void updated(const Simulation& simulation, const physics::Structure::Changes&) override {
+        const physics::World& world = simulation.world();
+        const physics::Mechanics after = world.mechanics();
+        const Motion all = motion_of(world);
+        cuts += static_cast<int>(simulation.commits().size());
+        worst = std::max({worst, glm::length(after.momentum - before.momentum) / all.momentum,
+                          glm::length(after.angular_momentum - before.angular_momentum) / all.angular});
+    }
+};
+
+// The same where things are held. The world may take back from what hit them what it gave, and nothing else:
+// so each update changes the sum by impulses along the lines of those contacts, through the points that they
+// had on what hit, and all of one blow by no more than its contacts gave. Each blow has two, that along which it pressed
+// and that of its friction. Four lines must do: a cut may give back two blows, that which began it and one that waited.
+struct HeldBooks : SimulationObserver {
+    using Wrench = std::array<double, 6>; // momentum and angular momentum
+    static constexpr uint64_t kept_steps =
+        16; // four of a blow, two to a commit; those that wait take as many again
+
+    struct Line {
+        physics::BodyId striker, other;
+        bool friction = false; // or what pressed
+        uint64_t last = 0;     // step
+        glm::dvec3 gave{0.0}; // N s, the world to the striker
+        glm::dvec3 arm{0.0};  // m, from its centre of mass, weighed by impulse
+        double pressed = 0.0;
+        double taken_back = 0.0;
+        Wrench unit{}; // now
+    };
+    // What so many lines leave of a change.
+    struct Rest {
+        double error = std::numeric_limits<double>::infinity(); // relative to all that moves, body by body
+        std::vector<size_t> lines{};                            // which they are
+    };
+    static constexpr size_t most_lines = 4; // six could explain anything
+    static constexpr double explained = 1e-5;
+
+    std::vector<Line> lines;
+    physics::Mechanics before;
+    double momentum = 0.0, turn = 0.0;         // of all that moves
+    std::array<int, most_lines + 1> updates{}; // by how many lines explain them
+    int cuts = 0;
+    double worst = 0.0;
+    double worst_of_blow = 0.0; // taken back beyond what was given, relative to that
+    double returned = 0.0;      // N s, along all lines
+
+    static bool moves(const physics::World& world, physics::BodyId body) {
+        return world.contains(body) && !world.fixed(body);
+    }
+
+    void moved(const Simulation& simulation) override {
+        const physics::World& world = simulation.world();
+        before = world.mechanics();
+        for (const physics::Contact& contact : world.contacts()) {
+            const bool a = moves(world, contact.a), b = moves(world, contact.b);
+            const physics::BodyId other = a ? contact.b : contact.a, striker = a ? contact.a : contact.b;
+            if (a == b || !world.contains(other) || !(contact.speed > 0.5f && contact.impulse > 0.0f))
+                continue;
+            for (const bool friction : {false, true}) {
+                auto line = std::ranges::find_if(lines, [&](const Line& known) {
+                    return known.striker == striker && known.other == other && known.friction == friction
+                           && known.last + 1 >= simulation.steps();
+                });
+                if (line == lines.end())
+                    line = lines.insert(lines.end(), Line{.striker = striker, .other = other, .friction = friction});
+                const auto impulse = static_cast<double>(contact.impulse);
+                line->last = simulation.steps();
+                line->gave += (a ? 1.0 : -1.0) * glm::dvec3(friction ? contact.friction : contact.impulse * contact.normal);
+                line->pressed += impulse;
+                line->arm += (glm::dvec3(contact.point - world.previous_pose(striker).position) - line->arm)
+                             * (impulse / line->pressed);
+            }
+        }
+        std::erase_if(lines, [&](const Line& line) {
+            return line.last + kept_steps < simulation.steps() || !world.contains(line.striker)
+                   || !(glm::length(line.gave) > 0.0);
+        });
+        for (Line& line : lines) {
+            const glm::dvec3 along = glm::normalize(line.gave);
+            const glm::dvec3 about =
+                glm::cross(glm::dvec3(world.pose(line.striker).position) + line.arm, along);
+            line.unit = {along.x, along.y, along.z, about.x, about.y, about.z};
+        }
+    }
+
+    static double dot(const Wrench& a, const Wrench& b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.0); }
+
+    // The best that so many lines, from one on, can do, beside those whose orthogonal parts are given.
+    [[nodiscard]] Rest best(const Wrench& change, std::vector<Wrench>& basis, size_t from,
+                            size_t count) const {
+        const auto without = [](Wrench from_it, const Wrench& what, double much) {
+            for (size_t k = 0; k < from_it.size(); ++k) from_it[k] -= much * what[k];
+            return from_it;
+        };
+        if (count == 0)
+            return {std::max(glm::length(glm::dvec3(change[0], change[1], change[2])) / momentum,
+                             glm::length(glm::dvec3(change[3], change[4], change[5])) / turn)};
+        Rest least;
+        for (size_t i = from; i < lines.size(); ++i) {
+            Wrench unit = lines[i].unit;
+            for (const Wrench& known : basis)
+                unit = without(unit, known, dot(unit, known) / dot(known, known));
+            if (dot(unit, unit) < 1e-6) continue; // as one before
+            const double much = dot(change, unit) / dot(unit, unit);
+            basis.push_back(unit);
+            Rest rest = best(without(change, unit, much), basis, i + 1, count - 1);
+            basis.pop_back();
+            if (rest.error >= least.error) continue;
+            rest.lines.push_back(i);
+            least = std::move(rest);
+        }
+        return least;
+    }
+
+    // How much of each of those lines makes the change.
+    [[nodiscard]] glm::dvec4 amounts(const Wrench& change, const std::vector<size_t>& of) const {
+        glm::dmat4 products(1.0);
+        glm::dvec4 along(0.0);
+        for (size_t i = 0; i < of.size(); ++i) {
+            const auto row = static_cast<int>(i);
+            along[row] = dot(change, lines[of[i]].unit);
+            for (size_t j = 0; j < of.size(); ++j) products[static_cast<int>(j)][row] = dot(lines[of[i]].unit, lines[of[j]].unit);
+        }
+        return glm::inverse(products) * along;
+    }
+
+    void updated(const Simulation& simulation, const physics::Structure::Changes&) override {
+        const physics::World& world = simulation.world();
+        const physics::Mechanics after = world.mechanics();
+        const glm::dvec3 linear = after.momentum - before.momentum,
+                         angular = after.angular_momentum - before.angular_momentum;
+        const Wrench change{linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
+        momentum = turn = 1e-3;
+        for (const physics::BodyId body : world.bodies()) {
+            const physics::Mechanics own = world.mechanics(body);
+            momentum += glm::length(own.momentum);
+            turn += glm::length(own.angular_momentum);
+        }
+        cuts += static_cast<int>(simulation.commits().size());
+        Rest least;
+        size_t needed = 0;
+        for (size_t count = 0; count <= most_lines && least.error > explained; ++count) {
+            std::vector<Wrench> basis;
+            const Rest rest = best(change, basis, 0, count);
+            if (rest.error < least.error) least = rest, needed = count;
+        }
+        worst = std::max(worst, least.error);
+        ++updates[needed];
+        const glm::dvec4 much = amounts(change, least.lines);
+        for (size_t i = 0; i < least.lines.size(); ++i) {
+            Line& line = lines[least.lines[i]];
+            const double back = -much[static_cast<int>(i)];
+            line.taken_back += back;
+            returned += back;
+            const double given = glm::length(line.gave);
+            worst_of_blow = std::max({worst_of_blow, -line.taken_back / given, (line.taken_back - given) / given});
+        }
+    }
+};
+
+} // namespace
+
+TEST_CASE("breakable: the statue's pieces' pieces' pieces break, all are closed, and nothing is lost") {
+    const FractureOptions options = recipe_of<scene::statue_broken_three_levels_deep>();
+    const fracture::Fragments whole = started(options);
+    REQUIRE(whole.pieces.size() == 1);
+    Simulation simulation(options.material);
+    simulation.start(whole, options.world);
+    while (simulation.steps() < 2 * options.picture.frames) simulation.step();
+    const physics::Destruction& destruction = *simulation.destruction();
+    CHECK(destruction.statistics().retired == 0);
+    uint32_t deepest = 0;
+    for (const physics::PieceId id : destruction.pieces()) deepest = std::max(deepest, destruction.depth(id));
+    CHECK(deepest >= 3);
+    CHECK(destruction.pieces().size() > 100);
+    check_pieces(destruction, whole.pieces[0].mass.volume);
+}
+
+namespace {
+
+using CutAnew = std::tuple<scene::glass_pane_shot_by_a_ball, scene::pane_hangs_by_its_corners, scene::statue_broken_three_levels_deep>;
+
+} // namespace
+
+TEST_CASE_TEMPLATE_DEFINE("breakable: momentum and angular momentum are kept across every cut, to 1e-4", Scene, momentum_of_cuts) {
+    FractureOptions options = recipe_of<Scene>();
+    options.world.anchored = false; // what is held gives momentum to the ground
+    options.world.anchors.clear();
+    options.world.height = 0.0;
+    Simulation simulation(options.material);
+    Books books;
+    simulation.observe(&books);
+    simulation.start(started(options), options.world);
+    while (simulation.steps() < 2 * options.picture.frames) simulation.step();
+    MESSAGE(books.cuts, " cuts, worst ", books.worst);
+    CHECK(books.cuts > 3);
+    CHECK(books.worst < 1e-4);
+}
+TEST_CASE_TEMPLATE_APPLY(momentum_of_cuts, CutAnew);
+
+TEST_CASE("breakable: momentum is looked at wherever things are cut anew") {
+    CHECK(names_of<CutAnew>() == scenes_where([](const FractureOptions& options) { return options.world.breakable; }));
+}
+
+TEST_CASE_TEMPLATE_DEFINE("breakable: where things are held, cuts change momentum by what their blows gave the world, to 1e-4", Scene,
+                          momentum_of_held) {
+    const FractureOptions options = recipe_of<Scene>();
+    REQUIRE((options.world.anchored || !options.world.anchors.empty()));
+    Simulation simulation(options.material);
+    HeldBooks books;
+    simulation.observe(&books);
+    simulation.start(started(options), options.world);
+    while (simulation.steps() < 2 * options.picture.frames) simulation.step();
+    MESSAGE(books.cuts, " cuts; ", books.updates[0], " updates that changed nothing, ", books.updates[1],
+            " along one line, ", books.updates[2], " along two, ", books.updates[3],
+            " along three, ", books.updates[4], " along four; worst ", books.worst,
+            ", given back ", books.returned, " N s, beyond what was given ", books.worst_of_blow);
+    CHECK(books.cuts > 0);
+    CHECK(books.worst < 1e-4);
+    CHECK(books.worst_of_blow < 1e-4);
+    CHECK(books.updates[1] > 0); // else nothing of the accounts was tried
+    CHECK(books.returned > 0.0);
+}
+TEST_CASE_TEMPLATE_APPLY(momentum_of_held, CutAnew);

@@ -1,0 +1,177 @@
+// Simulations: what is scheduled, grabbed, struck, and which poses a frame must write.
+#include "tools/brittle/run/simulation.h"
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "tests/tools/scenes.h"
+#include "tests/tools/wall.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using namespace brittle::tools::test;
+
+TEST_CASE("simulation: with nothing there, actions and steps do nothing") {
+    Simulation simulation;
+    CHECK(!simulation.running());
+    for (const Action& action :
+         {Action(Damage{}), Action(Saw{}), Action(Release{}), Action(Drag{}), Action(LetGo{})})
+        simulation.apply(action);
+    simulation.step();
+    CHECK(simulation.steps() == 1);
+    simulation.start({}, {});
+    CHECK(simulation.steps() == 0);
+    simulation.step();
+    CHECK(!simulation.running());
+}
+
+TEST_CASE("simulation: a breakable thing stays whole, is cut where it is hit, and its foot is held") {
+    FractureOptions options;
+    options.mesh = "shape:wall";
+    use_material("concrete", options);
+    options.world = {.anchored = true, .breakable = true};
+    const fracture::Fragments whole = started(options);
+    REQUIRE(whole.pieces.size() == 1);
+    Simulation simulation(options.material);
+    simulation.start(whole, options.world);
+    const double volume = simulation.destruction()->solid({0})->mass.volume;
+    for (int k = 0; k < 60; ++k) simulation.step();
+    CHECK(simulation.number_count() == 1);
+    CHECK(simulation.world().fixed(simulation.body_of(0)));
+    CHECK(simulation.structure() == nullptr);
+    simulation.apply(Hammer{0, {0.0, 1.1, 0.1}, {0.0, 0.0, -1e-3}}); // too weak
+    simulation.apply(Hammer{0, {0.0, 1.1, 0.1}, {0.0, 0.0, -80.0}});
+    for (int k = 0; k < 60; ++k) simulation.step();
+    CHECK(simulation.body_of(0) == physics::BodyId{});
+    CHECK(simulation.number_count() > 3);
+    double sum = 0.0;
+    int held = 0;
+    for (const physics::PieceId piece : simulation.destruction()->pieces()) {
+        sum += simulation.destruction()->solid(piece)->mass.volume;
+        held += simulation.world().fixed(simulation.body_of(piece.value));
+        CHECK(simulation.pieces_of(simulation.body_of(piece.value)) == std::vector<uint32_t>{piece.value});
+    }
+    CHECK(sum == doctest::Approx(volume).epsilon(1e-12));
+    CHECK(held == 1);
+    // What is no longer there, or never was, is left alone.
+    for (const Action& action : {Action(Hammer{0, {}, {0, 0, 9}}), Action(Push{99'999, {}, {1, 0, 0}}),
+                                 Action(Grab{0, {}}), Action(Release{{0, 5}}), Action(Damage{}), Action(Saw{})})
+        simulation.apply(action);
+    simulation.step();
+}
+
+TEST_CASE("simulation: more pieces than may collide are debris, as each start says") {
+    FractureOptions options = wall_options();
+    options.world = {.height = 0.5};
+    const fracture::Fragments pieces = started(options);
+    REQUIRE(pieces.pieces.size() > 20);
+    Simulation simulation(options.material);
+    for (const uint32_t most : {10u, 0u, 20u}) {
+        options.world.most_colliding = most;
+        simulation.start(pieces, options.world);
+        CHECK(simulation.world().settings().most_colliding == most);
+        CHECK(simulation.world().colliding_count() == (most == 0 ? pieces.pieces.size() : most));
+    }
+}
+
+TEST_CASE("simulation: poses since a step are those that changed") {
+    FractureOptions options = wall_options();
+    for (const bool breakable : {false, true}) {
+        for (const bool bonded : {false, true}) {
+            CAPTURE(breakable);
+            CAPTURE(bonded);
+            options.world = {.bonded = bonded, .height = 0.0, .breakable = breakable};
+            Simulation simulation(options.material);
+            simulation.start(started(options), options.world);
+            simulation.schedule(3, Shoot{{0.3, 0.5, 2.0}, {0.0, 0.0, -20.0}, 0.15, 7800.0});
+            std::vector<physics::Pose> kept(2000);
+            uint64_t written = 0;
+            std::mt19937 random(4);
+            for (int frame = 0; frame < 120; ++frame) {
+                const float alpha = simulation.advance(static_cast<double>(random() % 30) * 1e-3);
+                simulation.visit_poses(alpha, written, [&](uint32_t slot, const physics::Pose& pose) {
+                    kept[slot] = pose;
+                });
+                written = simulation.steps();
+                simulation.visit_poses(alpha, 0, [&](uint32_t slot, const physics::Pose& pose) {
+                    CHECK(kept[slot].position == pose.position);
+                    CHECK(kept[slot].orientation == pose.orientation);
+                });
+            }
+            CHECK(simulation.steps() > 60);
+            if (breakable && !bonded) CHECK(simulation.number_count() > 1);
+        }
+    }
+}
+
+TEST_CASE("simulation: actions that make no sense are named") {
+    const double nan = std::nan("");
+    CHECK(fault_of(Shoot{}, 0).empty());
+    CHECK(fault_of(Shoot{.from = {nan, 0, 0}}, 0).find("from") != std::string::npos);
+    CHECK(fault_of(Shoot{.velocity = {0, HUGE_VAL, 0}}, 0).find("velocity") != std::string::npos);
+    CHECK(fault_of(Shoot{.radius = 0.0}, 0).find("radius") != std::string::npos);
+    CHECK(fault_of(Shoot{.density = nan}, 0).find("density") != std::string::npos);
+    CHECK(fault_of(Damage{.radius = -1.0}, 0).find("radius") != std::string::npos);
+    CHECK(fault_of(Saw{.amount = nan}, 0).find("amount") != std::string::npos);
+    CHECK(fault_of(Hammer{.piece = 3}, 3).find("piece is 3") != std::string::npos);
+    CHECK(fault_of(Hammer{.point = {nan, 0, 0}}, 3).find("point") != std::string::npos);
+    CHECK(fault_of(Hammer{.piece = 2}, 3).empty());
+    CHECK(fault_of(Push{.piece = 0}, 0).find("piece") != std::string::npos);
+    CHECK(fault_of(Grab{.piece = 9}, 9).find("piece") != std::string::npos);
+    CHECK(fault_of(Release{{0, 5}}, 5).find("piece is 5") != std::string::npos);
+    CHECK(fault_of(Drag{{0, 0, nan}}, 0).find("to") != std::string::npos);
+}
+
+TEST_CASE("simulation: what is scheduled takes effect at its step, in the order of calls") {
+    struct Diary : SimulationObserver {
+        std::string text;
+        void stepped(const Simulation& simulation) override {
+            text += " " + std::to_string(simulation.steps());
+        }
+        void acted(uint64_t step, const Action& action) override {
+            text += " @" + std::to_string(step) + "kind" + std::to_string(action.index());
+        }
+    } diary;
+    Simulation simulation;
+    simulation.observe(&diary);
+    simulation.start(started(wall_options()), {.bonded = true, .shots = {{.time = 2.0 / 120.0}}});
+    simulation.schedule(3, Drag{});
+    simulation.schedule(1, LetGo{});
+    simulation.schedule(3, LetGo{});
+    simulation.schedule(0, Drag{});
+    for (int k = 0; k < 4; ++k) simulation.step();
+    simulation.schedule(2, LetGo{}); // over: at once
+    CHECK(diary.text == " @0kind7 1 @1kind8 2 @2kind0 3 @3kind7 @3kind8 4 @4kind8");
+    CHECK(simulation.balls().size() == 1);
+}
+
+TEST_CASE("simulation: what is grabbed comes to the hand, stays there, and falls when it is let go") {
+    FractureOptions options;
+    options.mesh = "shape:cube";
+    options.pattern.count = 1;
+    for (const bool bonded : {false, true}) {
+        options.world = {.bonded = bonded, .height = 1.0};
+        Simulation simulation;
+        simulation.start(started(options), options.world);
+        const auto position = [&] {
+            std::vector<physics::Pose> pose(1);
+            simulation.write_poses(pose, 1.0f);
+            return pose[0].position;
+        };
+        simulation.apply(Grab{0, glm::dvec3(position())});
+        simulation.apply(Drag{{1.5, 4.0, -0.5}});
+        for (int k = 0; k < 120; ++k) simulation.step();
+        // Ten times a second nearer by its distance, less what gravity pulls it off in a step: 1/1200 of it
+        // at most.
+        CHECK(glm::distance(position(), glm::vec3(1.5f, 4.0f, -0.5f)) < 0.02f);
+        simulation.apply(LetGo{});
+        const float before = position().y;
+        for (int k = 0; k < 60; ++k) simulation.step();
+        CHECK(before - position().y == doctest::Approx(0.5 * 9.81 * 0.25).epsilon(0.05));
+    }
+}

@@ -1,0 +1,688 @@
+// The studio's session on a real renderer without a window: files, work that is cancelled, time, previews; and the mouse
+// as the tools see it.
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/pieces/certificate.h"
+#include "fracture/mesh/mass_properties.h"
+#include "tests/engine/support.h"
+#include "tests/tools/support.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/replay/player.h"
+#include "tools/brittle/studio/tools.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using test::Folder, test::read_text;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double frame = 1.0 / 60.0; // s
+constexpr glm::uvec2 small{160, 120};
+// Steps of a millisecond and more that a worker's cut is waited for: hundreds are over before it has begun on a busy machine.
+constexpr uint64_t patience = 20'000;
+
+class Room {
+  public:
+    explicit Room(const std::string& mesh, uint32_t sites = 8) {
+        device = engine::test::make_device();
+        if (!device) return;
+        renderer = must(engine::Renderer::create(*device));
+        FractureOptions options;
+        options.mesh = mesh;
+        options.pattern.count = sites;
+        session = std::make_unique<Session>(options, Object::load(options), *renderer, nullptr);
+    }
+    // Frames until the condition holds, for half a minute at most.
+    template<class Condition> bool soon(const Condition& condition, int frames = 3000) {
+        for (int k = 0; k < frames && !condition(); ++k) {
+            session->update(frame);
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        return condition();
+    }
+    void break_it() {
+        session->break_all();
+        REQUIRE(soon([&] { return session->broken(); }));
+    }
+    engine::Bitmap picture() {
+        const engine::Camera camera = engine::look_at_bounds(session->stage().home_bounds(), 0.5f, 0.3f, 4.0f / 3.0f);
+        return must(renderer->render(session->scene(camera), small));
+    }
+
+    std::unique_ptr<engine::Device> device;
+    std::unique_ptr<engine::Renderer> renderer;
+    std::unique_ptr<Session> session;
+};
+
+std::multiset<double> volumes_of(const fracture::Fragments& fragments) {
+    std::multiset<double> volumes;
+    for (const fracture::Piece& piece : fragments.pieces) volumes.insert(piece.mass.volume);
+    return volumes;
+}
+
+std::multiset<double> volumes_of(const Session& session) {
+    const physics::Destruction& destruction = *session.stage().simulation().destruction();
+    std::multiset<double> volumes;
+    for (const physics::PieceId id : destruction.pieces()) volumes.insert(destruction.solid(id)->mass.volume);
+    return volumes;
+}
+
+uint32_t largest_of(const Session& session) {
+    const physics::Destruction& destruction = *session.stage().simulation().destruction();
+    const auto all = destruction.pieces();
+    return std::max_element(all.begin(), all.end(), [&](physics::PieceId a, physics::PieceId b) {
+               return destruction.solid(a)->mass.volume < destruction.solid(b)->mass.volume;
+           })->value;
+}
+
+Viewport view_of(const Navigation& navigation) {
+    return {navigation.camera({}), {800.0f, 600.0f}, {}, {800.0f, 600.0f}};
+}
+
+} // namespace
+
+TEST_CASE("session: a dropped file takes the scene's place, a bad one leaves it and says why") {
+    const Folder folder;
+    const std::string open = (folder.path / "open.off").string(), noise = (folder.path / "noise.stl").string(),
+                      good = (folder.path / "good.off").string();
+    std::ofstream(open) << "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 2 3\n";
+    std::ofstream(noise) << "this is no mesh";
+    std::ofstream(good) << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    const Object* before = &session.object();
+    for (const std::string& file : {open, noise, (folder.path / "missing.obj").string()}) {
+        CAPTURE(file);
+        session.say({});
+        engine::Input input;
+        input.dropped = {file};
+        open_dropped(input, session);
+        CHECK_FALSE(session.message().fault); // on a worker; what it found comes with an update
+        REQUIRE(room.soon([&] { return session.message().fault; }));
+        CHECK(session.message().text.find(fs::path(file).stem().string()) != std::string::npos);
+        CHECK(&session.object() == before);
+        CHECK(session.recipe().mesh == "shape:cube");
+        CHECK_FALSE(session.document().can_undo());
+    }
+    engine::Input input;
+    input.dropped = {open, good}; // the last one counts
+    open_dropped(input, session);
+    REQUIRE(room.soon([&] { return session.object().name() == "good"; }));
+    CHECK(session.recipe().mesh == good);
+    CHECK_FALSE(session.message().fault);
+    room.break_it();
+    session.undo(); // the mesh before
+    REQUIRE(room.soon([&] { return session.object().name() == "cube"; }));
+    CHECK_FALSE(session.broken());
+}
+
+TEST_CASE("session: work that takes long can be cancelled, and what comes after it works") {
+    Room room("shape:animal", 3000);
+    if (!room.device) return;
+    Session& session = *room.session;
+    FractureOptions recipe = session.recipe();
+    recipe.algorithm = fracture::Algorithm::sequential;
+    session.edit(SetRecipe{recipe});
+    session.break_all();
+    REQUIRE(room.soon([&] { return session.work() && session.work()->share > 0.0; })); // it has begun
+    session.cancel();
+    REQUIRE(room.soon([&] { return !session.work() && !session.message().text.empty(); }));
+    CHECK_FALSE(session.broken());
+    CHECK_FALSE(session.message().fault);
+    CHECK(session.message().text == "cancelled");
+    fracture::Pattern few = session.recipe().pattern;
+    few.count = 4;
+    session.edit(SetPattern{few});
+    room.break_it();
+    CHECK(session.counts()->pieces >= 4);
+}
+
+TEST_CASE("session: nothing moves while it is paused, a single step is one, slow motion is slow") {
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    room.break_it();
+    const auto steps = [&] { return session.steps(); };
+    session.playback.paused = true;
+    const uint64_t still = steps();
+    const auto hash = session.stage().world().state_hash();
+    for (int k = 0; k < 30; ++k) session.update(frame);
+    CHECK(steps() == still);
+    CHECK(session.stage().world().state_hash() == hash);
+    session.step_once();
+    for (int k = 0; k < 30; ++k) session.update(frame);
+    CHECK(steps() == still + 1);
+    CHECK(session.stage().world().state_hash() != hash); // it falls
+    session.playback.paused = false;
+    for (int k = 0; k < 60; ++k) session.update(frame);
+    const uint64_t after_a_second = steps() - still - 1;
+    CHECK(after_a_second >= 118); // of 120 a second
+    CHECK(after_a_second <= 122);
+    session.playback.speed = 0.1f;
+    const uint64_t slow = steps();
+    for (int k = 0; k < 60; ++k) session.update(frame);
+    CHECK(steps() - slow >= 10);
+    CHECK(steps() - slow <= 14);
+    session.playback = {.paused = true, .speed = 1.0f};
+    session.step_once(); // a step that was asked for while time went by stops it
+    session.update(frame);
+    CHECK(session.playback.paused);
+}
+
+TEST_CASE("session: quiet is when the next frame would be the same") {
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    REQUIRE(room.soon([&] { return session.quiet(); })); // whole
+    session.break_all();
+    CHECK_FALSE(session.quiet()); // work, then pieces that have come, then falling ones
+    int frames = 0;
+    while (!session.broken()) {
+        CHECK_FALSE(session.quiet());
+        session.update(frame);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        REQUIRE(++frames < 30000);
+    }
+    while (!session.quiet() && session.steps() < 3600) {
+        const auto before = session.stage().world().state_hash();
+        const bool moved = session.stage().world().awake_count() > 0;
+        session.update(frame);
+        if (moved) CHECK(session.stage().world().state_hash() != before);
+    }
+    CHECK(session.quiet());
+    CHECK(session.stage().world().awake_count() == 0);
+    const auto rest = session.stage().world().state_hash();
+    for (int k = 0; k < 60; ++k) session.update(frame);
+    CHECK(session.stage().world().state_hash() == rest);
+    session.reset();
+    session.picture().cells = true;
+    session.update(frame);
+    CHECK((!session.quiet() || session.preview_pieces() > 0)); // a preview is on its way
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+    CHECK(session.preview_pieces() > 0);
+}
+
+TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and are those that change nothing") {
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    const fracture::Box box = fracture::bounds(session.object().file().model.mesh);
+    const glm::dvec3 middle = box.centre();
+    const double side = box.size().x;
+    // Inside, outside but nearest to a part of the surface, and far away: beyond the second one's cell.
+    const std::vector<glm::dvec3> sites{middle, middle + glm::dvec3(0.7 * side, 0.0, 0.0), middle + glm::dvec3(0.0, 9.0 * side, 0.0),
+                                        middle + glm::dvec3(-0.2 * side, 0.1 * side, 0.0)};
+    session.edit(SetSites{placed_sites({sites, {}, {}})});
+    CHECK(session.idle_sites().empty()); // not known
+    session.preview_wanted = true;
+    REQUIRE(room.soon([&] { return session.preview_pieces() > 0; }));
+    CHECK(std::vector<uint32_t>(session.idle_sites().begin(), session.idle_sites().end()) == std::vector<uint32_t>{2});
+    const auto with = volumes_of(session.preview()->fragments);
+    CHECK(with.size() == 3);
+    const auto key = session.preview()->key;
+    session.edit(RemoveSites{{2}});
+    REQUIRE(room.soon([&] { return session.preview() && session.preview()->key != key; }));
+    CHECK(session.idle_sites().empty());
+    CHECK(volumes_of(session.preview()->fragments) == with);
+}
+
+TEST_CASE("session: bricks and graded cells whose sites are taken by hand break as before") {
+    Room room("shape:wall");
+    if (!room.device) return;
+    Session& session = *room.session;
+    const auto hash_of = [](const FractureOptions& recipe) {
+        return fracture::hash(break_input(Object::load(recipe)->with_sites(recipe), recipe).fragments);
+    };
+    fracture::Pattern bricks, graded;
+    bricks.kind = fracture::PatternKind::bricks;
+    bricks.count = 12;
+    graded.count = 12;
+    graded.grading = 0.8;
+    for (const fracture::Pattern& pattern : {bricks, graded}) {
+        session.edit(SetPattern{pattern});
+        const FractureOptions before = session.recipe();
+        session.take_sites(session.begin_gesture());
+        REQUIRE(session.recipe().points.size() == session.sites().size());
+        CHECK(hash_of(session.recipe()) == hash_of(before));
+    }
+    // A brick is two cells of one group.
+    session.edit(SetPattern{bricks});
+    session.selection = {0};
+    const std::vector<uint32_t> pair = session.fellows_of_selected();
+    REQUIRE(pair.size() == 2);
+    CHECK(pair[0] == 0);
+    CHECK(session.selected_sites()[0].group > 0);
+    session.selection.clear();
+    CHECK(session.fellows_of_selected().empty());
+}
+
+TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh after it as before") {
+    Room room("shape:icosphere", 20);
+    if (!room.device) return;
+    Session& session = *room.session;
+    const engine::Bitmap before = room.picture();
+    CHECK(room.renderer->stats().pieces == 1);
+    session.picture().cells = true;
+    REQUIRE(room.soon([&] { return session.preview_pieces() > 0; }));
+    const engine::Bitmap cells = room.picture();
+    CHECK(room.renderer->stats().pieces == session.preview_pieces());
+    CHECK(cells.pixels != before.pixels);
+    fracture::Pattern more = session.recipe().pattern;
+    more.count = 40;
+    session.edit(SetPattern{more});
+    const uint32_t few = session.preview_pieces();
+    REQUIRE(room.soon([&] { return session.preview_pieces() > few; }));
+    (void)room.picture();
+    CHECK(room.renderer->stats().pieces == session.preview_pieces()); // the older ones are gone
+    session.picture().cells = false;
+    session.update(frame);
+    CHECK(session.preview_pieces() == 0);
+    CHECK(room.picture().pixels == before.pixels);
+    CHECK(room.renderer->stats().pieces == 1);
+}
+
+TEST_CASE("session: a replay log is there once something broke, and not before") {
+    const Folder folder;
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    const fs::path file = folder.path / "run.log";
+    session.save_replay(file);
+    CHECK(session.message().fault);
+    CHECK_FALSE(fs::exists(file));
+    room.break_it();
+    for (int k = 0; k < 5; ++k) session.update(frame);
+    session.save_replay(file);
+    CHECK_FALSE(session.message().fault);
+    const auto size = fs::file_size(file);
+    CHECK(size > 500);
+    for (int k = 0; k < 5; ++k) session.update(frame);
+    session.save_replay(file); // it went on
+    CHECK(fs::file_size(file) > size);
+    session.save_replay(folder.path / "none" / "run.log");
+    CHECK(session.message().fault);
+}
+
+TEST_CASE("session: the log says where someone looks at what is breakable, again when that changes, and replays") {
+    const Folder folder;
+    Room room("shape:icosphere");
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.edit(SetMaterial{"stone"});
+    WorldOptions world;
+    world.breakable = true;
+    world.piece_limit = 5;
+    session.edit(SetWorld{world});
+    const engine::Bounds home = session.stage().home_bounds();
+    const glm::vec3 middle = home.centre();
+    engine::Camera camera = engine::look_at_bounds(home, 0.5f, 0.3f, 1.5f);
+    const auto frames = [&](int count) {
+        for (int k = 0; k < count; ++k) {
+            session.watch(camera, 1.5f);
+            session.update(frame);
+            (void)session.scene(camera);
+        }
+    };
+    session.watch(camera, 1.5f);
+    session.strike(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 1.0), {0.0, 0.0, -1.0});
+    REQUIRE(room.soon([&] { return session.counts() && session.counts()->pieces > 5; }));
+    frames(10);
+    std::swap(camera.eye, camera.target);
+    frames(10);
+    session.picture().explode = 1.0f;
+    frames(10);
+    session.save_replay(folder.path / "run.log");
+    const ReplayLog log = read_replay_log(folder.path / "run.log");
+    std::vector<Watch> told;
+    for (const auto& [step, action] : log.actions)
+        if (const Watch* watch = std::get_if<Watch>(&action)) told.push_back(*watch);
+    REQUIRE(told.size() == 3);
+    CHECK(told[0].eye == glm::dvec3(camera.target));
+    CHECK(told[1].eye == glm::dvec3(camera.eye));
+    CHECK(told[1].aspect == 1.5);
+    // Twice as far from the middle, a piece is drawn where one sees it from half as far.
+    CHECK(glm::distance(told[2].eye, 0.5 * (glm::dvec3(camera.eye) + glm::dvec3(middle))) < 1e-6);
+
+    FractureOptions recipe = log.recipe;
+    Simulation again(recipe.material);
+    Player player(log);
+    again.observe(&player);
+    follow(log, again);
+    const Broken broken = break_input(Object::load(recipe)->with_sites(recipe), recipe);
+    again.start(broken.fragments, world_of(recipe));
+    schedule(log, again);
+    while (!player.done() && !player.difference()) again.step();
+    CHECK_FALSE(player.difference());
+}
+
+TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost showed, and undo and reset mend it") {
+    Room room("shape:animal");
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.edit(SetMaterial{"stone"});
+    fracture::Pattern pattern = session.recipe().pattern;
+    pattern.seed = 7; // which is also the blows'
+    session.edit(SetPattern{pattern});
+    WorldOptions world;
+    world.breakable = world.anchored = true;
+    session.edit(SetWorld{world});
+    session.tools.hammer_radius = 0.3f;
+    REQUIRE(room.soon([&] { return !session.work(); }));
+    const auto undo_name = std::string(session.document().undo_name());
+    const glm::dvec3 middle(session.stage().home_bounds().centre());
+    const std::vector<std::pair<glm::dvec3, glm::dvec3>> rays{{middle + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0}},
+                                                              {middle + glm::dvec3(0.1, 3.0, 0.0), {0.0, -1.0, 0.0}}};
+    int blows = 0;
+    for (const auto& [from, direction] : rays) {
+        const auto hit = session.object().first_hit(from, direction);
+        REQUIRE(hit);
+        session.aim(hit->point, direction);
+        REQUIRE(room.soon([&] { return session.preview() && session.preview()->ghost; }));
+        const auto volumes_ahead = volumes_of(session.preview()->fragments);
+        const auto falls = std::count(session.preview()->stays.begin(), session.preview()->stays.end(), 0);
+        REQUIRE(volumes_ahead.size() > 4);
+        CHECK(falls == static_cast<std::ptrdiff_t>(volumes_ahead.size()) - 1);
+        for (const engine::LineVertex& v : session.preview()->cracks) CHECK(glm::distance(glm::dvec3(v.position), hit->point) < 1.2); // radii: 4
+        (void)room.picture();
+        CHECK(room.renderer->stats().pieces == volumes_ahead.size());
+
+        session.strike(hit->point, direction);
+        session.playback.paused = true; // once it is cut, nothing is to break by its fall
+        REQUIRE(room.soon([&] { return session.broken(); }));
+        while (session.counts()->pieces == 1 && session.steps() < patience) {
+            session.step_once();
+            session.update(frame);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        CAPTURE(session.counts()->pieces);
+        CAPTURE(session.steps());
+        CHECK(volumes_of(session) == volumes_ahead);
+        CHECK(session.recipe().strikes.empty()); // an action of the log, no edit
+        CHECK(session.document().undo_name() == undo_name);
+
+        // A second blow, at a piece where it lies.
+        (void)room.picture(); // where it is drawn
+        const glm::dvec3 largest(session.piece_bounds(largest_of(session)).centre());
+        const auto piece = session.first_piece(largest + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
+        REQUIRE(piece);
+        session.aim(*piece, direction);
+        const bool foreseen = room.soon([&] { return session.preview() && session.preview()->piece == piece->piece; }, 300);
+        if (foreseen) {
+            const auto part = volumes_of(session.preview()->fragments);
+            std::multiset<double> expected = volumes_of(session);
+            expected.erase(expected.find(session.piece_volume(piece->piece)));
+            expected.insert(part.begin(), part.end());
+            const size_t before = session.counts()->pieces;
+            session.strike(*piece, direction);
+            const uint64_t until = session.steps() + patience;
+            while (session.counts()->pieces == before && session.steps() < until) {
+                session.step_once();
+                session.update(frame);
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+            CHECK(volumes_of(session) == expected);
+            ++blows;
+        }
+        session.playback.paused = false;
+        session.aim_nowhere();
+        session.reset();
+        CHECK_FALSE(session.broken());
+        session.update(frame);
+        CHECK(session.all_bounds().min == session.stage().home_bounds().min);
+    }
+    CHECK(blows >= 1);
+    session.undo(); // the world; the mesh is whole and falls apart no more
+    CHECK_FALSE(session.recipe().world.breakable);
+    CHECK_FALSE(session.broken());
+}
+
+TEST_CASE("session: a ball cuts what is breakable where it hits, undo takes a change of it back, and it is whole") {
+    Room room("shape:pane");
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.edit(SetMaterial{"glass"});
+    WorldOptions world;
+    world.breakable = world.anchored = true;
+    session.edit(SetWorld{world});
+    const engine::Bounds home = session.stage().home_bounds();
+    const glm::vec3 middle = home.centre();
+    session.shoot(middle + glm::vec3(0.0f, 0.0f, 3.0f), {0.0f, 0.0f, -1.0f});
+    REQUIRE(room.soon([&] { return session.counts() && session.counts()->pieces > 8; }));
+    CHECK(session.recipe().strikes.empty());
+    const physics::Destruction& destruction = *session.stage().simulation().destruction();
+    double sum = 0.0;
+    size_t near = 0;
+    for (const physics::PieceId id : destruction.pieces()) {
+        const physics::SolidPiece& solid = *destruction.solid(id);
+        sum += solid.mass.volume;
+        if (glm::distance(solid.mass.centre_of_mass, glm::dvec3(middle)) < 0.6) ++near; // where it was in the pane
+    }
+    CHECK(near > destruction.pieces().size() / 2);
+    CHECK(sum == doctest::Approx(fracture::signed_volume(session.object().mesh().positions, session.object().mesh().triangles)).epsilon(1e-6));
+    session.undo();
+    CHECK_FALSE(session.broken());
+    session.redo();
+    CHECK_FALSE(session.broken());
+    CHECK(session.recipe().world.breakable);
+    CHECK(session.first_piece(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0}) == std::nullopt); // nothing but the mesh
+}
+
+TEST_CASE("session: exports what is on the stage, as its log repeats it, before the break the recipe's pieces") {
+    const Folder folder;
+    Room room("shape:animal", 20);
+    if (!room.device) return;
+    Session& session = *room.session;
+    const auto exported = [&](const fs::path& name, PiecesAs as) {
+        session.say({});
+        session.export_pieces(folder.path / name, as);
+        REQUIRE(room.soon([&] { return !session.work() && !session.message().text.empty(); }));
+        CHECK_MESSAGE(!session.message().fault, session.message().text);
+        return read_text(folder.path / name);
+    };
+    const auto recipe_pieces = [&] {
+        const FractureOptions options = session.recipe();
+        const Input input = load_input(options, true);
+        (void)write_pieces({.output = (folder.path / "line.glb").string()}, options, input, break_input(input, options));
+        return read_text(folder.path / "line.glb");
+    };
+    // What the log of this moment gives without a window.
+    const auto replayed = [&](PiecesAs as, const std::string& ending) {
+        session.save_replay(folder.path / "run.log");
+        const ReplayLog log = read_replay_log(folder.path / "run.log");
+        const Input source = load_input(log.recipe, true);
+        const auto fragments = std::make_shared<const fracture::Fragments>(
+            break_input(placed_on_stage(source, log.recipe.world), log.recipe).fragments);
+        Simulation simulation(log.recipe.material);
+        Player player(log);
+        simulation.observe(&player);
+        follow(log, simulation);
+        simulation.start(*fragments, log.recipe.world);
+        schedule(log, simulation);
+        while (!player.done()) simulation.step();
+        CHECK_MESSAGE(!player.difference(), (player.difference() ? player.difference()->what : ""));
+        const std::string file = (folder.path / ("line" + ending)).string();
+        (void)write_state({.output = file}, as, log.recipe, source, snapshot(simulation, fragments));
+        return read_text(file);
+    };
+    CHECK(exported("whole.glb", PiecesAs::made) == recipe_pieces());
+    room.break_it();
+    for (int k = 0; k < 40; ++k) session.update(frame);
+    session.playback.paused = true; // while the export is waited for, frames go on
+    CHECK(exported("made.glb", PiecesAs::made) == recipe_pieces());
+    CHECK(exported("lie.ply", PiecesAs::they_lie) == replayed(PiecesAs::they_lie, ".ply"));
+
+    // Cut live, and what is held by the ground broken altogether.
+    session.playback.paused = false;
+    session.reset();
+    WorldOptions world;
+    world.breakable = world.anchored = true;
+    session.edit(SetWorld{world});
+    REQUIRE(room.soon([&] { return !session.work(); }));
+    const glm::dvec3 middle = 0.5 * glm::dvec3(session.stage().home_bounds().min + session.stage().home_bounds().max);
+    const auto hit = session.object().first_hit(middle + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
+    REQUIRE(hit);
+    session.strike(hit->point, {0.0, 0.0, -1.0});
+    REQUIRE(room.soon([&] { return session.counts() && session.counts()->pieces > 3; }));
+    session.playback.paused = true;
+    for (const PiecesAs as : {PiecesAs::they_lie, PiecesAs::made}) CHECK(exported("cut.ply", as) == replayed(as, ".ply"));
+    session.playback.paused = false;
+    session.reset();
+    room.break_it();
+    for (int k = 0; k < 20; ++k) session.update(frame);
+    session.playback.paused = true;
+    CHECK(session.counts()->pieces >= 15);
+    CHECK(exported("fallen.ply", PiecesAs::they_lie) == replayed(PiecesAs::they_lie, ".ply"));
+    FractureOptions cut = session.recipe();
+    cut.world.breakable = false;
+    const Input input = load_input(cut, true);
+    (void)write_pieces({.output = (folder.path / "line.ply").string()}, cut, input, break_input(input, cut));
+    CHECK(exported("fallen_made.ply", PiecesAs::made) == read_text(folder.path / "line.ply"));
+
+    // Called off, or where nothing can be written: no file, and it says so.
+    session.say({});
+    session.export_pieces(folder.path / "none" / "a.glb", PiecesAs::they_lie);
+    REQUIRE(room.soon([&] { return session.message().fault; }));
+    session.say({});
+    session.export_pieces(folder.path / "called_off.glb", PiecesAs::they_lie);
+    session.cancel();
+    REQUIRE(room.soon([&] { return !session.work(); }));
+    session.update(frame); // what it has to say
+    CHECK_FALSE(session.message().fault);
+    const bool done = session.message().text.find("called_off") != std::string::npos; // it was faster
+    CHECK(fs::exists(folder.path / "called_off.glb") == done);
+    for (const auto& entry : fs::directory_iterator(folder.path)) CHECK(entry.path().extension() != ".tmp");
+}
+
+TEST_CASE("tools: wheel and buttons move the camera as the help says, and only over the scene") {
+    Room room("shape:cube");
+    if (!room.device) return;
+    Tools tools;
+    Navigation navigation;
+    navigation.frame({}, 4.0f / 3.0f);
+    const auto handle = [&](engine::Input input, bool free = true) {
+        input.cursor = {400.0f, 300.0f}; // on the target
+        tools.handle(input, view_of(navigation), free, *room.session, navigation);
+        return navigation.camera({});
+    };
+    const auto distance = [](const engine::Camera& c) { return glm::distance(c.eye, c.target); };
+    const auto press = [](engine::Button button, bool down) {
+        return engine::ButtonEvent{.button = button, .down = down, .cursor = {400.0f, 300.0f}};
+    };
+    const engine::Camera start = navigation.camera({});
+    CHECK(distance(handle({.scroll = 3.0f}, false)) == distance(start)); // over a panel
+    const engine::Camera near = handle({.scroll = 3.0f});
+    CHECK(distance(near) < 0.8f * distance(start));
+    CHECK(glm::distance(near.target, start.target) < 1e-3f);
+    CHECK(distance(handle({.scroll = -3.0f})) == doctest::Approx(distance(start)));
+    // Shift and the wheel are the tool's.
+    tools.choose(Tool::hammer, *room.session);
+    const float radius = room.session->tools.hammer_radius;
+    const engine::Camera same = handle({.modifiers = {.shift = true}, .scroll = 2.0f});
+    CHECK(distance(same) == doctest::Approx(distance(start)));
+    CHECK(room.session->tools.hammer_radius > radius);
+    // Middle drag: the target goes across the view, as far as the eye.
+    (void)handle({.buttons = {press(engine::Button::middle, true)}});
+    const engine::Camera panned = handle({.drag_middle = {50.0f, 0.0f}});
+    (void)handle({.buttons = {press(engine::Button::middle, false)}});
+    const glm::vec3 way = panned.target - start.target;
+    CHECK(glm::length(way) > 0.05f);
+    CHECK(std::abs(glm::dot(glm::normalize(way), glm::normalize(start.target - start.eye))) < 1e-3f);
+    CHECK(glm::distance(panned.eye - start.eye, way) < 1e-4f);
+    CHECK(handle({.drag_middle = {50.0f, 0.0f}}).target == panned.target); // released
+    // Right drag: round the target.
+    (void)handle({.buttons = {press(engine::Button::right, true)}});
+    CHECK(tools.right_held());
+    const engine::Camera turned = handle({.drag_right = {80.0f, 0.0f}});
+    (void)handle({.buttons = {press(engine::Button::right, false)}});
+    CHECK_FALSE(tools.right_held());
+    CHECK(turned.target == panned.target);
+    CHECK(distance(turned) == doctest::Approx(distance(panned)));
+    CHECK(glm::distance(turned.eye, panned.eye) > 0.3f);
+}
+
+TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out with Ctrl, and hold what breaks") {
+    Room room("shape:cube");
+    if (!room.device) return;
+    Session& session = *room.session;
+    Tools tools;
+    Navigation navigation;
+    navigation.frame(session.stage().home_bounds(), 4.0f / 3.0f);
+    tools.choose(Tool::anchors, session);
+    const auto stroke = [&](glm::vec2 from, glm::vec2 to, bool rub_out) {
+        const engine::Modifiers modifiers{.control = rub_out};
+        tools.handle({.buttons = {{.button = engine::Button::left, .down = true, .cursor = from, .modifiers = modifiers}},
+                      .modifiers = modifiers, .cursor = from},
+                     view_of(navigation), true, session, navigation);
+        tools.handle({.buttons = {{.button = engine::Button::left, .down = false, .cursor = to, .modifiers = modifiers}},
+                      .modifiers = modifiers, .cursor = to},
+                     view_of(navigation), true, session, navigation);
+    };
+    const auto& anchors = session.recipe().world.anchors;
+    stroke({20.0f, 20.0f}, {30.0f, 20.0f}, false); // beside the cube
+    CHECK(anchors.empty());
+    stroke({340.0f, 300.0f}, {460.0f, 300.0f}, false);
+    const size_t painted = anchors.size();
+    CHECK(painted >= 3);
+    for (size_t k = 0; k + 1 < painted; ++k) { // on the surface, and their balls overlap
+        CHECK(glm::distance(anchors[k].at, anchors[k + 1].at) < 2.0 * anchors[k].radius);
+        const glm::dvec3 p = session.on_stage(anchors[k]);
+        const fracture::Box box = fracture::bounds(session.object().mesh());
+        const glm::dvec3 inside = glm::min(p - box.min, box.max - p);
+        CHECK(std::abs(std::min({inside.x, inside.y, inside.z})) < 1e-9);
+    }
+    stroke({340.0f, 300.0f}, {460.0f, 300.0f}, false); // over what is painted
+    CHECK(anchors.size() == painted);
+    session.undo();
+    CHECK(anchors.empty());
+    session.redo();
+    CHECK(anchors.size() == painted);
+    stroke({450.0f, 300.0f}, {460.0f, 300.0f}, true);
+    CHECK(anchors.size() < painted);
+    CHECK(!anchors.empty());
+    // Space: cut into pieces that hold together and hang on what is painted.
+    room.break_it();
+    for (int k = 0; k < 30; ++k) session.update(frame);
+    bool held = false;
+    for (const physics::BodyId body : session.stage().world().bodies()) held = held || session.stage().world().fixed(body);
+    CHECK(held);
+    const size_t before = anchors.size();
+    stroke({400.0f, 250.0f}, {400.0f, 350.0f}, false); // broken: no paint, but a word why
+    CHECK(anchors.size() == before);
+    CHECK_FALSE(session.message().text.empty());
+    session.undo(); // makes it whole again
+    CHECK_FALSE(session.broken());
+}
+
+TEST_CASE("studio: flying goes where one looks, aside and up, at a speed that suits the distance") {
+    Navigation navigation;
+    navigation.frame({}, 1.5f);
+    const engine::Camera start = navigation.camera({});
+    const glm::vec3 forward = glm::normalize(start.target - start.eye);
+    const float distance = glm::distance(start.eye, start.target);
+    navigation.fly({1.0f, 0.0f, 0.0f}, 0.1);
+    glm::vec3 way = navigation.camera({}).eye - start.eye;
+    CHECK(glm::dot(way, forward) == doctest::Approx(glm::length(way)));
+    CHECK(glm::length(way) > 0.02f * distance);
+    CHECK(glm::length(way) < distance);
+    navigation.fly({-1.0f, 0.0f, 0.0f}, 0.1);
+    CHECK(glm::distance(navigation.camera({}).eye, start.eye) < 1e-4f);
+    navigation.fly({0.0f, 1.0f, 0.0f}, 0.1);
+    way = navigation.camera({}).eye - start.eye;
+    CHECK(std::abs(way.y) < 1e-5f);
+    CHECK(std::abs(glm::dot(way, forward)) < 1e-4f);
+    CHECK(glm::dot(glm::cross(forward, way), glm::vec3(0.0f, 1.0f, 0.0f)) < 0.0f); // to the right
+    navigation.fly({0.0f, 0.0f, 1.0f}, 0.1);
+    CHECK(navigation.camera({}).eye.y > start.eye.y);
+}

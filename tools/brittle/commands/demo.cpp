@@ -1,0 +1,38 @@
+#include <cstdio>
+
+#include "engine/core/window.h"
+#include "tools/brittle/run/classify_choice.h"
+#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/studio/studio.h"
+#include "tools/brittle/studio/style.h"
+#include "tools/brittle/pictures/view.h"
+
+namespace brittle::tools {
+
+int run_demo(const DemoCommand& command) {
+    catch_interrupts();
+    const auto window = must(engine::Window::create(
+        {.title = "Brittle", .width = command.view.width, .height = command.view.height}));
+    const auto object = Object::load(command.fracture);
+    if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
+    const std::unique_ptr<engine::Device> device = open_device(command.view);
+    {
+        const ClassifyChoice choice = choose_classifier(classify_path(command.classify), *device,
+                                                        object->with_sites(command.fracture), command.fracture);
+        std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
+        const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
+        const float scale = command.ui_scale > 0.0 ? static_cast<float>(command.ui_scale) : window->content_scale();
+        must(renderer->attach(*window, [scale] { apply_style(scale); }));
+        Session session(command.fracture, object, *renderer, choice.classifier.get());
+        if (!command.record.empty()) session.record(command.record);
+        Studio(*window, *device, *renderer, session, scale).run();
+        session.finish_recording();
+    }
+    check_validation(*device);
+    return exit_success;
+}
+
+} // namespace brittle::tools

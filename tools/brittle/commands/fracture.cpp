@@ -1,0 +1,54 @@
+#include <cstdio>
+#include <span>
+
+#include "fracture/io/atomic_file.h"
+#include "tools/brittle/run/classify_choice.h"
+#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/recipe/piece_export.h"
+#include "tools/brittle/base/progress.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/commands/report.h"
+#include "tools/brittle/pictures/view.h"
+
+namespace brittle::tools {
+
+int run_fracture(const FractureCommand& command) {
+    catch_interrupts();
+    const Input input = load_input(command.fracture, true);
+    for (const std::string& note : input.model.notes)
+        std::fprintf(stderr, "brittle: %s: %s\n", input.name.c_str(), note.c_str());
+    const ClassifyPath path = classify_path(command.classify);
+    std::unique_ptr<engine::Device> device;
+    ClassifyChoice choice;
+    if (path != ClassifyPath::cpu) {
+        device = open_device({});
+        choice = choose_classifier(path, *device, input, command.fracture);
+        std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
+    }
+    const Broken broken = [&] {
+        Progress progress("fracturing " + input.name);
+        return break_input(input, command.fracture, [&](double share) { progress.update(share); },
+                           choice.classifier.get());
+    }();
+
+    const auto files = write_pieces(command.files, command.fracture, input, broken);
+    std::printf("%s", report_text(input, broken).c_str());
+    if (!files.empty()) std::printf("  written    %s", files.front().c_str());
+    std::printf(files.size() > 1 ? " to %s\n" : "\n", files.size() > 1 ? files.back().c_str() : "");
+    if (!command.report.empty()) {
+        const std::string json = report_json(input, broken, recipe_json(command.fracture));
+        must(fracture::write_file_atomically(command.report, std::as_bytes(std::span(json))));
+        std::printf("  report     %s\n", command.report.c_str());
+    }
+    if (!command.fracture.save_recipe.empty()) std::printf("  recipe     %s\n", command.fracture.save_recipe.c_str());
+    if (!broken.certificate.closed) {
+        throw Failure(exit_failure, std::to_string(broken.certificate.open_pieces) + " of " +
+                                        std::to_string(broken.certificate.pieces) +
+                                        " pieces are not closed; please report this mesh with these options");
+    }
+    return exit_success;
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,125 @@
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/core/bitmap.h"
+#include "fracture/doctor/inspect.h"
+#include "fracture/io/export.h"
+#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/pictures/marks.h"
+#include "tools/brittle/run/stage.h"
+#include "tools/brittle/pictures/view.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr float azimuth = 0.55f;  // rad
+constexpr float elevation = 0.3f; // rad
+
+Json pair_json(const std::optional<glm::uvec2>& pair) {
+    return pair ? Json{pair->x, pair->y} : Json();
+}
+
+Json to_json(const std::string& name, const fracture::Inspection& i) {
+    const auto& t = i.topology;
+    Json json{{"mesh", name},
+              {"breakable", !i.refusal},
+              {"refusal", i.refusal ? Json(fracture::to_string(*i.refusal)) : Json()},
+              {"triangles", t.triangles},
+              {"vertices", t.vertices},
+              {"unused_vertices", i.unused_vertices},
+              {"box", {{"min", {i.box.min.x, i.box.min.y, i.box.min.z}}, {"max", {i.box.max.x, i.box.max.y, i.box.max.z}}}},
+              {"area", i.area},
+              {"volume", i.volume},
+              {"closed", t.closed()},
+              {"manifold", t.manifold()},
+              {"open_edges", t.open_edges},
+              {"misoriented_edges", t.misoriented_edges},
+              {"non_manifold_edges", t.non_manifold_edges},
+              {"non_manifold_vertices", t.non_manifold_vertices},
+              {"degenerate_triangles", t.degenerate_triangles},
+              {"flat_triangles", i.flat_triangles},
+              {"duplicate_triangles", i.duplicate_triangles},
+              {"first_duplicate", pair_json(i.first_duplicate)},
+              {"intersections", i.intersections},
+              {"first_intersection", pair_json(i.first_intersection)},
+              {"all_pairs_seen", i.all_pairs_seen}};
+    if (i.least_thickness)
+        json["thickness"] = {{"least", *i.least_thickness}, {"triangle", i.thinnest_triangle}, {"thin_share", i.thin_share}};
+    const auto edges = [](const std::vector<glm::uvec2>& list) {
+        Json array = Json::array();
+        for (const glm::uvec2& edge : list) array.push_back({edge.x, edge.y});
+        return array;
+    };
+    json["places"] = {{"open_edges", edges(i.places.open_edges)},
+                      {"misoriented_edges", edges(i.places.misoriented_edges)},
+                      {"non_manifold_edges", edges(i.places.non_manifold_edges)},
+                      {"non_manifold_vertices", i.places.non_manifold_vertices},
+                      {"flat_triangles", i.places.flat_triangles},
+                      {"duplicate_triangles", i.places.duplicate_triangles},
+                      {"crossings", edges(i.places.crossings)},
+                      {"thin_triangles", i.places.thin_triangles}};
+    for (const auto& rim : i.rims)
+        json["rims"].push_back({{"edges", rim.edges}, {"length", rim.length}, {"vertex", rim.vertex}});
+    for (const auto& c : i.components)
+        json["components"].push_back({{"first_triangle", c.first_triangle},
+                                      {"triangles", c.triangles},
+                                      {"volume", c.volume},
+                                      {"closed", c.closed},
+                                      {"cavity", c.is_cavity},
+                                      {"inside_out", c.is_inside_out}});
+    return json;
+}
+
+// As far as the view sees it: from above and the left, as `brittle render` does.
+void draw(const InspectCommand& command, Input input, const std::vector<Marks>& marks) {
+    const fracture::Box before = fracture::bounds(input.model.mesh);
+    input = placed_on_stage(std::move(input));
+    const fracture::Box after = fracture::bounds(input.model.mesh);
+    const glm::dvec3 size = before.size();
+    const int longest = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+    const double scale = size[longest] > 0.0 ? after.size()[longest] / size[longest] : 1.0;
+    std::vector<engine::LineVertex> lines;
+    for (const Marks& one : marks)
+        for (const auto& segment : one.segments)
+            for (const glm::dvec3& end : segment)
+                lines.push_back({glm::vec3((end - before.min) * scale + after.min),
+                                 engine::srgb8(one.colour.x, one.colour.y, one.colour.z)});
+    const auto device = open_device(command.view);
+    const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
+    Stage stage(*renderer, input.model.mesh);
+    stage.show_lines(std::move(lines));
+    engine::Scene scene = stage.scene();
+    const float aspect = static_cast<float>(command.view.width) / static_cast<float>(command.view.height);
+    scene.camera = engine::look_at_bounds(stage.home_bounds(), azimuth, elevation, aspect);
+    must(engine::write_png(must(renderer->render(scene, {command.view.width, command.view.height})), command.picture));
+    check_validation(*device);
+}
+
+} // namespace
+
+int run_inspect(const InspectCommand& command) {
+    const Input input = load_mesh_only(command.mesh);
+    const fracture::Inspection inspection = fracture::inspect(input.model.mesh);
+    const bool is_readable = inspection.topology.vertices > 0;
+    std::string seen;
+    if (is_readable && !(command.marks.empty() && command.picture.empty())) {
+        const std::vector<Marks> marks = marks_of(input.model.mesh, inspection);
+        if (!command.marks.empty())
+            must(fracture::export_model(command.marks, marked_model(input.model.mesh, marks), input.name));
+        if (!command.picture.empty()) draw(command, input, marks);
+        for (const Marks& one : marks) seen += (seen.empty() ? "" : ", ") + one.kind + " " + one.colour_name;
+        seen = "  marked     " + (seen.empty() ? "nothing" : seen) + "\n";
+    }
+    if (command.json)
+        std::printf("%s\n", to_json(input.name, inspection).dump(2).c_str());
+    else
+        std::printf("%s\n%s%s", input.name.c_str(), describe(inspection).c_str(), seen.c_str());
+    return inspection.refusal ? exit_mesh : exit_success;
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,136 @@
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "fracture/io/atomic_file.h"
+#include "physics/bonds/anchor.h"
+#include "physics/material.h"
+#include "tools/brittle/run/classify_choice.h"
+#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/pictures/film.h"
+#include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/pictures/picture.h"
+#include "tools/brittle/base/progress.h"
+#include "tools/brittle/replay/recorder.h"
+#include "tools/brittle/run/stage.h"
+#include "tools/brittle/run/state_export.h"
+#include "tools/brittle/pictures/view.h"
+
+namespace brittle::tools {
+
+namespace {
+
+// What cannot be repeated is not worth a log, and where nothing broke there are no pieces.
+void check_run(const RenderCommand& command) {
+    const PictureOptions& picture = command.fracture.picture;
+    for (const char* option : {"--record", "--export"}) {
+        const std::string& file = option == std::string("--record") ? command.record : command.pieces.files.output;
+        if (file.empty()) continue;
+        if (picture.whole) throw Failure(exit_usage, std::string(option) + ": with --whole nothing moves");
+        if (picture.planes > 0) throw Failure(exit_usage, std::string(option) + ": with --planes nothing is broken");
+    }
+}
+
+// Says on standard error which anchors hold nothing: who gives one in the mesh's own coordinates wonders why it falls.
+void name_idle_anchors(const fracture::TriangleMesh& on_stage, const WorldOptions& world) {
+    for (const Anchor& anchor : world.anchors) {
+        const physics::AnchorRegion ball = physics::Ball{anchor.at + glm::dvec3(0.0, foot_height(world), 0.0), anchor.radius};
+        if (physics::reaches({&ball, 1}, on_stage.positions, on_stage.triangles)) continue;
+        std::fprintf(stderr,
+                     "brittle: the anchor at (%g, %g, %g), radius %g, reaches nothing of the mesh and holds nothing; it counts in "
+                     "metres from the middle of the mesh's foot, with the mesh 2 m long\n",
+                     anchor.at.x, anchor.at.y, anchor.at.z, anchor.radius);
+    }
+}
+
+// The same of a limit on pieces: only what is breakable leaves debris.
+void name_idle_limit(const WorldOptions& world) {
+    if (world.breakable || world.piece_limit == WorldOptions{}.piece_limit) return;
+    std::fputs("brittle: nothing is breakable, so none of its pieces go: the limit on pieces (--piece-limit) does nothing\n", stderr);
+}
+
+// The same of bricks: only what starts whole is cut into them.
+void name_idle_brick(const WorldOptions& world, const std::string& material) {
+    const physics::RunningBond plain;
+    if (world.bond.brick == plain.brick && world.bond.along == plain.along) return;
+    const physics::MaterialPreset* preset = physics::material_preset(material);
+    const bool of_material = starts_whole(world) && preset && preset->pattern.kind == fracture::PatternKind::bricks;
+    if (world.blows ? world.blows->kind == fracture::PatternKind::bricks && world.blows->diagram.empty() : of_material) return;
+    std::fputs("brittle: no blow takes out bricks, so the recipe's world/brick does nothing: the world must be breakable and not "
+               "bonded, and the material brick or the pattern bricks\n",
+               stderr);
+}
+
+} // namespace
+
+int run_render(const RenderCommand& command) {
+    const PictureOptions& picture = command.fracture.picture;
+    const WorldOptions world = world_of(command.fracture);
+    const FilmOptions film_options{
+        .output = command.output, .ids = command.ids, .every = command.every, .video = command.video};
+    check_film(film_options);
+    check_run(command);
+    catch_interrupts();
+    const bool exports = !command.pieces.files.output.empty();
+    const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, world);
+    name_idle_anchors(input.model.mesh, world);
+    name_idle_limit(world);
+    name_idle_brick(world, command.fracture.material);
+    const std::unique_ptr<engine::Device> device = open_device(command.view);
+    const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
+    Stage stage(*renderer, input.model.mesh, command.fracture.material);
+    std::optional<Recorder> recorder;
+    if (!command.record.empty()) {
+        recorder.emplace(command.record, command.fracture);
+        stage.simulation().observe(&*recorder);
+    }
+    std::shared_ptr<const fracture::Fragments> fragments;
+    if (picture.planes > 0) {
+        stage.shatter(partly_cut(input, picture.planes));
+    } else if (!picture.whole) {
+        const ClassifyChoice choice =
+            choose_classifier(classify_path(command.classify), *device, input, command.fracture);
+        if (command.classify != "cpu") std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
+        Progress progress("fracturing " + input.name);
+        Broken broken = break_input(
+            input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
+        stage.stand(broken.fragments, world);
+        fragments = std::make_shared<const fracture::Fragments>(std::move(broken.fragments));
+    }
+    if (picture.sites) stage.show_sites(input.sites);
+    if (picture.cells) stage.show_lines(cell_lines(input));
+    stage.show_hulls(picture.hulls);
+    stage.explode(picture.explode);
+
+    Film film(*renderer, film_options, picture, command.view, stage.home_bounds());
+    film.watch(stage);
+    const uint32_t frames = picture.whole ? 0 : picture.frames;
+    Progress progress("rendering");
+    for (uint32_t frame = 0; frame <= frames; ++frame) {
+        throw_if_interrupted();
+        if (frame > 0) stage.advance(film_frame_seconds);
+        film.frame(stage, frame, frame == frames);
+        progress.update(frames == 0 ? 1.0 : static_cast<double>(frame) / frames);
+    }
+    film.finish();
+    if (recorder) recorder->finish();
+    if (!command.graph.empty()) {
+        const std::string& dot = renderer->graph_dot();
+        must(fracture::write_file_atomically(command.graph, std::as_bytes(std::span(dot))));
+    }
+    std::string done = film.summary();
+    if (exports) {
+        const Snapshot state = snapshot(stage.simulation(), fragments);
+        const auto files = write_state(command.pieces.files, pieces_as(command.pieces.as), command.fracture, source, state);
+        done += (done.empty() ? "" : ", and ") + written_text(state.pieces.size(), files);
+    }
+    std::printf("%s: %s on %s\n", input.name.c_str(), done.c_str(), device->info().name.c_str());
+    check_validation(*device);
+    return exit_success;
+}
+
+} // namespace brittle::tools

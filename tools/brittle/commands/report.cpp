@@ -1,0 +1,59 @@
+#include "tools/brittle/commands/report.h"
+
+#include <cinttypes>
+#include <cstdarg>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "fracture/io/certificate_json.h"
+
+namespace brittle::tools {
+
+namespace {
+
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
+    char buffer[512];
+    va_list arguments;
+    va_start(arguments, pattern);
+    std::vsnprintf(buffer, sizeof buffer, pattern, arguments);
+    va_end(arguments);
+    return buffer;
+}
+
+} // namespace
+
+std::string report_text(const Input& input, const Broken& broken) {
+    const fracture::Certificate& c = broken.certificate;
+    std::string text;
+    text += format("%s: %" PRIu64 " triangles, %zu sites\n", input.name.c_str(), c.triangles_in, input.sites.size());
+    text += format("  pieces     %u in %u cells, %s\n", c.pieces, c.cells,
+                   c.closed ? "every one closed and oriented"
+                            : format("%u NOT CLOSED", c.open_pieces).c_str());
+    text += format("  volume     %.9g in, %.9g out, relative error %.1e\n", c.volume_input, c.volume_sum,
+                   c.volume_error);
+    text += format("  smallest   %.3g of the volume\n", c.smallest_piece / c.volume_input);
+    text += format("  triangles  %" PRIu64 " out, %" PRIu64 " of them on cut faces\n", c.triangles_out, c.cap_triangles);
+    text += format("  time       %.1f ms", broken.milliseconds);
+    for (const fracture::Milliseconds& t : broken.fragments.timings) {
+        text += format(", %s %.1f", t.phase.c_str(), t.milliseconds);
+    }
+    text += format("\n  hash       %016" PRIx64 "\n", c.hash);
+    return text;
+}
+
+std::string report_json(const Input& input, const Broken& broken, const std::string& recipe) {
+    const fracture::Certificate& c = broken.certificate;
+    nlohmann::ordered_json milliseconds;
+    milliseconds["import"] = input.import_milliseconds;
+    for (const fracture::Milliseconds& t : broken.fragments.timings) milliseconds[t.phase] = t.milliseconds;
+    milliseconds["total"] = broken.milliseconds;
+    nlohmann::ordered_json report{{"mesh", input.name}, {"sites", input.sites.size()}};
+    report.update(nlohmann::ordered_json::parse(fracture::certificate_json(c)));
+    report["islands"] = c.pieces - c.cells;
+    report["milliseconds"] = milliseconds;
+    report["recipe"] = nlohmann::ordered_json::parse(recipe);
+    return report.dump(2) + "\n";
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,234 @@
+#include "tools/brittle/recipe/input.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/pieces/certificate.h"
+#include "fracture/io/import.h"
+#include "fracture/io/text_cursor.h"
+#include "fracture/doctor/repair.h"
+#include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
+#include "fracture/mesh/topology.h"
+#include "physics/material.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/base/stopwatch.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr std::string_view shape_prefix = "shape:";
+
+fracture::Model load_model(const std::string& mesh, bool with_looks) {
+    fracture::Model model;
+    if (!mesh.starts_with(shape_prefix)) {
+        if (with_looks) return must(fracture::import_model(mesh));
+        model.mesh = must(fracture::import_mesh(mesh));
+        return model;
+    }
+    const std::string_view name = std::string_view(mesh).substr(shape_prefix.size());
+    if (std::optional<fracture::TriangleMesh> shape = fracture::shape(name)) {
+        model.mesh = std::move(*shape);
+        return model;
+    }
+    std::string known;
+    for (const std::string_view s : fracture::shape_names()) known.append(known.empty() ? "" : ", ").append(s);
+    throw Failure(exit_input, "there is no shape named '" + std::string(name) + "'; there are: " + known);
+}
+
+std::string mesh_name(const std::string& mesh) {
+    if (mesh.starts_with(shape_prefix)) return mesh.substr(shape_prefix.size());
+    return std::filesystem::path(mesh).stem().string();
+}
+
+// Says what it did, on standard error.
+void repair(fracture::Model& model, const std::string& name) {
+    fracture::Repaired repaired = fracture::repair(model.mesh);
+    const std::string report = fracture::describe(repaired.report);
+    std::fprintf(stderr, "brittle: %s: %s", name.c_str(), report.empty() ? "nothing to repair\n" : ("repaired\n" + report).c_str());
+    if (repaired.report.changed()) fracture::replace_mesh(model, std::move(repaired.mesh), repaired.source_triangle);
+}
+
+// Points to --repair where it would help, before fracture() refuses the mesh.
+void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name) {
+    const auto report = fracture::check_topology(mesh.positions.size(), mesh.triangles);
+    if (report.closed()) return;
+    const fracture::Repaired repaired = fracture::repair(mesh);
+    const auto after = fracture::check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles);
+    if (!after.closed() || repaired.mesh.triangles.empty()) return;
+    throw Failure(exit_mesh, name + ": " + fracture::describe(report) + ". Add --repair, and this is done:\n" +
+                                 fracture::describe(repaired.report) + "The mesh is then closed");
+}
+
+} // namespace
+
+Input load_mesh_only(const std::string& mesh, bool with_looks) {
+    Input input;
+    input.name = mesh_name(mesh);
+    const Stopwatch import;
+    input.model = load_model(mesh, with_looks);
+    input.import_milliseconds = import.milliseconds();
+    return input;
+}
+
+namespace {
+
+// Radii grow with the distances.
+void place_sites(SiteSet& set, const fracture::Box& from, const fracture::Box& onto, const fracture::Placement& p) {
+    const glm::dvec3 ends[] = {glm::dvec3(0.0), glm::dvec3(1.0, 0.0, 0.0)};
+    const auto moved = fracture::place(ends, from, onto, p);
+    const glm::dvec3 unit = moved[1] - moved[0];
+    for (double& weight : set.weights) weight *= glm::dot(unit, unit);
+    set.sites = fracture::place(set.sites, from, onto, p);
+}
+
+SiteSet sites_of_file(const FractureOptions& options, const fracture::TriangleMesh& mesh) {
+    fracture::SiteList list = must(fracture::read_sites(options.sites_file));
+    SiteSet set{std::move(list.sites), {}, std::move(list.weights)};
+    const fracture::Box own = fracture::bounds(set.sites);
+    const fracture::Box onto = options.fit_sites ? fracture::bounds(mesh) : own;
+    const fracture::Placement& p = options.sites_placement;
+    if (options.fit_sites || p.scale != 1.0 || p.turn != glm::dvec3(0.0) || p.move != glm::dvec3(0.0))
+        place_sites(set, own, onto, p);
+    return set;
+}
+
+} // namespace
+
+WorldOptions world_of(const FractureOptions& options) {
+    WorldOptions world = options.world;
+    world.seed = options.pattern.seed;
+    // Where the pattern has cut it already, or sites stand in the recipe, it breaks as its material does. Strikes outdo sites.
+    const bool given = options.strikes.empty();
+    if (!starts_whole(world) || (given && !options.points.empty())) return world;
+    world.blows = {.kind = options.pattern.kind, .slenderness = options.pattern.slenderness};
+    if (given && !options.sites_file.empty()) {
+        world.blows->diagram = must(fracture::read_sites(options.sites_file)).sites;
+        world.blows->placement = options.sites_placement;
+    }
+    return world;
+}
+
+namespace {
+
+// Weights and groups only where there are any: without them more is possible (fracture.h).
+SiteSet site_set(std::span<const PlacedSite> points) {
+    SiteSet set;
+    std::map<uint32_t, uint32_t> first; // site of each group
+    bool weighted = false, grouped = false;
+    for (uint32_t s = 0; s < points.size(); ++s) {
+        const PlacedSite& point = points[s];
+        set.sites.push_back(point.at);
+        set.weights.push_back(point.weight);
+        set.groups.push_back(point.group == 0 ? s : first.try_emplace(point.group, s).first->second);
+        weighted |= point.weight != 0.0;
+        grouped |= set.groups.back() != s;
+    }
+    if (!weighted) set.weights.clear();
+    if (!grouped) set.groups.clear();
+    return set;
+}
+
+} // namespace
+
+std::vector<PlacedSite> placed_sites(const SiteSet& set) {
+    std::map<uint32_t, uint32_t> sizes, numbers;
+    for (const uint32_t group : set.groups) ++sizes[group];
+    std::vector<PlacedSite> points;
+    for (size_t s = 0; s < set.sites.size(); ++s) {
+        PlacedSite point{set.sites[s], set.weights.empty() ? 0.0 : set.weights[s]};
+        if (!set.groups.empty() && sizes[set.groups[s]] > 1)
+            point.group = numbers.try_emplace(set.groups[s], static_cast<uint32_t>(numbers.size() + 1)).first->second;
+        points.push_back(point);
+    }
+    return points;
+}
+
+SiteSet sites_for(const FractureOptions& options, const fracture::TriangleMesh& mesh) {
+    if (options.strikes.empty() && !options.points.empty()) return site_set(options.points);
+    if (options.strikes.empty() && !options.sites_file.empty()) return sites_of_file(options, mesh);
+    fracture::PatternSites made = must(options.strikes.empty() ? fracture::make_sites(options.pattern, mesh)
+                                                               : strike_sites(options.strikes, options.pattern));
+    return {std::move(made.sites), std::move(made.groups), std::move(made.weights)};
+}
+
+void use_material(const std::string& name, FractureOptions& options) {
+    const physics::MaterialPreset* preset = physics::material_preset(name);
+    if (!preset) {
+        std::string known;
+        for (const auto& p : physics::material_presets()) known.append(known.empty() ? "" : ", ").append(p.name);
+        throw Failure(exit_usage, "there is no material " + fracture::quoted(std::string_view(name)) + "; there are: " + known);
+    }
+    options.material = name;
+    options.pattern.kind = preset->pattern.kind;
+    options.pattern.jitter = preset->pattern.jitter;
+    options.pattern.axis = preset->pattern.axis;
+    options.pattern.spread = preset->pattern.spread;
+    options.pattern.slenderness = preset->pattern.slenderness;
+}
+
+void prepare_mesh(const FractureOptions& options, Input& input) {
+    if (options.repair) {
+        repair(input.model, input.name);
+    } else {
+        suggest_repair(input.model.mesh, input.name);
+    }
+}
+
+Input load_input(const FractureOptions& options, bool with_looks) {
+    if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
+    Input input = load_mesh_only(options.mesh, with_looks);
+    if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
+    prepare_mesh(options, input);
+    SiteSet set = sites_for(options, input.model.mesh);
+    input.sites = std::move(set.sites);
+    input.groups = std::move(set.groups);
+    input.weights = std::move(set.weights);
+    return input;
+}
+
+namespace {
+
+// One cell: the mesh as pieces have it, each part of it that touches no other a piece.
+fracture::Result<fracture::Fragments> uncut(const Input& input, fracture::Settings settings) {
+    settings.groups = {};
+    settings.weights = {};
+    settings.classifier = nullptr;
+    const glm::dvec3 site = fracture::bounds(input.model.mesh).centre();
+    return fracture::fracture(input.model.mesh, {&site, 1}, settings);
+}
+
+} // namespace
+
+Broken break_input(const Input& input, const FractureOptions& options,
+                   const std::function<void(double)>& progress, fracture::Classifier* classifier,
+                   const std::function<bool()>& cancelled, fracture::WorkLog* work_log) {
+    const fracture::Settings settings{.algorithm = options.algorithm,
+                                      .threads = options.threads,
+                                      .groups = input.groups,
+                                      .weights = input.weights,
+                                      .min_volume = options.min_volume,
+                                      .classifier = classifier,
+                                      .work_log = work_log,
+                                      .progress = progress,
+                                      .cancelled = [&] { return is_interrupted() || (cancelled && cancelled()); }};
+    const Stopwatch stopwatch;
+    Broken broken;
+    broken.fragments = must(starts_whole(options.world)
+                                ? uncut(input, settings)
+                                : fracture::fracture(input.model.mesh, input.sites, settings));
+    broken.milliseconds = stopwatch.milliseconds();
+    broken.certificate = fracture::certify(input.model.mesh, broken.fragments);
+    return broken;
+}
+
+} // namespace brittle::tools

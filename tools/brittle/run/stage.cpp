@@ -1,0 +1,282 @@
+#include "tools/brittle/run/stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/color_space.hpp>
+
+#include "tools/brittle/base/failure.h"
+
+namespace brittle::tools {
+
+namespace {
+
+constexpr float piece_tint_strength = 0.9f;
+constexpr float material_tint_strength = 0.15f; // a material shows its own colour
+constexpr float site_radius = 0.02f;   // m
+// m, around the unbroken mesh: what goes further casts no shadow. Wider, the texels of its map would be so coarse that
+// shadows near the mesh had teeth, and those of small pieces were lost.
+constexpr float shadow_room = 4.0f;
+
+uint32_t packed(const glm::vec3& linear) {
+    const glm::uvec3 c(glm::convertLinearToSRGB(glm::clamp(linear, 0.0f, 1.0f)) * 255.0f + 0.5f);
+    return engine::srgb8(c.x, c.y, c.z);
+}
+
+// What is uploaded of a piece that is cut anew. Made by the thread that cuts; the stage takes it out when it comes.
+PieceLook look_for(const engine::Renderer& renderer) {
+    return [&renderer](const physics::SolidPiece& solid) -> std::shared_ptr<void> {
+        const engine::PieceMesh mesh{.positions = solid.positions,
+                                     .triangles = solid.mesh.triangles,
+                                     .exterior_triangles = solid.exterior_triangles};
+        const auto look = std::make_shared<engine::PieceBatch>(must(engine::PieceBatch::create({&mesh, 1})));
+        renderer.stage(*look);
+        return look;
+    };
+}
+
+// Whether bonds that carry too much lose health, or may come to: stresses are not in balance yet.
+bool wears(const physics::Structure& structure) {
+    if (!structure.wear().solver().converged()) return true;
+    const auto bonds = structure.graph().bonds();
+    const auto ratios = structure.wear().ratios();
+    for (size_t k = 0; k < std::min(bonds.size(), ratios.size()); ++k)
+        if (bonds[k].live() && ratios[k] >= bonds[k].health) return true;
+    return false;
+}
+
+} // namespace
+
+Input placed_on_stage(Input input, const WorldOptions& world) {
+    const StagePlacement placement = placement_on_stage(input.model.mesh, world);
+    for (glm::dvec3& p : input.model.mesh.positions) p = placement.to_stage(p);
+    for (glm::dvec3& site : input.sites) site = placement.to_stage(site);
+    for (double& weight : input.weights) weight *= placement.scale * placement.scale;
+    return input;
+}
+
+engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh) {
+    const std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
+    const engine::PieceMesh whole{.positions = positions,
+                                  .triangles = mesh.triangles,
+                                  .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size())};
+    return must(engine::PieceBatch::create({&whole, 1}));
+}
+
+PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
+                              const WorldOptions& world, const std::string& material, uint32_t threads) {
+    PreparedPieces ahead;
+    ahead.bodies = prepare_bodies(fragments, world, material, look_for(renderer), threads);
+    if (world.breakable) return ahead;
+    std::vector<glm::vec3> positions(fragments.positions.size());
+    std::vector<engine::PieceMesh> meshes;
+    for (const fracture::Piece& piece : fragments.pieces) {
+        float radius = 0.0f;
+        for (uint32_t v = piece.vertices.begin; v < piece.vertices.end; ++v) {
+            positions[v] = glm::vec3(fragments.positions[v] - piece.mass.centre_of_mass);
+            radius = std::max(radius, glm::length(positions[v]));
+        }
+        const auto body = static_cast<uint32_t>(meshes.size());
+        ahead.radii.push_back(radius);
+        meshes.push_back({.positions = std::span(positions).subspan(piece.vertices.begin, piece.vertices.size()),
+                          .triangles = fragments.triangles_of(piece),
+                          .exterior_triangles = piece.exterior_triangles,
+                          .body = body,
+                          .tint = engine::piece_tint(body)});
+    }
+    ahead.batch = must(engine::PieceBatch::create(meshes));
+    renderer.stage(ahead.batch);
+    return ahead;
+}
+
+Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material)
+    : Stage(renderer, fracture::bounds(mesh), batch_of(mesh), material) {}
+
+Stage::Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole, const std::string& material)
+    : renderer_(renderer), simulation_(material, look_for(renderer)), home_{glm::vec3(box.min), glm::vec3(box.max)} {
+    draw_anew(std::move(whole));
+}
+
+void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world) {
+    const physics::MaterialPreset* material = simulation_.material();
+    stand(fragments, world, prepare_pieces(renderer_, fragments, world, std::string(material ? material->name : "")));
+}
+
+void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead) {
+    simulation_.start(fragments, world, std::move(ahead.bodies));
+    draw_anew(std::move(ahead.batch));
+    radii_ = std::move(ahead.radii);
+    untinted_ = starts_whole(world);
+    most_pieces_ = world.piece_limit;
+    told_.reset();
+    take_events();
+}
+
+void Stage::shoot(const Shot& shot) {
+    if (broken()) simulation_.apply(Shoot{shot.from, shot.velocity, shot.radius, shot.density});
+}
+
+// These in place of all that was drawn, and time begins.
+void Stage::draw_anew(engine::PieceBatch batch) {
+    alpha_ = 1.0f;
+    drawn_.clear();
+    (void)must(renderer_.set_pieces({}));
+    (void)must(renderer_.add_pieces(std::move(batch)));
+    moment_before_ = moment_ + 1;
+    all_moved_ = moment_before_;
+    last_awake_ = 0;
+    moved_ = true;
+}
+
+// The largest of what a piece was cut into keeps its tint: a statue that loses an arm does not change its colour.
+glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
+                         const std::map<physics::PieceId, glm::vec3>& before) const {
+    const auto volume = [](const physics::PieceAdded& piece) { return piece.solid->mass.volume; };
+    const bool largest = std::ranges::none_of(all, [&](const physics::PieceAdded& other) {
+        return other.of == added.of && volume(other) > volume(added);
+    });
+    if (const auto old = before.find(added.of); old != before.end() && largest) return old->second;
+    return added.depth == 0 && untinted_ ? glm::vec3(1.0f) : engine::piece_tint(added.id.value);
+}
+
+// What has come and gone since the last call: removed first, since slots are used again.
+void Stage::take_events() {
+    const physics::DestructionEvents events = simulation_.take_events();
+    std::vector<engine::PieceHandle> gone;
+    std::map<physics::PieceId, glm::vec3> before;
+    for (const physics::PieceRemoved& removed : events.removed) {
+        const auto at = drawn_.find(removed.id);
+        gone.push_back(at->second.handle);
+        before[removed.id] = at->second.tint;
+        drawn_.erase(at);
+    }
+    must(renderer_.remove_pieces(gone));
+    std::vector<engine::PieceBatch> batches;
+    std::vector<glm::vec3> tints;
+    for (const physics::PieceAdded& added : events.added) {
+        auto& look = *static_cast<engine::PieceBatch*>(added.solid->look.get());
+        tints.push_back(tint_of(added, events.added, before));
+        batches.push_back(std::exchange(look, {}));
+        batches.back().assign(added.slot, tints.back());
+        radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
+        radii_[added.slot] = added.solid->radius;
+    }
+    const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(batches)));
+    for (size_t i = 0; i < handles.size(); ++i) drawn_[events.added[i].id] = {handles[i], tints[i]};
+    for (const physics::PieceFading& fading : events.fading)
+        must(renderer_.fade_pieces({&drawn_.at(fading.id).handle, 1}, 1.0f - fading.share));
+}
+
+void Stage::watch(const engine::Camera& camera, float aspect) {
+    watch_ = {.eye = camera.eye, .target = camera.target, .fov = double{camera.vertical_fov}, .aspect = double{aspect}};
+}
+
+// Only what is breakable leaves debris. What is drawn moved apart looks as from nearer the middle at what is not.
+void Stage::tell_watch() {
+    if (!watch_ || !simulation_.destruction()) return;
+    const glm::dvec3 centre(home_.centre());
+    const double apart = 1.0 + double{explode_};
+    Watch now = *watch_;
+    for (glm::dvec3* at : {&now.eye, &now.target}) *at = centre + (*at - centre) / apart;
+    if (now == told_ || !fault_of(now, 0).empty()) return;
+    simulation_.apply(now);
+    told_ = now;
+}
+
+void Stage::advance(double seconds) {
+    if (!broken()) return;
+    tell_watch();
+    alpha_ = simulation_.advance(seconds);
+    take_events();
+    // What falls asleep reaches its last pose in the step after.
+    if (world().awake_count() > 0) last_awake_ = simulation_.steps();
+    if (simulation_.steps() <= last_awake_ + 2) moved_ = true;
+}
+
+bool Stage::still() const {
+    if (!broken()) return true;
+    const physics::Destruction* destruction = simulation_.destruction();
+    if (destruction && (destruction->jobs_in_flight() > 0 || destruction->pieces().size() > most_pieces_)) return false;
+    if (const physics::Structure* structure = simulation_.structure(); structure && wears(*structure)) return false;
+    return simulation_.steps() > last_awake_ + 2;
+}
+
+void Stage::show_sites(std::span<const glm::dvec3> sites) {
+    spheres_.clear();
+    for (const glm::dvec3& s : sites) spheres_.push_back({.centre = glm::vec3(s), .radius = site_radius});
+}
+
+void Stage::explode(float share) {
+    if (share == explode_) return;
+    explode_ = share;
+    ++moment_before_; // a moment by itself, at which every pose changes
+    all_moved_ = moment_before_ + simulation_.steps();
+    moved_ = true;
+}
+
+// Bounds of what casts a shadow, and poses: of what moved since the slice of the instance buffer was written.
+void Stage::place(engine::Scene& scene) {
+    const auto apart = [this](const glm::vec3& position) {
+        return position + explode_ * (position - home_.centre());
+    };
+    engine::Bounds room{home_.min - shadow_room, home_.max + shadow_room};
+    room.min.y = std::min(room.min.y, 0.0f); // the ground, onto which it all falls
+    scene.bounds = {room.max, room.min};
+    const auto include = [&](const glm::vec3& centre, float radius) {
+        if (glm::clamp(centre, room.min, room.max) == centre)
+            scene.bounds = engine::join(scene.bounds, {centre - radius, centre + radius});
+    };
+    simulation_.visit_poses(alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) {
+        include(apart(pose.position), radii_[slot]);
+    });
+    if (!simulation_.balls().empty())
+        for (const engine::Sphere& sphere : shown_spheres_) include(sphere.centre, sphere.radius);
+    if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // nothing is left there
+    moment_ = moment_before_ + simulation_.steps();
+    scene.moment = moment_;
+    scene.write_poses = [this, apart](std::span<engine::BodyPose> out, uint64_t since) {
+        const uint64_t steps = since < all_moved_ ? 0 : since - moment_before_;
+        simulation_.visit_poses(alpha_, steps, [&](uint32_t slot, const physics::Pose& pose) {
+            if (slot < out.size()) out[slot] = {.rotation = pose.orientation, .position = apart(pose.position)};
+        });
+    };
+}
+
+engine::Scene Stage::scene() {
+    engine::Scene scene;
+    scene.bounds = home_;
+    scene.look.tint = piece_tint_strength;
+    if (const physics::MaterialPreset* material = simulation_.material()) {
+        scene.look.exterior = material->exterior;
+        scene.look.interior = material->interior;
+        scene.look.tint = material_tint_strength;
+    }
+    shown_spheres_ = spheres_;
+    for (const Simulation::Ball& ball : simulation_.balls()) {
+        const glm::vec3 before = world().previous_pose(ball.body).position, now = world().pose(ball.body).position;
+        shown_spheres_.push_back({before + alpha_ * (now - before), ball.radius});
+    }
+    scene.spheres = shown_spheres_;
+    scene.spheres_on_top = simulation_.balls().empty();
+    scene.spheres_cast_shadows = !scene.spheres_on_top;
+    if (broken()) place(scene);
+    lines_ = own_lines_;
+    if (hulls_) {
+        debug_lines_.clear();
+        world().debug_lines(debug_lines_);
+        for (const physics::DebugLine& line : debug_lines_) {
+            lines_.push_back({line.from, packed(line.colour)});
+            lines_.push_back({line.to, packed(line.colour)});
+        }
+    }
+    scene.lines = lines_;
+    scene.lines_on_top = true;
+    scene.moved = moved_;
+    moved_ = false;
+    return scene;
+}
+
+} // namespace brittle::tools

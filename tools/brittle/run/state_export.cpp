@@ -1,0 +1,207 @@
+#include "tools/brittle/run/state_export.h"
+
+#include <map>
+#include <utility>
+
+#include "fracture/pieces/certificate.h"
+#include "fracture/io/export.h"
+#include "physics/cutting/convex_parts.h"
+#include "tools/brittle/base/failure.h"
+
+namespace brittle::tools {
+
+namespace {
+
+// Of Fragments::vertex_point: from here on, points are no vertices of the input.
+constexpr uint32_t first_cut_point = 1u << 30;
+
+// Engines add margins of their own, so hardly any is taken off here.
+constexpr physics::ConvexPartSettings hull_settings{.hull = {.margin_fraction = 0.001f}};
+
+std::vector<Snapshot::Piece> pieces_there(const Simulation& simulation, size_t whole_pieces) {
+    std::map<uint32_t, physics::Pose> poses; // by slot
+    simulation.visit_poses(1.0f, 0, [&](uint32_t slot, const physics::Pose& pose) { poses[slot] = pose; });
+    std::vector<Snapshot::Piece> pieces;
+    const auto add = [&](uint32_t number, uint32_t slot, physics::SolidPtr solid) {
+        if (const auto pose = poses.find(slot); pose != poses.end()) pieces.push_back({number, std::move(solid), pose->second});
+    };
+    if (const physics::Destruction* destruction = simulation.destruction()) {
+        for (const physics::PieceId id : destruction->pieces()) add(id.value, destruction->slot(id), destruction->solid(id));
+    } else {
+        for (uint32_t piece = 0; piece < whole_pieces; ++piece) add(piece, piece, nullptr);
+    }
+    return pieces;
+}
+
+// Which piece of the simulation's structure it is, or nothing.
+std::optional<uint32_t> bonded_piece(const Simulation& simulation, uint32_t number) {
+    if (!simulation.structure()) return std::nullopt;
+    return simulation.destruction() ? simulation.destruction()->bonded({number}) : number;
+}
+
+std::vector<fracture::Bond> bonds_that_hold(const Simulation& simulation, const std::vector<Snapshot::Piece>& pieces) {
+    std::vector<fracture::Bond> bonds;
+    if (!simulation.structure()) return bonds;
+    std::map<uint32_t, uint32_t> at; // by piece of the structure
+    for (uint32_t k = 0; k < pieces.size(); ++k)
+        if (const auto piece = bonded_piece(simulation, pieces[k].number)) at[*piece] = k;
+    for (const physics::BondGraph::Bond& bond : simulation.structure()->graph().bonds()) {
+        const auto a = at.find(bond.a), b = at.find(bond.b);
+        if (bond.live() && a != at.end() && b != at.end())
+            bonds.push_back({a->second, b->second, bond.area, bond.centroid, bond.normal});
+    }
+    return bonds;
+}
+
+// Builds LivePieces piece by piece.
+class Builder {
+  public:
+    Builder(const Snapshot& state, const StagePlacement& placement) : state_(state), placement_(placement) {}
+
+    LivePieces build() {
+        for (const Snapshot::Piece& piece : state_.pieces) {
+            piece.solid ? add_solid(piece.number, *piece.solid) : add_fragment(state_.fragments->pieces[piece.number]);
+            made_.poses.push_back({placement_.to_file(glm::dvec3(piece.pose.position)),
+                                   glm::normalize(glm::dquat(piece.pose.orientation))});
+        }
+        const double s = placement_.scale;
+        for (fracture::Bond bond : state_.bonds) {
+            bond.area /= s * s;
+            bond.centroid = placement_.to_file(bond.centroid);
+            made_.fragments.bonds.push_back(bond);
+        }
+        return std::move(made_);
+    }
+
+  private:
+    void add_solid(uint32_t number, const physics::SolidPiece& solid) {
+        fracture::Fragments& to = made_.fragments;
+        fracture::Piece piece{.site = number, .vertices = {vertices(), 0}, .triangles = {triangles(), 0},
+                              .exterior_triangles = solid.exterior_triangles, .mass = in_file(solid.mass)};
+        const glm::dvec3 centre = solid.mass.centre_of_mass;
+        for (size_t v = 0; v < solid.positions.size(); ++v) {
+            const bool kept = !solid.mesh.positions.empty(); // in double precision
+            to.positions.push_back(placement_.to_file(kept ? solid.mesh.positions[v] : centre + glm::dvec3(solid.positions[v])));
+            to.vertex_point.push_back(first_cut_point + vertices() - 1);
+        }
+        to.triangles.insert(to.triangles.end(), solid.mesh.triangles.begin(), solid.mesh.triangles.end());
+        to.triangle_source.insert(to.triangle_source.end(), solid.source.begin(), solid.source.end());
+        to.triangle_source.resize(to.triangles.size(), 0); // cuts have their planes only
+        finish(piece);
+    }
+
+    void add_fragment(const fracture::Piece& from) {
+        const fracture::Fragments& whole = *state_.fragments;
+        fracture::Fragments& to = made_.fragments;
+        fracture::Piece piece = from;
+        piece.vertices.begin = vertices();
+        piece.triangles = fracture::append_range(whole.triangles, from.triangles, to.triangles);
+        for (uint32_t v = from.vertices.begin; v < from.vertices.end; ++v) to.positions.push_back(placement_.to_file(whole.positions[v]));
+        fracture::append_range(whole.vertex_point, from.vertices, to.vertex_point);
+        fracture::append_range(whole.triangle_source, from.triangles, to.triangle_source);
+        piece.mass = in_file(from.mass);
+        finish(piece);
+    }
+
+    void finish(fracture::Piece& piece) {
+        piece.vertices.end = vertices();
+        piece.triangles.end = triangles();
+        made_.fragments.pieces.push_back(piece);
+    }
+
+    [[nodiscard]] uint32_t vertices() const { return static_cast<uint32_t>(made_.fragments.positions.size()); }
+    [[nodiscard]] uint32_t triangles() const { return static_cast<uint32_t>(made_.fragments.triangles.size()); }
+
+    [[nodiscard]] fracture::MassProperties in_file(fracture::MassProperties mass) const {
+        const double s = placement_.scale;
+        mass.volume /= s * s * s;
+        mass.area /= s * s;
+        mass.inertia /= s * s * s * s * s;
+        mass.centre_of_mass = placement_.to_file(mass.centre_of_mass);
+        return mass;
+    }
+
+    const Snapshot& state_;
+    const StagePlacement& placement_;
+    LivePieces made_;
+};
+
+void stop_if(const std::function<bool()>& cancelled) {
+    if (cancelled && cancelled()) throw Failure(exit_interrupted, "writing the pieces was cancelled");
+}
+
+// What is cut anew may be far from convex: as many hulls as it takes.
+std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state, const fracture::Fragments& fragments,
+                                                          const std::function<bool()>& cancelled) {
+    std::vector<std::vector<fracture::TriangleMesh>> hulls;
+    for (size_t p = 0; p < state.pieces.size(); ++p) {
+        stop_if(cancelled);
+        const fracture::Piece& piece = fragments.pieces[p];
+        std::vector<fracture::TriangleMesh>& own = hulls.emplace_back();
+        if (!state.pieces[p].solid) {
+            own.push_back(collision_mesh(fragments, piece));
+            continue;
+        }
+        const glm::dvec3 centre = piece.mass.centre_of_mass;
+        for (const physics::BodyPart& part : physics::convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece),
+                                                                   piece.mass.volume, centre, hull_settings)) {
+            own.push_back(physics::hull_mesh(part.hull->points));
+            for (glm::dvec3& v : own.back().positions) v += centre + glm::dvec3(part.offset);
+        }
+    }
+    return hulls;
+}
+
+// The looks of exterior triangles are found by their number in the source.
+void check_source(const fracture::Fragments& fragments, const Input& source) {
+    for (const fracture::Piece& piece : fragments.pieces)
+        for (uint32_t t = 0; t < piece.exterior_triangles; ++t)
+            if (fragments.triangle_source[piece.triangles.begin + t] >= source.model.mesh.triangles.size())
+                throw Failure(exit_mesh, source.name + " has changed since it was broken: open it again");
+}
+
+} // namespace
+
+PiecesAs pieces_as(const std::string& word) {
+    if (word == "made") return PiecesAs::made;
+    if (word == "lie") return PiecesAs::they_lie;
+    throw Failure(exit_usage, "pieces are written as 'made' or as they 'lie', not '" + word + "'");
+}
+
+Snapshot snapshot(const Simulation& simulation, std::shared_ptr<const fracture::Fragments> fragments) {
+    Snapshot state{std::move(fragments), {}, {}};
+    state.pieces = pieces_there(simulation, state.fragments->pieces.size());
+    state.bonds = bonds_that_hold(simulation, state.pieces);
+    return state;
+}
+
+LivePieces live_pieces(const Snapshot& state, const StagePlacement& placement) {
+    return Builder(state, placement).build();
+}
+
+std::vector<std::filesystem::path> write_state(const ExportSettings& settings, PiecesAs as, const FractureOptions& recipe,
+                                               const Input& source, const Snapshot& state,
+                                               const std::function<bool()>& cancelled) {
+    const LivePieces live = live_pieces(state, placement_on_stage(source.model.mesh, recipe.world));
+    check_source(live.fragments, source);
+    fracture::ExportOptions options = export_options(settings, recipe, source);
+    options.uv_by_plane = true;
+    if (as == PiecesAs::they_lie) options.poses = live.poses;
+    std::vector<std::vector<fracture::TriangleMesh>> hulls;
+    if (wants_hulls(settings)) {
+        hulls = hulls_of(state, live.fragments, cancelled);
+        options.hulls = hulls;
+    }
+    const fracture::Certificate certificate = fracture::certify(source.model.mesh, live.fragments);
+    stop_if(cancelled);
+    return must(fracture::export_pieces(settings.output, live.fragments, certificate, options));
+}
+
+std::string written_text(size_t pieces, const std::vector<std::filesystem::path>& files) {
+    std::string text = std::to_string(pieces) + (pieces == 1 ? " piece" : " pieces");
+    if (!files.empty()) text += " in " + files.front().string();
+    if (files.size() > 1) text += " and " + std::to_string(files.size() - 1) + " more";
+    return text;
+}
+
+} // namespace brittle::tools
