@@ -18,9 +18,9 @@
 #include "fracture/mesh/half_edge.h"
 #include "fracture/mesh/islands.h"
 #include "fracture/mesh/mass_properties.h"
+#include "fracture/mesh/topology.h"
 #include "fracture/pieces/merge.h"
 #include "fracture/sequential/sequential.h"
-#include "fracture/mesh/topology.h"
 
 namespace brittle::fracture {
 
@@ -54,9 +54,8 @@ Result<void> check_coordinates(std::span<const glm::dvec3> points, Status status
         const glm::dvec3& p = points[i];
         if (in_range(p)) continue;
         char text[192];
-        std::snprintf(text, sizeof text,
-                      "%s %zu is at (%g, %g, %g); coordinates must be finite and at most 1e50", what, i, p.x,
-                      p.y, p.z);
+        std::snprintf(text, sizeof text, "%s %zu is at (%g, %g, %g); coordinates must be finite and at most 1e50", what,
+                      i, p.x, p.y, p.z);
         return Error{status, text};
     }
     return {};
@@ -95,8 +94,7 @@ Result<void> check_volume(const TriangleMesh& mesh, const Box& box) {
         return Error{Status::no_volume, "the mesh encloses no volume"};
     if (mass.volume > 0.0) return {};
     char text[128];
-    std::snprintf(text, sizeof text, "the mesh is inside out: its volume is %g; reverse its triangles",
-                  mass.volume);
+    std::snprintf(text, sizeof text, "the mesh is inside out: its volume is %g; reverse its triangles", mass.volume);
     return Error{Status::inside_out, text};
 }
 
@@ -154,8 +152,7 @@ void merge(const Settings& settings, const Box& box, Fragments& fragments) {
 
 // The only fault is one that split_fans() mends.
 bool only_touches(const TriangleMesh& mesh, const Error& error) {
-    return error.status == Status::non_manifold
-           && check_topology(mesh.positions.size(), mesh.triangles).closed();
+    return error.status == Status::non_manifold && check_topology(mesh.positions.size(), mesh.triangles).closed();
 }
 
 // Points that are vertices of the split mesh become those of the mesh.
@@ -182,9 +179,9 @@ void number_points(std::span<const glm::dvec3> vertices, Fragments& fragments) {
     fragments.vertex_point.clear();
     for (const glm::dvec3& p : fragments.positions)
         fragments.vertex_point.push_back(
-            std::lower_bound(places.begin(), places.end(), p,
-                             [&](const auto& place, const glm::dvec3& q) { return before(place.first, q); })
-                ->second);
+            std::lower_bound(places.begin(), places.end(), p, [&](const auto& place, const glm::dvec3& q) {
+                return before(place.first, q);
+            })->second);
 }
 
 Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
@@ -243,8 +240,7 @@ Result<void> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> site
     return run(mesh, box, sites, settings, workspace.state(), out);
 }
 
-Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                           const Settings& settings) {
+Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings) {
     Workspace workspace;
     Fragments fragments;
     if (Result<void> done = fracture(mesh, sites, settings, workspace, fragments); !done) return done.error();

@@ -18,8 +18,10 @@ enum class Algorithm {
 // The name as on the command line and in recipes.
 [[nodiscard]] constexpr const char* to_string(Algorithm algorithm) {
     switch (algorithm) {
-    case Algorithm::exact: return "exact";
-    case Algorithm::sequential: return "sequential";
+    case Algorithm::exact:
+        return "exact";
+    case Algorithm::sequential:
+        return "sequential";
     }
     return "unknown";
 }

@@ -14,8 +14,8 @@ std::string fault_of(const Material& material) {
     std::ostringstream text;
     if (!(material.density > 0.0f) || !std::isfinite(material.density))
         text << "the material's density is " << material.density << " kg/m^3; it must be positive";
-    for (const auto& [name, value] : {std::pair("tensile", material.tensile), {"compressive", material.compressive},
-                                      {"shear", material.shear}})
+    for (const auto& [name, value] :
+         {std::pair("tensile", material.tensile), {"compressive", material.compressive}, {"shear", material.shear}})
         if (text.str().empty() && (!(value > 0.0f) || !std::isfinite(value)))
             text << "the material's " << name << " strength is " << value << " Pa; it must be positive";
     if (text.str().empty() && (!(material.fracture_energy > 0.0f) || !std::isfinite(material.fracture_energy)))

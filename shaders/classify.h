@@ -9,8 +9,8 @@
 
 namespace brittle::engine::shared {
 using uint = uint32_t;
-using glm::vec4;
 using glm::uvec4;
+using glm::vec4;
 #endif
 
 const uint classify_group_size = 128;

@@ -31,9 +31,9 @@ BRITTLE_SHARED_FUNCTION bool beyond(vec4 plane, vec3 from, vec3 to, float radius
 BRITTLE_SHARED_FUNCTION bool seen(mat4 clip, vec3 from, vec3 to, float radius) {
     mat4 row = transpose(clip);
     float reach = 1.001f * radius + 1e-5f * max(length(from), length(to)); // some more, for rounding
-    return !(beyond(row[3] + row[0], from, to, reach) || beyond(row[3] - row[0], from, to, reach) ||
-             beyond(row[3] + row[1], from, to, reach) || beyond(row[3] - row[1], from, to, reach) ||
-             beyond(row[2], from, to, reach) || beyond(row[3] - row[2], from, to, reach));
+    return !(beyond(row[3] + row[0], from, to, reach) || beyond(row[3] - row[0], from, to, reach)
+             || beyond(row[3] + row[1], from, to, reach) || beyond(row[3] - row[1], from, to, reach)
+             || beyond(row[2], from, to, reach) || beyond(row[3] - row[2], from, to, reach));
 }
 
 #undef BRITTLE_SHARED_FUNCTION

@@ -21,11 +21,12 @@ class Repeat final : public doctest::IReporter {
         for (char** variable = environ; *variable; ++variable) {
             const std::string_view text = *variable;
             const size_t value = text.find('=') + 1;
-            if (text.starts_with("BRITTLE_")) command += std::string(text.substr(0, value)) + quoted(text.substr(value)) + " ";
+            if (text.starts_with("BRITTLE_"))
+                command += std::string(text.substr(0, value)) + quoted(text.substr(value)) + " ";
         }
         *options_.cout << std::flush;
-        std::cerr << "to run it alone: " << command << quoted(options_.binary_name.c_str()) << " --test-case=" << quoted(pattern())
-                  << "\n\n";
+        std::cerr << "to run it alone: " << command << quoted(options_.binary_name.c_str())
+                  << " --test-case=" << quoted(pattern()) << "\n\n";
     }
 
     void report_query(const doctest::QueryData&) override {}

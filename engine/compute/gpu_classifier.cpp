@@ -66,10 +66,9 @@ class ClassifyLayout {
         std::array<VkDescriptorSetLayoutBinding, classify_binding_count> bindings{};
         for (uint32_t k = 0; k < classify_binding_count; ++k)
             bindings[k] = {k, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
-        const VkDescriptorSetLayoutCreateInfo set_layout{
-            .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-            .bindingCount = classify_binding_count,
-            .pBindings = bindings.data()};
+        const VkDescriptorSetLayoutCreateInfo set_layout{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                                         .bindingCount = classify_binding_count,
+                                                         .pBindings = bindings.data()};
         check(vkCreateDescriptorSetLayout(device_, &set_layout, nullptr, &set_layout_),
               "create a descriptor set layout");
         const VkPushConstantRange constants{VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(ClassifyGrid)};
@@ -122,12 +121,12 @@ struct GpuClassifier::State {
           vertices(device_, "classify vertices", layout.handle(), classify_vertices_comp),
           triangles(triangles_pipeline(device_, layout.handle())),
           crossing_groups(device_, "count crossing triangles", layout.handle(), classify_crossing_groups_comp),
-          signs(device_, "signs of crossing triangles", layout.handle(), classify_signs_comp),
-          executor(device_), commands(device_) {}
+          signs(device_, "signs of crossing triangles", layout.handle(), classify_signs_comp), executor(device_),
+          commands(device_) {}
 
     [[nodiscard]] bool fits(const Problem& problem) const;
-    void reserve(uint32_t binding, DeviceBuffer& buffer, const char* name, uint64_t size,
-                 VkBufferUsageFlags usage, MemoryKind kind);
+    void reserve(uint32_t binding, DeviceBuffer& buffer, const char* name, uint64_t size, VkBufferUsageFlags usage,
+                 MemoryKind kind);
     void write(const Problem& problem);
     void reserve_all();
     void bind(VkCommandBuffer into, const Pipeline& pipeline) const;
@@ -166,8 +165,7 @@ bool GpuClassifier::State::fits(const Problem& problem) const {
 // Half as much again as is needed, so that fractures of growing size do not allocate each time.
 void GpuClassifier::State::reserve(uint32_t binding, DeviceBuffer& buffer, const char* name, uint64_t size,
                                    VkBufferUsageFlags usage, MemoryKind kind) {
-    if (!buffer.handle() || buffer.size() < size)
-        buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
+    if (!buffer.handle() || buffer.size() < size) buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
     if (binding < classify_binding_count) layout.write(binding, buffer);
 }
 
@@ -262,9 +260,8 @@ struct GpuClassifier::State::Handles {
                                      .external = external_.add(buffer.handle())});
     }
     [[nodiscard]] Buffer own(const char* name, const DeviceBuffer& buffer, AccessSet final) {
-        return graph_.import_buffer(
-            name, {buffer.size()},
-            {.initial = {}, .final = final, .external = external_.add(buffer.handle())});
+        return graph_.import_buffer(name, {buffer.size()},
+                                    {.initial = {}, .final = final, .external = external_.add(buffer.handle())});
     }
     FrameGraph& graph_;
     External& external_;
@@ -283,7 +280,8 @@ void GpuClassifier::State::add_copies_in(FrameGraph& graph, Handles& h) {
     graph.add_pass(
         "upload sites", PassKind::transfer,
         [&](PassBuilder& pass) {
-            for (const Buffer staged : {h.new_sites, h.new_places, h.new_bins}) pass.read(staged, Access::transfer_read);
+            for (const Buffer staged : {h.new_sites, h.new_places, h.new_bins})
+                pass.read(staged, Access::transfer_read);
             for (Buffer* target : {&h.sites, &h.places, &h.bins, &h.count})
                 *target = pass.write(*target, Access::transfer_write);
         },

@@ -26,8 +26,7 @@ Error file_error(const std::string& doing, const std::string& path, const std::s
 Result<void> write_png(const Bitmap& image, const std::string& path) {
     if (image.width == 0 || image.height == 0 || image.width > INT_MAX / 4 || image.height > INT_MAX
         || image.pixels.size() != size_t{4} * image.width * image.height)
-        return Error{Status::invalid_argument,
-                     "cannot write " + path + ": the picture is empty or its size wrong"};
+        return Error{Status::invalid_argument, "cannot write " + path + ": the picture is empty or its size wrong"};
 
     std::vector<uint8_t> png;
     const auto append = [](void* context, void* data, int size) {
@@ -35,8 +34,8 @@ Result<void> write_png(const Bitmap& image, const std::string& path) {
         const auto* bytes = static_cast<const uint8_t*>(data);
         out.insert(out.end(), bytes, bytes + size);
     };
-    if (!stbi_write_png_to_func(append, &png, static_cast<int>(image.width), static_cast<int>(image.height),
-                                4, image.pixels.data(), static_cast<int>(image.width) * 4))
+    if (!stbi_write_png_to_func(append, &png, static_cast<int>(image.width), static_cast<int>(image.height), 4,
+                                image.pixels.data(), static_cast<int>(image.width) * 4))
         return Error{Status::out_of_memory, "cannot encode " + path + " as PNG"};
 
     const std::string temporary = path + ".part";
@@ -66,8 +65,8 @@ Result<Bitmap> read_png(const std::string& path) {
 
     int width = 0, height = 0, channels = 0;
     const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size()),
-                              &width, &height, &channels, 4),
+        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size()), &width,
+                              &height, &channels, 4),
         stbi_image_free);
     if (!pixels) return file_error("cannot read", path, "not a PNG that can be decoded");
     Bitmap image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
@@ -75,8 +74,7 @@ Result<Bitmap> read_png(const std::string& path) {
     return image;
 }
 
-BitmapDifference compare_bitmaps(const Bitmap& actual, const Bitmap& expected,
-                                 const BitmapTolerance& tolerance) {
+BitmapDifference compare_bitmaps(const Bitmap& actual, const Bitmap& expected, const BitmapTolerance& tolerance) {
     BitmapDifference result;
     result.same_size = actual.width == expected.width && actual.height == expected.height
                        && actual.pixels.size() == expected.pixels.size();

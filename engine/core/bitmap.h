@@ -16,9 +16,7 @@ struct Bitmap {
     uint32_t height = 0;
     std::vector<uint8_t> pixels; // 4 * width * height bytes
 
-    [[nodiscard]] const uint8_t* at(uint32_t x, uint32_t y) const {
-        return &pixels[4 * (size_t{y} * width + x)];
-    }
+    [[nodiscard]] const uint8_t* at(uint32_t x, uint32_t y) const { return &pixels[4 * (size_t{y} * width + x)]; }
     [[nodiscard]] uint8_t* at(uint32_t x, uint32_t y) { return &pixels[4 * (size_t{y} * width + x)]; }
 };
 

@@ -26,9 +26,8 @@ Result<std::unique_ptr<Window>> Window::create(const WindowSettings& settings) {
     last_error.clear();
     // A second glfwInit() succeeds at once.
     if (!glfwInit())
-        return Error{Status::no_display,
-                     "cannot open a window, there is no display: " + last_error
-                         + ". Without one, `brittle render` draws the same pictures into files."};
+        return Error{Status::no_display, "cannot open a window, there is no display: " + last_error
+                                             + ". Without one, `brittle render` draws the same pictures into files."};
 
     std::unique_ptr<Window> window(new Window);
     ++open_windows; // the destructor counts down

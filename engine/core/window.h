@@ -73,11 +73,11 @@ struct ButtonEvent {
 struct Input {
     std::vector<Key> keys{}; // pressed since the previous poll, in order; repeats of a held key are left out
     std::vector<Modifiers> key_modifiers{}; // held when each of the keys was pressed
-    std::vector<ButtonEvent> buttons{};   // pressed or released, in order
-    Modifiers modifiers{};                // held now
-    std::vector<std::string> dropped{};   // paths of files that were dropped on the window
-    glm::vec2 cursor{0.0f}; // position now, from the top left corner
-    glm::vec2 drag_left{0.0f}; // motion of the cursor while this button was down
+    std::vector<ButtonEvent> buttons{};     // pressed or released, in order
+    Modifiers modifiers{};                  // held now
+    std::vector<std::string> dropped{};     // paths of files that were dropped on the window
+    glm::vec2 cursor{0.0f};                 // position now, from the top left corner
+    glm::vec2 drag_left{0.0f};              // motion of the cursor while this button was down
     glm::vec2 drag_middle{0.0f};
     glm::vec2 drag_right{0.0f};
     float scroll = 0.0f; // notches; positive away from the user
@@ -85,9 +85,7 @@ struct Input {
     // another size, or what lay before the window went away.
     bool stirred = false;
 
-    [[nodiscard]] bool pressed(Key key) const {
-        return std::find(keys.begin(), keys.end(), key) != keys.end();
-    }
+    [[nodiscard]] bool pressed(Key key) const { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
     [[nodiscard]] bool pressed(char key) const { return pressed(static_cast<Key>(key)); }
 };
 

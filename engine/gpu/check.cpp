@@ -79,9 +79,8 @@ const char* advice_on(VkResult result) {
 
 void check(VkResult result, const char* doing) {
     if (result >= 0) return;
-    throw VulkanFailure{{status_of(result), std::string("cannot ") + doing + ": " + to_string(result)
-                                                + " (VkResult " + std::to_string(static_cast<int>(result))
-                                                + ")" + advice_on(result)}};
+    throw VulkanFailure{{status_of(result), std::string("cannot ") + doing + ": " + to_string(result) + " (VkResult "
+                                                + std::to_string(static_cast<int>(result)) + ")" + advice_on(result)}};
 }
 
 } // namespace brittle::engine

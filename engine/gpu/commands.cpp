@@ -47,9 +47,8 @@ void CommandSlot::begin() {
 
 void CommandSlot::submit(Wait wait, VkSemaphore signal) {
     check(vkEndCommandBuffer(commands_), "record a frame");
-    const VkSemaphoreSubmitInfo waited{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-                                       .semaphore = wait.semaphore,
-                                       .stageMask = wait.stage};
+    const VkSemaphoreSubmitInfo waited{
+        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, .semaphore = wait.semaphore, .stageMask = wait.stage};
     const VkSemaphoreSubmitInfo signalled{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
                                           .semaphore = signal,
                                           .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
@@ -63,8 +62,11 @@ void CommandSlot::submit(Wait wait, VkSemaphore signal) {
                              .signalSemaphoreInfoCount = signal ? 1u : 0u,
                              .pSignalSemaphoreInfos = &signalled};
     check(vkResetFences(device_.handle(), 1, &fence_), "reset a fence");
-    check(device_.attempt(Call::submit, [&] { return device_.with_queue([&](VkQueue queue) { return vkQueueSubmit2(queue, 1, &info, fence_); }); }),
-          "submit a frame");
+    check(
+        device_.attempt(
+            Call::submit,
+            [&] { return device_.with_queue([&](VkQueue queue) { return vkQueueSubmit2(queue, 1, &info, fence_); }); }),
+        "submit a frame");
     pending_ = true;
 }
 
@@ -72,18 +74,17 @@ void CommandSlot::wait() {
     if (!pending_) return;
     const VkResult result = wait_for_fence();
     if (result == VK_TIMEOUT)
-        throw VulkanFailure{
-            {Status::device_lost, "the device hangs: it did not finish a frame within "
-                                      + std::to_string(longest_wait / 1'000'000'000)
-                                      + " s. Start again; if it happens again, draw smaller"
-                                        " pictures, update the driver or choose another device."}};
+        throw VulkanFailure{{Status::device_lost, "the device hangs: it did not finish a frame within "
+                                                      + std::to_string(longest_wait / 1'000'000'000)
+                                                      + " s. Start again; if it happens again, draw smaller"
+                                                        " pictures, update the driver or choose another device."}};
     check(result, "wait for a frame");
     pending_ = false;
 }
 
 VkResult CommandSlot::wait_for_fence() const {
-    return device_.attempt(
-        Call::wait, [&] { return vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, longest_wait); });
+    return device_.attempt(Call::wait,
+                           [&] { return vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, longest_wait); });
 }
 
 } // namespace brittle::engine

@@ -41,8 +41,7 @@ bool hides(const FaultInjector* faults, const char* name) {
     return faults && faults->hides(name);
 }
 
-bool lists(const std::vector<VkExtensionProperties>& extensions, const char* name,
-           const FaultInjector* faults) {
+bool lists(const std::vector<VkExtensionProperties>& extensions, const char* name, const FaultInjector* faults) {
     if (hides(faults, name)) return false;
     return std::any_of(extensions.begin(), extensions.end(),
                        [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
@@ -80,8 +79,7 @@ struct NeededFeature {
 };
 
 constexpr NeededFeature needed_features[] = {
-    {"drawIndirectFirstInstance",
-     [](Features& f) -> VkBool32& { return f.all.features.drawIndirectFirstInstance; }},
+    {"drawIndirectFirstInstance", [](Features& f) -> VkBool32& { return f.all.features.drawIndirectFirstInstance; }},
     {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
     {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
@@ -133,8 +131,7 @@ DeviceInfo describe(VkPhysicalDevice device, uint32_t index, const FaultInjector
     return info;
 }
 
-std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices,
-                                     const FaultInjector* faults) {
+std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices, const FaultInjector* faults) {
     std::vector<DeviceInfo> infos;
     for (uint32_t i = 0; i < devices.size(); ++i) infos.push_back(describe(devices[i], i, faults));
     return infos;
@@ -156,9 +153,8 @@ std::string table_of(const std::vector<DeviceInfo>& infos) {
 
 // What to install, and which variables keep the Vulkan loader from what is installed.
 std::string how_to_get_one() {
-    std::string text =
-        " Install a driver: on Debian, `apt install mesa-vulkan-drivers` has drivers for most GPUs"
-        " and one for the CPU.";
+    std::string text = " Install a driver: on Debian, `apt install mesa-vulkan-drivers` has drivers for most GPUs"
+                       " and one for the CPU.";
     for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
         if (const char* value = std::getenv(name))
             text += std::string(" The variable ") + name + "=" + value
@@ -192,17 +188,14 @@ Result<uint32_t> choose(const std::vector<DeviceInfo>& infos, const std::string&
     for (const DeviceInfo& info : infos)
         if (matches(info) && info.problem.empty() && (!best || info.kind < best->kind)) best = &info;
     if (best) return best->index;
-    const std::string which = wanted.empty() || wanted == "auto"
-                                  ? "no usable Vulkan device"
-                                  : "no usable Vulkan device matches \"" + select + "\"";
+    const std::string which = wanted.empty() || wanted == "auto" ? "no usable Vulkan device"
+                                                                 : "no usable Vulkan device matches \"" + select + "\"";
     if (infos.empty())
-        return Error{Status::no_device,
-                     which + ": the drivers that are installed find none." + how_to_get_one()};
+        return Error{Status::no_device, which + ": the drivers that are installed find none." + how_to_get_one()};
     return Error{Status::no_device, which + ". The devices are:" + table_of(infos)};
 }
 
-VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                          VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                           const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
     static_cast<std::vector<std::string>*>(user)->push_back(data->pMessage);
     std::fprintf(stderr, "vulkan validation: %s\n", data->pMessage);
@@ -212,8 +205,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
 // General messages (the loader's about other drivers) are left out: they say nothing about our calls.
 VkDebugUtilsMessengerCreateInfoEXT messenger_info(std::vector<std::string>* messages) {
     return {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-            .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT
-                               | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+            .messageSeverity =
+                VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
             .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
             .pfnUserCallback = on_message,
             .pUserData = messages};
@@ -255,15 +248,14 @@ const char* to_string(DeviceKind kind) {
 
 Result<std::vector<DeviceInfo>> list_devices() {
     prepare_loader();
-    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                        .pApplicationName = "brittle",
-                                        .apiVersion = VK_API_VERSION_1_3};
-    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                    .pApplicationInfo = &application};
+    const VkApplicationInfo application{
+        .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "brittle", .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
     VkInstance instance = VK_NULL_HANDLE;
     const VkResult result = vkCreateInstance(&info, nullptr, &instance);
     if (result != VK_SUCCESS) return no_driver(result);
-    std::vector<DeviceInfo> infos = describe_all(listed<VkPhysicalDevice>(vkEnumeratePhysicalDevices, instance), nullptr);
+    std::vector<DeviceInfo> infos =
+        describe_all(listed<VkPhysicalDevice>(vkEnumeratePhysicalDevices, instance), nullptr);
     vkDestroyInstance(instance, nullptr);
     return infos;
 }
@@ -288,9 +280,8 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
 
 Result<void> Device::create_instance(bool validation) {
     if (validation && !validation_available(faults_))
-        return Error{
-            Status::missing_feature,
-            "the Vulkan validation layer is not installed: on Debian, `apt install vulkan-validationlayers`"};
+        return Error{Status::missing_feature,
+                     "the Vulkan validation layer is not installed: on Debian, `apt install vulkan-validationlayers`"};
 
     // Surfaces of every window system that the loader offers: which of them a window will want is not known
     // here.
@@ -302,8 +293,7 @@ Result<void> Device::create_instance(bool validation) {
             if (lists(offered, name, faults_)) extensions.push_back(name);
     can_present_ = !extensions.empty();
 
-    const VkValidationFeatureEnableEXT enables[] = {
-        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    const VkValidationFeatureEnableEXT enables[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
     const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
                                            .enabledValidationFeatureCount = 1,
                                            .pEnabledValidationFeatures = enables};
@@ -333,8 +323,8 @@ Result<void> Device::create_instance(bool validation) {
     debug_utils_ = validation;
     if (validation) {
         messenger.pNext = nullptr;
-        const auto create = instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(
-            instance_, "vkCreateDebugUtilsMessengerEXT");
+        const auto create =
+            instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(instance_, "vkCreateDebugUtilsMessengerEXT");
         check(create(instance_, &messenger, nullptr, &messenger_), "create a debug messenger");
     }
     return {};
@@ -386,17 +376,14 @@ void Device::create_device() {
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
     if (clock_extension) {
         const bool is_khr = std::strcmp(clock_extension, khr_calibrated_timestamps) == 0;
-        match_clocks_ = reinterpret_cast<PFN_vkGetCalibratedTimestampsEXT>(vkGetDeviceProcAddr(
-            device_, is_khr ? "vkGetCalibratedTimestampsKHR" : "vkGetCalibratedTimestampsEXT"));
+        match_clocks_ = reinterpret_cast<PFN_vkGetCalibratedTimestampsEXT>(
+            vkGetDeviceProcAddr(device_, is_khr ? "vkGetCalibratedTimestampsKHR" : "vkGetCalibratedTimestampsEXT"));
     }
 
     if (debug_utils_) {
-        set_name_ =
-            instance_function<PFN_vkSetDebugUtilsObjectNameEXT>(instance_, "vkSetDebugUtilsObjectNameEXT");
-        begin_label_ =
-            instance_function<PFN_vkCmdBeginDebugUtilsLabelEXT>(instance_, "vkCmdBeginDebugUtilsLabelEXT");
-        end_label_ =
-            instance_function<PFN_vkCmdEndDebugUtilsLabelEXT>(instance_, "vkCmdEndDebugUtilsLabelEXT");
+        set_name_ = instance_function<PFN_vkSetDebugUtilsObjectNameEXT>(instance_, "vkSetDebugUtilsObjectNameEXT");
+        begin_label_ = instance_function<PFN_vkCmdBeginDebugUtilsLabelEXT>(instance_, "vkCmdBeginDebugUtilsLabelEXT");
+        end_label_ = instance_function<PFN_vkCmdEndDebugUtilsLabelEXT>(instance_, "vkCmdEndDebugUtilsLabelEXT");
     }
 }
 
@@ -405,8 +392,8 @@ const char* Device::find_clock_extension(const std::vector<VkExtensionProperties
     const bool is_ext = lists(offered, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME, faults_);
     if (!is_ext && !lists(offered, khr_calibrated_timestamps, faults_)) return nullptr;
     const auto list = instance_function<PFN_vkGetPhysicalDeviceCalibrateableTimeDomainsEXT>(
-        instance_, is_ext ? "vkGetPhysicalDeviceCalibrateableTimeDomainsEXT"
-                          : "vkGetPhysicalDeviceCalibrateableTimeDomainsKHR");
+        instance_,
+        is_ext ? "vkGetPhysicalDeviceCalibrateableTimeDomainsEXT" : "vkGetPhysicalDeviceCalibrateableTimeDomainsKHR");
     if (!list) return nullptr;
     const auto domains = listed<VkTimeDomainEXT>(list, physical_);
     for (const VkTimeDomainEXT needed : {VK_TIME_DOMAIN_DEVICE_EXT, VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT})

@@ -85,8 +85,8 @@ class Device {
     // Optional features, on where the device has them.
     [[nodiscard]] bool has_multi_draw() const { return multi_draw_; } // multiDrawIndirect
     [[nodiscard]] bool has_line_mode() const { return line_mode_; }   // fillModeNonSolid
-    [[nodiscard]] bool has_ballots() const { return ballots_; } // subgroup ballots in compute shaders
-    [[nodiscard]] bool can_present() const { return can_present_; } // surface and swapchain extensions are on
+    [[nodiscard]] bool has_ballots() const { return ballots_; }       // subgroup ballots in compute shaders
+    [[nodiscard]] bool can_present() const { return can_present_; }   // surface and swapchain extensions are on
 
     // Whether the driver tells its timestamps and steady_clock at one moment (VK_EXT_calibrated_timestamps, or
     // the KHR extension of the same content).
@@ -109,8 +109,7 @@ class Device {
     }
 
     // The first memory type among those `allowed` (bits, as in VkMemoryRequirements) that has all `flags`.
-    [[nodiscard]] std::optional<uint32_t> find_memory_type(uint32_t allowed,
-                                                           VkMemoryPropertyFlags flags) const;
+    [[nodiscard]] std::optional<uint32_t> find_memory_type(uint32_t allowed, VkMemoryPropertyFlags flags) const;
     // In bytes, of the heap that a memory type's allocations come from.
     [[nodiscard]] uint64_t heap_size(uint32_t memory_type) const;
 

@@ -33,9 +33,8 @@ void FaultInjector::fail(Call kind, VkResult result, uint32_t n, uint32_t times)
     Order& order = orders_[static_cast<size_t>(kind)];
     order.result = result;
     order.first = order.seen + n;
-    order.last = times - 1 > std::numeric_limits<uint32_t>::max() - order.first
-                     ? std::numeric_limits<uint32_t>::max()
-                     : order.first + (times - 1);
+    order.last = times - 1 > std::numeric_limits<uint32_t>::max() - order.first ? std::numeric_limits<uint32_t>::max()
+                                                                                : order.first + (times - 1);
 }
 
 uint32_t FaultInjector::count(Call kind) const {
@@ -59,9 +58,8 @@ Result<void> FaultInjector::plan(std::string_view text) {
         const auto name = std::ranges::find(call_names, kind);
         int result = 0;
         uint32_t n = 0, times = 1;
-        if (name == call_names.end() || !read_number(take(rest, ':'), result)
-            || !read_number(take(rest, ':'), n) || n == 0
-            || (!rest.empty() && (!read_number(rest, times) || times == 0)))
+        if (name == call_names.end() || !read_number(take(rest, ':'), result) || !read_number(take(rest, ':'), n)
+            || n == 0 || (!rest.empty() && (!read_number(rest, times) || times == 0)))
             return Error{Status::invalid_argument,
                          "cannot read the fault \"" + std::string(order)
                              + "\": it must be KIND:RESULT:N, KIND:RESULT:N:TIMES or hide:NAME"};
@@ -85,8 +83,7 @@ VkResult FaultInjector::next(Call kind) {
 // that only seems lost is at work, and its objects may not go before it is done. A suboptimal image is an
 // image.
 bool FaultInjector::goes_through(Call kind, VkResult fault) {
-    return kind == Call::present || (kind == Call::wait && fault == VK_ERROR_DEVICE_LOST)
-           || fault == VK_SUBOPTIMAL_KHR;
+    return kind == Call::present || (kind == Call::wait && fault == VK_ERROR_DEVICE_LOST) || fault == VK_SUBOPTIMAL_KHR;
 }
 
 } // namespace brittle::engine

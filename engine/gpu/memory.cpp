@@ -37,8 +37,7 @@ VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t all
     const auto [preferred, least] = flags_of(kind);
     std::optional<uint32_t> type = device.find_memory_type(allowed, preferred);
     if (!type) type = device.find_memory_type(allowed, least);
-    if (!type)
-        throw VulkanFailure{{Status::missing_feature, "the device has no memory of the kind that is needed"}};
+    if (!type) throw VulkanFailure{{Status::missing_feature, "the device has no memory of the kind that is needed"}};
     const VkMemoryAllocateInfo info{
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size, .memoryTypeIndex = *type};
     VkDeviceMemory memory = VK_NULL_HANDLE;
@@ -87,10 +86,7 @@ DeviceBuffer::DeviceBuffer(const Device& device, const char* name, uint64_t size
     if (kind != MemoryKind::device) {
         void* mapped = nullptr;
         check(device.attempt(Call::map,
-                             [&] {
-                                 return vkMapMemory(device.handle(), made.memory_, 0, VK_WHOLE_SIZE, 0,
-                                                    &mapped);
-                             }),
+                             [&] { return vkMapMemory(device.handle(), made.memory_, 0, VK_WHOLE_SIZE, 0, &mapped); }),
               "map a buffer's memory");
         made.mapped_ = static_cast<std::byte*>(mapped);
     }

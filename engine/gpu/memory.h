@@ -27,8 +27,7 @@ class DeviceBuffer {
   public:
     DeviceBuffer() = default; // no buffer: every getter gives null or zero
     // `size` in bytes; zero is made one byte, because Vulkan has no empty buffer.
-    DeviceBuffer(const Device& device, const char* name, uint64_t size, VkBufferUsageFlags usage,
-                 MemoryKind kind);
+    DeviceBuffer(const Device& device, const char* name, uint64_t size, VkBufferUsageFlags usage, MemoryKind kind);
     ~DeviceBuffer();
     DeviceBuffer(DeviceBuffer&& other) noexcept { swap(other); }
     DeviceBuffer& operator=(DeviceBuffer&& other) noexcept {
@@ -60,8 +59,7 @@ class DeviceBuffer {
 class DeviceImage {
   public:
     DeviceImage() = default;
-    DeviceImage(const Device& device, const char* name, VkExtent2D extent, VkFormat format,
-                VkImageUsageFlags usage);
+    DeviceImage(const Device& device, const char* name, VkExtent2D extent, VkFormat format, VkImageUsageFlags usage);
     ~DeviceImage();
     DeviceImage(DeviceImage&& other) noexcept { swap(other); }
     DeviceImage& operator=(DeviceImage&& other) noexcept {
@@ -82,8 +80,7 @@ class DeviceImage {
 };
 
 // Memory of the kind, from a type among `allowed`. Throws out_of_memory.
-[[nodiscard]] VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t allowed,
-                                             MemoryKind kind);
+[[nodiscard]] VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t allowed, MemoryKind kind);
 
 // The view of every mip level and layer; depth for depth formats, colour else.
 [[nodiscard]] VkImageView create_view(VkDevice device, VkImage image, VkFormat format);

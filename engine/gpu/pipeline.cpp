@@ -14,9 +14,8 @@ namespace {
 class ShaderModule {
   public:
     ShaderModule(VkDevice device, std::span<const uint32_t> code) : device_(device) {
-        const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                            .codeSize = code.size_bytes(),
-                                            .pCode = code.data()};
+        const VkShaderModuleCreateInfo info{
+            .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code.size_bytes(), .pCode = code.data()};
         check(vkCreateShaderModule(device, &info, nullptr, &module_), "create a shader module");
     }
     ~ShaderModule() { vkDestroyShaderModule(device_, module_, nullptr); }
@@ -42,8 +41,7 @@ VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, const Sh
 
 Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(device.handle()) {
     const ShaderModule vertex(device_, desc.vertex);
-    std::vector<VkPipelineShaderStageCreateInfo> stages{
-        stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex, nullptr)};
+    std::vector<VkPipelineShaderStageCreateInfo> stages{stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex, nullptr)};
     std::optional<ShaderModule> fragment;
     if (!desc.fragment.empty()) {
         fragment.emplace(device_, desc.fragment);
@@ -59,39 +57,35 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
     const VkPipelineInputAssemblyStateCreateInfo assembly{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO, .topology = desc.topology};
     const VkPipelineViewportStateCreateInfo viewport{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-        .viewportCount = 1,
-        .scissorCount = 1};
-    const VkPipelineRasterizationStateCreateInfo raster{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-        .polygonMode = desc.fill,
-        .cullMode = desc.cull,
-        .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
-        .lineWidth = 1.0f};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+    const VkPipelineRasterizationStateCreateInfo raster{.sType =
+                                                            VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                        .polygonMode = desc.fill,
+                                                        .cullMode = desc.cull,
+                                                        .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
+                                                        .lineWidth = 1.0f};
     const VkPipelineMultisampleStateCreateInfo samples{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
         .rasterizationSamples = static_cast<VkSampleCountFlagBits>(desc.samples)};
-    const VkPipelineDepthStencilStateCreateInfo depth{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = desc.depth,
-        .depthWriteEnable = desc.depth && desc.depth_write,
-        .depthCompareOp = desc.depth_test};
+    const VkPipelineDepthStencilStateCreateInfo depth{.sType =
+                                                          VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+                                                      .depthTestEnable = desc.depth,
+                                                      .depthWriteEnable = desc.depth && desc.depth_write,
+                                                      .depthCompareOp = desc.depth_test};
     const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xf};
     const bool has_colour = desc.colour != VK_FORMAT_UNDEFINED;
-    const VkPipelineColorBlendStateCreateInfo blend{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-        .attachmentCount = has_colour ? 1u : 0u,
-        .pAttachments = &opaque};
+    const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+                                                    .attachmentCount = has_colour ? 1u : 0u,
+                                                    .pAttachments = &opaque};
     const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    const VkPipelineDynamicStateCreateInfo dynamic{.sType =
-                                                       VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+    const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
                                                    .dynamicStateCount = 2,
                                                    .pDynamicStates = dynamic_states};
     const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
                                                   .colorAttachmentCount = has_colour ? 1u : 0u,
                                                   .pColorAttachmentFormats = &desc.colour,
-                                                  .depthAttachmentFormat = desc.depth ? VK_FORMAT_D32_SFLOAT
-                                                                                      : VK_FORMAT_UNDEFINED};
+                                                  .depthAttachmentFormat =
+                                                      desc.depth ? VK_FORMAT_D32_SFLOAT : VK_FORMAT_UNDEFINED};
     const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                             .pNext = &rendering,
                                             .stageCount = static_cast<uint32_t>(stages.size()),
@@ -110,8 +104,7 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
     device.set_name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline_), desc.name);
 }
 
-Pipeline::Pipeline(const Device& device, const char* name, VkPipelineLayout layout,
-                   std::span<const uint32_t> compute)
+Pipeline::Pipeline(const Device& device, const char* name, VkPipelineLayout layout, std::span<const uint32_t> compute)
     : device_(device.handle()) {
     const ShaderModule module(device_, compute);
     const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
@@ -128,15 +121,15 @@ Pipeline::~Pipeline() {
 
 void begin_rendering(VkCommandBuffer commands, const Rendering& rendering) {
     const bool resolve = rendering.resolve != VK_NULL_HANDLE;
-    const VkRenderingAttachmentInfo colour{
-        .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-        .imageView = rendering.colour,
-        .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-        .resolveMode = resolve ? VK_RESOLVE_MODE_AVERAGE_BIT : VK_RESOLVE_MODE_NONE,
-        .resolveImageView = rendering.resolve,
-        .resolveImageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-        .loadOp = rendering.colour_load,
-        .storeOp = resolve ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE};
+    const VkRenderingAttachmentInfo colour{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                                           .imageView = rendering.colour,
+                                           .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+                                           .resolveMode = resolve ? VK_RESOLVE_MODE_AVERAGE_BIT : VK_RESOLVE_MODE_NONE,
+                                           .resolveImageView = rendering.resolve,
+                                           .resolveImageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+                                           .loadOp = rendering.colour_load,
+                                           .storeOp = resolve ? VK_ATTACHMENT_STORE_OP_DONT_CARE
+                                                              : VK_ATTACHMENT_STORE_OP_STORE};
     const VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                           .imageView = rendering.depth,
                                           .imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
@@ -151,9 +144,8 @@ void begin_rendering(VkCommandBuffer commands, const Rendering& rendering) {
                                .pColorAttachments = &colour,
                                .pDepthAttachment = rendering.depth ? &depth : nullptr};
     vkCmdBeginRendering(commands, &info);
-    const VkViewport viewport{
-        0.0f, 0.0f, static_cast<float>(area.extent.width), static_cast<float>(area.extent.height),
-        0.0f, 1.0f};
+    const VkViewport viewport{0.0f, 0.0f, static_cast<float>(area.extent.width), static_cast<float>(area.extent.height),
+                              0.0f, 1.0f};
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, rendering.part ? &*rendering.part : &area);
 }

@@ -29,7 +29,7 @@ struct PipelineDesc {
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     VkPolygonMode fill = VK_POLYGON_MODE_FILL;
     VkCullModeFlags cull = VK_CULL_MODE_BACK_BIT;
-    bool depth = true;                               // there is a depth attachment
+    bool depth = true; // there is a depth attachment
     bool depth_write = true;
     VkCompareOp depth_test = VK_COMPARE_OP_LESS_OR_EQUAL;
     VkFormat colour = VK_FORMAT_UNDEFINED;           // undefined: no colour attachment

@@ -18,8 +18,7 @@ namespace {
 // Nanoseconds to wait for an image that the window system has.
 constexpr uint64_t longest_acquire = 1'000'000'000;
 
-constexpr const char* other_ways =
-    ". Choose another device, or draw the same pictures into files by `brittle render`.";
+constexpr const char* other_ways = ". Choose another device, or draw the same pictures into files by `brittle render`.";
 
 VkSemaphore create_semaphore(VkDevice device) {
     const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
@@ -47,9 +46,8 @@ VkPresentModeKHR choose_present_mode(std::span<const VkPresentModeKHR> offered, 
 Swapchain::Swapchain(const Device& device, const Window& window, bool vsync, uint32_t frames)
     : device_(device), window_(window), vsync_(vsync), frames_(frames) {
     if (!device.can_present())
-        throw VulkanFailure{
-            {Status::missing_feature,
-             "the Vulkan device " + device.info().name + " cannot show anything in a window" + other_ways}};
+        throw VulkanFailure{{Status::missing_feature, "the Vulkan device " + device.info().name
+                                                          + " cannot show anything in a window" + other_ways}};
     try {
         make_surface();
         choose_format();
@@ -68,8 +66,7 @@ void Swapchain::make_surface() {
     check(glfwCreateWindowSurface(device_.instance(), window_.handle(), nullptr, &surface_),
           "create a Vulkan surface for the window");
     VkBool32 supported = VK_FALSE;
-    check(vkGetPhysicalDeviceSurfaceSupportKHR(device_.physical(), device_.queue_family(), surface_,
-                                               &supported),
+    check(vkGetPhysicalDeviceSurfaceSupportKHR(device_.physical(), device_.queue_family(), surface_, &supported),
           "ask whether the device can present to the window");
     if (!supported)
         throw VulkanFailure{{Status::missing_feature, "the Vulkan device " + device_.info().name
@@ -91,8 +88,7 @@ void Swapchain::choose_format() {
     });
     for (const VkSurfaceFormatKHR& offered : formats) {
         if (offered.colorSpace != VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) continue;
-        if (offered.format != VK_FORMAT_B8G8R8A8_UNORM && offered.format != VK_FORMAT_R8G8B8A8_UNORM)
-            continue;
+        if (offered.format != VK_FORMAT_B8G8R8A8_UNORM && offered.format != VK_FORMAT_R8G8B8A8_UNORM) continue;
         surface_format_ = offered;
         format_ = offered.format == VK_FORMAT_B8G8R8A8_UNORM ? Format::bgra8_unorm : Format::rgba8_unorm;
         return;
@@ -152,9 +148,8 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
                                         .clipped = VK_TRUE,
                                         .oldSwapchain = old};
     swapchain_ = VK_NULL_HANDLE;
-    const VkResult result = device_.attempt(Call::create_swapchain, [&] {
-        return vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_);
-    });
+    const VkResult result = device_.attempt(
+        Call::create_swapchain, [&] { return vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_); });
     if (old) vkDestroySwapchainKHR(device_.handle(), old, nullptr);
     if (result < 0) swapchain_ = VK_NULL_HANDLE;
     if (mends(result)) return;
@@ -167,8 +162,7 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
         views_.push_back(create_view(device_.handle(), image, surface_format_.format));
         finished_.push_back(create_semaphore(device_.handle()));
     }
-    for (uint32_t frame = 0; frame < frames_; ++frame)
-        acquired_.push_back(create_semaphore(device_.handle()));
+    for (uint32_t frame = 0; frame < frames_; ++frame) acquired_.push_back(create_semaphore(device_.handle()));
     stale_ = false;
 }
 
@@ -200,8 +194,8 @@ std::optional<uint32_t> Swapchain::acquire(uint32_t frame) {
     if (stale_) return std::nullopt;
     uint32_t image = 0;
     const VkResult result = device_.attempt(Call::acquire, [&] {
-        return vkAcquireNextImageKHR(device_.handle(), swapchain_, longest_acquire, acquired_[frame],
-                                     VK_NULL_HANDLE, &image);
+        return vkAcquireNextImageKHR(device_.handle(), swapchain_, longest_acquire, acquired_[frame], VK_NULL_HANDLE,
+                                     &image);
     });
     if (mends(result) || result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
     check(result, "acquire a swapchain image");
@@ -218,8 +212,9 @@ void Swapchain::present(uint32_t image) {
                                 .swapchainCount = 1,
                                 .pSwapchains = &swapchain_,
                                 .pImageIndices = &image};
-    const VkResult result =
-        device_.attempt(Call::present, [&] { return device_.with_queue([&](VkQueue queue) { return vkQueuePresentKHR(queue, &info); }); });
+    const VkResult result = device_.attempt(Call::present, [&] {
+        return device_.with_queue([&](VkQueue queue) { return vkQueuePresentKHR(queue, &info); });
+    });
     if (!mends(result)) check(result, "present a frame");
     held_ = false;
     // Made again once: a system that calls each swapchain suboptimal is drawn to all the same.

@@ -71,13 +71,12 @@ class Swapchain {
     VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
     VkExtent2D extent_{};
     bool takes_copies_ = false;
-    glm::uvec2 made_for_{
-        0};              // the framebuffer size at the time; the surface may have insisted on another extent
-    bool stale_ = true;  // to be made again
-    bool fresh_ = false; // no image was acquired since it was made
-    bool held_ = false;  // an image is acquired and not presented
-    bool surface_lost_ = false;      // to be made again with its surface
-    bool suboptimal_ = false;        // as the last acquire() or present() said
+    glm::uvec2 made_for_{0};    // the framebuffer size at the time; the surface may have insisted on another extent
+    bool stale_ = true;         // to be made again
+    bool fresh_ = false;        // no image was acquired since it was made
+    bool held_ = false;         // an image is acquired and not presented
+    bool surface_lost_ = false; // to be made again with its surface
+    bool suboptimal_ = false;   // as the last acquire() or present() said
     bool remade_suboptimal_ = false; // making it again did not help: leave it at that
     std::vector<VkImage> images_;
     std::vector<VkImageView> views_;

@@ -69,9 +69,7 @@ class AccessSet {
     constexpr AccessSet(Access access) : bits_(1u << static_cast<unsigned>(access)) {}
 
     [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
-    [[nodiscard]] constexpr bool contains(AccessSet other) const {
-        return (bits_ & other.bits_) == other.bits_;
-    }
+    [[nodiscard]] constexpr bool contains(AccessSet other) const { return (bits_ & other.bits_) == other.bits_; }
     [[nodiscard]] constexpr bool intersects(AccessSet other) const { return (bits_ & other.bits_) != 0; }
     constexpr AccessSet& operator|=(AccessSet other) {
         bits_ |= other.bits_;
@@ -99,14 +97,13 @@ constexpr AccessSet operator|(Access a, Access b) {
 // What the plan knows of an access.
 struct AccessTraits {
     const char* name;
-    bool reads;  // needs contents that were written before
-    bool writes; // makes a new version of the resource
-    bool keeps;  // a write that leaves what it does not touch: all but the attachments that replace the image
-    bool images; // may be made to an image
+    bool reads;   // needs contents that were written before
+    bool writes;  // makes a new version of the resource
+    bool keeps;   // a write that leaves what it does not touch: all but the attachments that replace the image
+    bool images;  // may be made to an image
     bool buffers; // may be made to a buffer
     Layout layout;
-    std::uint8_t
-        kinds; // bit per PassKind that may declare it; 0: only as an import's initial or final access
+    std::uint8_t kinds; // bit per PassKind that may declare it; 0: only as an import's initial or final access
 };
 
 [[nodiscard]] const AccessTraits& traits(Access access);

@@ -34,8 +34,7 @@ class Writer {
             const AccessTraits& t = traits(use.access);
             const char* colour = live ? "" : ", color=grey, fontcolor=grey";
             if (!t.writes || (t.keeps && use.version > 1) || t.reads)
-                edge(version(use.resource, t.writes ? use.version - 1 : use.version, live), id, t.name,
-                     colour);
+                edge(version(use.resource, t.writes ? use.version - 1 : use.version, live), id, t.name, colour);
             if (t.writes) edge(id, version(use.resource, use.version, live), t.name, colour);
         }
     }
@@ -43,11 +42,10 @@ class Writer {
     std::string finish() {
         for (const auto& [key, live] : versions_) {
             const Plan::Resource& resource = plan_.resources[key.first];
-            text_ += std::string("  ") + id(key) + " [shape=ellipse, label=\"" + escaped(resource.name)
-                     + "\\nversion " + std::to_string(key.second);
+            text_ += std::string("  ") + id(key) + " [shape=ellipse, label=\"" + escaped(resource.name) + "\\nversion "
+                     + std::to_string(key.second);
             if (!resource.imported && resource.used())
-                text_ += node("\\nheap ", resource.memory.heap) + " at "
-                         + std::to_string(resource.memory.offset) + ", "
+                text_ += node("\\nheap ", resource.memory.heap) + " at " + std::to_string(resource.memory.offset) + ", "
                          + std::to_string(resource.memory.size) + " bytes";
             text_ += resource.imported ? "\", peripheries=2" : "\"";
             text_ += live ? "];\n" : ", color=grey, fontcolor=grey];\n";

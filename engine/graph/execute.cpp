@@ -38,13 +38,13 @@ VkMemoryRequirements requirements(const Device& device, const Plan::Resource& re
     VkMemoryRequirements2 needs{.sType = VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
     if (resource.is_image()) {
         const VkImageCreateInfo info = image_info(resource);
-        const VkDeviceImageMemoryRequirements query{
-            .sType = VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS, .pCreateInfo = &info};
+        const VkDeviceImageMemoryRequirements query{.sType = VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS,
+                                                    .pCreateInfo = &info};
         vkGetDeviceImageMemoryRequirements(device.handle(), &query, &needs);
     } else {
         const VkBufferCreateInfo info = buffer_info(resource);
-        const VkDeviceBufferMemoryRequirements query{
-            .sType = VK_STRUCTURE_TYPE_DEVICE_BUFFER_MEMORY_REQUIREMENTS, .pCreateInfo = &info};
+        const VkDeviceBufferMemoryRequirements query{.sType = VK_STRUCTURE_TYPE_DEVICE_BUFFER_MEMORY_REQUIREMENTS,
+                                                     .pCreateInfo = &info};
         vkGetDeviceBufferMemoryRequirements(device.handle(), &query, &needs);
     }
     return needs.memoryRequirements;
@@ -101,8 +101,7 @@ MemoryNeeds GraphExecutor::memory_needs() const {
         if (!type) type = device_.find_memory_type(needs.memoryTypeBits, 0);
         assert(type && "Vulkan promises at least one memory type for every resource");
         // Images and buffers may then lie side by side in a heap.
-        const uint64_t alignment =
-            std::max<uint64_t>(needs.alignment, device_.limits().bufferImageGranularity);
+        const uint64_t alignment = std::max<uint64_t>(needs.alignment, device_.limits().bufferImageGranularity);
         return {needs.size, alignment, *type};
     };
 }
@@ -111,8 +110,7 @@ void GraphExecutor::prepare_transients(const Plan& plan) {
     const auto same_heap = [](const Plan::Heap& a, const Plan::Heap& b) {
         return a.memory_class == b.memory_class && a.size == b.size;
     };
-    bool same =
-        std::ranges::equal(heap_descs_, plan.heaps, same_heap) && transients_.size() == plan.resources.size();
+    bool same = std::ranges::equal(heap_descs_, plan.heaps, same_heap) && transients_.size() == plan.resources.size();
     for (size_t i = 0; same && i < transients_.size(); ++i) {
         const bool wanted = is_transient(plan.resources[i]);
         same = wanted == is_transient(transients_[i].resource)
@@ -144,16 +142,13 @@ void GraphExecutor::create_transients(const Plan& plan) {
             check(vkBindImageMemory(device_.handle(), object.image, heap, resource.memory.offset),
                   "bind a transient image's memory");
             if (info.usage & ~transfers) object.view = create_view(device_.handle(), object.image, info.format);
-            device_.set_name(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(object.image),
-                             resource.name.c_str());
+            device_.set_name(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(object.image), resource.name.c_str());
         } else {
             const VkBufferCreateInfo info = buffer_info(resource);
-            check(vkCreateBuffer(device_.handle(), &info, nullptr, &object.buffer),
-                  "create a transient buffer");
+            check(vkCreateBuffer(device_.handle(), &info, nullptr, &object.buffer), "create a transient buffer");
             check(vkBindBufferMemory(device_.handle(), object.buffer, heap, resource.memory.offset),
                   "bind a transient buffer's memory");
-            device_.set_name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(object.buffer),
-                             resource.name.c_str());
+            device_.set_name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(object.buffer), resource.name.c_str());
         }
     }
 }
@@ -182,8 +177,7 @@ void GraphExecutor::prepare_queries(size_t passes) {
     query_capacity_ = info.queryCount;
 }
 
-void GraphExecutor::put_barriers(const std::vector<Plan::Barrier>& barriers,
-                                 const PassContext& context) const {
+void GraphExecutor::put_barriers(const std::vector<Plan::Barrier>& barriers, const PassContext& context) const {
     std::vector<VkImageMemoryBarrier2> images;
     // Buffers need no layout, so one global barrier serves them all, as it does what aliased memory held
     // before: drivers treat buffer barriers the same way.
@@ -199,18 +193,18 @@ void GraphExecutor::put_barriers(const std::vector<Plan::Barrier>& barriers,
             memory.dstAccessMask |= after.access;
         }
         if (!resource.is_image()) continue;
-        images.push_back({.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                          .srcStageMask = before.stages,
-                          .srcAccessMask = before.access,
-                          .dstStageMask = after.stages,
-                          .dstAccessMask = after.access,
-                          .oldLayout = to_vulkan(barrier.from),
-                          .newLayout = to_vulkan(barrier.to),
-                          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                          .image = context.objects_[barrier.resource].image,
-                          .subresourceRange = {aspect_of(resource), 0, VK_REMAINING_MIP_LEVELS, 0,
-                                               VK_REMAINING_ARRAY_LAYERS}});
+        images.push_back(
+            {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+             .srcStageMask = before.stages,
+             .srcAccessMask = before.access,
+             .dstStageMask = after.stages,
+             .dstAccessMask = after.access,
+             .oldLayout = to_vulkan(barrier.from),
+             .newLayout = to_vulkan(barrier.to),
+             .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+             .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+             .image = context.objects_[barrier.resource].image,
+             .subresourceRange = {aspect_of(resource), 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS}});
     }
     const bool global = memory.srcStageMask != 0 || memory.dstStageMask != 0;
     if (!global && images.empty()) return;

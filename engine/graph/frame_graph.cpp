@@ -23,8 +23,7 @@ std::string edge_error(AccessSet set, const char* edge, Access forbidden, bool i
         else if (access == forbidden || (edge == std::string_view("final") && access == Access::acquired))
             error = std::string(t.name) + " is no " + edge + " access";
         else if (image && t.layout != first->layout)
-            error = std::string(edge) + " accesses " + first->name + " and " + t.name
-                    + " need different image layouts";
+            error = std::string(edge) + " accesses " + first->name + " and " + t.name + " need different image layouts";
     });
     return error;
 }
@@ -49,26 +48,23 @@ Buffer FrameGraph::import_buffer(std::string_view name, const BufferDesc& desc, 
     return Buffer(add_resource(name, desc, true, import), 0);
 }
 
-std::uint32_t FrameGraph::add_resource(std::string_view name, std::variant<ImageDesc, BufferDesc> desc,
-                                       bool imported, const Import& import) {
+std::uint32_t FrameGraph::add_resource(std::string_view name, std::variant<ImageDesc, BufferDesc> desc, bool imported,
+                                       const Import& import) {
     if (resources_.size() >= Image::max_resources) {
-        fail(named("resource", name) + " is one too many: a graph holds "
-             + std::to_string(Image::max_resources));
+        fail(named("resource", name) + " is one too many: a graph holds " + std::to_string(Image::max_resources));
         return Image::max_resources;
     }
     const auto* image = std::get_if<ImageDesc>(&desc);
     if (image) {
         if (!image->width || !image->height || !image->samples || !image->mip_levels || !image->layers)
-            fail(named("image", name) + " is " + std::to_string(image->width) + "x"
-                 + std::to_string(image->height) + " with " + std::to_string(image->samples) + " samples, "
-                 + std::to_string(image->mip_levels) + " mip levels and " + std::to_string(image->layers)
-                 + " layers: none of these may be 0");
+            fail(named("image", name) + " is " + std::to_string(image->width) + "x" + std::to_string(image->height)
+                 + " with " + std::to_string(image->samples) + " samples, " + std::to_string(image->mip_levels)
+                 + " mip levels and " + std::to_string(image->layers) + " layers: none of these may be 0");
     } else if (!std::get<BufferDesc>(desc).size) {
         fail(named("buffer", name) + " has size 0");
     }
-    for (const std::string& error :
-         {edge_error(import.initial, "initial", Access::host_read, image != nullptr),
-          edge_error(import.final, "final", Access::host_write, image != nullptr)})
+    for (const std::string& error : {edge_error(import.initial, "initial", Access::host_read, image != nullptr),
+                                     edge_error(import.final, "final", Access::host_write, image != nullptr)})
         if (!error.empty()) fail(named("imported", name) + ": " + error);
 
     Plan::Resource& resource = resources_.emplace_back();
@@ -100,8 +96,7 @@ Image PassBuilder::write(Image image, Access access) {
 }
 
 Buffer PassBuilder::write(Buffer buffer, Access access) {
-    return {buffer.resource(),
-            graph_.add_use(pass_, {buffer.resource(), buffer.version(), access}, false, true)};
+    return {buffer.resource(), graph_.add_use(pass_, {buffer.resource(), buffer.version(), access}, false, true)};
 }
 
 void PassBuilder::side_effect() {
@@ -146,8 +141,8 @@ std::string FrameGraph::use_error(const Plan::Pass& pass, const Plan::Use& use, 
     const bool image = resource.is_image();
     const std::uint32_t current = newest(use.resource);
     const auto wrong = [&](const std::string& why) {
-        return named("pass", pass.name) + named(write ? " writes" : " reads", resource.name) + " as " + t.name
-               + ", " + why;
+        return named("pass", pass.name) + named(write ? " writes" : " reads", resource.name) + " as " + t.name + ", "
+               + why;
     };
 
     if (!(image ? t.images : t.buffers))
@@ -174,12 +169,10 @@ std::string FrameGraph::use_error(const Plan::Pass& pass, const Plan::Use& use, 
         return wrong("but by its version " + std::to_string(use.version) + ", which "
                      + named("pass", passes_[writers_[use.resource][use.version + 1]].name)
                      + " has replaced: use the handle that its write() returned");
-    if (write && resource.imported && resource.import.read_only)
-        return wrong("but it is imported as read-only");
+    if (write && resource.imported && resource.import.read_only) return wrong("but it is imported as read-only");
     if (t.reads && !contents_defined(use.resource))
-        return wrong(resource.imported
-                         ? "but it was imported with undefined contents and no pass wrote it before"
-                         : "but no pass wrote it before");
+        return wrong(resource.imported ? "but it was imported with undefined contents and no pass wrote it before"
+                                       : "but no pass wrote it before");
     if (write && current == Image::max_version)
         return wrong("but it was written " + std::to_string(current) + " times already, the most allowed");
     return {};
@@ -190,8 +183,8 @@ void FrameGraph::check_final_accesses() {
         bool reads = false;
         resources_[r].import.final.for_each([&](Access access) { reads |= traits(access).reads; });
         if (reads && !contents_defined(r))
-            fail(named("imported", resources_[r].name) + " is to end as "
-                 + to_string(resources_[r].import.final) + ", but no pass wrote it");
+            fail(named("imported", resources_[r].name) + " is to end as " + to_string(resources_[r].import.final)
+                 + ", but no pass wrote it");
     }
 }
 

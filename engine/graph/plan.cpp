@@ -36,9 +36,8 @@ void find_lifetimes(Plan& plan) {
 // --- Memory ----------------------------------------------------------------------------------------------
 
 std::uint32_t find_or_add_heap(std::vector<Plan::Heap>& heaps, const MemoryNeed& need) {
-    const auto found = std::find_if(heaps.begin(), heaps.end(), [&](const Plan::Heap& heap) {
-        return heap.memory_class == need.memory_class;
-    });
+    const auto found = std::find_if(heaps.begin(), heaps.end(),
+                                    [&](const Plan::Heap& heap) { return heap.memory_class == need.memory_class; });
     if (found == heaps.end()) {
         heaps.push_back({need.memory_class, 0, need.alignment});
         return static_cast<std::uint32_t>(heaps.size() - 1);
@@ -49,8 +48,7 @@ std::uint32_t find_or_add_heap(std::vector<Plan::Heap>& heaps, const MemoryNeed&
 
 // The lowest aligned offset where `size` bytes clash with none of `taken`.
 std::uint64_t first_fit(std::vector<Memory>& taken, std::uint64_t size, std::uint64_t alignment) {
-    std::sort(taken.begin(), taken.end(),
-              [](const Memory& a, const Memory& b) { return a.offset < b.offset; });
+    std::sort(taken.begin(), taken.end(), [](const Memory& a, const Memory& b) { return a.offset < b.offset; });
     std::uint64_t offset = 0;
     for (const Memory& memory : taken) {
         if (offset + size <= memory.offset) break;
@@ -75,9 +73,8 @@ void place_transients(Plan& plan, const MemoryNeeds& needs) {
         resource.memory = {find_or_add_heap(plan.heaps, need), 0, need.size};
         items.push_back({&resource, need.alignment});
     }
-    std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
-        return a.resource->memory.size > b.resource->memory.size;
-    });
+    std::stable_sort(items.begin(), items.end(),
+                     [](const Item& a, const Item& b) { return a.resource->memory.size > b.resource->memory.size; });
 
     std::vector<Memory> taken;
     for (std::size_t i = 0; i < items.size(); ++i) {
@@ -85,8 +82,7 @@ void place_transients(Plan& plan, const MemoryNeeds& needs) {
         Memory& memory = resource.memory;
         taken.clear();
         for (std::size_t k = 0; k < i; ++k)
-            if (items[k].resource->memory.heap == memory.heap
-                && lifetimes_overlap(*items[k].resource, resource))
+            if (items[k].resource->memory.heap == memory.heap && lifetimes_overlap(*items[k].resource, resource))
                 taken.push_back(items[k].resource->memory);
         memory.offset = first_fit(taken, memory.size, items[i].alignment);
         std::uint64_t& heap_size = plan.heaps[memory.heap].size;
@@ -150,20 +146,17 @@ std::vector<Timeline> make_timelines(const Plan& plan) {
     const auto add = [&](std::uint32_t r, std::uint32_t pass, AccessSet accesses) {
         if (!accesses.empty()) append(timelines[r], make_epoch(pass, accesses, plan.resources[r].is_image()));
     };
-    for (std::uint32_t r = 0; r < plan.resources.size(); ++r)
-        add(r, before_frame, plan.resources[r].import.initial);
+    for (std::uint32_t r = 0; r < plan.resources.size(); ++r) add(r, before_frame, plan.resources[r].import.initial);
     const auto pass_count = static_cast<std::uint32_t>(plan.passes.size());
     for (std::uint32_t p = 0; p < pass_count; ++p)
         for (const auto& [resource, accesses] : merged_uses(plan.passes[p])) add(resource, p, accesses);
-    for (std::uint32_t r = 0; r < plan.resources.size(); ++r)
-        add(r, pass_count, plan.resources[r].import.final);
+    for (std::uint32_t r = 0; r < plan.resources.size(); ++r) add(r, pass_count, plan.resources[r].import.final);
     return timelines;
 }
 
 // What was done last, before `resource` was born, to the bytes that it takes over. Only the last epoch of
 // each earlier owner counts: its barriers chain it to all before.
-AccessSet inherited_accesses(const Plan& plan, const std::vector<Timeline>& timelines,
-                             const Plan::Resource& resource) {
+AccessSet inherited_accesses(const Plan& plan, const std::vector<Timeline>& timelines, const Plan::Resource& resource) {
     AccessSet accesses;
     for (std::size_t r = 0; r < plan.resources.size(); ++r) {
         const Plan::Resource& other = plan.resources[r];

@@ -85,8 +85,7 @@ struct Plan {
     struct Barrier {
         std::uint32_t resource;
         AccessSet before; // everything that must be over, and whose writes must be available; may be empty
-        AccessSet
-            after; // everything that waits: this pass's access and, for reads in a row, those of later passes
+        AccessSet after;  // everything that waits: this pass's access and, for reads in a row, those of later passes
         Layout from = Layout::undefined; // images only
         Layout to = Layout::undefined;
         // `before` holds accesses to other resources in the same bytes: a barrier on this resource alone does
@@ -131,9 +130,9 @@ struct Plan {
         std::uint64_t alignment;    // the strictest of all that lives here
     };
 
-    std::vector<Pass> passes;        // live, in the order of declaration, which is also a topological order
-    std::vector<Pass> culled;        // nothing outside the graph depends on them; in the order of declaration
-    std::vector<Resource> resources; // by Handle::resource()
+    std::vector<Pass> passes;            // live, in the order of declaration, which is also a topological order
+    std::vector<Pass> culled;            // nothing outside the graph depends on them; in the order of declaration
+    std::vector<Resource> resources;     // by Handle::resource()
     std::vector<Barrier> final_barriers; // bring imported resources to their final accesses
     std::vector<Heap> heaps;             // for the transients
 };

@@ -27,11 +27,9 @@ void upload(const Device& device, std::span<const Upload> uploads) {
 
     FrameGraph graph;
     External external;
-    const Buffer source = graph.import_buffer("staging", {size},
-                                              {.initial = Access::host_write,
-                                               .final = {},
-                                               .read_only = true,
-                                               .external = external.add(staging.handle())});
+    const Buffer source = graph.import_buffer(
+        "staging", {size},
+        {.initial = Access::host_write, .final = {}, .read_only = true, .external = external.add(staging.handle())});
     std::vector<Copy> copies;
     uint64_t offset = 0;
     for (const Upload& one : uploads) {
@@ -53,8 +51,7 @@ void upload(const Device& device, std::span<const Upload> uploads) {
         [&](PassContext& context) {
             for (const Copy& copy : copies) {
                 const VkBufferCopy region{copy.offset, 0, copy.size};
-                vkCmdCopyBuffer(context.commands, context.buffer(source), context.buffer(copy.destination), 1,
-                                &region);
+                vkCmdCopyBuffer(context.commands, context.buffer(source), context.buffer(copy.destination), 1, &region);
             }
         });
 

@@ -16,8 +16,7 @@ bool finite(glm::vec3 v) {
 
 // From the target towards the eye.
 glm::vec3 orbit_direction(float azimuth, float elevation) {
-    return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-            std::cos(azimuth) * std::cos(elevation)};
+    return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)};
 }
 
 constexpr float least_radius = 1e-4f; // metres; keeps a scene that is a point drawable
@@ -33,8 +32,7 @@ CameraMatrices matrices(const Camera& camera, float aspect, const Bounds& bounds
     const glm::vec3 to_target = (finite(camera.target) ? camera.target : glm::vec3(0.0f)) - eye;
     const float reach = glm::length(to_target);
     const glm::vec3 forward = reach > 0.0f ? to_target / reach : glm::vec3(0.0f, 0.0f, -1.0f);
-    const glm::vec3 up =
-        std::abs(forward.y) < 0.9999f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
+    const glm::vec3 up = std::abs(forward.y) < 0.9999f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
 
     CameraMatrices result;
     result.view = glm::lookAt(eye, eye + forward, up);
@@ -47,10 +45,8 @@ CameraMatrices matrices(const Camera& camera, float aspect, const Bounds& bounds
     result.far_plane = std::max(distance + radius, 8.0f * reach) * 1.01f;
     result.near_plane = std::max((distance - radius) * 0.1f, result.far_plane * 2e-4f);
 
-    const float fov =
-        std::isfinite(camera.vertical_fov) ? std::clamp(camera.vertical_fov, 0.01f, 3.0f) : 0.6f;
-    result.projection =
-        glm::perspectiveRH_ZO(fov, std::max(aspect, 1e-3f), result.near_plane, result.far_plane);
+    const float fov = std::isfinite(camera.vertical_fov) ? std::clamp(camera.vertical_fov, 0.01f, 3.0f) : 0.6f;
+    result.projection = glm::perspectiveRH_ZO(fov, std::max(aspect, 1e-3f), result.near_plane, result.far_plane);
     result.projection[1][1] *= -1.0f; // Vulkan's Y points down
     if (std::isfinite(camera.shift.x) && std::isfinite(camera.shift.y)) {
         // After the division by w = -z.

@@ -59,28 +59,25 @@ void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
         {shared::binding_drawn, storage, 1, compute, nullptr},
         {shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT,
          &shadow_sampler_}};
-    const VkDescriptorSetLayoutCreateInfo set_layout{
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = static_cast<uint32_t>(std::size(bindings)),
-        .pBindings = bindings};
+    const VkDescriptorSetLayoutCreateInfo set_layout{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                                     .bindingCount = static_cast<uint32_t>(std::size(bindings)),
+                                                     .pBindings = bindings};
     check(vkCreateDescriptorSetLayout(device_.handle(), &set_layout, nullptr, &frame_set_layout_),
           "create a descriptor set layout");
-    const VkDescriptorSetLayoutBinding image{shared::binding_image, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                                             1, VK_SHADER_STAGE_FRAGMENT_BIT, &image_sampler_};
+    const VkDescriptorSetLayoutBinding image{shared::binding_image, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
+                                             VK_SHADER_STAGE_FRAGMENT_BIT, &image_sampler_};
     const VkDescriptorSetLayoutCreateInfo image_layout{
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &image};
     check(vkCreateDescriptorSetLayout(device_.handle(), &image_layout, nullptr, &image_set_layout_),
           "create a descriptor set layout");
     const VkDescriptorSetLayout set_layouts[] = {frame_set_layout_, image_set_layout_};
-    const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                            .setLayoutCount = 2,
-                                            .pSetLayouts = set_layouts};
+    const VkPipelineLayoutCreateInfo layout{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, .setLayoutCount = 2, .pSetLayouts = set_layouts};
     check(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &layout_), "create a pipeline layout");
 
-    const VkDescriptorPoolSize sizes[] = {
-        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frame_sets},
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 6 * frame_sets},
-        {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, frame_sets + image_sets}};
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frame_sets},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 6 * frame_sets},
+                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, frame_sets + image_sets}};
     const VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                           .maxSets = frame_sets + image_sets,
                                           .poolSizeCount = static_cast<uint32_t>(std::size(sizes)),
@@ -168,8 +165,7 @@ struct ShadowFit {
 // The tightest box in the light's frame around the casters. Receivers need no room in it: what lies behind a
 // caster has the same place in the map, and a depth beyond the far plane is clamped to it.
 ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
-    const glm::vec3 up =
-        std::abs(to_light.y) < 0.99f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, 1.0f);
+    const glm::vec3 up = std::abs(to_light.y) < 0.99f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, 1.0f);
     const glm::vec3 centre = bounds.centre();
     const glm::mat4 view = glm::lookAt(centre + to_light, centre, up);
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -187,8 +183,8 @@ ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
     low -= rim;
     high += rim;
     const float width = std::max(high.x - low.x, high.y - low.y);
-    return {glm::orthoRH_ZO(low.x, high.x, low.y, high.y, -high.z, -low.z) * view,
-            width / static_cast<float>(size), high.z - low.z};
+    return {glm::orthoRH_ZO(low.x, high.x, low.y, high.y, -high.z, -low.z) * view, width / static_cast<float>(size),
+            high.z - low.z};
 }
 
 } // namespace
@@ -235,23 +231,22 @@ shared::FrameData frame_data(const Scene& scene, const View& view) {
     const float height = std::max(scene.bounds.size().y, 1e-5f);
     const float pixels_a_metre = 0.5f * static_cast<float>(view.size.y) * std::abs(camera.projection[1][1]);
     const glm::mat4 clip_from_eye = camera.projection * glm::mat4(glm::mat3(camera.view));
-    return {
-        .clip_from_eye = clip_from_eye,
-        .eye_from_clip = glm::inverse(clip_from_eye),
-        .shadow_from_eye = texture_from_clip * shadow.clip_from_world * eye_to_world,
-        .shadow_clip_from_world = shadow.clip_from_world,
-        .eye = {eye, 1.0f / static_cast<float>(view.size.y)},
-        .to_light = {to_light, normal_offset_texels * shadow.texel},
-        .sun = {look.sun, bias_texels * shadow.texel / shadow.depth},
-        .sky = {look.sky, ground_darkens * height},
-        .bounce = {look.bounce, 1.0f / static_cast<float>(view.shadow_size)},
-        .materials = {{look.exterior, look.tint}, {look.interior, 0.45f * look.tint}},
-        .sphere = {look.sphere, 0.0f},
-        .ground = {look.ground, scene.ground_height},
-        .ground_disc = {scene.camera.target.x, scene.camera.target.z, fade_begin * reach, fade_end * reach},
-        .background_top = {look.background_top, look.exposure},
-        .background_bottom = {look.background_bottom, 0.0f},
-        .occlusion = {occlusion_reach * height, pixels_a_metre, occlusion_bias, occlusion_strength}};
+    return {.clip_from_eye = clip_from_eye,
+            .eye_from_clip = glm::inverse(clip_from_eye),
+            .shadow_from_eye = texture_from_clip * shadow.clip_from_world * eye_to_world,
+            .shadow_clip_from_world = shadow.clip_from_world,
+            .eye = {eye, 1.0f / static_cast<float>(view.size.y)},
+            .to_light = {to_light, normal_offset_texels * shadow.texel},
+            .sun = {look.sun, bias_texels * shadow.texel / shadow.depth},
+            .sky = {look.sky, ground_darkens * height},
+            .bounce = {look.bounce, 1.0f / static_cast<float>(view.shadow_size)},
+            .materials = {{look.exterior, look.tint}, {look.interior, 0.45f * look.tint}},
+            .sphere = {look.sphere, 0.0f},
+            .ground = {look.ground, scene.ground_height},
+            .ground_disc = {scene.camera.target.x, scene.camera.target.z, fade_begin * reach, fade_end * reach},
+            .background_top = {look.background_top, look.exposure},
+            .background_bottom = {look.background_bottom, 0.0f},
+            .occlusion = {occlusion_reach * height, pixels_a_metre, occlusion_bias, occlusion_strength}};
 }
 
 void Frame::write_colour(PassBuilder& pass, Access access, bool last) {
@@ -271,8 +266,8 @@ Rendering Frame::colour_rendering(const PassContext& context, VkAttachmentLoadOp
 
 void Frame::bind_image(const PassContext& context, VkDescriptorSet to, Image image) const {
     layout.update(to, context.view(image));
-    vkCmdBindDescriptorSets(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(), 1, 1,
-                            &to, 0, nullptr);
+    vkCmdBindDescriptorSets(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(), 1, 1, &to, 0,
+                            nullptr);
 }
 
 void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands) {

@@ -81,14 +81,13 @@ struct Frame {
     Image occlusion; // valid if the quality has it
     Image picture;   // what is shown: `colour`, or another one into which that is enlarged
 
-    PieceUpload upload; // of geometry, before anything is drawn
-    Buffer staging;     // what is to be uploaded; valid if upload.staging_size is not 0
+    PieceUpload upload;         // of geometry, before anything is drawn
+    Buffer staging;             // what is to be uploaded; valid if upload.staging_size is not 0
     std::vector<Buffer> staged; // upload.staged
 
     // For the passes that draw into the target: the last of them resolves the samples.
     void write_colour(PassBuilder& pass, Access access, bool last);
-    [[nodiscard]] Rendering colour_rendering(const PassContext& context, VkAttachmentLoadOp load,
-                                             bool last) const;
+    [[nodiscard]] Rendering colour_rendering(const PassContext& context, VkAttachmentLoadOp load, bool last) const;
 
     // Within a pass that reads the image: points a set at it and binds that as set 1.
     void bind_image(const PassContext& context, VkDescriptorSet to, Image image) const;

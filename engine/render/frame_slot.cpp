@@ -11,8 +11,8 @@ namespace {
 
 // Makes room for `size` bytes: half as much again as is needed, so that a growing scene does not allocate
 // each frame.
-void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size,
-             VkBufferUsageFlags usage, MemoryKind kind = MemoryKind::upload) {
+void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size, VkBufferUsageFlags usage,
+             MemoryKind kind = MemoryKind::upload) {
     if (buffer.handle() && buffer.size() >= size) return;
     buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
 }
@@ -56,8 +56,7 @@ void write_pieces(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
     if (*from.quality.front_to_back)
         pieces.write_draws(lists(), slot.poses.mapped_as<BodyPose>(0, pieces.bodies()), scene.camera.eye);
     const uint64_t culled_size = *from.quality.culling ? commands_size : 0;
-    reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands,
-            MemoryKind::device);
+    reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands, MemoryKind::device);
     reserve(device, slot.light_commands, "commands for the light", culled_size, commands, MemoryKind::device);
     std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
 }
@@ -68,8 +67,7 @@ void write_marks(FrameSlot& slot, const Device& device, const Scene& scene) {
         std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
     }
     if (!scene.spheres.empty()) {
-        reserve(device, slot.spheres, "spheres",
-                std::max(scene.spheres.size_bytes(), MarksPass::least_spheres_size),
+        reserve(device, slot.spheres, "spheres", std::max(scene.spheres.size_bytes(), MarksPass::least_spheres_size),
                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
         std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
     }
@@ -93,8 +91,7 @@ void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
     const PieceArena& pieces = frame.pieces;
     const auto import = [&](const char* name, const DeviceBuffer& buffer, Access access) {
         return frame.graph.import_buffer(
-            name, {buffer.size()},
-            {.initial = access, .final = {}, .external = frame.external.add(buffer.handle())});
+            name, {buffer.size()}, {.initial = access, .final = {}, .external = frame.external.add(buffer.handle())});
     };
     frame.upload = pieces.next_upload();
     if (frame.draws_pieces() || !frame.upload.empty()) {
@@ -121,10 +118,9 @@ void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
 FrameSlot::FrameSlot(const Device& device, const FrameLayout& layout)
     : executor(device), set(layout.allocate_frame()), depth_set(layout.allocate_image()),
       occlusion_set(layout.allocate_image()),
-      uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-               MemoryKind::upload),
-      drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t),
-            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
+      uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryKind::upload),
+      drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+            MemoryKind::readback),
       commands(device) {}
 
 void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
@@ -134,16 +130,15 @@ void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
     write_poses(slot, from, scene);
     write_pieces(slot, from, scene);
     write_marks(slot, from.device, scene);
-    from.layout.update(slot.set,
-                       {.frame = slot.uniforms.handle(),
-                        .poses = slot.poses.handle(),
-                        .draws = slot.draw_data.handle(),
-                        .commands = slot.draw_commands.handle(),
-                        .culled_for_camera = slot.camera_commands.handle(),
-                        .culled_for_light = slot.light_commands.handle(),
-                        .drawn = slot.drawn.handle(),
-                        .commands_size = std::max(from.pieces.draws(), 1u) * sizeof(shared::DrawCommand),
-                        .shadow = from.shadow});
+    from.layout.update(slot.set, {.frame = slot.uniforms.handle(),
+                                  .poses = slot.poses.handle(),
+                                  .draws = slot.draw_data.handle(),
+                                  .commands = slot.draw_commands.handle(),
+                                  .culled_for_camera = slot.camera_commands.handle(),
+                                  .culled_for_light = slot.light_commands.handle(),
+                                  .drawn = slot.drawn.handle(),
+                                  .commands_size = std::max(from.pieces.draws(), 1u) * sizeof(shared::DrawCommand),
+                                  .shadow = from.shadow});
 }
 
 void import_slot(Frame& frame, FrameSlot& slot, const Device& device) {

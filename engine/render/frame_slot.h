@@ -26,7 +26,7 @@ struct FrameSlot {
     DeviceBuffer camera_commands, light_commands;
     DeviceBuffer draw_data, draw_commands; // one a draw range, of PieceArena::version()
     uint64_t pieces_version = 0;
-    DeviceBuffer staging; // of geometry that this frame uploads
+    DeviceBuffer staging;                                     // of geometry that this frame uploads
     std::vector<std::shared_ptr<const DeviceBuffer>> retired; // that nothing needs after this frame
     DeviceBuffer poses;
     uint32_t posed_bodies = 0; // the first so many of poses hold what was written at the moment

@@ -41,14 +41,12 @@ void MarksPass::declare(Frame& frame) const {
     const Marks hidden{lines && !scene.lines_on_top, spheres && !scene.spheres_on_top};
     const Marks on_top{lines && scene.lines_on_top, spheres && scene.spheres_on_top};
     const bool any_on_top = on_top.lines || on_top.spheres;
-    if (hidden.lines || hidden.spheres)
-        declare(frame, "marks", hidden, VK_ATTACHMENT_LOAD_OP_LOAD, !any_on_top);
+    if (hidden.lines || hidden.spheres) declare(frame, "marks", hidden, VK_ATTACHMENT_LOAD_OP_LOAD, !any_on_top);
     // Among themselves, marks on top hide each other as usual, in a depth buffer of their own.
     if (any_on_top) declare(frame, "marks on top", on_top, VK_ATTACHMENT_LOAD_OP_CLEAR, true);
 }
 
-void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load,
-                        bool last) const {
+void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load, bool last) const {
     const Buffer sphere = sphere_.import(frame);
     const bool clears = depth_load == VK_ATTACHMENT_LOAD_OP_CLEAR;
     frame.graph.add_pass(
@@ -61,8 +59,7 @@ void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmen
                 pass.read(frame.spheres, Access::vertex_read);
             }
             frame.write_colour(pass, Access::colour_attachment_load, last);
-            frame.depth =
-                pass.write(frame.depth, clears ? Access::depth_attachment : Access::depth_attachment_load);
+            frame.depth = pass.write(frame.depth, clears ? Access::depth_attachment : Access::depth_attachment_load);
         },
         [this, &frame, marks, depth_load, last, sphere](PassContext& context) {
             const VkCommandBuffer commands = context.commands;

@@ -17,8 +17,7 @@ class MarksPass {
     static constexpr uint64_t least_spheres_size = 8 * 16 * 3 * sizeof(Sphere);
 
     // `sphere` outlives it.
-    MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
-              const SphereMesh& sphere);
+    MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, const SphereMesh& sphere);
 
     // Up to two passes: what the pieces hide, then what is on top of them. Adds to frame.colour.
     void declare(Frame& frame) const;

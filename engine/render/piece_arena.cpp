@@ -105,10 +105,8 @@ Result<void> PieceArena::check(std::span<const PieceBatch> batches, size_t other
             ++added;
         }
     const uint64_t all = others + added;
-    if (2 * all > storage / sizeof(shared::DrawData)
-        || added > std::numeric_limits<uint32_t>::max() - last_handle_)
-        return Error{Status::invalid_argument,
-                     "cannot draw " + std::to_string(all) + " pieces: too many to address"};
+    if (2 * all > storage / sizeof(shared::DrawData) || added > std::numeric_limits<uint32_t>::max() - last_handle_)
+        return Error{Status::invalid_argument, "cannot draw " + std::to_string(all) + " pieces: too many to address"};
     return {};
 }
 
@@ -142,7 +140,8 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
     for (PieceBatch& batch : batches) {
         const auto source = std::make_shared<const PieceBatch>(std::move(batch));
         for (const PieceBatch::Piece& part : source->pieces()) {
-            Piece piece{.handle = {++handle}, .batch = part, .source = source, .vertex = 0, .index = 0, .visible = solid};
+            Piece piece{
+                .handle = {++handle}, .batch = part, .source = source, .vertex = 0, .index = 0, .visible = solid};
             if (!spaces.place(piece))
                 return Error{Status::invalid_argument, "cannot draw more than " + std::to_string(pieces.size())
                                                            + " pieces: their geometry is too large to address"};
@@ -190,9 +189,8 @@ Result<std::vector<size_t>> PieceArena::find(std::span<const PieceHandle> handle
     for (const PieceHandle handle : handles) {
         const auto at = std::ranges::lower_bound(pieces_, handle, {}, &Piece::handle);
         if (at == pieces_.end() || at->handle != handle)
-            return Error{Status::invalid_argument,
-                         "there is no piece with the handle " + std::to_string(handle.number)
-                             + ": it was removed, or never added"};
+            return Error{Status::invalid_argument, "there is no piece with the handle " + std::to_string(handle.number)
+                                                       + ": it was removed, or never added"};
         found.push_back(static_cast<size_t>(at - pieces_.begin()));
     }
     return found;
@@ -221,8 +219,7 @@ Result<void> PieceArena::remove(std::span<const PieceHandle> handles) {
 
 Result<void> PieceArena::fade(std::span<const PieceHandle> handles, float fade) {
     if (!(fade >= 0.0f && fade <= 1.0f))
-        return Error{Status::invalid_argument,
-                     "pieces cannot fade by " + std::to_string(fade) + ": it must be 0 to 1"};
+        return Error{Status::invalid_argument, "pieces cannot fade by " + std::to_string(fade) + ": it must be 0 to 1"};
     Result<std::vector<size_t>> found = find(handles);
     if (!found) return found.error();
     const auto visible = static_cast<uint32_t>(std::lround((1.0f - fade) * static_cast<float>(solid)));
@@ -251,8 +248,8 @@ void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, Places&
     const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
         if (indices == 0) return;
         lists.commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
-        lists.data[next] = {piece.batch.body, material, piece.batch.tint | piece.visible << 24,
-                            piece.handle.number, piece.batch.sphere};
+        lists.data[next] = {piece.batch.body, material, piece.batch.tint | piece.visible << 24, piece.handle.number,
+                            piece.batch.sphere};
         ++next;
     };
     add(piece.batch.exterior_indices, piece.index, shared::material_exterior);

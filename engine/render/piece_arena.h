@@ -46,8 +46,8 @@ struct PieceUpload {
     };
 
     Copies from_old;
-    Copies from_staging; // of the frame; ascending in it
-    uint64_t staging_size = 0; // bytes to come from the CPU
+    Copies from_staging;        // of the frame; ascending in it
+    uint64_t staging_size = 0;  // bytes to come from the CPU
     std::vector<Staged> staged; // of batches that are in buffers of their own
 
     [[nodiscard]] bool empty() const;
@@ -119,8 +119,8 @@ class PieceArena {
     };
     // What of a piece goes into an arena.
     struct Part {
-        uint64_t to;   // bytes, in the arena
-        uint64_t size; // bytes
+        uint64_t to;       // bytes, in the arena
+        uint64_t size;     // bytes
         uint64_t from = 0; // bytes, in the arrays of its batch one after the other; if it has one still
         std::span<const std::byte> bytes{}; // likewise
     };
@@ -131,9 +131,9 @@ class PieceArena {
     std::vector<Piece> pieces_; // ascending in handles
     Spaces spaces_;
     PieceBuffers buffers_;
-    PieceBuffers old_; // what submitted frames read until buffers_ took over; may be none
+    PieceBuffers old_;                          // what submitted frames read until buffers_ took over; may be none
     std::array<bool, piece_arenas> resident_{}; // whether a submitted frame wrote buffers_
-    bool pending_ = false; // there is something to upload
+    bool pending_ = false;                      // there is something to upload
     uint32_t last_handle_ = 0;
     uint32_t bodies_ = 0;
     uint32_t draws_ = 0;

@@ -29,8 +29,8 @@ Result<void> check_piece(size_t index, const PieceMesh& piece) {
         const glm::uvec3 corner = piece.triangles[t];
         const uint32_t largest = std::max({corner.x, corner.y, corner.z});
         if (largest >= piece.positions.size())
-            return invalid(index, "triangle " + std::to_string(t) + " names vertex " + std::to_string(largest)
-                                      + " of " + std::to_string(piece.positions.size()));
+            return invalid(index, "triangle " + std::to_string(t) + " names vertex " + std::to_string(largest) + " of "
+                                      + std::to_string(piece.positions.size()));
     }
     return {};
 }
@@ -65,8 +65,7 @@ Result<PieceBatch> PieceBatch::create(std::span<const PieceMesh> pieces) {
     // Vertex offsets are signed 32 bits, first indices unsigned 32 bits.
     if (vertices > std::numeric_limits<int32_t>::max() || triangles > std::numeric_limits<uint32_t>::max() / 3)
         return Error{Status::invalid_argument, "cannot draw " + std::to_string(pieces.size()) + " pieces of "
-                                                   + std::to_string(triangles)
-                                                   + " triangles: too many to address"};
+                                                   + std::to_string(triangles) + " triangles: too many to address"};
     PieceBatch batch;
     batch.pieces_.reserve(pieces.size());
     const auto arrays = std::make_shared<Arrays>();
@@ -108,8 +107,7 @@ void PieceBatch::move_to(std::shared_ptr<const DeviceBuffer> buffer) {
 
 void PieceBatch::add(const PieceMesh& piece, Arrays& arrays) {
     auto& [positions, normals, indices] = arrays;
-    const SmoothSurface exterior =
-        smooth_normals(piece.positions, piece.triangles.first(piece.exterior_triangles));
+    const SmoothSurface exterior = smooth_normals(piece.positions, piece.triangles.first(piece.exterior_triangles));
     const std::span interior = piece.triangles.subspan(piece.exterior_triangles);
     pieces_.push_back({.first_vertex = static_cast<uint32_t>(positions.size()),
                        .vertices = static_cast<uint32_t>(exterior.normals.size()),

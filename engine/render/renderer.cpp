@@ -62,18 +62,17 @@ Result<Quality> choose(Quality quality, const Device& device) {
         return Error{Status::invalid_argument,
                      std::to_string(*quality.samples) + " samples a pixel cannot be had: 1 or 4 can"};
     if (!(*quality.moving_scale >= least_scale && *quality.moving_scale <= 1.0f))
-        return Error{Status::invalid_argument,
-                     "a scale of " + std::to_string(*quality.moving_scale)
-                         + " while things move is out of range, which is 0.25 to 1"};
+        return Error{Status::invalid_argument, "a scale of " + std::to_string(*quality.moving_scale)
+                                                   + " while things move is out of range, which is 0.25 to 1"};
     return quality;
 }
 
 Result<void> check_size(const Device& device, glm::uvec2 size) {
     const uint32_t most = device.limits().maxImageDimension2D;
     if (size.x == 0 || size.y == 0 || size.x > most || size.y > most)
-        return Error{Status::invalid_argument,
-                     "cannot draw a picture of " + std::to_string(size.x) + " x " + std::to_string(size.y)
-                         + " pixels: each side must be 1 to " + std::to_string(most)};
+        return Error{Status::invalid_argument, "cannot draw a picture of " + std::to_string(size.x) + " x "
+                                                   + std::to_string(size.y) + " pixels: each side must be 1 to "
+                                                   + std::to_string(most)};
     return {};
 }
 
@@ -123,9 +122,7 @@ struct Renderer::State {
     ~State() { device.wait_idle(); }
 
     [[nodiscard]] const Quality& quality() const { return settings.quality; }
-    [[nodiscard]] float window_scale(const Scene& scene) const {
-        return scene.moved ? *quality().moving_scale : 1.0f;
-    }
+    [[nodiscard]] float window_scale(const Scene& scene) const { return scene.moved ? *quality().moving_scale : 1.0f; }
     ShadowMap& map_for(const Target& target);
     void forget_shadow() { shadow_map.kept = false; }
     Passes& passes_for(Format format);
@@ -200,10 +197,8 @@ FrameSlot& Renderer::State::next_slot() {
 
 // What the device says of the slot's frame, which it is done with.
 void Renderer::State::collect(FrameSlot& slot) {
-    if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty())
-        timings = std::move(times);
-    if (slot.culled)
-        stats.pieces_in_view = slot.drawn.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
+    if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty()) timings = std::move(times);
+    if (slot.culled) stats.pieces_in_view = slot.drawn.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
 }
 
 ShadowMap& Renderer::State::map_for(const Target& target) {
@@ -224,8 +219,7 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
     write_slot(slot, {device, layout, pieces, quality(), view, map.image.view()}, scene);
     Frame frame{.scene = scene,
                 .pieces = pieces,
-                .most_draws =
-                    device.has_multi_draw() ? std::max(device.limits().maxDrawIndirectCount, 1u) : 1,
+                .most_draws = device.has_multi_draw() ? std::max(device.limits().maxDrawIndirectCount, 1u) : 1,
                 .layout = layout,
                 .set = slot.set,
                 .depth_set = slot.depth_set,
@@ -245,9 +239,8 @@ void Renderer::State::declare_cull(Frame& frame, FrameSlot& slot, bool for_shado
     slot.culled = cull && frame.draws_pieces();
     if (!slot.culled) return;
     const auto import = [&](const char* name, const DeviceBuffer& buffer) {
-        return frame.graph.import_buffer(
-            name, {buffer.size()},
-            {.initial = {}, .final = {}, .external = frame.external.add(buffer.handle())});
+        return frame.graph.import_buffer(name, {buffer.size()},
+                                         {.initial = {}, .final = {}, .external = frame.external.add(buffer.handle())});
     };
     frame.camera_commands = import("commands for the camera", slot.camera_commands);
     frame.light_commands = import("commands for the light", slot.light_commands);
@@ -261,20 +254,18 @@ void Renderer::State::declare_cull(Frame& frame, FrameSlot& slot, bool for_shado
 // Draws into frame.picture, or where there are fewer pixels, into an image that is then enlarged into it.
 void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target& target) {
     const ShadowMap& map = map_for(target);
-    frame.shadow = frame.graph.import_image(
-        "shadow map", {.width = map.size, .height = map.size, .format = Format::d32_float},
-        {.initial = map.drawn ? AccessSet(Access::sampled_fragment) : AccessSet(),
-         .final = Access::sampled_fragment,
-         .external = frame.external.add(map.image.handle(), map.image.view())});
+    frame.shadow =
+        frame.graph.import_image("shadow map", {.width = map.size, .height = map.size, .format = Format::d32_float},
+                                 {.initial = map.drawn ? AccessSet(Access::sampled_fragment) : AccessSet(),
+                                  .final = Access::sampled_fragment,
+                                  .external = frame.external.add(map.image.handle(), map.image.view())});
     const VkExtent2D drawn = target.drawn();
     frame.colour = frame.picture;
     if (target.scale < 1.0f)
         frame.colour = frame.graph.create_image(
             "small picture", {.width = drawn.width, .height = drawn.height, .format = target.format});
-    ImageDesc desc{.width = drawn.width,
-                   .height = drawn.height,
-                   .format = Format::d32_float,
-                   .samples = *quality().samples};
+    ImageDesc desc{
+        .width = drawn.width, .height = drawn.height, .format = Format::d32_float, .samples = *quality().samples};
     frame.depth = frame.graph.create_image("depth", desc);
     desc.format = target.format;
     if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
@@ -294,11 +285,10 @@ void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target&
 
 void Renderer::State::record(Frame& frame, FrameSlot& slot) {
     CompileResult plan = std::move(frame.graph).compile(slot.executor.memory_needs());
-    if (!plan)
-        throw VulkanFailure{{Status::invalid_argument, "a bug in the frame graph: " + plan.error().message}};
+    if (!plan) throw VulkanFailure{{Status::invalid_argument, "a bug in the frame graph: " + plan.error().message}};
     slot.commands.begin();
-    vkCmdBindDescriptorSets(slot.commands.buffer(), VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(),
-                            0, 1, &frame.set, 0, nullptr);
+    vkCmdBindDescriptorSets(slot.commands.buffer(), VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(), 0, 1,
+                            &frame.set, 0, nullptr);
     slot.executor.record(*plan, frame.external, slot.commands.buffer());
     stats = frame.stats;
     dot = to_dot(*plan);
@@ -308,8 +298,7 @@ void Renderer::State::record(Frame& frame, FrameSlot& slot) {
 void Renderer::State::declare_read_back(Frame& frame, Image image, VkExtent2D extent) {
     const uint64_t bytes = uint64_t{4} * extent.width * extent.height;
     if (!readback.handle() || readback.size() < bytes)
-        readback =
-            DeviceBuffer(device, "readback", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback);
+        readback = DeviceBuffer(device, "readback", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback);
     Buffer pixels = frame.graph.import_buffer(
         "readback", {readback.size()},
         {.initial = {}, .final = Access::host_read, .external = frame.external.add(readback.handle())});
@@ -322,8 +311,8 @@ void Renderer::State::declare_read_back(Frame& frame, Image image, VkExtent2D ex
         [image, pixels, extent](PassContext& context) {
             const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                            .imageExtent = {extent.width, extent.height, 1}};
-            vkCmdCopyImageToBuffer(context.commands, context.image(image),
-                                   VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, context.buffer(pixels), 1, &region);
+            vkCmdCopyImageToBuffer(context.commands, context.image(image), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                   context.buffer(pixels), 1, &region);
         });
 }
 
@@ -351,15 +340,14 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
     const VkExtent2D extent = target.extent;
     Frame frame = begin_frame(slot, scene, target);
     declare_upload(frame);
-    frame.picture = frame.graph.create_image(
-        "colour", {.width = extent.width, .height = extent.height, .format = target.format});
+    frame.picture =
+        frame.graph.create_image("colour", {.width = extent.width, .height = extent.height, .format = target.format});
     declare_scene(frame, slot, target);
     declare_read_back(frame, frame.picture, extent);
     finish(frame, slot);
     drew_shadow(target);
 
-    Bitmap bitmap{extent.width, extent.height,
-                  std::vector<uint8_t>(size_t{4} * extent.width * extent.height)};
+    Bitmap bitmap{extent.width, extent.height, std::vector<uint8_t>(size_t{4} * extent.width * extent.height)};
     std::memcpy(bitmap.pixels.data(), readback.mapped(), bitmap.pixels.size());
     return bitmap;
 }
@@ -406,8 +394,7 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     declare_scene(frame, slot, target);
     ui->declare(frame, *image);
     record(frame, slot);
-    submit(slot, {swapchain->acquired(turn), to_vulkan(Access::acquired).stages},
-           swapchain->finished(*image));
+    submit(slot, {swapchain->acquired(turn), to_vulkan(Access::acquired).stages}, swapchain->finished(*image));
     drew_shadow(target);
     swapchain->present(*image);
     return true;
@@ -501,8 +488,7 @@ Result<Bitmap> Renderer::render(const Scene& scene, glm::uvec2 size) {
 Result<Bitmap> Renderer::render_as_presented(const Scene& scene, glm::uvec2 size) {
     return state_->run([&]() -> Result<Bitmap> {
         if (Result<void> valid = check_size(state_->device, size); !valid) return valid.error();
-        return state_->draw_off_screen(scene,
-                                       {Format::rgba8_unorm, {size.x, size.y}, state_->window_scale(scene)});
+        return state_->draw_off_screen(scene, {Format::rgba8_unorm, {size.x, size.y}, state_->window_scale(scene)});
     });
 }
 
@@ -515,10 +501,8 @@ Result<IdImage> Renderer::render_ids(const Scene& scene, glm::uvec2 size) {
 
 Result<void> Renderer::attach(Window& window, const std::function<void()>& prepare_ui) {
     return state_->run([&]() -> Result<void> {
-        if (state_->window)
-            return Error{Status::invalid_argument, "the renderer already draws into a window"};
-        auto swapchain =
-            std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
+        if (state_->window) return Error{Status::invalid_argument, "the renderer already draws into a window"};
+        auto swapchain = std::make_unique<Swapchain>(state_->device, window, state_->settings.vsync, frames_in_flight);
         state_->ui = std::make_unique<UiPass>(state_->device, window, *swapchain, prepare_ui);
         state_->swapchain = std::move(swapchain);
         state_->window = &window;

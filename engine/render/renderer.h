@@ -52,10 +52,9 @@ class Window;
 // What costs time on a device that has little. Unset members are chosen by the device: cheap on a CPU, good
 // on a GPU.
 struct Quality {
-    std::optional<uint32_t>
-        shadow_size{};                  // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
-    std::optional<bool> soft_shadows{}; // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
-    std::optional<uint32_t> samples{};  // a pixel, 1 or 4; automatic: 1 on a CPU, 4 on a GPU
+    std::optional<uint32_t> shadow_size{}; // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
+    std::optional<bool> soft_shadows{};    // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
+    std::optional<uint32_t> samples{};     // a pixel, 1 or 4; automatic: 1 on a CPU, 4 on a GPU
     // Darkens gaps, and the ground under what stands on it, by a search in the depth image; automatic: on a
     // GPU only.
     std::optional<bool> ambient_occlusion{};

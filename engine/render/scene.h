@@ -18,7 +18,7 @@ namespace brittle::engine {
 
 // One piece to upload: a triangle list, counter-clockwise seen from outside, exterior triangles first.
 struct PieceMesh {
-    std::span<const glm::vec3> positions{}; // in the frame of its body: relative to the body's centre of mass
+    std::span<const glm::vec3> positions{};  // in the frame of its body: relative to the body's centre of mass
     std::span<const glm::uvec3> triangles{}; // indices into positions
     uint32_t exterior_triangles = 0;         // the first so many; the rest are interior
     uint32_t body = 0;                       // the pose that moves it; several pieces may share one
@@ -105,13 +105,13 @@ struct Scene {
     bool moved = true;
 
     std::span<const LineVertex> lines{}; // two a line; the physics debug drawer, cell edges
-    bool lines_on_top = false;         // true shows lines through the pieces; false hides what is behind them
-    std::span<const Sphere> spheres{}; // Voronoi sites, or balls
+    bool lines_on_top = false;           // true shows lines through the pieces; false hides what is behind them
+    std::span<const Sphere> spheres{};   // Voronoi sites, or balls
     bool spheres_on_top = false;
     bool spheres_cast_shadows = false; // as balls do and marks do not; within the bounds
-    bool pieces_visible = true; // false leaves lines and spheres alone on the ground
-    bool smooth = false;        // round exteriors: normals are interpolated but for creases. False: facets
-    bool wireframe = false;     // edges of triangles over the pieces; needs Device::has_line_mode()
+    bool pieces_visible = true;        // false leaves lines and spheres alone on the ground
+    bool smooth = false;               // round exteriors: normals are interpolated but for creases. False: facets
+    bool wireframe = false;            // edges of triangles over the pieces; needs Device::has_line_mode()
     bool ground = true;
     float ground_height = 0.0f; // y of the ground plane
 

@@ -43,10 +43,9 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const Target
     fading_desc.constants = &fading;
     pieces_ = Pipeline(device, desc);
     fading_pieces_ = Pipeline(device, fading_desc);
-    const VkVertexInputBindingDescription smooth_bindings[] = {
-        binding, {1, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}};
-    const VkVertexInputAttributeDescription smooth_attributes[] = {attribute,
-                                                                   {1, 1, VK_FORMAT_R32G32B32_SFLOAT, 0}};
+    const VkVertexInputBindingDescription smooth_bindings[] = {binding,
+                                                               {1, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}};
+    const VkVertexInputAttributeDescription smooth_attributes[] = {attribute, {1, 1, VK_FORMAT_R32G32B32_SFLOAT, 0}};
     for (PipelineDesc* of : {&desc, &fading_desc}) {
         of->vertex = piece_smooth_vert;
         of->fragment = piece_smooth_frag;
@@ -106,8 +105,7 @@ void ShadePass::declare(Frame& frame) const {
             rendering.depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR;
             begin_rendering(commands, rendering);
             // Some image must be bound where shaders name one, though without occlusion they do not read it.
-            frame.bind_image(context, frame.occlusion_set,
-                             frame.occlusion.valid() ? frame.occlusion : frame.shadow);
+            frame.bind_image(context, frame.occlusion_set, frame.occlusion.valid() ? frame.occlusion : frame.shadow);
             if (frame.draws_pieces()) {
                 const bool smooth = frame.scene.smooth;
                 if (smooth) {

@@ -10,8 +10,7 @@ namespace brittle::engine {
 
 class ShadePass {
   public:
-    ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
-              const Quality& quality);
+    ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, const Quality& quality);
     void declare(Frame& frame) const; // replaces frame.colour's and frame.depth's contents
 
   private:

@@ -7,8 +7,7 @@
 
 namespace brittle::engine {
 
-ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout, const SphereMesh& sphere)
-    : sphere_(sphere) {
+ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout, const SphereMesh& sphere) : sphere_(sphere) {
     const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
     // Front faces, although back faces would need no bias: where a piece stands on the ground, its back face
@@ -53,8 +52,7 @@ void ShadowPass::declare(Frame& frame) const {
             begin_rendering(context.commands, {.extent = context.extent(frame.shadow),
                                                .depth = context.view(frame.shadow),
                                                .depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR});
-            if (frame.draws_pieces())
-                draw_pieces(frame, context, frame.light_commands, {pipeline_, &fading_});
+            if (frame.draws_pieces()) draw_pieces(frame, context, frame.light_commands, {pipeline_, &fading_});
             if (spheres) sphere_.draw(context, spheres_, sphere, frame);
             vkCmdEndRendering(context.commands);
         });

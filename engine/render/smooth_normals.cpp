@@ -6,9 +6,8 @@ namespace brittle::engine {
 
 namespace {
 
-constexpr float crease_cosine =
-    0.70710678f; // of 45 degrees: what is meant as round is finer, what as an edge is not
-constexpr uint32_t most_compared = 64; // triangles around a vertex, each with each
+constexpr float crease_cosine = 0.70710678f; // of 45 degrees: what is meant as round is finer, what as an edge is not
+constexpr uint32_t most_compared = 64;       // triangles around a vertex, each with each
 
 glm::vec3 unit_or_zero(const glm::vec3& v) {
     const float length = glm::length(v);
@@ -21,8 +20,7 @@ struct Fans {
     std::vector<uint32_t> begin;
     std::vector<uint32_t> corners;
 
-    Fans(size_t vertices, std::span<const glm::uvec3> triangles)
-        : begin(vertices + 1), corners(3 * triangles.size()) {
+    Fans(size_t vertices, std::span<const glm::uvec3> triangles) : begin(vertices + 1), corners(3 * triangles.size()) {
         for (const glm::uvec3& t : triangles)
             for (int k = 0; k < 3; ++k) ++begin[t[k] + 1];
         for (size_t v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
@@ -51,8 +49,7 @@ SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<con
     std::vector<Copy> made; // at this vertex, the vertex itself among them
     for (uint32_t v = 0; v < positions.size(); ++v) {
         made.clear();
-        const std::span fan =
-            std::span(fans.corners).subspan(fans.begin[v], fans.begin[v + 1] - fans.begin[v]);
+        const std::span fan = std::span(fans.corners).subspan(fans.begin[v], fans.begin[v + 1] - fans.begin[v]);
         for (const uint32_t corner : fan) {
             const uint32_t t = corner / 3;
             glm::vec3 sum = areas[t];

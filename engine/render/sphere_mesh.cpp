@@ -25,8 +25,7 @@ std::vector<glm::vec3> unit_sphere() {
     for (int level = 0; level < 2; ++level) {
         std::vector<Corners> finer;
         for (const auto& [a, b, c] : faces) {
-            const glm::vec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c),
-                            ca = glm::normalize(c + a);
+            const glm::vec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c), ca = glm::normalize(c + a);
             finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
         }
         faces = std::move(finer);
@@ -43,8 +42,7 @@ SphereMesh::SphereMesh(const Device& device) {
     vertex_count_ = static_cast<uint32_t>(vertices.size());
     const auto bytes = std::as_bytes(std::span(vertices));
     vertices_ = DeviceBuffer(device, "sphere", bytes.size(),
-                             VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                             MemoryKind::device);
+                             VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device);
     const Upload uploads[] = {{&vertices_, bytes, Access::vertex_read}};
     upload(device, uploads);
 }

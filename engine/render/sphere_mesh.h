@@ -20,8 +20,7 @@ namespace brittle::engine {
 class SphereMesh {
   public:
     static constexpr std::array<VkVertexInputBindingDescription, 2> bindings{
-        {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
-         {1, sizeof(Sphere), VK_VERTEX_INPUT_RATE_INSTANCE}}};
+        {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(Sphere), VK_VERTEX_INPUT_RATE_INSTANCE}}};
     static constexpr std::array<VkVertexInputAttributeDescription, 2> attributes{
         {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0}, {1, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 0}}};
 

@@ -97,8 +97,7 @@ void UiPass::start_imgui(const Window& window, const std::function<void()>& prep
 }
 
 void UiPass::destroy_framebuffers() {
-    for (VkFramebuffer framebuffer : framebuffers_)
-        vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
+    for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
     framebuffers_.clear();
 }
 

@@ -12,11 +12,9 @@ void declare_upload(Frame& frame) {
     for (size_t i = 0; i < piece_arenas; ++i) {
         const DeviceBuffer& buffer = frame.pieces.old_buffers()[i];
         if (!buffer.handle()) continue;
-        old[i] = frame.graph.import_buffer("old " + std::string(PieceArena::name(i)), {buffer.size()},
-                                           {.initial = used_as[i],
-                                            .final = {},
-                                            .read_only = true,
-                                            .external = frame.external.add(buffer.handle())});
+        old[i] = frame.graph.import_buffer(
+            "old " + std::string(PieceArena::name(i)), {buffer.size()},
+            {.initial = used_as[i], .final = {}, .read_only = true, .external = frame.external.add(buffer.handle())});
     }
     frame.graph.add_pass(
         "upload", PassKind::transfer,

@@ -19,8 +19,7 @@ namespace detail {
 // The exact orientation by the sum of its six products, each an exact pair. Only near-collinear points come
 // here.
 inline double exact_orientation(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
-    std::array<double, 12>
-        expansion{}; // non-overlapping, from small to large; its sign is that of the last term
+    std::array<double, 12> expansion{}; // non-overlapping, from small to large; its sign is that of the last term
     size_t size = 0;
     const auto add = [&](double term) {
         size_t kept = 0;
@@ -65,8 +64,7 @@ inline double orientation(const glm::dvec2& a, const glm::dvec2& b, const glm::d
 
 // True where d certainly lies inside the circle through the counter-clockwise triangle a, b, c. Filtered
 // only: a doubtful sign gives false, which is what stops a chain of edge flips from running in circles.
-inline bool certainly_in_circle(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c,
-                                const glm::dvec2& d) {
+inline bool certainly_in_circle(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
     const glm::dvec2 p = a - d, q = b - d, r = c - d;
     const double pq = p.x * q.y, qp = q.x * p.y;
     const double qr = q.x * r.y, rq = r.x * q.y;
@@ -75,8 +73,8 @@ inline bool certainly_in_circle(const glm::dvec2& a, const glm::dvec2& b, const 
     const double qq = q.x * q.x + q.y * q.y;
     const double rr = r.x * r.x + r.y * r.y;
     const double determinant = pp * (qr - rq) + qq * (rp - pr) + rr * (pq - qp);
-    const double permanent = (std::abs(qr) + std::abs(rq)) * pp + (std::abs(rp) + std::abs(pr)) * qq
-                             + (std::abs(pq) + std::abs(qp)) * rr;
+    const double permanent =
+        (std::abs(qr) + std::abs(rq)) * pp + (std::abs(rp) + std::abs(pr)) * qq + (std::abs(pq) + std::abs(qp)) * rr;
     constexpr double u = 0x1.0p-53;
     constexpr double bound = (10.0 + 96.0 * u) * u;
     return determinant > bound * permanent;

@@ -34,20 +34,34 @@ enum class Status {
 // The status in words, e.g. "malformed_file"; a static string.
 [[nodiscard]] constexpr const char* to_string(Status status) {
     switch (status) {
-    case Status::file_not_found: return "file_not_found";
-    case Status::unsupported_format: return "unsupported_format";
-    case Status::malformed_file: return "malformed_file";
-    case Status::empty_mesh: return "empty_mesh";
-    case Status::invalid_mesh: return "invalid_mesh";
-    case Status::not_closed: return "not_closed";
-    case Status::non_manifold: return "non_manifold";
-    case Status::not_oriented: return "not_oriented";
-    case Status::inside_out: return "inside_out";
-    case Status::no_volume: return "no_volume";
-    case Status::invalid_sites: return "invalid_sites";
-    case Status::invalid_setting: return "invalid_setting";
-    case Status::cancelled: return "cancelled";
-    case Status::write_failed: return "write_failed";
+    case Status::file_not_found:
+        return "file_not_found";
+    case Status::unsupported_format:
+        return "unsupported_format";
+    case Status::malformed_file:
+        return "malformed_file";
+    case Status::empty_mesh:
+        return "empty_mesh";
+    case Status::invalid_mesh:
+        return "invalid_mesh";
+    case Status::not_closed:
+        return "not_closed";
+    case Status::non_manifold:
+        return "non_manifold";
+    case Status::not_oriented:
+        return "not_oriented";
+    case Status::inside_out:
+        return "inside_out";
+    case Status::no_volume:
+        return "no_volume";
+    case Status::invalid_sites:
+        return "invalid_sites";
+    case Status::invalid_setting:
+        return "invalid_setting";
+    case Status::cancelled:
+        return "cancelled";
+    case Status::write_failed:
+        return "write_failed";
     }
     return "unknown";
 }

@@ -84,9 +84,7 @@ void Threads::each_chunk(uint32_t count, const Body& body) {
 
 void Threads::run(uint32_t n, uint32_t count, Call invoke, const void* body) {
     void* const callee = const_cast<void*>(body);
-    const auto bound = [&](uint32_t k) {
-        return static_cast<uint32_t>(static_cast<uint64_t>(n) * k / count);
-    };
+    const auto bound = [&](uint32_t k) { return static_cast<uint32_t>(static_cast<uint64_t>(n) * k / count); };
     if (!log_) {
         each_chunk(count, [&](uint32_t k, uint32_t) { invoke(callee, k, bound(k), bound(k + 1)); });
         return;

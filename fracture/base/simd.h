@@ -10,8 +10,8 @@
 #define BRITTLE_SIMD
 #endif
 #endif
-#if !defined(BRITTLE_SIMD) && defined(__x86_64__) && defined(__gnu_linux__)                                  \
-    && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(BRITTLE_SIMD) && defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__)          \
+    && !defined(__SANITIZE_THREAD__)
 #define BRITTLE_SIMD __attribute__((target_clones("avx2", "default")))
 #endif
 #if !defined(BRITTLE_SIMD)

@@ -18,9 +18,9 @@ namespace brittle::fracture {
 class WorkLog {
   public:
     struct Slice {
-        const char* step;     // what the loop is part of, as Threads::name_step() had it last
-        uint32_t begin, end;  // the run of items: cells, triangles, ...
-        int64_t from, to;     // nanoseconds of std::chrono::steady_clock
+        const char* step;    // what the loop is part of, as Threads::name_step() had it last
+        uint32_t begin, end; // the run of items: cells, triangles, ...
+        int64_t from, to;    // nanoseconds of std::chrono::steady_clock
     };
 
     void clear(); // keeps the memory

@@ -10,11 +10,11 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/arithmetic/plane_predicates.h"
+#include "fracture/base/union_find.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/intersections.h"
-#include "fracture/arithmetic/plane_predicates.h"
 #include "fracture/mesh/thickness.h"
-#include "fracture/base/union_find.h"
 
 namespace brittle::fracture {
 
@@ -123,7 +123,8 @@ void find_rims_and_components(const TriangleMesh& mesh, size_t most_places, Insp
         rim.length += glm::distance(mesh.positions[edge.low], mesh.positions[edge.high]);
     }
     for (const auto& [root, rim] : rims) out.rims.push_back(rim);
-    std::stable_sort(out.rims.begin(), out.rims.end(), [](const auto& x, const auto& y) { return x.length > y.length; });
+    std::stable_sort(out.rims.begin(), out.rims.end(),
+                     [](const auto& x, const auto& y) { return x.length > y.length; });
 
     for (uint32_t k = 0; k < out.components.size(); ++k) {
         Inspection::Component& own = out.components[k];
@@ -133,8 +134,8 @@ void find_rims_and_components(const TriangleMesh& mesh, size_t most_places, Insp
         for (uint32_t t = 0; t < component.size(); ++t)
             if (out.components[component[t]].closed && out.components[component[t]].volume > 0.0)
                 others.triangles.push_back(mesh.triangles[t]);
-        own.is_cavity = !others.triangles.empty()
-                        && InsideTest(others)(mesh.positions[mesh.triangles[own.first_triangle].x]);
+        own.is_cavity =
+            !others.triangles.empty() && InsideTest(others)(mesh.positions[mesh.triangles[own.first_triangle].x]);
         own.is_inside_out = !own.is_cavity;
         if (k > 1000) break; // crumbs: each costs a look at the whole mesh
     }
@@ -192,17 +193,24 @@ std::string guess_units(double longest) {
 std::string verdict(const Inspection& i) {
     if (i.refusal) {
         switch (*i.refusal) {
-        case Status::empty_mesh: return "refuses it: there are no triangles.";
+        case Status::empty_mesh:
+            return "refuses it: there are no triangles.";
         case Status::invalid_mesh:
             return "refuses it: an index or a coordinate is out of range, or a triangle names a vertex twice.";
-        case Status::not_closed: return "refuses it: the surface has holes. brittle repair closes them.";
+        case Status::not_closed:
+            return "refuses it: the surface has holes. brittle repair closes them.";
         case Status::non_manifold:
-            return "refuses it: more than two triangles share an edge. brittle repair drops what is double and separates "
+            return "refuses it: more than two triangles share an edge. brittle repair drops what is double and "
+                   "separates "
                    "parts that touch.";
-        case Status::not_oriented: return "refuses it: neighbouring triangles face opposite ways. brittle repair turns them.";
-        case Status::inside_out: return "refuses it: it faces inwards. brittle repair turns it.";
-        case Status::no_volume: return "refuses it: it encloses nothing.";
-        default: return std::string("refuses it: ") + to_string(*i.refusal) + ".";
+        case Status::not_oriented:
+            return "refuses it: neighbouring triangles face opposite ways. brittle repair turns them.";
+        case Status::inside_out:
+            return "refuses it: it faces inwards. brittle repair turns it.";
+        case Status::no_volume:
+            return "refuses it: it encloses nothing.";
+        default:
+            return std::string("refuses it: ") + to_string(*i.refusal) + ".";
         }
     }
     if (i.intersections > 0)
@@ -248,9 +256,12 @@ Inspection inspect(const TriangleMesh& mesh, const InspectSettings& settings) {
     out.all_pairs_seen = crossing.complete;
 
     const double diagonal = glm::length(out.box.size());
-    if (!out.topology.closed()) out.refusal = status_of(out.topology);
-    else if (std::abs(out.volume) <= least_volume * out.area * diagonal) out.refusal = Status::no_volume;
-    else if (out.volume < 0.0) out.refusal = Status::inside_out;
+    if (!out.topology.closed())
+        out.refusal = status_of(out.topology);
+    else if (std::abs(out.volume) <= least_volume * out.area * diagonal)
+        out.refusal = Status::no_volume;
+    else if (out.volume < 0.0)
+        out.refusal = Status::inside_out;
     return out;
 }
 
@@ -270,8 +281,8 @@ std::string describe(const Inspection& i) {
     line("surface", i.topology.manifold() ? "closed, oriented, manifold" : describe(i.topology));
     if (!i.rims.empty())
         line("holes", count(i.rims.size(), "rim", "rims") + ", the longest of "
-                          + count(i.rims[0].edges, "edge", "edges") + format(", %.4g long, at vertex ", i.rims[0].length)
-                          + std::to_string(i.rims[0].vertex));
+                          + count(i.rims[0].edges, "edge", "edges")
+                          + format(", %.4g long, at vertex ", i.rims[0].length) + std::to_string(i.rims[0].vertex));
     const auto number = [&](auto member) {
         return static_cast<uint64_t>(
             std::count_if(i.components.begin(), i.components.end(), [&](const auto& c) { return c.*member; }));
@@ -291,8 +302,8 @@ std::string describe(const Inspection& i) {
                               + " where they should not, the first " + std::to_string(i.first_intersection->x) + " and "
                               + std::to_string(i.first_intersection->y));
     if (i.thin_share > 0.0)
-        line("thin", format("%.3g %% of the surface is thinner than %.3g, the thinnest %.3g at triangle ", 100.0 * i.thin_share,
-                            Inspection::thin_limit * glm::length(size), *i.least_thickness)
+        line("thin", format("%.3g %% of the surface is thinner than %.3g, the thinnest %.3g at triangle ",
+                            100.0 * i.thin_share, Inspection::thin_limit * glm::length(size), *i.least_thickness)
                          + std::to_string(i.thinnest_triangle));
     if (!i.all_pairs_seen) line("", "not all pairs of triangles were looked at for crossings: too many are close");
     line("fracture", verdict(i));

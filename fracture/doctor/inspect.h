@@ -43,7 +43,7 @@ struct Inspection {
     uint64_t unused_vertices = 0;
     uint64_t flat_triangles = 0; // exactly no area: corners on one line, or equal
     std::optional<uint32_t> first_flat_triangle;
-    uint64_t duplicate_triangles = 0; // the same three vertices as one before, either way around
+    uint64_t duplicate_triangles = 0;          // the same three vertices as one before, either way around
     std::optional<glm::uvec2> first_duplicate; // with the one before
 
     // Of triangles: they cross, touch, or lie on each other without sharing all that they touch in. Exact.
@@ -67,8 +67,8 @@ struct Inspection {
     struct Component { // connected over vertices
         uint32_t first_triangle = 0;
         uint64_t triangles = 0;
-        double volume = 0.0;   // signed
-        bool closed = false;   // every edge is used once in each direction
+        double volume = 0.0;        // signed
+        bool closed = false;        // every edge is used once in each direction
         bool is_cavity = false;     // closed, inwards, inside another
         bool is_inside_out = false; // closed, inwards, inside none
     };

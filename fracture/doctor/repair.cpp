@@ -5,9 +5,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/arithmetic/plane_predicates.h"
 #include "fracture/doctor/mending/spare_patches.h"
 #include "fracture/doctor/mending/steps.h"
-#include "fracture/arithmetic/plane_predicates.h"
 #include "fracture/mesh/topology.h"
 
 namespace brittle::fracture {
@@ -78,11 +78,9 @@ void count_rest(const Work& work, RepairReport& report) {
         if (work.turned[t] && work.source[t] != no_index) report.turned_triangles.add(work.source[t]);
     const TopologyReport topology = check_topology(work.mesh.positions.size(), work.mesh.triangles);
     if (topology.non_manifold_edges > 0)
-        report.crowded_edges.add(work.origin[topology.first_non_manifold_edge->x],
-                                 topology.non_manifold_edges);
+        report.crowded_edges.add(work.origin[topology.first_non_manifold_edge->x], topology.non_manifold_edges);
     if (topology.misoriented_edges > 0)
-        report.misoriented_edges.add(work.origin[topology.first_misoriented_edge->x],
-                                     topology.misoriented_edges);
+        report.misoriented_edges.add(work.origin[topology.first_misoriented_edge->x], topology.misoriented_edges);
     for (uint32_t t = 0; t < work.mesh.triangles.size(); ++t)
         if (work.source[t] != no_index && is_flat(work.mesh, work.mesh.triangles[t]))
             report.flat_triangles.add(work.source[t]);
@@ -109,8 +107,8 @@ Repaired repair(const TriangleMesh& mesh, const RepairSettings& settings) {
 }
 
 bool RepairReport::changed() const {
-    return welded_vertices.count + degenerate_triangles.count + duplicate_triangles.count
-               + spare_triangles.count + loose_triangles.count + covered_parts.count + turned_triangles.count + split_vertices.count
+    return welded_vertices.count + degenerate_triangles.count + duplicate_triangles.count + spare_triangles.count
+               + loose_triangles.count + covered_parts.count + turned_triangles.count + split_vertices.count
                + halved_edges.count + closed_holes.count
            > 0;
 }
@@ -118,12 +116,10 @@ bool RepairReport::changed() const {
 std::string describe(const RepairReport& report) {
     if (report.too_large) return "not repaired: more than 2^30 triangles or vertices\n";
     std::string text;
-    const auto line = [&](const RepairReport::Change& change, const char* one, const char* many,
-                          const char* where) {
+    const auto line = [&](const RepairReport::Change& change, const char* one, const char* many, const char* where) {
         if (change.count == 0) return;
         text += count(change.count, one, many);
-        if (change.first != no_index)
-            text += std::string(", the first ") + where + " " + std::to_string(change.first);
+        if (change.first != no_index) text += std::string(", the first ") + where + " " + std::to_string(change.first);
         text += '\n';
     };
     line(report.bad_triangles, "triangle names a vertex that is not there: not repaired",
@@ -133,10 +129,9 @@ std::string describe(const RepairReport& report) {
     line(report.welded_vertices, "vertex welded to another", "vertices welded to others", "is vertex");
     line(report.degenerate_triangles, "triangle that named a vertex twice dropped",
          "triangles that named a vertex twice dropped", "is triangle");
-    line(report.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped",
+    line(report.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped", "is triangle");
+    line(report.spare_triangles, "triangle that covered another dropped", "triangles that covered others dropped",
          "is triangle");
-    line(report.spare_triangles, "triangle that covered another dropped",
-         "triangles that covered others dropped", "is triangle");
     line(report.loose_triangles, "loose triangle dropped", "loose triangles dropped", "is triangle");
     line(report.covered_parts, "part inside another dropped", "parts inside others dropped", "begins with triangle");
     line(report.turned_triangles, "triangle turned", "triangles turned", "is triangle");
@@ -146,14 +141,14 @@ std::string describe(const RepairReport& report) {
                 + std::to_string(report.closed_holes.first) + '\n';
     line(report.new_vertices, "vertex added in the middle of a hole", "vertices added in the middle of holes",
          "next to vertex");
-    line(report.cut_edges, "edge cut where a surface has one side only",
-         "edges cut where a surface has one side only", "at vertex");
-    line(report.split_edges, "edge of more than two triangles split",
-         "edges of more than two triangles split", "at vertex");
+    line(report.cut_edges, "edge cut where a surface has one side only", "edges cut where a surface has one side only",
+         "at vertex");
+    line(report.split_edges, "edge of more than two triangles split", "edges of more than two triangles split",
+         "at vertex");
     line(report.halved_edges, "edge halved to tell it from another", "edges halved to tell them from others",
          "at vertex");
-    line(report.split_vertices, "vertex added where parts only touched",
-         "vertices added where parts only touched", "a copy of vertex");
+    line(report.split_vertices, "vertex added where parts only touched", "vertices added where parts only touched",
+         "a copy of vertex");
     line(report.open_rims, "hole left open: too long", "holes left open: too long", "at vertex");
     line(report.long_rims, "hole left open: more than 4096 edges and not simple from the front",
          "holes left open: more than 4096 edges and not simple from the front", "at vertex");

@@ -38,9 +38,8 @@ double distance2(const glm::dvec3& a, const glm::dvec3& b) {
 
 } // namespace
 
-void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
-                    std::span<const SiteId> cell_of, bool guessed, Threads& threads,
-                    std::vector<SiteId>& cell_of_triangle, Cut& cut) {
+void sort_triangles(const Surface& surface, std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
+                    bool guessed, Threads& threads, std::vector<SiteId>& cell_of_triangle, Cut& cut) {
     const uint32_t count = size_of(triangles);
     cell_of_triangle.resize(count);
     const uint32_t parts = threads.chunks(count, kLeastTriangles);
@@ -52,8 +51,7 @@ void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
         uint32_t crossing = 0;
         for (uint32_t t = begin; t < end; ++t) {
             if (guessed && (cell_of_triangle[t] & Classifier::crossing) == 0 && !left_out(t)) continue;
-            const SiteId a = cell_of[triangles[t].x], b = cell_of[triangles[t].y],
-                         c = cell_of[triangles[t].z];
+            const SiteId a = cell_of[triangles[t].x], b = cell_of[triangles[t].y], c = cell_of[triangles[t].z];
             const bool whole = a == b && b == c;
             const bool used = !left_out(t);
             if (!used)
@@ -148,8 +146,7 @@ void Assembler::count(const Input& input, Threads& threads) {
     threads.for_chunks(cut.chunk_count, 1, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t k = begin; k < end; ++k) {
             uint32_t* const row = triangle_table_.row(polygon_row_ + k);
-            for (const Polygon& polygon : cut.chunks[k].polygons)
-                row[polygon.cell] += polygon.end - polygon.begin - 2;
+            for (const Polygon& polygon : cut.chunks[k].polygons) row[polygon.cell] += polygon.end - polygon.begin - 2;
         }
     });
     threads.for_chunks(size_of(input.caps), 1, [&](uint32_t, uint32_t begin, uint32_t end) {
@@ -173,8 +170,7 @@ void Assembler::lay_out(const Input& input, Threads& threads, Fragments& out) {
     // A row starts at a rank where all before it have ended.
     const uint32_t* const first_edge_point = vertex_table_.row(edge_row_);
     const uint32_t* const first_polygon = triangle_table_.row(polygon_row_);
-    const uint32_t* const first_cap =
-        input.caps.empty() ? triangle_total_.data() : triangle_table_.row(cap_row_);
+    const uint32_t* const first_cap = input.caps.empty() ? triangle_total_.data() : triangle_table_.row(cap_row_);
     for (SiteId c = 0; c < cells; ++c) {
         CellRun& cell = cells_[c];
         cell.vertices = {vertices, vertices + vertex_total_[c]};
@@ -200,40 +196,36 @@ void Assembler::place_vertices(const Input& input, Threads& threads, Fragments& 
         out.vertex_point[at] = id.bits();
     };
     local_of_mesh_.resize(input.cell_of.size());
-    threads.for_chunks(size_of(input.cell_of), kLeastVertices,
-                       [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-                           uint32_t* const row = vertex_table_.row(chunk);
-                           const auto& component = input.surface.components();
-                           for (uint32_t v = begin; v < end; ++v) {
-                               if (component[v] == kNone) continue;
-                               const SiteId c = input.cell_of[v];
-                               local_of_mesh_[v] = row[c]++;
-                               put(c, local_of_mesh_[v], {VertexId::mesh, v}, input.mesh.positions[v]);
-                           }
-                       });
-    const auto place = [&](uint32_t* row, auto& local, const auto& cells, VertexId id,
-                           const glm::dvec3& position) {
+    threads.for_chunks(size_of(input.cell_of), kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        uint32_t* const row = vertex_table_.row(chunk);
+        const auto& component = input.surface.components();
+        for (uint32_t v = begin; v < end; ++v) {
+            if (component[v] == kNone) continue;
+            const SiteId c = input.cell_of[v];
+            local_of_mesh_[v] = row[c]++;
+            put(c, local_of_mesh_[v], {VertexId::mesh, v}, input.mesh.positions[v]);
+        }
+    });
+    const auto place = [&](uint32_t* row, auto& local, const auto& cells, VertexId id, const glm::dvec3& position) {
         for (size_t k = 0; k < cells.size() && cells[k] != kNone; ++k) {
             local[k] = row[cells[k]]++;
             put(cells[k], local[k], id, position * to_input);
         }
     };
-    threads.for_chunks(
-        size_of(cut.edge_points), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-            uint32_t* const row = vertex_table_.row(edge_row_ + chunk);
-            for (uint32_t p = begin; p < end; ++p) {
-                EdgePoint& point = cut.edge_points[p];
-                place(row, point.local, point.cells, {VertexId::edge, p}, cut.edge_positions[p]);
-            }
-        });
-    threads.for_chunks(
-        size_of(cut.pierce_points), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-            uint32_t* const row = vertex_table_.row(pierce_row_ + chunk);
-            for (uint32_t p = begin; p < end; ++p) {
-                PiercePoint& point = cut.pierce_points[p];
-                place(row, point.local, point.cells, {VertexId::pierce, p}, cut.pierce_positions[p]);
-            }
-        });
+    threads.for_chunks(size_of(cut.edge_points), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        uint32_t* const row = vertex_table_.row(edge_row_ + chunk);
+        for (uint32_t p = begin; p < end; ++p) {
+            EdgePoint& point = cut.edge_points[p];
+            place(row, point.local, point.cells, {VertexId::edge, p}, cut.edge_positions[p]);
+        }
+    });
+    threads.for_chunks(size_of(cut.pierce_points), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        uint32_t* const row = vertex_table_.row(pierce_row_ + chunk);
+        for (uint32_t p = begin; p < end; ++p) {
+            PiercePoint& point = cut.pierce_points[p];
+            place(row, point.local, point.cells, {VertexId::pierce, p}, cut.pierce_positions[p]);
+        }
+    });
     threads.for_chunks(size_of(cut.nodes), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = vertex_table_.row(node_row_ + chunk);
         for (uint32_t n = begin; n < end; ++n) {
@@ -244,19 +236,18 @@ void Assembler::place_vertices(const Input& input, Threads& threads, Fragments& 
 }
 
 void Assembler::place_whole(const Input& input, Threads& threads, Fragments& out) {
-    threads.for_chunks(size_of(input.cell_of_triangle), kLeastTriangles,
-                       [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-                           uint32_t* const row = triangle_table_.row(chunk);
-                           for (uint32_t t = begin; t < end; ++t) {
-                               const SiteId c = input.cell_of_triangle[t];
-                               if (c == kNone) continue;
-                               const uint32_t at = cells_[c].triangles.begin + row[c]++;
-                               const Triangle& corners = input.mesh.triangles[t];
-                               out.triangles[at] = {local_of_mesh_[corners.x], local_of_mesh_[corners.y],
-                                                    local_of_mesh_[corners.z]};
-                               out.triangle_source[at] = t;
-                           }
-                       });
+    threads.for_chunks(
+        size_of(input.cell_of_triangle), kLeastTriangles, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+            uint32_t* const row = triangle_table_.row(chunk);
+            for (uint32_t t = begin; t < end; ++t) {
+                const SiteId c = input.cell_of_triangle[t];
+                if (c == kNone) continue;
+                const uint32_t at = cells_[c].triangles.begin + row[c]++;
+                const Triangle& corners = input.mesh.triangles[t];
+                out.triangles[at] = {local_of_mesh_[corners.x], local_of_mesh_[corners.y], local_of_mesh_[corners.z]};
+                out.triangle_source[at] = t;
+            }
+        });
 }
 
 void Assembler::place_polygons(const Input& input, Threads& threads, Fragments& out) {

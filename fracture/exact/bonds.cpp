@@ -26,8 +26,7 @@ void add(std::vector<Bond>& bonds, uint32_t a, uint32_t b, double area, const gl
 
 void merge_equal(std::vector<Bond>& bonds) {
     const auto before = [](const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); };
-    if (!std::is_sorted(bonds.begin(), bonds.end(), before))
-        std::stable_sort(bonds.begin(), bonds.end(), before);
+    if (!std::is_sorted(bonds.begin(), bonds.end(), before)) std::stable_sort(bonds.begin(), bonds.end(), before);
     size_t kept = 0;
     for (const Bond& bond : bonds) {
         if (kept > 0 && bonds[kept - 1].a == bond.a && bonds[kept - 1].b == bond.b) {

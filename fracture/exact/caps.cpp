@@ -64,25 +64,20 @@ class Capper::Worker {
     void find_strands(const Context& context, int32_t sheet);
     void trace_strands(const Context& context, const VoronoiDiagram::Facet& facet, CapChunk& out);
     void trace_chains(const Context& context, std::span<const uint32_t> edge_points, CapChunk& out);
-    bool follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at,
-                      CapChunk& out);
+    bool follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at, CapChunk& out);
     void begin_loop(const CapChunk& out) { loop_begin_ = out.corners.size(); }
     void end_loop(CapChunk& out);
-    void triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
-                           CapChunk& out);
+    void triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap, CapChunk& out);
 
-    void find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
-                    const CapChunk& out);
+    void find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap, const CapChunk& out);
     void split_diagonals_along_sides(const Context& context, Cap& cap, CapChunk& out);
     void separate_fans(const Context& context, Cap& cap, CapChunk& out);
     uint32_t add_node(const Context& context, const glm::dvec3& position, Cap& cap, CapChunk& out);
 
     std::vector<Stop> stops_;
-    std::vector<std::array<uint32_t, 2>>
-        sides_; // of each corner of the cap: the Voronoi edges that it lies on
-    std::vector<std::array<uint32_t, 2>>
-        along_;          // directed edges of triangles with both ends on one Voronoi edge
-    struct FanTriangle { // of the fan around a corner, with the triangle's other two corners
+    std::vector<std::array<uint32_t, 2>> sides_; // of each corner of the cap: the Voronoi edges that it lies on
+    std::vector<std::array<uint32_t, 2>> along_; // directed edges of triangles with both ends on one Voronoi edge
+    struct FanTriangle {                         // of the fan around a corner, with the triangle's other two corners
         uint32_t next, previous;
         uint32_t triangle;
         bool visited;
@@ -168,8 +163,7 @@ bool Capper::Worker::follow_chain(const Context& context, const VoronoiDiagram::
                                   CapChunk& out) {
     const PiercePoint& from = context.cut.pierce_points[at.index()];
     const auto place = [&](uint32_t site) {
-        return static_cast<uint32_t>(std::find(from.cells.begin(), from.cells.end(), site)
-                                     - from.cells.begin());
+        return static_cast<uint32_t>(std::find(from.cells.begin(), from.cells.end(), site) - from.cells.begin());
     };
     out.corners.push_back(at);
     at = from.next[pair_index(place(facet.i), place(facet.j))];
@@ -182,8 +176,7 @@ bool Capper::Worker::follow_chain(const Context& context, const VoronoiDiagram::
     return !at.is_none() && at.kind() == VertexId::pierce;
 }
 
-void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram::Facet& facet,
-                                   CapChunk& out) {
+void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram::Facet& facet, CapChunk& out) {
     for (Strand& first : strands_) {
         if (first.used) continue;
         begin_loop(out);
@@ -213,8 +206,7 @@ void Capper::Worker::trace_strands(const Context& context, const VoronoiDiagram:
     }
 }
 
-void Capper::Worker::trace_chains(const Context& context, std::span<const uint32_t> edge_points,
-                                  CapChunk& out) {
+void Capper::Worker::trace_chains(const Context& context, std::span<const uint32_t> edge_points, CapChunk& out) {
     for (const uint32_t first : edge_points) {
         if (context.visited[first]) continue;
         begin_loop(out);
@@ -243,8 +235,8 @@ void Capper::Worker::end_loop(CapChunk& out) {
     for (size_t k = 0; k < n; ++k) loop[k] = static_cast<uint32_t>(loop_begin_ - cap_begin_ + k);
 }
 
-void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet,
-                                       const Cap& cap, CapChunk& out) {
+void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+                                       CapChunk& out) {
     const glm::dvec3& site = context.scene.sites[facet.i];
     const glm::dvec3 normal = context.scene.sites[facet.j] - site;
     flat_.clear();
@@ -285,8 +277,7 @@ void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Fa
 }
 
 // A corner of the cap that belongs to this facet alone; returns its index in the cap.
-uint32_t Capper::Worker::add_node(const Context& context, const glm::dvec3& position, Cap& cap,
-                                  CapChunk& out) {
+uint32_t Capper::Worker::add_node(const Context& context, const glm::dvec3& position, Cap& cap, CapChunk& out) {
     const auto id = static_cast<uint32_t>(context.cut.nodes.size() + out.added_nodes.size());
     out.added_nodes.push_back({cap.facet, position});
     out.corners.push_back({VertexId::node, id});
@@ -305,8 +296,7 @@ void Capper::Worker::separate_fans(const Context& context, Cap& cap, CapChunk& o
     fans_.resize(fan_begin_.back());
     for (uint32_t t = cap.triangles_begin; t < out.triangles.size(); ++t) {
         const Triangle& c = out.triangles[t];
-        for (int m = 0; m < 3; ++m)
-            fans_[fan_begin_[c[m] + 1]++] = {c[(m + 1) % 3], c[(m + 2) % 3], t, false};
+        for (int m = 0; m < 3; ++m) fans_[fan_begin_[c[m] + 1]++] = {c[(m + 1) % 3], c[(m + 2) % 3], t, false};
     }
     for (size_t k = 0; k < loop_count_; ++k) {
         const uint32_t first = loops_[k].front(), n = static_cast<uint32_t>(loops_[k].size());
@@ -314,9 +304,8 @@ void Capper::Worker::separate_fans(const Context& context, Cap& cap, CapChunk& o
             const std::span fan(fans_.data() + fan_begin_[v], fan_begin_[v + 1] - fan_begin_[v]);
             const auto walk = [&](uint32_t from, uint32_t corner) {
                 for (;;) {
-                    const auto at = std::find_if(fan.begin(), fan.end(), [&](const FanTriangle& f) {
-                        return f.next == from && !f.visited;
-                    });
+                    const auto at = std::find_if(fan.begin(), fan.end(),
+                                                 [&](const FanTriangle& f) { return f.next == from && !f.visited; });
                     if (at == fan.end()) return;
                     at->visited = true;
                     from = at->previous;
@@ -351,8 +340,7 @@ void Capper::Worker::split_diagonals_along_sides(const Context& context, Cap& ca
     // Sides of the cap are run in one direction only, diagonals in both.
     std::sort(along_.begin(), along_.end());
     for (const auto& [a, b] : along_) {
-        if (a > b || !std::binary_search(along_.begin(), along_.end(), std::array<uint32_t, 2>{b, a}))
-            continue;
+        if (a > b || !std::binary_search(along_.begin(), along_.end(), std::array<uint32_t, 2>{b, a})) continue;
         const glm::dvec3 p = cap_position(context.cut, out.corners[cap.corners_begin + a]);
         const glm::dvec3 q = cap_position(context.cut, out.corners[cap.corners_begin + b]);
         const uint32_t middle = add_node(context, 0.5 * (p + q), cap, out);
@@ -373,8 +361,7 @@ void Capper::Worker::split_diagonals_along_sides(const Context& context, Cap& ca
     }
 }
 
-void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uint32_t> edge_points,
-                         CapChunk& out) {
+void Capper::Worker::cap(const Context& context, uint32_t f, std::span<const uint32_t> edge_points, CapChunk& out) {
     const VoronoiDiagram::Facet& facet = context.diagram.facets[f];
     const bool strands = walk_around(context, facet);
     if (!strands && edge_points.empty()) return;
@@ -450,9 +437,8 @@ bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Windin
         out.triangles.clear();
         workers_[k].start();
         for (uint32_t f = begin; f < end; ++f) {
-            workers_[k].cap(
-                context, f,
-                std::span(points_).subspan(points_begin_[f], points_begin_[f + 1] - points_begin_[f]), out);
+            workers_[k].cap(context, f,
+                            std::span(points_).subspan(points_begin_[f], points_begin_[f + 1] - points_begin_[f]), out);
         }
     });
     number_added_nodes(diagram, cut);

@@ -14,11 +14,11 @@
 #include <span>
 #include <vector>
 
-#include "fracture/exact/cut.h"
 #include "fracture/base/parallel.h"
+#include "fracture/exact/cut.h"
+#include "fracture/exact/voronoi.h"
 #include "fracture/exact/winding.h"
 #include "fracture/triangulation/triangulate.h"
-#include "fracture/exact/voronoi.h"
 
 namespace brittle::fracture::exact {
 
@@ -53,8 +53,7 @@ class Capper {
   public:
     // After TriangleCutter::run() and Winding::compute(). May add to cut.nodes. False where the loops do not
     // close, which a closed surface rules out.
-    bool run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, Cut& cut,
-             Threads& threads);
+    bool run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, Cut& cut, Threads& threads);
 
     // Facets ascend over the chunks.
     [[nodiscard]] std::span<const CapChunk> chunks() const { return {chunks_.data(), chunk_count_}; }

@@ -29,8 +29,7 @@ namespace simd {
 
 // Values of the plane at n vertices and their error bounds; returns how many are not certainly positive.
 BRITTLE_SIMD uint64_t plane_values(const double* x, const double* y, const double* z, const double* ew,
-                                   const double* ex, uint32_t n, const Bisector& l, double* value,
-                                   double* bound) {
+                                   const double* ex, uint32_t n, const Bisector& l, double* value, double* bound) {
     const double nx = l.n.x, ny = l.n.y, nz = l.n.z, h = l.h, ah = l.magnitude(), length = l.length;
     uint64_t doubtful = 0;
     for (uint32_t v = 0; v < n; ++v) {
@@ -170,16 +169,15 @@ SiteTree::Reach CellBuilder::reach() const {
 }
 
 CellBuilder::Cut CellBuilder::find_removed(const Bisector& l, SiteId site) {
-    const uint64_t doubtful = simd::plane_values(x_.data(), y_.data(), z_.data(), ew_.data(), ex_.data(),
-                                                 count_, l, value_.data(), bound_.data());
+    const uint64_t doubtful = simd::plane_values(x_.data(), y_.data(), z_.data(), ew_.data(), ex_.data(), count_, l,
+                                                 value_.data(), bound_.data());
     if (doubtful == 0) return Cut::none;
     removed_.clear();
     for (uint32_t v = 0; v < count_; ++v) {
         if (value_[v] > bound_[v]) continue;
         if (!(value_[v] < -bound_[v])) {
             const auto& [a, b, d] = corner_[v];
-            if (side4_exact(*diagram_, c_, plane_id_[a], plane_id_[b], plane_id_[d], site, stats) > 0)
-                continue;
+            if (side4_exact(*diagram_, c_, plane_id_[a], plane_id_[b], plane_id_[d], site, stats) > 0) continue;
         }
         removed_.push_back(v);
     }

@@ -59,8 +59,7 @@ class CellBuilder {
     // bound |h| * ew + |n| * ex; infinite where the position is meaningless.
     std::vector<double> x_, y_, z_, ew_, ex_;
     std::vector<std::array<uint32_t, 3>> corner_; // plane slots (a,b,d)
-    std::vector<std::array<uint32_t, 3>>
-        beside_; // [e]: the vertex at the other end of the edge between planes e, e+1
+    std::vector<std::array<uint32_t, 3>> beside_; // [e]: the vertex at the other end of the edge between planes e, e+1
     uint32_t count_ = 0;
     uint32_t unreliable_ = 0; // vertices whose position may be far off
 

@@ -82,9 +82,7 @@ KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3&
         const LeastDistance least = least_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
                                                       static_cast<float>(y.y), static_cast<float>(y.z));
         if (least.distance > cell.float_error) {
-            return {c, q,
-                    kBallSlack
-                        * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
+            return {c, q, kBallSlack * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
         }
         if (least.distance < -cell.float_error) {
             c = frames.site[least.slot];
@@ -97,8 +95,8 @@ KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3&
 }
 
 void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
-              std::span<const glm::dvec3> positions, bool guessed, Threads& threads,
-              std::vector<SiteId>& cell_of, PredicateStats& stats) {
+              std::span<const glm::dvec3> positions, bool guessed, Threads& threads, std::vector<SiteId>& cell_of,
+              PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(positions.size());
     cell_of.resize(count);
     const auto any = std::find(diagram.cell_is_empty.begin(), diagram.cell_is_empty.end(), uint8_t{0});

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
+#include "fracture/base/parallel.h"
 #include "fracture/classifier.h"
 #include "fracture/exact/frames.h"
-#include "fracture/base/parallel.h"
 #include "fracture/exact/predicates.h"
 
 namespace brittle::fracture::exact {
@@ -24,12 +24,12 @@ struct KnownBall {
 };
 
 // The ball of q's cell around q, by walking from the cell of `from`.
-[[nodiscard]] KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q,
-                               const KnownBall& from, PredicateStats& stats);
+[[nodiscard]] KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, const KnownBall& from,
+                               PredicateStats& stats);
 
 // Cells of all positions; they must lie in the problem's box. Where `guessed`, cell_of holds a classifier's answers.
 void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
-              std::span<const glm::dvec3> positions, bool guessed, Threads& threads,
-              std::vector<SiteId>& cell_of, PredicateStats& stats);
+              std::span<const glm::dvec3> positions, bool guessed, Threads& threads, std::vector<SiteId>& cell_of,
+              PredicateStats& stats);
 
 } // namespace brittle::fracture::exact

@@ -48,8 +48,7 @@ class TriangleCutter::Worker {
         stats = {};
     }
 
-    void cut_simple(const CrossingTriangle& crossing, const Triangle& t, std::span<const SiteId> cell_of,
-                    Cut& cut);
+    void cut_simple(const CrossingTriangle& crossing, const Triangle& t, std::span<const SiteId> cell_of, Cut& cut);
     // False where it is no such triangle, and nothing was done.
     [[nodiscard]] bool cut_around_point(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
                                         std::span<const SiteId> cell_of);
@@ -111,9 +110,7 @@ void TriangleCutter::Worker::cut_simple(const CrossingTriangle& crossing, const 
     // Turn the triangle so that corner `a` is alone in its cell; edges a and c = a - 1 carry the points.
     const uint32_t uncut = crossing.count[0] == 0 ? 0 : (crossing.count[1] == 0 ? 1 : 2);
     const uint32_t a = (uncut + 2) % 3;
-    const auto corner = [&](uint32_t k) {
-        return VertexId(VertexId::mesh, t[static_cast<int>((a + k) % 3)]);
-    };
+    const auto corner = [&](uint32_t k) { return VertexId(VertexId::mesh, t[static_cast<int>((a + k) % 3)]); };
     const uint32_t p = crossing.first[a];           // on the edge that leaves a
     const uint32_t q = crossing.first[(a + 2) % 3]; // on the edge that returns to a
     const SiteId alone = cell_of[t[static_cast<int>(a)]], others = cell_of[t[static_cast<int>((a + 1) % 3)]];
@@ -198,7 +195,8 @@ TriangleCutter::Worker::Start TriangleCutter::Worker::start_of_third(const Conte
         bool on_side_of_b = (crossing_->known & Classifier::sign_first(1)) != 0;
         if ((crossing_->known & Classifier::sign_known(1)) == 0) {
             const int certain = side1_filter(at, cell.error);
-            on_side_of_b = (certain != 0 ? certain : side1_exact(context.problem, c, b, corner_positions_[0], stats)) < 0;
+            on_side_of_b =
+                (certain != 0 ? certain : side1_exact(context.problem, c, b, corner_positions_[0], stats)) < 0;
         }
         if (on_side_of_b) return Start::edge;
         return corner_is_there ? Start::centre : Start::unknown;
@@ -206,8 +204,8 @@ TriangleCutter::Worker::Start TriangleCutter::Worker::start_of_third(const Conte
     return Start::unknown;
 }
 
-void TriangleCutter::Worker::cut_general(const Context& context, const CrossingTriangle& crossing,
-                                         const Triangle& t, std::span<const SiteId> cell_of) {
+void TriangleCutter::Worker::cut_general(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
+                                         std::span<const SiteId> cell_of) {
     begin(context, crossing, t);
     queue_.assign(1, cell_of[t.x]);
     for (size_t at = 0; at < queue_.size(); ++at) {
@@ -234,8 +232,7 @@ int TriangleCutter::Worker::side(const Context& context, SiteId c, Line in, Line
     const double error = context.frames.cells[c].error;
     if (in < 3 && out < 3) {
         const int certain = side1_filter(knife.at[static_cast<int>(out)], error);
-        return certain != 0 ? certain
-                            : side1_exact(context.problem, c, knife.site, corner_positions_[out], stats);
+        return certain != 0 ? certain : side1_exact(context.problem, c, knife.site, corner_positions_[out], stats);
     }
     if (in < 3 || out < 3) {
         const Line edge = std::min(in, out);
@@ -248,9 +245,8 @@ int TriangleCutter::Worker::side(const Context& context, SiteId c, Line in, Line
     }
     const Knife &a = knives_[in - 3], &b = knives_[out - 3];
     const int certain = side3_filter(a.at, b.at, knife.at, error);
-    return certain != 0
-               ? certain
-               : side3_exact(context.problem, c, a.site, b.site, knife.site, corner_positions_, stats);
+    return certain != 0 ? certain
+                        : side3_exact(context.problem, c, a.site, b.site, knife.site, corner_positions_, stats);
 }
 
 // Sutherland and Hodgman's algorithm on lines instead of points. False where nothing is left.
@@ -317,8 +313,7 @@ VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, 
     return {VertexId::pierce, static_cast<uint32_t>(pierce_points.size()) - 1};
 }
 
-glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context,
-                                                   const std::array<SiteId, 3>& cells) {
+glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context, const std::array<SiteId, 3>& cells) {
     const glm::dvec3& site = context.problem.sites[cells[0]];
     const Bisector a = make_bisector(context.problem, cells[0], cells[1]);
     const Bisector b = make_bisector(context.problem, cells[0], cells[2]);
@@ -331,8 +326,7 @@ glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context,
         reach2 = std::max(reach2, y.x * y.x + y.y * y.y + y.z * y.z);
         most = std::max({most, std::abs(at_a[k]), std::abs(at_b[k])});
     }
-    const double error =
-        value_error(std::max(a.length, b.length), std::sqrt(reach2), std::max(a.weight, b.weight));
+    const double error = value_error(std::max(a.length, b.length), std::sqrt(reach2), std::max(a.weight, b.weight));
     // Barycentric weights are the cofactors of the third row of det[A;B;1].
     glm::dvec3 weights(at_a.y * at_b.z - at_a.z * at_b.y, at_a.z * at_b.x - at_a.x * at_b.z,
                        at_a.x * at_b.y - at_a.y * at_b.x);
@@ -359,8 +353,7 @@ void TriangleCutter::Worker::link(Cut& cut, uint32_t facet, VertexId from, Verte
     } else if (from.kind() == VertexId::pierce) {
         PiercePoint& point = pierce_points[from.index()];
         const auto place = [&](SiteId s) {
-            return static_cast<uint32_t>(std::find(point.cells.begin(), point.cells.end(), s)
-                                         - point.cells.begin());
+            return static_cast<uint32_t>(std::find(point.cells.begin(), point.cells.end(), s) - point.cells.begin());
         };
         point.next[pair_index(place(sites.i), place(sites.j))] = to;
     }
@@ -378,16 +371,15 @@ void TriangleCutter::Worker::emit(const Context& context, SiteId c) {
         if (lines_[m] < 3) continue;
         const Knife& knife = knives_[lines_[m] - 3];
         if (knife.site > c) { // the cap runs against the lower cell's polygon
-            link(context.cut, knife.facet, ids_[m + 1 == n ? 0 : m + 1], ids_[m],
-                 context.diagram.facets[knife.facet]);
+            link(context.cut, knife.facet, ids_[m + 1 == n ? 0 : m + 1], ids_[m], context.diagram.facets[knife.facet]);
         }
         if (std::find(queue_.begin(), queue_.end(), knife.site) == queue_.end()) queue_.push_back(knife.site);
     }
 }
 
 void TriangleCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
-                         std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
-                         Threads& threads, Cut& cut, PredicateStats& stats) {
+                         std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads,
+                         Cut& cut, PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(cut.crossing.size());
     const uint32_t parts = threads.chunks(count, kLeastTriangles);
     if (workers_.size() < parts) workers_.resize(parts);
@@ -428,8 +420,7 @@ void TriangleCutter::run(const Scene& scene, const VoronoiDiagram& diagram, cons
             }
         }
         std::copy(worker.pierce_points.begin(), worker.pierce_points.end(), cut.pierce_points.begin() + base);
-        std::copy(worker.pierce_positions.begin(), worker.pierce_positions.end(),
-                  cut.pierce_positions.begin() + base);
+        std::copy(worker.pierce_positions.begin(), worker.pierce_positions.end(), cut.pierce_positions.begin() + base);
         for (const auto& [edge_point, pierce] : worker.links) {
             cut.edge_points[edge_point].next = {VertexId::pierce, pierce + base};
         }

@@ -15,9 +15,9 @@
 #include <span>
 #include <vector>
 
+#include "fracture/base/parallel.h"
 #include "fracture/exact/cut.h"
 #include "fracture/exact/frames.h"
-#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 

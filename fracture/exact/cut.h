@@ -53,8 +53,7 @@ struct PiercePoint {
     std::array<uint32_t, 3> cells; // ascending
     uint32_t triangle;
     uint32_t voronoi_edge;
-    uint32_t
-        leaves; // 1 where the Voronoi edge, along its direction, leaves the solid here; 0 where it enters
+    uint32_t leaves; // 1 where the Voronoi edge, along its direction, leaves the solid here; 0 where it enters
     // As EdgePoint::next, on the facets (0,1), (0,2), (1,2) of cells.
     std::array<VertexId, 3> next;
     std::array<uint32_t, 3> local;

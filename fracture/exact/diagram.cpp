@@ -36,12 +36,10 @@ std::array<PlaneId, N> sorted(std::array<PlaneId, N> planes) {
 
 glm::dvec3 vertex_position(const Diagram& problem, const std::array<PlaneId, 4>& planes) {
     const SiteId c = planes[0];
-    const CellVertex v =
-        make_cell_vertex(make_plane(problem, c, planes[1]), make_plane(problem, c, planes[2]),
-                         make_plane(problem, c, planes[3]));
-    const glm::dvec3 y = v.w > kWellConditioned * v.pw
-                             ? v.x / v.w
-                             : cell_vertex_exact(problem, c, planes[1], planes[2], planes[3]);
+    const CellVertex v = make_cell_vertex(make_plane(problem, c, planes[1]), make_plane(problem, c, planes[2]),
+                                          make_plane(problem, c, planes[3]));
+    const glm::dvec3 y =
+        v.w > kWellConditioned * v.pw ? v.x / v.w : cell_vertex_exact(problem, c, planes[1], planes[2], planes[3]);
     return glm::clamp(problem.sites[c] + y, problem.box.min, problem.box.max);
 }
 
@@ -142,8 +140,7 @@ void DiagramBuilder::collect_rings(SiteId c, Chunk& chunk) {
     }
     for (uint32_t p = 0; p < planes.size() && !is_box_plane(planes[p]); ++p) {
         if (planes[p] < c) continue;
-        const std::span fan(chunk.fan.data() + chunk.fan_begin[p],
-                            chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
+        const std::span fan(chunk.fan.data() + chunk.fan_begin[p], chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
         // From its least third on: what a ring looks like does not depend on the order of clipping.
         uint32_t at = (*std::min_element(fan.begin(), fan.end()))[0];
         for (size_t step = 0; step < fan.size(); ++step) {

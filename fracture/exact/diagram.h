@@ -7,8 +7,8 @@
 
 #include <vector>
 
-#include "fracture/exact/cells.h"
 #include "fracture/base/parallel.h"
+#include "fracture/exact/cells.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/exact/voronoi.h"
 

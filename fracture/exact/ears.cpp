@@ -126,9 +126,7 @@ bool EarClipper::flip_edge(std::span<const glm::dvec2> loop, uint32_t h) {
     const uint32_t t = twin_[h];
     if (t == kNoTwin) return false;
     const uint32_t h1 = after(h), h2 = after(h1), t1 = after(t), t2 = after(t1);
-    const auto corner = [&](uint32_t half_edge) -> uint32_t& {
-        return corners_[half_edge / 3][half_edge % 3];
-    };
+    const auto corner = [&](uint32_t half_edge) -> uint32_t& { return corners_[half_edge / 3][half_edge % 3]; };
     const uint32_t a = corner(h), b = corner(t), c = corner(h2), d = corner(t2);
     if (!(in_circle(loop[a], loop[b], loop[c], loop[d]) > kFlipGain)) return false;
     if (turn(loop[d], loop[b], loop[c]) <= 0 || turn(loop[c], loop[a], loop[d]) <= 0) return false;

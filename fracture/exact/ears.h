@@ -32,8 +32,7 @@ class EarClipper {
     bool flip_edge(std::span<const glm::dvec2> loop, uint32_t half_edge);
 
     std::vector<uint32_t> next_, prev_;
-    std::vector<uint32_t>
-        beyond_; // of the remaining polygon's edge from each vertex: the half-edge on the other side
+    std::vector<uint32_t> beyond_; // of the remaining polygon's edge from each vertex: the half-edge on the other side
     std::vector<int8_t> turn_;
     std::vector<uint32_t> concave_;
     // Triangle t has the half-edges 3t + k from corner k to the next; twins are kNoTwin on the loop.

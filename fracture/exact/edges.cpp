@@ -34,8 +34,7 @@ struct Exit {
 };
 
 // The point where the edge meets the bisector of two cells; always computed in the frame of the lower one.
-glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::dvec3& low,
-                         const glm::dvec3& high) {
+glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::dvec3& low, const glm::dvec3& high) {
     const SiteId c = std::min(a, b), other = std::max(a, b);
     const glm::dvec3& site = problem.sites[c];
     const Bisector plane = make_bisector(problem, c, other);
@@ -45,24 +44,22 @@ glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::
         std::sqrt(std::max(y0.x * y0.x + y0.y * y0.y + y0.z * y0.z, y1.x * y1.x + y1.y * y1.y + y1.z * y1.z));
     const double difference = g0 - g1;
     const bool good = std::abs(difference) > kWellConditioned * value_error(plane.length, reach, plane.weight);
-    const double t =
-        good ? std::clamp(g0 / difference, 0.0, 1.0) : edge_parameter_exact(problem, c, other, low, high);
+    const double t = good ? std::clamp(g0 / difference, 0.0, 1.0) : edge_parameter_exact(problem, c, other, low, high);
     const glm::dvec3 p = low + t * (high - low);
     return glm::clamp(p, glm::min(low, high), glm::max(low, high));
 }
 
 } // namespace
 
-void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
-                           uint32_t low, uint32_t high, SiteId from, SiteId to, Chunk& chunk) const {
+void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames, uint32_t low,
+                           uint32_t high, SiteId from, SiteId to, Chunk& chunk) const {
     const Diagram problem = scene.diagram();
     const glm::dvec3 &q0 = scene.positions[low], &q1 = scene.positions[high];
     const auto first = static_cast<uint32_t>(chunk.points.size());
     for (SiteId c = from; c != to;) {
         const Frames::Cell& cell = frames.cells[c];
         const glm::dvec3 y0 = q0 - cell.site, y1 = q1 - cell.site;
-        const uint32_t filled =
-            (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
+        const uint32_t filled = (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
         if (chunk.beyond.size() < filled) chunk.beyond.resize(filled);
         plane_values_at(frames, cell.begin, filled, y1, chunk.beyond.data());
         Exit exit;
@@ -76,8 +73,7 @@ void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, co
             if (exit.slot != kNone) { // keep the one that is met first
                 side = side2_filter(exit.at_low, exit.at_high, at_low, at_high, cell.error);
                 if (side == 0) {
-                    side =
-                        side2_exact(problem, c, frames.site[exit.slot], frames.site[l], q0, q1, chunk.stats);
+                    side = side2_exact(problem, c, frames.site[exit.slot], frames.site[l], q0, q1, chunk.stats);
                 }
                 if (side > 0) continue;
             }
@@ -103,8 +99,7 @@ bool EdgeCutter::cross_once(const Scene& scene, const VoronoiDiagram& diagram, c
     const uint32_t facet = diagram.neighbours[cell.first_neighbour + static_cast<uint32_t>(found - begin)].facet;
     chunk.walks.push_back({key_of(low, high), static_cast<uint32_t>(chunk.points.size()), 1});
     chunk.points.push_back({{from, to}, facet, VertexId{}, {}});
-    chunk.positions.push_back(
-        point_on_edge(scene.diagram(), from, to, scene.positions[low], scene.positions[high]));
+    chunk.positions.push_back(point_on_edge(scene.diagram(), from, to, scene.positions[low], scene.positions[high]));
     return true;
 }
 
@@ -131,8 +126,8 @@ const EdgeCutter::Walk& EdgeCutter::find(uint64_t key) const {
 }
 
 void EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
-                             std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
-                             Threads& threads, Cut& cut, PredicateStats& stats) {
+                     std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads, Cut& cut,
+                     PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(cut.crossing.size());
     const uint32_t parts = threads.chunks(count, kLeastTriangles);
     chunks_.resize(std::max<size_t>(chunks_.size(), parts));

@@ -13,9 +13,9 @@
 #include <span>
 #include <vector>
 
+#include "fracture/base/parallel.h"
 #include "fracture/exact/cut.h"
 #include "fracture/exact/frames.h"
-#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 
@@ -24,8 +24,8 @@ class EdgeCutter {
     // cut.crossing names the triangles; fills their first and count, and the edge points. The surface is closed,
     // oriented and manifold (surface.h).
     void run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
-                                   std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
-                                   Threads& threads, Cut& cut, PredicateStats& stats);
+             std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads, Cut& cut,
+             PredicateStats& stats);
 
   private:
     struct Walk { // of one edge, by its owner
@@ -41,8 +41,8 @@ class EdgeCutter {
         uint32_t base = 0;
     };
 
-    void walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames, uint32_t low,
-                   uint32_t high, SiteId from, SiteId to, Chunk& chunk) const;
+    void walk_edge(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames, uint32_t low, uint32_t high,
+                   SiteId from, SiteId to, Chunk& chunk) const;
     // The edge meets one bisector, that of the cells of its ends. False where they have none: a classifier that errs.
     [[nodiscard]] static bool cross_once(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
                                          uint32_t low, uint32_t high, SiteId from, SiteId to, Chunk& chunk);

@@ -48,9 +48,7 @@ namespace {
 // Names the phases and reports progress between them.
 class PhaseClock {
   public:
-    PhaseClock(const Settings& settings, Fragments& out) : settings_(settings), out_(out) {
-        out.timings.clear();
-    }
+    PhaseClock(const Settings& settings, Fragments& out) : settings_(settings), out_(out) { out.timings.clear(); }
 
     // False where the fracture is to end.
     [[nodiscard]] bool done(const char* phase, double share) {
@@ -84,8 +82,8 @@ Statistics statistics(const Workspace& workspace) {
     return workspace.state().statistics;
 }
 
-Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                            const Settings& settings, Workspace& workspace, Fragments& out) {
+Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
+                            Workspace& workspace, Fragments& out) {
     Workspace::State& s = workspace.state();
     if (s.requested_threads != settings.threads) {
         s.threads = Threads(settings.threads);

@@ -17,9 +17,9 @@
 
 #include "fracture/base/error.h"
 #include "fracture/exact/classify.h"
-#include "fracture/settings.h"
-#include "fracture/pieces/fragments.h"
 #include "fracture/mesh/mesh.h"
+#include "fracture/pieces/fragments.h"
+#include "fracture/settings.h"
 
 namespace brittle::fracture::exact {
 

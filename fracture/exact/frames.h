@@ -38,8 +38,7 @@ struct Frames {
 };
 
 // Values of the planes [begin, begin + n) at y; n is a multiple of Frames::kLanes.
-void plane_values_at(const Frames& frames, Frames::Slot begin, uint32_t n, const glm::dvec3& y,
-                     double* values);
+void plane_values_at(const Frames& frames, Frames::Slot begin, uint32_t n, const glm::dvec3& y, double* values);
 
 // The least distance to the planes [begin, begin + n) from y, in float, and its slot; negative beyond the
 // plane.
@@ -47,7 +46,7 @@ struct LeastDistance {
     float distance;
     Frames::Slot slot;
 };
-[[nodiscard]] LeastDistance least_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x,
-                                              float y, float z);
+[[nodiscard]] LeastDistance least_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
+                                              float z);
 
 } // namespace brittle::fracture::exact

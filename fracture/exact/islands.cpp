@@ -6,9 +6,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/base/union_find.h"
 #include "fracture/mesh/islands.h"
 #include "fracture/mesh/mass_properties.h"
-#include "fracture/base/union_find.h"
 
 namespace brittle::fracture::exact {
 
@@ -62,20 +62,17 @@ uint32_t IslandSplitter::find_islands(SiteId c, const CellRun& cell, std::span<c
     return islands;
 }
 
-uint32_t IslandSplitter::attach_cavities(const CellRun& cell, const Fragments& out, uint32_t islands,
-                                         Chunk& chunk) {
+uint32_t IslandSplitter::attach_cavities(const CellRun& cell, const Fragments& out, uint32_t islands, Chunk& chunk) {
     const std::span positions(out.positions.data() + cell.vertices.begin, cell.vertices.size());
     const std::span triangles(out.triangles.data() + cell.triangles.begin, cell.triangles.size());
     chunk.volume.assign(islands, 0.0);
     const glm::dvec3 origin = positions[0];
     for (const Triangle& t : triangles) {
-        const glm::dvec3 a = positions[t.x] - origin, b = positions[t.y] - origin,
-                         c = positions[t.z] - origin;
+        const glm::dvec3 a = positions[t.x] - origin, b = positions[t.y] - origin, c = positions[t.z] - origin;
         chunk.volume[chunk.label[t.x]] += glm::dot(a, glm::cross(b, c));
     }
     const auto is_cavity = [&](uint32_t k) { return chunk.volume[k] < 0.0; };
-    if (std::none_of(chunk.volume.begin(), chunk.volume.end(), [](double v) { return v < 0.0; }))
-        return islands;
+    if (std::none_of(chunk.volume.begin(), chunk.volume.end(), [](double v) { return v < 0.0; })) return islands;
 
     std::vector<std::vector<Triangle>> of_island(islands);
     for (const Triangle& t : triangles) of_island[chunk.label[t.x]].push_back(t);
@@ -113,8 +110,7 @@ void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk
     for (const uint32_t label : chunk.label) ++cursor[label + 1];
     for (uint32_t k = 0; k < islands; ++k) {
         cursor[k + 1] += cursor[k];
-        chunk.pieces[first + k].vertices = {cell.vertices.begin + cursor[k],
-                                            cell.vertices.begin + cursor[k + 1]};
+        chunk.pieces[first + k].vertices = {cell.vertices.begin + cursor[k], cell.vertices.begin + cursor[k + 1]};
     }
     chunk.positions.assign(positions.begin(), positions.end());
     chunk.points.assign(points.begin(), points.end());
@@ -131,8 +127,7 @@ void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk
     for (const Triangle& t : triangles) ++cursor[chunk.label[t.x] + 1];
     for (uint32_t k = 0; k < islands; ++k) {
         cursor[k + 1] += cursor[k];
-        chunk.pieces[first + k].triangles = {cell.triangles.begin + cursor[k],
-                                             cell.triangles.begin + cursor[k + 1]};
+        chunk.pieces[first + k].triangles = {cell.triangles.begin + cursor[k], cell.triangles.begin + cursor[k + 1]};
     }
     chunk.triangles.assign(triangles.begin(), triangles.end());
     chunk.sources.assign(sources.begin(), sources.end());
@@ -140,8 +135,7 @@ void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk
         const Triangle& corners = chunk.triangles[t];
         const uint32_t island = chunk.label[corners.x];
         const uint32_t at = cursor[island]++;
-        triangles[at] = {chunk.vertex_order[corners.x], chunk.vertex_order[corners.y],
-                         chunk.vertex_order[corners.z]};
+        triangles[at] = {chunk.vertex_order[corners.x], chunk.vertex_order[corners.y], chunk.vertex_order[corners.z]};
         sources[at] = chunk.sources[t];
         if (t < cell.exterior) ++chunk.pieces[first + island].exterior_triangles;
     }
@@ -149,8 +143,7 @@ void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk
 
 void IslandSplitter::split_cell(SiteId c, const CellRun& cell, Chunk& chunk, Fragments& out) {
     if (cell.triangles.size() == 0) return;
-    const std::span<const Triangle> triangles(out.triangles.data() + cell.triangles.begin,
-                                              cell.triangles.size());
+    const std::span<const Triangle> triangles(out.triangles.data() + cell.triangles.begin, cell.triangles.size());
     uint32_t islands = find_islands(c, cell, triangles, chunk);
     if (islands > 1) islands = attach_cavities(cell, out, islands, chunk);
     if (islands <= 1) {

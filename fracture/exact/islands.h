@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "fracture/exact/assemble.h"
 #include "fracture/base/parallel.h"
+#include "fracture/exact/assemble.h"
 #include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture::exact {
@@ -35,10 +35,8 @@ class IslandSplitter {
 
     void count_uncut_components(const Assembler::Input& input);
     void split_cell(SiteId c, const CellRun& cell, Chunk& chunk, Fragments& out);
-    uint32_t find_islands(SiteId c, const CellRun& cell, std::span<const Triangle> triangles,
-                          Chunk& chunk) const;
-    static uint32_t attach_cavities(const CellRun& cell, const Fragments& out, uint32_t islands,
-                                    Chunk& chunk);
+    uint32_t find_islands(SiteId c, const CellRun& cell, std::span<const Triangle> triangles, Chunk& chunk) const;
+    static uint32_t attach_cavities(const CellRun& cell, const Fragments& out, uint32_t islands, Chunk& chunk);
     static void reorder(const CellRun& cell, uint32_t islands, Chunk& chunk, Fragments& out);
 
     std::vector<uint32_t> uncut_; // mesh components inside each cell that no bisector touches

@@ -16,8 +16,7 @@ struct ExactVector {
 };
 
 ExactVector difference(const glm::dvec3& p, const glm::dvec3& q) {
-    return {Expansion::difference(p.x, q.x), Expansion::difference(p.y, q.y),
-            Expansion::difference(p.z, q.z)};
+    return {Expansion::difference(p.x, q.x), Expansion::difference(p.y, q.y), Expansion::difference(p.z, q.z)};
 }
 
 Expansion dot(const ExactVector& a, const ExactVector& b) {
@@ -47,14 +46,12 @@ Row box_row(const glm::dvec3& s_c, const Box& box, PlaneId p) {
     Row row;
     Expansion& n = axis == 0 ? row.n.x : (axis == 1 ? row.n.y : row.n.z);
     n = Expansion(max ? 1.0 : -1.0);
-    row.k = max ? Expansion::difference(box.max[axis], s_c[axis])
-                : Expansion::difference(s_c[axis], box.min[axis]);
+    row.k = max ? Expansion::difference(box.max[axis], s_c[axis]) : Expansion::difference(s_c[axis], box.min[axis]);
     return row;
 }
 
 Row plane_row(const Diagram& diagram, SiteId c, PlaneId p) {
-    return is_box_plane(p) ? box_row(diagram.sites[c], diagram.box, p)
-                           : site_row(diagram, c, p);
+    return is_box_plane(p) ? box_row(diagram.sites[c], diagram.box, p) : site_row(diagram, c, p);
 }
 
 // Positive behind the triangle, that is inside the solid.
@@ -155,15 +152,14 @@ PredicateStats& PredicateStats::operator+=(const PredicateStats& other) {
 // ---- Filters
 // --------------------------------------------------------------------------------------------------
 
-PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corners& y,
-                               const glm::dvec3& a_values, const glm::dvec3& b_values, double error) {
+PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corners& y, const glm::dvec3& a_values,
+                               const glm::dvec3& b_values, double error) {
     constexpr double u = 0x1.0p-53;
     const glm::dvec3 d = glm::cross(a.n, b.n);
     const double t0 = glm::dot(y[0], d);
     const double t1 = glm::dot(y[1], d);
     const double t2 = glm::dot(y[2], d);
-    const double reach =
-        1.7321 * std::max({largest_component(y[0]), largest_component(y[1]), largest_component(y[2])});
+    const double reach = 1.7321 * std::max({largest_component(y[0]), largest_component(y[1]), largest_component(y[2])});
     // y.d: 1u for y, 4u for d (sqrt(2) for its two products), 3u for the dot: 8 sqrt(2) u.
     const double t_error = 12.0 * u * a.length * b.length * reach;
 
@@ -181,8 +177,7 @@ PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corne
     const double c_error = 2.01 * error * (ma + mb + error) + 4.0 * u * ma * mb;
     const double denominator_error = 3.0 * c_error + 18.0 * u * ma * mb;
     const double c_largest = std::max(std::abs(c1), std::abs(c2));
-    const double numerator_error =
-        2.0 * (c_error * span + (c_largest + c_error) * (2.0 * t_error + 4.0 * u * span));
+    const double numerator_error = 2.0 * (c_error * span + (c_largest + c_error) * (2.0 * t_error + 4.0 * u * span));
     const double margin = std::abs(denominator) - denominator_error;
     if (!(margin > 0.0)) return {t0 + offset, std::numeric_limits<double>::infinity()};
     const double offset_error = (numerator_error + std::abs(offset) * denominator_error) / margin;
@@ -201,8 +196,8 @@ int side1_exact(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q,
     return c < l ? 1 : -1;
 }
 
-int side2_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId l, const glm::dvec3& q0,
-                const glm::dvec3& q1, PredicateStats& stats) {
+int side2_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId l, const glm::dvec3& q0, const glm::dvec3& q1,
+                PredicateStats& stats) {
     ++stats.side2_exact;
     const Expansion a0 = exact_value(diagram, c, a, q0);
     const Expansion a1 = exact_value(diagram, c, a, q1);
@@ -237,11 +232,10 @@ int side3_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, 
     return sign * denominator.sign();
 }
 
-int side4_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d, SiteId l,
-                PredicateStats& stats) {
+int side4_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d, SiteId l, PredicateStats& stats) {
     ++stats.side4_exact;
-    const PlaneQuestion question = ask(plane_row(diagram, c, a), plane_row(diagram, c, b),
-                                       plane_row(diagram, c, d), plane_row(diagram, c, l));
+    const PlaneQuestion question =
+        ask(plane_row(diagram, c, a), plane_row(diagram, c, b), plane_row(diagram, c, d), plane_row(diagram, c, l));
     assert(question.kappa_l.sign() != 0);
     int sign = question.numerator.sign();
     if (sign == 0) {
@@ -255,8 +249,8 @@ int side4_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId 
     return sign * question.kappa_l.sign();
 }
 
-int pierce_order_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q1,
-                       const Corners& q2, PredicateStats& stats) {
+int pierce_order_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q1, const Corners& q2,
+                       PredicateStats& stats) {
     ++stats.pierce_exact;
     const glm::dvec3& s_c = diagram.sites[c];
     const Row row_a = site_row(diagram, c, a);
@@ -305,9 +299,8 @@ int side2(const Diagram& diagram, SiteId c, SiteId a, SiteId l, const glm::dvec3
     const Bisector pl = make_bisector(diagram, c, l);
     const glm::dvec3 y0 = q0 - s_c;
     const glm::dvec3 y1 = q1 - s_c;
-    const double error =
-        value_error(std::max(pa.length, pl.length), std::max(glm::length(y0), glm::length(y1)),
-                    std::max(pa.weight, pl.weight));
+    const double error = value_error(std::max(pa.length, pl.length), std::max(glm::length(y0), glm::length(y1)),
+                                     std::max(pa.weight, pl.weight));
     const int sign = side2_filter(value(pa, y0), value(pa, y1), value(pl, y0), value(pl, y1), error);
     return sign != 0 ? sign : side2_exact(diagram, c, a, l, q0, q1, stats);
 }
@@ -331,8 +324,7 @@ glm::dvec3 values(const Bisector& plane, const Corners& y) {
 
 } // namespace
 
-int side3(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, const Corners& q,
-          PredicateStats& stats) {
+int side3(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, const Corners& q, PredicateStats& stats) {
     const glm::dvec3& s_c = diagram.sites[c];
     const Bisector pa = make_bisector(diagram, c, a);
     const Bisector pb = make_bisector(diagram, c, b);
@@ -344,8 +336,7 @@ int side3(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, const 
     return sign != 0 ? sign : side3_exact(diagram, c, a, b, l, q, stats);
 }
 
-int side4(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d, SiteId l,
-          PredicateStats& stats) {
+int side4(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d, SiteId l, PredicateStats& stats) {
     const CellVertex v =
         make_cell_vertex(make_plane(diagram, c, a), make_plane(diagram, c, b), make_plane(diagram, c, d));
     const int sign = side4_filter(v, make_plane(diagram, c, l));
@@ -359,8 +350,7 @@ int pierce_order(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Cor
     const Bisector pb = make_bisector(diagram, c, b);
     const auto position = [&](const Corners& q) {
         const CornerFrame frame = corner_frame(s_c, q);
-        const double error =
-            value_error(std::max(pa.length, pb.length), frame.reach, std::max(pa.weight, pb.weight));
+        const double error = value_error(std::max(pa.length, pb.length), frame.reach, std::max(pa.weight, pb.weight));
         return pierce_position(pa, pb, frame.y, values(pa, frame.y), values(pb, frame.y), error);
     };
     const int sign = pierce_order_filter(position(q1), position(q2));
@@ -370,8 +360,7 @@ int pierce_order(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Cor
 // ---- Constructions
 // --------------------------------------------------------------------------------------------
 
-double edge_parameter_exact(const Diagram& diagram, SiteId c, SiteId a, const glm::dvec3& q0,
-                            const glm::dvec3& q1) {
+double edge_parameter_exact(const Diagram& diagram, SiteId c, SiteId a, const glm::dvec3& q0, const glm::dvec3& q1) {
     const Expansion a0 = exact_value(diagram, c, a, q0);
     const Expansion denominator = a0 - exact_value(diagram, c, a, q1);
     assert(denominator.sign() != 0);
@@ -379,15 +368,13 @@ double edge_parameter_exact(const Diagram& diagram, SiteId c, SiteId a, const gl
 }
 
 glm::dvec3 pierce_weights_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q) {
-    const ExactVector cofactors = cross(exact_values(diagram, c, a, q),
-                                        exact_values(diagram, c, b, q));
+    const ExactVector cofactors = cross(exact_values(diagram, c, a, q), exact_values(diagram, c, b, q));
     const Expansion denominator = component_sum(cofactors);
     assert(denominator.sign() != 0);
     const glm::dvec3 weights =
         glm::dvec3(cofactors.x.approximation(), cofactors.y.approximation(), cofactors.z.approximation())
         / denominator.approximation();
-    return {std::clamp(weights.x, 0.0, 1.0), std::clamp(weights.y, 0.0, 1.0),
-            std::clamp(weights.z, 0.0, 1.0)};
+    return {std::clamp(weights.x, 0.0, 1.0), std::clamp(weights.y, 0.0, 1.0), std::clamp(weights.z, 0.0, 1.0)};
 }
 
 glm::dvec3 cell_vertex_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d) {

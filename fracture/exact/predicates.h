@@ -69,8 +69,8 @@ using SiteId = uint32_t;
 
 // A plane of a cell: the bisector with that site, or one of the last six values, a side of the box.
 using PlaneId = uint32_t;
-inline constexpr PlaneId kBoxMinX = 0xfffffffau, kBoxMaxX = 0xfffffffbu, kBoxMinY = 0xfffffffcu,
-                         kBoxMaxY = 0xfffffffdu, kBoxMinZ = 0xfffffffeu, kBoxMaxZ = 0xffffffffu;
+inline constexpr PlaneId kBoxMinX = 0xfffffffau, kBoxMaxX = 0xfffffffbu, kBoxMinY = 0xfffffffcu, kBoxMaxY = 0xfffffffdu,
+                         kBoxMinZ = 0xfffffffeu, kBoxMaxZ = 0xffffffffu;
 [[nodiscard]] constexpr bool is_box_plane(PlaneId p) {
     return p >= kBoxMinX;
 }
@@ -175,9 +175,8 @@ struct Bisector {
     const double q = a1 * l0;
     const double numerator = p - q;
     const double denominator = a0 - a1;
-    const double bound =
-        1.01 * error * (std::abs(a0) + std::abs(a1) + std::abs(l0) + std::abs(l1) + 2.0 * error)
-        + 0x5.0p-53 * (std::abs(p) + std::abs(q));
+    const double bound = 1.01 * error * (std::abs(a0) + std::abs(a1) + std::abs(l0) + std::abs(l1) + 2.0 * error)
+                         + 0x5.0p-53 * (std::abs(p) + std::abs(q));
     if (!(std::abs(numerator) > bound && std::abs(denominator) > 2.1 * error)) return 0;
     return (numerator > 0.0) == (denominator > 0.0) ? 1 : -1;
 }
@@ -190,8 +189,7 @@ struct Bisector {
 // at the three corners, and so on; error: their common bound E. With m_A = max|A_i| and so on, and six
 // products a determinant: |numerator error| <= 6E(m_A m_B + m_A m_L + m_B m_L) + 6E^2(m_A + m_B + m_L) + 6E^3
 // + 31u m_A m_B m_L, |denominator error| <= 6E(m_A + m_B) + 6E^2 + 25u m_A m_B.
-[[nodiscard]] inline int side3_filter(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& l,
-                                      double error) {
+[[nodiscard]] inline int side3_filter(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& l, double error) {
     const double ma = largest_component(a);
     const double mb = largest_component(b);
     const double ml = largest_component(l);
@@ -222,8 +220,8 @@ struct CellVertex {
     v.x = a.h * bd + b.h * glm::cross(d.n, a.n) + d.h * glm::cross(a.n, b.n);
     v.w = a.n.x * bd.x + a.n.y * bd.y + a.n.z * bd.z;
     v.pw = a.length * b.length * d.length;
-    v.px = a.magnitude() * b.length * d.length + b.magnitude() * d.length * a.length
-           + d.magnitude() * a.length * b.length;
+    v.px =
+        a.magnitude() * b.length * d.length + b.magnitude() * d.length * a.length + d.magnitude() * a.length * b.length;
     if (!(std::abs(v.w) > 0xc.0p-53 * v.pw)) {
         v.pw = v.px = std::numeric_limits<double>::infinity();
     } else if (v.w < 0.0) {
@@ -252,8 +250,7 @@ struct PiercePosition {
 };
 // A, B: values of a, b at the corners with common bound error; y: the corners in the frame of c.
 [[nodiscard]] PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corners& y,
-                                             const glm::dvec3& a_values, const glm::dvec3& b_values,
-                                             double error);
+                                             const glm::dvec3& a_values, const glm::dvec3& b_values, double error);
 
 // sign(t1 - t2): -1 where 1 comes before 2 along d.
 [[nodiscard]] inline int pierce_order_filter(const PiercePosition& p1, const PiercePosition& p2) {
@@ -269,8 +266,7 @@ struct PiercePosition {
 // ---------------------------------------------------------------------------------------------------------------
 
 // sign g_l(q), perturbed. Formula: (s_l - s_c).(s_l + s_c - 2q) + W_c - W_l. Zero case: + if c < l, - otherwise.
-[[nodiscard]] int side1_exact(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q,
-                              PredicateStats& stats);
+[[nodiscard]] int side1_exact(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q, PredicateStats& stats);
 
 // sign g_l(x), perturbed; x = where edge q0q1 (its ends on different sides of (c,a)) meets the bisector
 // (c,a). Formula: (a0 l1 - a1 l0) / (a0 - a1). Zero case, coefficients of the numerator: w_a: -(l1 - l0);
@@ -281,8 +277,8 @@ struct PiercePosition {
 // sign g_l(x), perturbed; x = where the plane of triangle q meets the Voronoi line (c,a,b), not parallel to
 // it. Formula: det[A;B;L] / det[A;B;1]. Zero case, coefficients of the numerator: w_a: -det[1;B;L]; w_b:
 // -det[A;1;L]; w_l: -det[A;B;1]; w_c: the negated sum of these three.
-[[nodiscard]] int side3_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l,
-                              const Corners& q, PredicateStats& stats);
+[[nodiscard]] int side3_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, const Corners& q,
+                              PredicateStats& stats);
 
 // sign g_l(v), perturbed; v = where planes a, b, d of the cell of c meet (in any order), [abd] != 0.
 // Formula, with rows (2n, H = |n|^2 + W_c - W_l) for sites and (axis, distance) for the box, [xyz] = the determinant of
@@ -306,20 +302,19 @@ struct PiercePosition {
 // leaves the solid through this triangle along d. Not perturbed, and rightly so: weights move the line
 // without turning it, so 0 (the triangle is parallel to the line or has no area) means that no perturbed line
 // pierces it.
-[[nodiscard]] int pierce_direction_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b,
-                                         const Corners& q, PredicateStats& stats);
+[[nodiscard]] int pierce_direction_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q,
+                                         PredicateStats& stats);
 
 // sign [abd], the handedness of the outward normals of three planes of the cell of c. Not perturbed: 0 means
 // that the planes meet in no single point under any weights.
-[[nodiscard]] int cell_vertex_orientation_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b,
-                                                PlaneId d, PredicateStats& stats);
+[[nodiscard]] int cell_vertex_orientation_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d,
+                                                PredicateStats& stats);
 
 // ---------------------------------------------------------------------------------------------------------------
 // Filter and exact function in one call, from nothing but ids and coordinates.
 // ---------------------------------------------------------------------------------------------------------------
 
-[[nodiscard]] int side1(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q,
-                        PredicateStats& stats);
+[[nodiscard]] int side1(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q, PredicateStats& stats);
 [[nodiscard]] int side2(const Diagram& diagram, SiteId c, SiteId a, SiteId l, const glm::dvec3& q0,
                         const glm::dvec3& q1, PredicateStats& stats);
 [[nodiscard]] int side3(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, const Corners& q,
@@ -340,8 +335,7 @@ struct PiercePosition {
                                           const glm::dvec3& q1);
 // Barycentric weights of the pierce point of the Voronoi line (c,a,b); clamped to [0,1], their sum is 1 to
 // rounding.
-[[nodiscard]] glm::dvec3 pierce_weights_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b,
-                                              const Corners& q);
+[[nodiscard]] glm::dvec3 pierce_weights_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q);
 // The Voronoi vertex in the frame of c (add s_c for the absolute position).
 [[nodiscard]] glm::dvec3 cell_vertex_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d);
 

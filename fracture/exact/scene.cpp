@@ -29,8 +29,7 @@ bool in_range(const glm::dvec3& p) { // comparisons with NaN are false
 
 Error at(Status status, const char* what, size_t index, const glm::dvec3& p, const char* advice) {
     char text[320];
-    std::snprintf(text, sizeof text, "%s %zu is at (%.9g, %.9g, %.9g); %s", what, index, p.x, p.y, p.z,
-                  advice);
+    std::snprintf(text, sizeof text, "%s %zu is at (%.9g, %.9g, %.9g); %s", what, index, p.x, p.y, p.z, advice);
     return {status, text};
 }
 
@@ -41,10 +40,8 @@ Result<void> check_counts(const TriangleMesh& mesh) {
         return Error{Status::invalid_mesh, "the mesh has " + std::to_string(count) + ' ' + what + "; at most "
                                                + std::to_string(most) + " can be cut"};
     };
-    if (mesh.triangles.size() > kMostTriangles)
-        return too_many(mesh.triangles.size(), "triangles", kMostTriangles);
-    if (mesh.positions.size() > kMostPositions)
-        return too_many(mesh.positions.size(), "vertices", kMostPositions);
+    if (mesh.triangles.size() > kMostTriangles) return too_many(mesh.triangles.size(), "triangles", kMostTriangles);
+    if (mesh.positions.size() > kMostPositions) return too_many(mesh.positions.size(), "vertices", kMostPositions);
     return {};
 }
 
@@ -56,8 +53,7 @@ struct Bounds {
 
 Bounds bounds_of(std::span<const glm::dvec3> points) {
     Bounds result;
-    double poison =
-        0.0; // becomes NaN with the first infinity or NaN: one multiply instead of three tests a point
+    double poison = 0.0; // becomes NaN with the first infinity or NaN: one multiply instead of three tests a point
     for (const glm::dvec3& p : points) {
         for (int k = 0; k < 3; ++k) {
             result.min[k] = p[k] < result.min[k] ? p[k] : result.min[k];
@@ -86,8 +82,7 @@ Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene, std
     out.resize(sites.size());
     for (size_t i = 0; i < sites.size(); ++i) {
         if (!in_range(sites[i])) {
-            return at(Status::invalid_sites, "site", i, sites[i],
-                      "coordinates must be finite and at most 1e100");
+            return at(Status::invalid_sites, "site", i, sites[i], "coordinates must be finite and at most 1e100");
         }
         for (int k = 0; k < 3; ++k) {
             const double x = sites[i][k] * to_scene;
@@ -107,8 +102,9 @@ Result<void> scale_weights(std::span<const double> weights, double to_scene, std
         const double w = weights[i] * to_scene * to_scene;
         if (!(std::abs(w) <= kLargestCoordinate * kLargestCoordinate)) {
             char text[160];
-            std::snprintf(text, sizeof text, "site %zu has the weight %.9g; it must be finite and below 1e60 mesh sizes squared",
-                          i, weights[i]);
+            std::snprintf(text, sizeof text,
+                          "site %zu has the weight %.9g; it must be finite and below 1e60 mesh sizes squared", i,
+                          weights[i]);
             return Error{Status::invalid_setting, text};
         }
         out[i] = snap(w);
@@ -163,8 +159,8 @@ Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene
     return {};
 }
 
-Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                        std::span<const double> weights, Threads& threads, Scene& scene) {
+Result<void> make_scene(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, std::span<const double> weights,
+                        Threads& threads, Scene& scene) {
     if (auto ok = scale_mesh(mesh, threads, scene); !ok) return ok;
     if (auto ok = scale_weights(weights, scene.to_scene, scene.weights); !ok) return ok;
     return scale_sites(sites, scene.to_scene, scene.sites);

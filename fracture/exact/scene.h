@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "fracture/base/error.h"
+#include "fracture/base/parallel.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/mesh/mesh.h"
-#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 

@@ -95,9 +95,8 @@ void SiteTree::Walk::visit_leaf(uint32_t begin, uint32_t end, const Reach& reach
     for (uint32_t k = begin; k < end; ++k) {
         const glm::dvec3 n = tree_.positions_[k] - position_;
         const double d2 = n.x * n.x + n.y * n.y + n.z * n.z;
-        const bool near = d2 <= reach.radius2 && n.x >= reach.low.x && n.x <= reach.high.x
-                          && n.y >= reach.low.y && n.y <= reach.high.y && n.z >= reach.low.z
-                          && n.z <= reach.high.z;
+        const bool near = d2 <= reach.radius2 && n.x >= reach.low.x && n.x <= reach.high.x && n.y >= reach.low.y
+                          && n.y <= reach.high.y && n.z >= reach.low.z && n.z <= reach.high.z;
         if (near && tree_.order_[k] != c_) memory_.batch.push_back({d2, tree_.order_[k]});
     }
 }

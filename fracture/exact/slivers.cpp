@@ -66,8 +66,7 @@ void SliverCollapser::find(std::span<const CellRun> cells, Threads& threads, con
                 if (is_cap && out.triangle_source[t] < c) continue; // the other side has it too
                 const Triangle& corners = out.triangles[t];
                 const glm::dvec3& a = positions[corners.x];
-                if (is_sliver((positions[corners.y] - a) * to_heights_,
-                              (positions[corners.z] - a) * to_heights_))
+                if (is_sliver((positions[corners.y] - a) * to_heights_, (positions[corners.z] - a) * to_heights_))
                     found.push_back({c, t});
             }
         }
@@ -77,8 +76,7 @@ void SliverCollapser::find(std::span<const CellRun> cells, Threads& threads, con
         slivers_.insert(slivers_.end(), found_by_chunk_[k].begin(), found_by_chunk_[k].end());
 }
 
-void SliverCollapser::gather(const Assembler::Input& input, std::span<const CellRun> cells,
-                             const Fragments& out) {
+void SliverCollapser::gather(const Assembler::Input& input, std::span<const CellRun> cells, const Fragments& out) {
     const auto count = [](const auto& points) { return static_cast<uint32_t>(points.size()); };
     first_of_kind_ = {0, count(input.mesh.positions)};
     first_of_kind_[2] = first_of_kind_[1] + count(input.cut.edge_points);
@@ -99,8 +97,7 @@ void SliverCollapser::gather(const Assembler::Input& input, std::span<const Cell
     const auto corners_of = [&](const CellRun& cell, uint32_t t) {
         std::array<uint32_t, 3> corners{};
         for (int k = 0; k < 3; ++k)
-            corners[static_cast<size_t>(k)] =
-                number(out.vertex_point[cell.vertices.begin + out.triangles[t][k]]);
+            corners[static_cast<size_t>(k)] = number(out.vertex_point[cell.vertices.begin + out.triangles[t][k]]);
         return corners;
     };
     for (const Sliver& sliver : slivers_) {
@@ -116,15 +113,13 @@ void SliverCollapser::gather(const Assembler::Input& input, std::span<const Cell
         const CellRun& cell = cells[c];
         for (uint32_t t = cell.triangles.begin; t < cell.triangles.end; ++t) {
             const auto corners = corners_of(cell, t);
-            if (std::none_of(corners.begin(), corners.end(), [&](uint32_t n) { return is_gathered(n); }))
-                continue;
+            if (std::none_of(corners.begin(), corners.end(), [&](uint32_t n) { return is_gathered(n); })) continue;
             if (sliver != slivers_.end() && sliver->triangle == t) {
                 work_.push_back(count(faces_));
                 ++sliver;
             }
             const uint32_t rank = t - cell.triangles.begin;
-            add_face(
-                {corners, c, t, out.triangle_source[t], rank < cell.exterior, rank < cell.whole_triangles});
+            add_face({corners, c, t, out.triangle_source[t], rank < cell.exterior, rank < cell.whole_triangles});
         }
     }
     gathered_ = count(faces_);
@@ -177,8 +172,7 @@ bool SliverCollapser::mend(const Assembler::Input& input, uint32_t face) {
     };
     std::array<Side, 3> sides{};
     for (size_t k = 0; k < 3; ++k) sides[k] = {glm::length((at[(k + 1) % 3] - at[k]) * to_heights_), k};
-    std::stable_sort(sides.begin(), sides.end(),
-                     [](const Side& x, const Side& y) { return x.length < y.length; });
+    std::stable_sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) { return x.length < y.length; });
     for (const Side& side : sides) {
         if (side.length > 1.0) break;
         start_cluster();
@@ -205,8 +199,7 @@ void SliverCollapser::find_cluster(const Assembler::Input& input, uint32_t seed)
         for (const uint32_t f : star(cluster_[k])) {
             for (const uint32_t corner : faces_[f].corners) {
                 if (!is_gathered(corner) || in_cluster_[corner]) continue;
-                if (glm::distance(position(input, corner), centre) * to_heights_ <= 1.0)
-                    add_to_cluster(corner);
+                if (glm::distance(position(input, corner), centre) * to_heights_ <= 1.0) add_to_cluster(corner);
             }
         }
     }
@@ -224,9 +217,8 @@ bool SliverCollapser::may_collapse() {
         const auto around = star(point);
         moved_.insert(moved_.end(), around.begin(), around.end());
     }
-    std::sort(moved_.begin(), moved_.end(), [&](uint32_t x, uint32_t y) {
-        return std::pair(faces_[x].cell, x) < std::pair(faces_[y].cell, y);
-    });
+    std::sort(moved_.begin(), moved_.end(),
+              [&](uint32_t x, uint32_t y) { return std::pair(faces_[x].cell, x) < std::pair(faces_[y].cell, y); });
     moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
     for (auto begin = moved_.begin(), end = begin; begin != moved_.end(); begin = end) {
         const SiteId cell = faces_[*begin].cell;
@@ -396,8 +388,7 @@ void SliverCollapser::collect(const CellRun& cell, uint32_t gathered, std::span<
         const uint32_t rank = t - cell.triangles.begin;
         Face face{{}, 0, t, out.triangle_source[t], rank < cell.exterior, rank < cell.whole_triangles};
         for (int k = 0; k < 3; ++k)
-            face.corners[static_cast<size_t>(k)] =
-                number(out.vertex_point[cell.vertices.begin + out.triangles[t][k]]);
+            face.corners[static_cast<size_t>(k)] = number(out.vertex_point[cell.vertices.begin + out.triangles[t][k]]);
         collected_.push_back(face);
     }
     for (const uint32_t f : added) {
@@ -451,8 +442,7 @@ void SliverCollapser::copy(CellRun& cell, const Fragments& out) {
     cell.triangles = append_range(out.triangles, cell.triangles, rebuilt_.triangles);
 }
 
-void SliverCollapser::run(const Assembler::Input& input, std::span<CellRun> cells, Threads& threads,
-                          Fragments& out) {
+void SliverCollapser::run(const Assembler::Input& input, std::span<CellRun> cells, Threads& threads, Fragments& out) {
     const glm::dvec3 furthest = glm::max(glm::abs(input.scene.box.min), glm::abs(input.scene.box.max));
     to_heights_ = input.scene.to_scene / (kLeastHeight * std::max({furthest.x, furthest.y, furthest.z}));
     find(cells, threads, out);

@@ -26,9 +26,9 @@
 #include <span>
 #include <vector>
 
+#include "fracture/base/parallel.h"
 #include "fracture/exact/assemble.h"
 #include "fracture/pieces/fragments.h"
-#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 
@@ -79,8 +79,7 @@ class SliverCollapser {
     bool split(uint32_t a, uint32_t b, uint32_t c);
     bool may_split(uint32_t a, uint32_t b, uint32_t c);
     void rebuild(const Assembler::Input& input, std::span<CellRun> cells, Fragments& out);
-    void collect(const CellRun& cell, uint32_t gathered, std::span<const uint32_t> added,
-                 const Fragments& out);
+    void collect(const CellRun& cell, uint32_t gathered, std::span<const uint32_t> added, const Fragments& out);
     void place(const Assembler::Input& input, CellRun& cell, const Fragments& out);
     void copy(CellRun& cell, const Fragments& out);
 
@@ -97,8 +96,8 @@ class SliverCollapser {
     std::vector<Sliver> slivers_;
     std::vector<std::vector<Sliver>> found_by_chunk_;
     std::array<uint32_t, 5> first_of_kind_{};
-    std::vector<uint32_t> became_;  // of each point: the one that it is now
-    std::vector<uint32_t> star_of_; // of each point: into stars_, the first star_count_ of which are used
+    std::vector<uint32_t> became_;             // of each point: the one that it is now
+    std::vector<uint32_t> star_of_;            // of each point: into stars_, the first star_count_ of which are used
     std::vector<std::vector<uint32_t>> stars_; // faces; may hold some that left
     uint32_t star_count_ = 0;
     std::vector<Face> faces_; // the first gathered_ ascend by triangle, the others are new

@@ -19,9 +19,8 @@ Error unsound(const TriangleMesh& mesh) {
         const Triangle& t = mesh.triangles[i];
         const uint32_t highest = std::max({t.x, t.y, t.z});
         if (highest < mesh.positions.size()) continue;
-        return {Status::invalid_mesh, "triangle " + std::to_string(i) + " names vertex "
-                                          + std::to_string(highest) + ", but the mesh has only "
-                                          + std::to_string(mesh.positions.size())};
+        return {Status::invalid_mesh, "triangle " + std::to_string(i) + " names vertex " + std::to_string(highest)
+                                          + ", but the mesh has only " + std::to_string(mesh.positions.size())};
     }
     const TopologyReport report = check_topology(mesh.positions.size(), mesh.triangles);
     return {status_of(report), "the mesh does not bound a solid: " + describe(report)};
@@ -60,11 +59,10 @@ Result<void> Surface::inspect(const TriangleMesh& mesh, Threads& threads) {
         if (!check_.run(mesh.positions.size(), mesh.triangles, threads)) return unsound(mesh);
         find_components(mesh, threads);
         known_.resize(mesh.triangles.size());
-        threads.for_chunks(static_cast<uint32_t>(known_.size()), kLeastTriangles,
-                           [&](uint32_t, uint32_t begin, uint32_t end) {
-                               std::copy(mesh.triangles.begin() + begin, mesh.triangles.begin() + end,
-                                         known_.begin() + begin);
-                           });
+        threads.for_chunks(
+            static_cast<uint32_t>(known_.size()), kLeastTriangles, [&](uint32_t, uint32_t begin, uint32_t end) {
+                std::copy(mesh.triangles.begin() + begin, mesh.triangles.begin() + end, known_.begin() + begin);
+            });
     }
     return {};
 }

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "fracture/base/error.h"
+#include "fracture/base/parallel.h"
 #include "fracture/exact/scene.h"
 #include "fracture/mesh/manifold_check.h"
 #include "fracture/mesh/mesh.h"
-#include "fracture/base/parallel.h"
 
 namespace brittle::fracture::exact {
 

@@ -92,7 +92,6 @@ struct VoronoiDiagram {
 // the result does not depend on it. Errors: invalid_sites (none, not finite), invalid_setting for a box that
 // is not finite or has no volume, and for weights that are not finite or not one a site.
 [[nodiscard]] Result<VoronoiDiagram> voronoi_diagram(std::span<const glm::dvec3> sites, const Box& box,
-                                                     uint32_t threads = 0,
-                                                     std::span<const double> weights = {});
+                                                     uint32_t threads = 0, std::span<const double> weights = {});
 
 } // namespace brittle::fracture

@@ -99,9 +99,8 @@ void Winding::make_nodes(const VoronoiDiagram& diagram, Cut& cut) {
     first_node[vertices] = static_cast<uint32_t>(cut.nodes.size());
 }
 
-void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram,
-                        std::span<const Triangle> triangles, const Cut& cut, uint32_t voronoi_edge,
-                        PredicateStats& stats) {
+void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles,
+                        const Cut& cut, uint32_t voronoi_edge, PredicateStats& stats) {
     const std::span<uint32_t> points = std::span(pierces).subspan(
         pierce_begin[voronoi_edge], pierce_begin[voronoi_edge + 1] - pierce_begin[voronoi_edge]);
     if (points.size() < 2) return;
@@ -117,8 +116,7 @@ void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram,
     if (points.size() == 2) { // by far the most frequent case
         if (order(points[0], points[1]) > 0) std::swap(points[0], points[1]);
     } else {
-        std::stable_sort(points.begin(), points.end(),
-                         [&](uint32_t a, uint32_t b) { return order(a, b) < 0; });
+        std::stable_sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) { return order(a, b) < 0; });
     }
     int32_t winding = of_vertex[diagram.edges[voronoi_edge].start];
     for (size_t first = 0; first < points.size();) {
@@ -129,8 +127,8 @@ void Winding::sort_edge(const Scene& scene, const VoronoiDiagram& diagram,
     }
 }
 
-void Winding::compute(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles,
-                      Cut& cut, Threads& threads, PredicateStats& stats) {
+void Winding::compute(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles, Cut& cut,
+                      Threads& threads, PredicateStats& stats) {
     group_by_edge(diagram, cut);
     spread(diagram, cut);
     make_nodes(diagram, cut);

@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
-#include "fracture/exact/cut.h"
 #include "fracture/base/parallel.h"
+#include "fracture/exact/cut.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/exact/voronoi.h"
 
@@ -28,9 +28,7 @@ struct Winding {
     bool consistent = true;           // false: the surface is not closed
 
     // The sheets present at winding w are those numbered 1 to w, or w + 1 to 0 where w is negative.
-    [[nodiscard]] static bool has_sheet(int32_t w, int32_t sheet) {
-        return sheet > 0 ? w >= sheet : w < sheet;
-    }
+    [[nodiscard]] static bool has_sheet(int32_t w, int32_t sheet) { return sheet > 0 ? w >= sheet : w < sheet; }
     [[nodiscard]] uint32_t node(uint32_t vertex, int32_t sheet) const {
         return first_node[vertex] + static_cast<uint32_t>(sheet > 0 ? sheet - 1 : -sheet);
     }
@@ -39,8 +37,8 @@ struct Winding {
                                           pierce_begin[voronoi_edge + 1] - pierce_begin[voronoi_edge]);
     }
 
-    void compute(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles,
-                 Cut& cut, Threads& threads, PredicateStats& stats);
+    void compute(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles, Cut& cut,
+                 Threads& threads, PredicateStats& stats);
 
   private:
     void group_by_edge(const VoronoiDiagram& diagram, const Cut& cut);

@@ -31,8 +31,7 @@ int write_flush_close(int descriptor, std::span<const std::byte> bytes) {
     }
     // Without this a power cut after the rename can leave an empty file under the final name. Pipes and
     // devices cannot be flushed and say EINVAL.
-    if (code == 0 && ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
-        code = errno;
+    if (code == 0 && ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP) code = errno;
     if (::close(descriptor) != 0 && code == 0 && errno != EINTR) code = errno;
     return code;
 }

@@ -14,7 +14,6 @@ namespace brittle::fracture {
 // the path and the system's reason. The new file takes over the permissions of the old one; a symbolic link
 // is followed and stays a link. What is no regular file, like a pipe or /dev/stdout, cannot be replaced and
 // is written to directly.
-[[nodiscard]] Result<void> write_file_atomically(const std::filesystem::path& file,
-                                                 std::span<const std::byte> bytes);
+[[nodiscard]] Result<void> write_file_atomically(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
 } // namespace brittle::fracture

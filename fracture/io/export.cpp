@@ -34,8 +34,9 @@ Error unsupported(const std::filesystem::path& file) {
     const std::string ending = file.extension().string();
     std::string known;
     for (const std::string& one : exportable_extensions()) known += (known.empty() ? "" : ", ") + one;
-    return Error{Status::unsupported_format, file.string() + ": " + (ending.empty() ? "the name has no ending" : ending + " files are not written")
-                                                 + "; choose one of " + known};
+    return Error{Status::unsupported_format,
+                 file.string() + ": " + (ending.empty() ? "the name has no ending" : ending + " files are not written")
+                     + "; choose one of " + known};
 }
 
 // What is given for each piece must be there for each.
@@ -44,14 +45,17 @@ Result<void> check_lists(const Fragments& fragments, const ExportOptions& option
         return Error{Status::invalid_setting, "there are " + std::to_string(count) + " " + what + " for "
                                                   + std::to_string(fragments.pieces.size()) + " pieces"};
     };
-    if (!options.hulls.empty() && options.hulls.size() != fragments.pieces.size()) return wrong(options.hulls.size(), "lists of hulls");
-    if (!options.poses.empty() && options.poses.size() != fragments.pieces.size()) return wrong(options.poses.size(), "poses");
+    if (!options.hulls.empty() && options.hulls.size() != fragments.pieces.size())
+        return wrong(options.hulls.size(), "lists of hulls");
+    if (!options.poses.empty() && options.poses.size() != fragments.pieces.size())
+        return wrong(options.poses.size(), "poses");
     for (size_t p = 0; p < options.poses.size(); ++p) {
         const PiecePose& pose = options.poses[p];
         const double sum = pose.position.x + pose.position.y + pose.position.z, length = glm::length(pose.orientation);
         if (!std::isfinite(sum) || !(std::abs(length - 1.0) < unit_slack))
-            return Error{Status::invalid_setting, "the pose of piece " + std::to_string(p) + " is none: its position must be finite "
-                                                      "and its rotation a unit quaternion"};
+            return Error{Status::invalid_setting, "the pose of piece " + std::to_string(p)
+                                                      + " is none: its position must be finite "
+                                                        "and its rotation a unit quaternion"};
     }
     return {};
 }
@@ -83,7 +87,8 @@ glm::dvec3 placed(const ExportJob& job, uint32_t piece, const glm::dvec3& point)
 }
 
 glm::vec3 turned(const ExportJob& job, uint32_t piece, const glm::vec3& direction) {
-    return job.options.poses.empty() ? direction : glm::vec3(job.options.poses[piece].orientation * glm::dvec3(direction));
+    return job.options.poses.empty() ? direction
+                                     : glm::vec3(job.options.poses[piece].orientation * glm::dvec3(direction));
 }
 
 // Weathered stone outside; darker and warmer inside, so that a break is seen at once.
@@ -93,10 +98,10 @@ Material exterior_material(const ExportOptions& options) {
 }
 
 Material interior_material(const ExportOptions& options) {
-    return options.interior.value_or(Material{
-        .name = "interior",
-        .base_colour = options.interior_image ? glm::dvec4(1.0) : glm::dvec4(0.36, 0.20, 0.13, 1.0),
-        .roughness = 0.95});
+    return options.interior.value_or(
+        Material{.name = "interior",
+                 .base_colour = options.interior_image ? glm::dvec4(1.0) : glm::dvec4(0.36, 0.20, 0.13, 1.0),
+                 .roughness = 0.95});
 }
 
 const std::vector<std::string>& exportable_extensions() {

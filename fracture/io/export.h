@@ -29,8 +29,8 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/base/error.h"
-#include "fracture/pieces/fragments.h"
 #include "fracture/io/model.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture {
 
@@ -52,16 +52,17 @@ struct ExportOptions {
     std::string recipe = "{}"; // a JSON object, kept as it is in the root's extras; GLB only
     // The model whose mesh was fractured; null for none: flat shaded, in one material.
     const Model* source = nullptr;
-    std::span<const glm::dvec3> sites{}; // of the fracture, for texture coordinates in metres on the cuts; or none
-    bool uv_by_plane = false; // without sites: such coordinates all the same, of each cut by its own plane
-    std::span<const PiecePose> poses{}; // one a piece; or none: all lie where they were cut
-    std::optional<Material> exterior{};  // of what has none in the source; or the default, a light stone
-    std::optional<Material> interior{};  // of the cuts; or the default, a dark brown. Uses the texture below, if any
+    std::span<const glm::dvec3> sites{};   // of the fracture, for texture coordinates in metres on the cuts; or none
+    bool uv_by_plane = false;              // without sites: such coordinates all the same, of each cut by its own plane
+    std::span<const PiecePose> poses{};    // one a piece; or none: all lie where they were cut
+    std::optional<Material> exterior{};    // of what has none in the source; or the default, a light stone
+    std::optional<Material> interior{};    // of the cuts; or the default, a dark brown. Uses the texture below, if any
     std::optional<Image> interior_image{}; // base colour of the cuts, repeated every metre
-    bool per_piece = false; // a file for each piece: NAME.glb becomes NAME_000.glb, NAME_001.glb, ...
+    bool per_piece = false;                // a file for each piece: NAME.glb becomes NAME_000.glb, NAME_001.glb, ...
 
     // The rest is for GLB only.
-    std::span<const std::vector<TriangleMesh>> hulls{}; // of each piece, in the coordinates of the pieces; or none at all
+    std::span<const std::vector<TriangleMesh>>
+        hulls{}; // of each piece, in the coordinates of the pieces; or none at all
     HullNames hull_names = HullNames::godot;
     // Also says mass, inertia and hull by KHR_physics_rigid_bodies, a draft that may still change: as of 2024, Khronos
     // pull request 2424, where the geometry of a collider names a mesh by a node. Needs hulls for colliders.
@@ -80,9 +81,8 @@ struct ExportOptions {
                                                                        const ExportOptions& options = {});
 
 // A whole model, for repaired meshes: one piece, nothing interior.
-[[nodiscard]] Result<std::vector<std::filesystem::path>> export_model(const std::filesystem::path& file,
-                                                                      const Model& model,
-                                                                      const std::string& name = "mesh");
+[[nodiscard]] Result<std::vector<std::filesystem::path>>
+export_model(const std::filesystem::path& file, const Model& model, const std::string& name = "mesh");
 
 // File endings that can be exported, lower case with the dot.
 [[nodiscard]] const std::vector<std::string>& exportable_extensions();

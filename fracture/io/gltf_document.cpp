@@ -69,12 +69,10 @@ struct Container {
 
 // Section 4.4: a head of twelve bytes, then chunks of length, kind and content.
 Result<Container> open_glb(Bytes bytes) {
-    if (bytes.size() < 20)
-        return malformed("a GLB file of " + std::to_string(bytes.size()) + " bytes was cut short");
+    if (bytes.size() < 20) return malformed("a GLB file of " + std::to_string(bytes.size()) + " bytes was cut short");
     const auto version = load<uint32_t>(bytes, 4);
     const auto length = load<uint32_t>(bytes, 8);
-    if (version != 2)
-        return malformed("glTF version " + std::to_string(version) + "; only 2 is read, export it anew");
+    if (version != 2) return malformed("glTF version " + std::to_string(version) + "; only 2 is read, export it anew");
     if (length > bytes.size()) {
         return malformed("its head promises " + std::to_string(length) + " bytes, but the file has "
                          + std::to_string(bytes.size()) + "; it was cut short");
@@ -84,8 +82,7 @@ Result<Container> open_glb(Bytes bytes) {
     for (int chunk = 0; chunk < 2 && at + 8 <= length; ++chunk) {
         const auto size = load<uint32_t>(bytes, at);
         const auto kind = load<uint32_t>(bytes, at + 4);
-        if (size > length - at - 8)
-            return malformed("chunk " + std::to_string(chunk) + " is longer than the file");
+        if (size > length - at - 8) return malformed("chunk " + std::to_string(chunk) + " is longer than the file");
         if (chunk == 0 && kind != 0x4E4F534A) return malformed("its first chunk is not JSON");
         if (chunk == 0)
             result.json = bytes.subspan(at + 8, size);
@@ -117,8 +114,7 @@ const Json* member(const Json& object, const char* key) {
     return found == object.end() ? nullptr : &*found;
 }
 
-std::optional<uint64_t> unsigned_member(const Json& object, const char* key,
-                                        std::optional<uint64_t> fallback) {
+std::optional<uint64_t> unsigned_member(const Json& object, const char* key, std::optional<uint64_t> fallback) {
     const Json* value = member(object, key);
     if (value == nullptr) return fallback;
     if (!value->is_number_unsigned()) return std::nullopt;
@@ -141,8 +137,7 @@ Result<Document> Document::open(Bytes bytes, Companions& companions) {
     Json document = Json::parse(text, text + container.json.size(), keep, false);
     if (too_deep) return malformed("its JSON is nested over 64 levels deep");
     if (document.is_discarded() || !document.is_object()) {
-        return malformed(
-            "neither a GLB file nor glTF: the JSON cannot be read; it was cut short or is damaged");
+        return malformed("neither a GLB file nor glTF: the JSON cannot be read; it was cut short or is damaged");
     }
     return Document(std::move(document), container.binary, companions, bytes.size());
 }
@@ -234,7 +229,8 @@ Result<void> Document::apply_sparse(const Json& sparse, const std::string& name,
     sparse_bytes_ += accessor.count * element_size;
     const uint64_t most = std::min(most_sparse_bytes, free_sparse_bytes + sparse_bytes_per_byte * size());
     if (sparse_bytes_ > most)
-        return malformed("its sparse accessors take over " + std::to_string(most) + " bytes, the limit for a file of its size");
+        return malformed("its sparse accessors take over " + std::to_string(most)
+                         + " bytes, the limit for a file of its size");
     std::vector<std::byte>& dense = decoded_.emplace_back(accessor.count * element_size);
     for (uint64_t k = 0; k < accessor.count && !accessor.data.empty(); ++k)
         std::memcpy(dense.data() + k * element_size, accessor.data.data() + k * accessor.stride, element_size);
@@ -260,8 +256,8 @@ Result<Bytes> Document::bytes_of_view(const Json& view) {
     const Result<Bytes> bytes = bytes_of_buffer(*buffer);
     if (!bytes) return bytes;
     if (*offset > bytes->size() || *length > bytes->size() - *offset) {
-        return malformed("its buffer view ends at byte " + std::to_string(*offset) + " + "
-                         + std::to_string(*length) + " of a buffer of " + std::to_string(bytes->size())
+        return malformed("its buffer view ends at byte " + std::to_string(*offset) + " + " + std::to_string(*length)
+                         + " of a buffer of " + std::to_string(bytes->size())
                          + "; the file was cut short or is damaged");
     }
     return bytes->subspan(*offset, *length);

@@ -43,7 +43,7 @@ inline constexpr uint64_t elements_per_byte = 50;      // and these for each byt
 // Exactly count numbers; the fallback where the member is missing, nothing where it is something else.
 template<size_t count>
 [[nodiscard]] std::optional<std::array<double, count>> numbers(const Json& object, const char* key,
-                                                 std::array<double, count> fallback) {
+                                                               std::array<double, count> fallback) {
     const Json* value = member(object, key);
     if (value == nullptr) return fallback;
     if (!value->is_array() || value->size() != count) return std::nullopt;

@@ -40,7 +40,8 @@ class LookReader {
 
     void read() {
         for (const Json& image : list_of(document_.json(), "images")) model_.images.push_back(read_image(image));
-        for (const Json& texture : list_of(document_.json(), "textures")) model_.textures.push_back(read_texture(texture));
+        for (const Json& texture : list_of(document_.json(), "textures"))
+            model_.textures.push_back(read_texture(texture));
         for (const Json& material : list_of(document_.json(), "materials"))
             model_.materials.push_back(read_material(material));
     }
@@ -81,7 +82,8 @@ class LookReader {
         const auto source = unsigned_member(json, "source", std::nullopt);
         if (source && *source < model_.images.size()) texture.image = static_cast<uint32_t>(*source);
         texture.extensions = extensions_of(json);
-        const Result<const Json*> sampler = document_.element("samplers", unsigned_member(json, "sampler", std::nullopt));
+        const Result<const Json*> sampler =
+            document_.element("samplers", unsigned_member(json, "sampler", std::nullopt));
         if (!sampler) return texture;
         const auto one_of = [&](const char* key, uint32_t otherwise, std::initializer_list<uint32_t> values) {
             const auto value = unsigned_member(**sampler, key, otherwise);
@@ -126,10 +128,12 @@ class LookReader {
             material.emissive = glm::clamp(glm::dvec3((*emissive)[0], (*emissive)[1], (*emissive)[2]), 0.0, 1.0);
         material.normal_texture = use_of(json, "normalTexture", "scale");
         material.occlusion_texture = use_of(json, "occlusionTexture", "strength");
-        if (material.occlusion_texture) material.occlusion_texture->strength = std::min(material.occlusion_texture->strength, 1.0);
+        if (material.occlusion_texture)
+            material.occlusion_texture->strength = std::min(material.occlusion_texture->strength, 1.0);
         material.emissive_texture = use_of(json, "emissiveTexture", nullptr);
         const std::string mode = text_of(json, "alphaMode");
-        material.alpha_mode = mode == "MASK" ? AlphaMode::mask : (mode == "BLEND" ? AlphaMode::blend : AlphaMode::opaque);
+        material.alpha_mode =
+            mode == "MASK" ? AlphaMode::mask : (mode == "BLEND" ? AlphaMode::blend : AlphaMode::opaque);
         material.alpha_cutoff = number_of(json, "alphaCutoff", 0.5, 1e6);
         const Json* double_sided = member(json, "doubleSided");
         material.double_sided = double_sided != nullptr && *double_sided == true;

@@ -22,12 +22,9 @@ std::string lower_case_extension(const std::filesystem::path& file) {
 
 Error unsupported(const std::filesystem::path& file, const std::string& extension) {
     std::string readable;
-    for (const std::string& known : importable_extensions())
-        readable += (readable.empty() ? "" : ", ") + known;
-    const std::string what =
-        extension.empty() ? "the file name has no ending" : extension + " files are not read";
-    return {Status::unsupported_format,
-            file.string() + ": " + what + "; convert the mesh to one of " + readable};
+    for (const std::string& known : importable_extensions()) readable += (readable.empty() ? "" : ", ") + known;
+    const std::string what = extension.empty() ? "the file name has no ending" : extension + " files are not read";
+    return {Status::unsupported_format, file.string() + ": " + what + "; convert the mesh to one of " + readable};
 }
 
 Result<Model> without_looks(Result<TriangleMesh> mesh) {
@@ -43,8 +40,8 @@ Result<void> check_finite(const TriangleMesh& mesh) {
         if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
         char place[96];
         std::snprintf(place, sizeof(place), "(%g, %g, %g)", p.x, p.y, p.z);
-        return Error{Status::malformed_file, "vertex " + std::to_string(v) + " lies at " + place
-                                                 + "; all coordinates must be finite"};
+        return Error{Status::malformed_file,
+                     "vertex " + std::to_string(v) + " lies at " + place + "; all coordinates must be finite"};
     }
     return {};
 }
@@ -65,11 +62,10 @@ Result<Model> import_and_weld(const std::filesystem::path& file, bool with_looks
     std::vector<uint32_t> kept;
     TriangleMesh welded = weld(model->mesh, &kept);
     if (welded.triangles.empty()) {
-        const std::string what =
-            model->mesh.triangles.empty()
-                ? "no triangles in the file; export the mesh with its faces"
-                : "all triangles in the file have two corners at the same place; export it in a "
-                  "larger unit or with more digits";
+        const std::string what = model->mesh.triangles.empty()
+                                     ? "no triangles in the file; export the mesh with its faces"
+                                     : "all triangles in the file have two corners at the same place; export it in a "
+                                       "larger unit or with more digits";
         return Error{Status::empty_mesh, file.string() + ": " + what};
     }
     keep_triangles(*model, std::move(welded), kept);

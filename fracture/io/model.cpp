@@ -48,7 +48,8 @@ std::array<uint32_t, 3> match(const TriangleMesh& mesh, const Triangle& t, const
     const auto moved = [&](const std::array<uint32_t, 3>& order) {
         double sum = 0.0;
         for (int k = 0; k < 3; ++k)
-            sum += glm::distance(mesh.positions[t[k]], old.positions[o[static_cast<int>(order[static_cast<size_t>(k)])]]);
+            sum +=
+                glm::distance(mesh.positions[t[k]], old.positions[o[static_cast<int>(order[static_cast<size_t>(k)])]]);
         return sum;
     };
     return *std::min_element(orders.begin(), orders.end(),
@@ -61,7 +62,8 @@ bool is_turned(const std::array<uint32_t, 3>& order) {
 
 } // namespace
 
-void append_triangle(Model& model, const Triangle& triangle, uint32_t material, std::span<const CornerLook, 3> corners) {
+void append_triangle(Model& model, const Triangle& triangle, uint32_t material,
+                     std::span<const CornerLook, 3> corners) {
     const size_t at = model.mesh.triangles.size();
     for (size_t k = 0; k < 3; ++k) {
         for (size_t set = 0; set < model.uv.size(); ++set)

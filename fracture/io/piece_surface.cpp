@@ -26,7 +26,8 @@ std::vector<std::array<uint32_t, 3>> by_plane(const Fragments& fragments, const 
     const auto positions = fragments.positions_of(piece);
     const auto triangles = fragments.triangles_of(piece);
     std::vector<std::array<uint32_t, 3>> order; // source, plane, triangle
-    for (uint32_t t = begin; t < end; ++t) order.push_back({fragments.triangle_source[piece.triangles.begin + t], 0, t});
+    for (uint32_t t = begin; t < end; ++t)
+        order.push_back({fragments.triangle_source[piece.triangles.begin + t], 0, t});
     std::sort(order.begin(), order.end());
     std::vector<glm::dvec3> planes; // of the source at hand
     for (size_t k = 0; k < order.size(); ++k) {
@@ -37,9 +38,8 @@ std::vector<std::array<uint32_t, 3>> by_plane(const Fragments& fragments, const 
         const double length = glm::length(normal);
         const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
         if (!(length > least_height * longest)) continue;
-        const auto plane = std::find_if(planes.begin(), planes.end(), [&](const glm::dvec3& n) {
-            return glm::dot(n, normal) > same_plane * length;
-        });
+        const auto plane = std::find_if(planes.begin(), planes.end(),
+                                        [&](const glm::dvec3& n) { return glm::dot(n, normal) > same_plane * length; });
         order[k][1] = static_cast<uint32_t>(plane - planes.begin());
         if (plane == planes.end()) planes.push_back(normal / length);
     }
@@ -91,7 +91,8 @@ class PartBuilder {
   public:
     PartBuilder(const Fragments& fragments, const Piece& piece, const Model* source, std::span<const glm::dvec3> sites,
                 bool uv_by_plane)
-        : fragments_(fragments), piece_(piece), source_(source), sites_(sites), uv_by_plane_(uv_by_plane && sites.empty()) {}
+        : fragments_(fragments), piece_(piece), source_(source), sites_(sites),
+          uv_by_plane_(uv_by_plane && sites.empty()) {}
 
     std::vector<DrawnPart> build() {
         add_exterior();
@@ -108,7 +109,8 @@ class PartBuilder {
         const auto material = [&](const std::array<uint32_t, 3>& entry) {
             return source_ && !source_->material_of.empty() ? source_->material_of[entry[0]] + 1 : 0; // none first
         };
-        std::stable_sort(order.begin(), order.end(), [&](const auto& a, const auto& b) { return material(a) < material(b); });
+        std::stable_sort(order.begin(), order.end(),
+                         [&](const auto& a, const auto& b) { return material(a) < material(b); });
         for (size_t first = 0, last = 0; first < order.size(); first = last) {
             while (last < order.size() && material(order[last]) == material(order[first])) ++last;
             begin_part(material(order[first]) - 1, false);
@@ -125,7 +127,8 @@ class PartBuilder {
         const auto positions = fragments_.positions_of(piece_);
         const auto triangles = fragments_.triangles_of(piece_);
         for (size_t first = 0, last = 0; first < order.size(); first = last) {
-            while (last < order.size() && order[last][0] == order[first][0] && order[last][1] == order[first][1]) ++last;
+            while (last < order.size() && order[last][0] == order[first][0] && order[last][1] == order[first][1])
+                ++last;
             const auto plane = order.subspan(first, last - first);
             const glm::vec3 normal = normal_of(positions, triangles, plane);
             for (const auto& [source, number, t] : plane) {
@@ -184,7 +187,8 @@ class PartBuilder {
             part.vertices.push_back(corner.vertex);
             part.normals.push_back(corner.normal);
             for (size_t set = 0; set < 2; ++set)
-                if (part.interior ? set == 0 && (!sites_.empty() || uv_by_plane_) : source_ && !source_->uv[set].empty())
+                if (part.interior ? set == 0 && (!sites_.empty() || uv_by_plane_)
+                                  : source_ && !source_->uv[set].empty())
                     part.uv[set].push_back(corner.uv[set]);
             if (!part.interior && source_ && !source_->colours.empty()) part.colours.push_back(corner.colour);
         }

@@ -10,8 +10,8 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "fracture/pieces/fragments.h"
 #include "fracture/io/model.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture {
 
@@ -20,8 +20,8 @@ namespace brittle::fracture {
 struct DrawnPart {
     uint32_t material = no_material; // of the source; interior parts have none of its
     bool interior = false;
-    std::vector<uint32_t> vertices{}; // of the piece: relative to Piece::vertices.begin
-    std::vector<glm::vec3> normals{}; // unit
+    std::vector<uint32_t> vertices{};           // of the piece: relative to Piece::vertices.begin
+    std::vector<glm::vec3> normals{};           // unit
     std::array<std::vector<glm::vec2>, 2> uv{}; // v points down; of interior parts in metres
     std::vector<glm::vec4> colours{};
     std::vector<uint32_t> indices{}; // three a triangle, into the above

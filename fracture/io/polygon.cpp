@@ -17,9 +17,12 @@ constexpr uint64_t tests_a_corner = 100;
 std::optional<std::span<const Triangle>> PolygonSplitter::split(std::span<const glm::dvec3> positions,
                                                                 std::span<const uint32_t> corners) {
     triangles_.clear();
-    if (corners.size() == 3) triangles_.emplace_back(0, 1, 2);
-    else if (corners.size() == 4) split_quad(positions, corners);
-    else split_large(positions, corners);
+    if (corners.size() == 3)
+        triangles_.emplace_back(0, 1, 2);
+    else if (corners.size() == 4)
+        split_quad(positions, corners);
+    else
+        split_large(positions, corners);
     if (tests_ > free_tests + tests_a_corner * corners_) return std::nullopt;
     return triangles_;
 }

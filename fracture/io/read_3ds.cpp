@@ -34,10 +34,9 @@ class Reader3ds {
             return Error{Status::malformed_file, "not a 3DS file: it does not start with the bytes 4D 4D"};
         }
         // Where the main chunk's length disagrees with the file's, the file's counts: exporters get it wrong.
-        const Result<void> done =
-            for_each_chunk({main_chunk, head_size, bytes_.size()}, [&](const Chunk& part) {
-                return part.kind == editor ? read_editor(part) : Result<void>();
-            });
+        const Result<void> done = for_each_chunk({main_chunk, head_size, bytes_.size()}, [&](const Chunk& part) {
+            return part.kind == editor ? read_editor(part) : Result<void>();
+        });
         if (!done) return done.error();
         return std::move(mesh_);
     }
@@ -51,8 +50,8 @@ class Reader3ds {
             const auto length = load<uint32_t>(bytes_, at + 2);
             if (length < head_size || length > parent.end - at) {
                 return malformed(kind, at,
-                                 "claims " + std::to_string(length) + " bytes where "
-                                     + std::to_string(parent.end - at) + " are left");
+                                 "claims " + std::to_string(length) + " bytes where " + std::to_string(parent.end - at)
+                                     + " are left");
             }
             if (Result<void> done = visit(Chunk{kind, at + head_size, at + length}); !done) return done;
             at += length;
@@ -65,8 +64,7 @@ class Reader3ds {
             if (part.kind != object) return {};
             size_t begin = part.begin;
             while (begin < part.end && bytes_[begin] != std::byte{0}) ++begin;
-            if (begin == part.end)
-                return malformed(part.kind, part.begin - head_size, "holds a name without an end");
+            if (begin == part.end) return malformed(part.kind, part.begin - head_size, "holds a name without an end");
             return for_each_chunk({part.kind, begin + 1, part.end}, [&](const Chunk& content) {
                 return content.kind == triangle_mesh ? read_mesh(content) : Result<void>();
             });
@@ -101,8 +99,8 @@ class Reader3ds {
                 const auto index = load<uint16_t>(bytes_, faces.begin + 2 + f * size_t{8} + k * size_t{2});
                 if (index >= *vertex_count) {
                     return malformed(faces.kind, faces.begin - head_size,
-                                     "has a face " + std::to_string(f) + " that names vertex "
-                                         + std::to_string(index) + " of " + std::to_string(*vertex_count));
+                                     "has a face " + std::to_string(f) + " that names vertex " + std::to_string(index)
+                                         + " of " + std::to_string(*vertex_count));
                 }
                 triangle[k] = base + index;
             }
@@ -127,8 +125,8 @@ class Reader3ds {
     static Error malformed(uint16_t kind, size_t at, const std::string& what) {
         char name[8];
         std::snprintf(name, sizeof(name), "%04X", kind);
-        return {Status::malformed_file, std::string("chunk ") + name + " at byte " + std::to_string(at) + " "
-                                            + what + "; the file was cut short or is damaged"};
+        return {Status::malformed_file, std::string("chunk ") + name + " at byte " + std::to_string(at) + " " + what
+                                            + "; the file was cut short or is damaged"};
     }
 
     std::span<const std::byte> bytes_;

@@ -39,9 +39,8 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& file) {
     const auto size = static_cast<uint64_t>(info.st_size);
     if (size == 0) return Error{Status::malformed_file, file.string() + ": the file is empty (0 bytes)"};
     if (size >= largest_file) {
-        return Error{Status::malformed_file,
-                     file.string() + ": the file has " + std::to_string(size)
-                         + " bytes; files of 4 GiB and more are not read, simplify the mesh"};
+        return Error{Status::malformed_file, file.string() + ": the file has " + std::to_string(size)
+                                                 + " bytes; files of 4 GiB and more are not read, simplify the mesh"};
     }
 
     std::vector<std::byte> bytes(size);

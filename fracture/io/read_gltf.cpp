@@ -60,7 +60,8 @@ class GltfReader {
         const Json* nodes = member(document_.json(), "nodes");
         const size_t count = nodes != nullptr && nodes->is_array() ? nodes->size() : 0;
         if (member(document_.json(), "scenes") != nullptr) {
-            const Result<const Json*> scene = document_.element("scenes", unsigned_member(document_.json(), "scene", 0));
+            const Result<const Json*> scene =
+                document_.element("scenes", unsigned_member(document_.json(), "scene", 0));
             if (!scene) return scene.error();
             return indices_of(**scene, "nodes");
         }
@@ -85,8 +86,7 @@ class GltfReader {
         const Json* values = member(object, key);
         if (values == nullptr) return result;
         for (const Json& value : *values) {
-            if (!value.is_number_unsigned())
-                return malformed(std::string(key) + " holds something else than indices");
+            if (!value.is_number_unsigned()) return malformed(std::string(key) + " holds something else than indices");
             result.push_back(value.get<uint64_t>());
         }
         return result;
@@ -99,9 +99,9 @@ class GltfReader {
             glm::dmat4 parent;
         };
         std::vector<Visit> stack;
-        for (auto root = roots.rbegin(); root != roots.rend(); ++root)
-            stack.push_back({*root, glm::dmat4(1.0)});
-        std::vector<bool> seen(member(document_.json(), "nodes") != nullptr ? document_.json()["nodes"].size() : 0, false);
+        for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, glm::dmat4(1.0)});
+        std::vector<bool> seen(member(document_.json(), "nodes") != nullptr ? document_.json()["nodes"].size() : 0,
+                               false);
         while (!stack.empty()) {
             const Visit visit = stack.back();
             stack.pop_back();
@@ -121,8 +121,7 @@ class GltfReader {
             }
             const Result<std::vector<uint64_t>> children = indices_of(**node, "children");
             if (!children) return children.error();
-            for (auto child = children->rbegin(); child != children->rend(); ++child)
-                stack.push_back({*child, world});
+            for (auto child = children->rbegin(); child != children->rend(); ++child) stack.push_back({*child, world});
         }
         return {};
     }
@@ -167,11 +166,13 @@ class GltfReader {
         const Json* attributes = member(primitive, "attributes");
         if (*mode < 4 || attributes == nullptr || member(*attributes, "POSITION") == nullptr) return {};
 
-        const Result<Accessor> positions = document_.accessor(unsigned_member(*attributes, "POSITION", std::nullopt), "VEC3");
+        const Result<Accessor> positions =
+            document_.accessor(unsigned_member(*attributes, "POSITION", std::nullopt), "VEC3");
         if (!positions) return positions.error();
         std::vector<uint32_t> corners;
         if (member(primitive, "indices") != nullptr) {
-            const Result<Accessor> indices = document_.accessor(unsigned_member(primitive, "indices", std::nullopt), "SCALAR");
+            const Result<Accessor> indices =
+                document_.accessor(unsigned_member(primitive, "indices", std::nullopt), "SCALAR");
             if (!indices) return indices.error();
             const uint32_t type = indices->component_type;
             if ((type != 5121 && type != 5123 && type != 5125) || indices->normalized)
@@ -207,10 +208,12 @@ class GltfReader {
 
     // Whatever is wrong with looks is left out.
     void read_vertex_looks(const Json& attributes, Vertices& vertices) {
-        const auto find = [&](const char* name, std::initializer_list<std::string_view> types) -> std::optional<Accessor> {
+        const auto find = [&](const char* name,
+                              std::initializer_list<std::string_view> types) -> std::optional<Accessor> {
             if (member(attributes, name) == nullptr) return std::nullopt;
             for (const std::string_view type : types) {
-                const Result<Accessor> found = document_.accessor(unsigned_member(attributes, name, std::nullopt), type);
+                const Result<Accessor> found =
+                    document_.accessor(unsigned_member(attributes, name, std::nullopt), type);
                 if (found && found->count == vertices.positions.count) return *found;
             }
             add_note(model_.notes, std::string(name) + " of a primitive cannot be read and is left out");
@@ -223,7 +226,8 @@ class GltfReader {
         if (!vertices.colours && member(attributes, "COLOR_0") != nullptr) vertices.colours = find("COLOR_0", {"VEC3"});
     }
 
-    Result<void> append(const Vertices& vertices, const std::vector<uint32_t>& corners, uint64_t mode, uint32_t material) {
+    Result<void> append(const Vertices& vertices, const std::vector<uint32_t>& corners, uint64_t mode,
+                        uint32_t material) {
         for (uint64_t v = 0; v < vertices.positions.count; ++v) {
             const glm::dvec4 local(vertices.positions.component(v, 0), vertices.positions.component(v, 1),
                                    vertices.positions.component(v, 2), 1.0);

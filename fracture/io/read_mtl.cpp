@@ -93,8 +93,9 @@ class MtlReader {
             const auto bytes = companions_.read(std::string(name));
             const std::string type = bytes ? image_type(*bytes) : std::string();
             if (type.empty()) {
-                add_note(model_.notes, "texture: " + (bytes ? quoted(name) + " is no PNG or JPEG image, so it is left behind"
-                                                            : bytes.error().message));
+                add_note(model_.notes, "texture: "
+                                           + (bytes ? quoted(name) + " is no PNG or JPEG image, so it is left behind"
+                                                    : bytes.error().message));
                 texture_named_.erase(known);
                 return std::nullopt;
             }
@@ -102,7 +103,8 @@ class MtlReader {
             const auto [image, is_new_image] = image_at_.emplace(bytes->data(), next);
             model_.textures.push_back({.image = image->second});
             if (is_new_image)
-                model_.images.push_back({std::filesystem::path(name).stem().string(), type, {bytes->begin(), bytes->end()}});
+                model_.images.push_back(
+                    {std::filesystem::path(name).stem().string(), type, {bytes->begin(), bytes->end()}});
         }
         return TextureUse{.texture = known->second, .strength = strength};
     }

@@ -167,7 +167,8 @@ class ObjReader {
             material_ = known->second;
             return;
         }
-        add_note(model_.notes, "material " + quoted(std::string_view(name)) + " is in none of the libraries that the file names");
+        add_note(model_.notes,
+                 "material " + quoted(std::string_view(name)) + " is in none of the libraries that the file names");
         material_ = static_cast<uint32_t>(model_.materials.size());
         material_named_.emplace(name, material_);
         model_.materials.push_back({.name = name});

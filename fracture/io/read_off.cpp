@@ -146,8 +146,8 @@ class OffReader {
 
 Result<Model> read_off(std::string_view text) {
     if (const size_t zero = text.find('\0'); zero != text.npos)
-        return Error{Status::malformed_file, "byte " + std::to_string(zero)
-                                                 + " is 0: binary OFF is not read; export the mesh as text"};
+        return Error{Status::malformed_file,
+                     "byte " + std::to_string(zero) + " is 0: binary OFF is not read; export the mesh as text"};
     return OffReader(text).read();
 }
 

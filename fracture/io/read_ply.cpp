@@ -58,8 +58,8 @@ struct Element {
 class Numbers {
   public:
     Numbers(std::span<const std::byte> bytes, Encoding encoding, size_t first_line)
-        : bytes_(bytes), encoding_(encoding),
-          cursor_({reinterpret_cast<const char*>(bytes.data()), bytes.size()}), first_line_(first_line) {}
+        : bytes_(bytes), encoding_(encoding), cursor_({reinterpret_cast<const char*>(bytes.data()), bytes.size()}),
+          first_line_(first_line) {}
 
     double next(Type type) {
         if (encoding_ == Encoding::text) {
@@ -76,7 +76,8 @@ class Numbers {
         }
         std::array<std::byte, 8> raw{};
         std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), size, raw.begin());
-        if (encoding_ == Encoding::big_endian) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
+        if (encoding_ == Encoding::big_endian)
+            std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
         at_ += size;
         return value(raw, type);
     }
@@ -93,14 +94,22 @@ class Numbers {
   private:
     static double value(const std::array<std::byte, 8>& raw, Type type) {
         switch (type) {
-        case Type::int8: return load<int8_t>(raw, 0);
-        case Type::uint8: return load<uint8_t>(raw, 0);
-        case Type::int16: return load<int16_t>(raw, 0);
-        case Type::uint16: return load<uint16_t>(raw, 0);
-        case Type::int32: return load<int32_t>(raw, 0);
-        case Type::uint32: return load<uint32_t>(raw, 0);
-        case Type::float32: return load<float>(raw, 0);
-        case Type::float64: return load<double>(raw, 0);
+        case Type::int8:
+            return load<int8_t>(raw, 0);
+        case Type::uint8:
+            return load<uint8_t>(raw, 0);
+        case Type::int16:
+            return load<int16_t>(raw, 0);
+        case Type::uint16:
+            return load<uint16_t>(raw, 0);
+        case Type::int32:
+            return load<int32_t>(raw, 0);
+        case Type::uint32:
+            return load<uint32_t>(raw, 0);
+        case Type::float32:
+            return load<float>(raw, 0);
+        case Type::float64:
+            return load<double>(raw, 0);
         }
         return 0.0;
     }
@@ -116,8 +125,8 @@ class Numbers {
 class VertexLook {
   public:
     void set(const Property& property, double value) {
-        constexpr std::array<std::string_view, 13> names = {"nx", "ny", "nz", "red", "green", "blue", "alpha",
-                                                            "s", "t", "u", "v", "texture_u", "texture_v"};
+        constexpr std::array<std::string_view, 13> names = {"nx", "ny", "nz", "red", "green",     "blue",     "alpha",
+                                                            "s",  "t",  "u",  "v",   "texture_u", "texture_v"};
         const auto at = static_cast<size_t>(std::find(names.begin(), names.end(), property.name) - names.begin());
         if (at == names.size() || !std::isfinite(value)) return;
         if (at < 3) {
@@ -125,7 +134,8 @@ class VertexLook {
             has_normal_ = true;
         } else if (at < 7) {
             const bool is_share = property.type == Type::float32 || property.type == Type::float64;
-            const double share = std::clamp(is_share ? value : value / (size_of(property.type) == 2 ? 65535.0 : 255.0), 0.0, 1.0);
+            const double share =
+                std::clamp(is_share ? value : value / (size_of(property.type) == 2 ? 65535.0 : 255.0), 0.0, 1.0);
             colour_[static_cast<int>(at) - 3] = at == 6 ? share : linear_of_srgb(share);
             has_colour_ = true;
         } else {
@@ -196,10 +206,14 @@ class PlyReader {
             if (word == "end_header") break;
             if (word == "format") {
                 const std::string_view name = cursor.token();
-                if (name == "ascii") encoding_ = Encoding::text;
-                else if (name == "binary_little_endian") encoding_ = Encoding::little_endian;
-                else if (name == "binary_big_endian") encoding_ = Encoding::big_endian;
-                else return wrong("an unknown format");
+                if (name == "ascii")
+                    encoding_ = Encoding::text;
+                else if (name == "binary_little_endian")
+                    encoding_ = Encoding::little_endian;
+                else if (name == "binary_big_endian")
+                    encoding_ = Encoding::big_endian;
+                else
+                    return wrong("an unknown format");
                 has_format = true;
             } else if (word == "comment") {
                 if (cursor.token() == "TextureFile") texture_files_.emplace_back(cursor.rest_of_line());
@@ -255,14 +269,17 @@ class PlyReader {
                     if (property.name == "y") position.y = value;
                     if (property.name == "z") position.z = value;
                     if (is_vertex && companions_.wants_looks()) look.set(property, value);
-                    if (property.name == "texnumber" && value >= 0.0 && value < 1e6) texture_ = static_cast<uint32_t>(value);
-                } else if (Result<void> done = read_list(element, property, numbers, [&] { return place_of(k); }); !done) {
+                    if (property.name == "texnumber" && value >= 0.0 && value < 1e6)
+                        texture_ = static_cast<uint32_t>(value);
+                } else if (Result<void> done = read_list(element, property, numbers, [&] { return place_of(k); });
+                           !done) {
                     return done;
                 }
             }
             if (numbers.ended) return cut_short(place_of(k));
             if (!numbers.bad.empty())
-                return malformed(place_of(k), "a number is expected, but found " + quoted(std::string_view(numbers.bad)));
+                return malformed(place_of(k),
+                                 "a number is expected, but found " + quoted(std::string_view(numbers.bad)));
             if (is_vertex) {
                 model_.mesh.positions.push_back(position);
                 if (companions_.wants_looks()) looks_.push_back(look.finish());
@@ -276,15 +293,16 @@ class PlyReader {
     Result<void> read_list(const Element& element, const Property& property, Numbers& numbers,
                            const std::function<std::string()>& place) {
         const double count = numbers.next(*property.count);
-        const bool is_face = element.name == "face"
-                             && (property.name == "vertex_indices" || property.name == "vertex_index");
+        const bool is_face =
+            element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
         const bool is_uv = element.name == "face" && property.name == "texcoord" && companions_.wants_looks();
         // A face may have more than one such list.
         const bool is_too_long = count + static_cast<double>(corners_.size()) > most_polygon_corners;
         if (!(count >= 0.0) || (is_face && (count < 3.0 || is_too_long)))
-            return numbers.ended ? cut_short(place())
-                                 : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
-                                                          + std::to_string(most_polygon_corners));
+            return numbers.ended
+                       ? cut_short(place())
+                       : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
+                                                + std::to_string(most_polygon_corners));
         const auto known = static_cast<double>(model_.mesh.positions.size());
         for (double m = 0.0; m < count && !numbers.ended; m += 1.0) {
             const double value = numbers.next(property.type);
@@ -332,7 +350,9 @@ class PlyReader {
             const auto bytes = companions_.read(name);
             const std::string type = bytes ? image_type(*bytes) : std::string();
             if (type.empty()) {
-                add_note(model_.notes, "texture: " + (bytes ? quoted(std::string_view(name)) + " is no image that is kept" : bytes.error().message));
+                add_note(model_.notes, "texture: "
+                                           + (bytes ? quoted(std::string_view(name)) + " is no image that is kept"
+                                                    : bytes.error().message));
             } else {
                 material.base_colour_texture = TextureUse{.texture = static_cast<uint32_t>(model_.textures.size())};
                 const auto next = static_cast<uint32_t>(model_.images.size());

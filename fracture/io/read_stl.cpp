@@ -83,8 +83,7 @@ class TextStlReader {
             const std::string_view token = cursor_.token_of_any_line();
             const std::optional<double> value = parse_number(token);
             if (!value || !std::isfinite(*value)) {
-                return unexpected("a finite coordinate of triangle " + std::to_string(mesh_.triangles.size()),
-                                  token);
+                return unexpected("a finite coordinate of triangle " + std::to_string(mesh_.triangles.size()), token);
             }
             position[k] = *value;
         }
@@ -103,8 +102,7 @@ Result<TriangleMesh> read_binary(std::span<const std::byte> bytes, uint32_t coun
     for (uint32_t t = 0; t < count; ++t) {
         for (uint32_t corner = 0; corner < 3; ++corner) {
             const size_t at = header_size + t * record_size + 12 * (corner + 1);
-            const glm::dvec3 p{load<float>(bytes, at), load<float>(bytes, at + 4),
-                               load<float>(bytes, at + 8)};
+            const glm::dvec3 p{load<float>(bytes, at), load<float>(bytes, at + 4), load<float>(bytes, at + 8)};
             mesh.positions.push_back(p);
         }
         mesh.triangles.emplace_back(3 * t, 3 * t + 1, 3 * t + 2);
@@ -120,8 +118,7 @@ Result<TriangleMesh> read_stl(std::span<const std::byte> bytes) {
     const uint64_t promised = header_size + uint64_t{count} * record_size;
     if (bytes.size() >= header_size && bytes.size() == promised) return read_binary(bytes, count);
 
-    const bool is_text =
-        equals(TextCursor(text).token_of_any_line(), "solid") && text.find('\0') == text.npos;
+    const bool is_text = equals(TextCursor(text).token_of_any_line(), "solid") && text.find('\0') == text.npos;
     if (is_text) return TextStlReader(text).read();
     if (bytes.size() < header_size) {
         return Error{Status::malformed_file,

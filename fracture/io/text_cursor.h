@@ -27,8 +27,7 @@ class TextCursor {
     void next_line();
 
   private:
-    [[nodiscard]] size_t
-    continuation() const; // length of a backslash and line end here; 0 where there is none
+    [[nodiscard]] size_t continuation() const; // length of a backslash and line end here; 0 where there is none
 
     std::string_view text_;
     size_t at_ = 0;

@@ -17,8 +17,7 @@ struct Key {
 
 Key key_of(const glm::dvec3& p) {
     // Adding +0 turns -0 into +0 and changes nothing else.
-    return {std::bit_cast<uint64_t>(p.x + 0.0), std::bit_cast<uint64_t>(p.y + 0.0),
-            std::bit_cast<uint64_t>(p.z + 0.0)};
+    return {std::bit_cast<uint64_t>(p.x + 0.0), std::bit_cast<uint64_t>(p.y + 0.0), std::bit_cast<uint64_t>(p.z + 0.0)};
 }
 
 // The low bits of coordinates that were floats in a file are all zero, so every word is mixed before it is

@@ -105,7 +105,8 @@ class GlbWriter {
             if (Result<void> done = add_piece(p); !done) return done.error();
         }
         if (!children.empty()) root["children"] = std::move(children);
-        root["extras"]["brittle"] = {{"certificate", Json::parse(certificate_json(job_.certificate))}, {"recipe", recipe}};
+        root["extras"]["brittle"] = {{"certificate", Json::parse(certificate_json(job_.certificate))},
+                                     {"recipe", recipe}};
         nodes_[0] = std::move(root);
 
         Json document;
@@ -141,7 +142,8 @@ class GlbWriter {
         const glm::dvec3 origin = origin_of(mass);
         const std::string name = piece_name(options_, p);
         Json primitives = Json::array();
-        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, source_, options_.sites, options_.uv_by_plane)) {
+        for (const DrawnPart& part :
+             drawn_parts(job_.fragments, piece, source_, options_.sites, options_.uv_by_plane)) {
             Result<Json> primitive = add_part(part, piece, origin, name);
             if (!primitive) return primitive.error();
             primitives.push_back(std::move(*primitive));
@@ -202,7 +204,8 @@ class GlbWriter {
         for (size_t k = 0; k < hulls.size(); ++k) {
             Result<Json> hull = hull_node(*hulls[k], origin, hull_name(name, k, alone));
             if (!hull) return hull.error();
-            if (options_.rigid_bodies && !alone) (*hull)["extensions"][rigid_body_extension] = collider_json(nodes_.size());
+            if (options_.rigid_bodies && !alone)
+                (*hull)["extensions"][rigid_body_extension] = collider_json(nodes_.size());
             node["children"].push_back(nodes_.size());
             nodes_.push_back(std::move(*hull));
         }
@@ -252,7 +255,8 @@ class GlbWriter {
         return Json{{"POSITION", accessor}};
     }
 
-    Result<Json> add_part(const DrawnPart& part, const Piece& piece, const glm::dvec3& origin, const std::string& name) {
+    Result<Json> add_part(const DrawnPart& part, const Piece& piece, const glm::dvec3& origin,
+                          const std::string& name) {
         const auto of_piece = job_.fragments.positions_of(piece);
         std::vector<glm::vec3> positions;
         positions.reserve(part.vertices.size());
@@ -313,10 +317,9 @@ class GlbWriter {
         const uint64_t binary = views_.size();
         const uint64_t total = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
         if (total >= size_limit) {
-            return Error{Status::write_failed,
-                         "the output takes " + std::to_string(total)
-                             + " bytes, and a GLB file must stay below 4 GiB; simplify the mesh "
-                               "or use fewer sites"};
+            return Error{Status::write_failed, "the output takes " + std::to_string(total)
+                                                   + " bytes, and a GLB file must stay below 4 GiB; simplify the mesh "
+                                                     "or use fewer sites"};
         }
         Buffer glb;
         glb.reserve(total);
@@ -352,8 +355,7 @@ Result<Json> parse_recipe(const std::string& text) {
     Json recipe = Json::parse(text, keep, false);
     if (too_deep) return Error{Status::invalid_setting, "the recipe's JSON is nested over 64 levels deep"};
     if (recipe.is_discarded() || !recipe.is_object()) {
-        return Error{Status::invalid_setting,
-                     "the recipe is no JSON object, such as {}: " + text.substr(0, 80)};
+        return Error{Status::invalid_setting, "the recipe is no JSON object, such as {}: " + text.substr(0, 80)};
     }
     return recipe;
 }

@@ -78,7 +78,8 @@ class ObjWriter {
             for (int k = 0; k < 3; ++k) append(obj_, at[k]);
             obj_ += '\n';
         }
-        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, source_, job_.options.sites, job_.options.uv_by_plane)) {
+        for (const DrawnPart& part :
+             drawn_parts(job_.fragments, piece, source_, job_.options.sites, job_.options.uv_by_plane)) {
             const bool has_uv = !part.uv[0].empty();
             for (const glm::vec2& at : part.uv[0]) {
                 obj_ += "vt";
@@ -92,7 +93,8 @@ class ObjWriter {
                 for (int k = 0; k < 3; ++k) append(obj_, n[k]);
                 obj_ += '\n';
             }
-            const uint32_t material = part.interior ? interior_ : (part.material == no_material ? exterior_ : part.material);
+            const uint32_t material =
+                part.interior ? interior_ : (part.material == no_material ? exterior_ : part.material);
             used_.insert(material);
             obj_ += "usemtl " + names_[material] + "\n";
             for (size_t k = 0; k < part.indices.size(); ++k) {
@@ -113,8 +115,9 @@ class ObjWriter {
     void write_library() {
         std::string mtl = "# Brittle " BRITTLE_VERSION "\n";
         for (const uint32_t m : used_) {
-            const Material material = m == interior_ ? interior_material(job_.options)
-                                                     : (m == exterior_ ? exterior_material(job_.options) : source_->materials[m]);
+            const Material material = m == interior_
+                                          ? interior_material(job_.options)
+                                          : (m == exterior_ ? exterior_material(job_.options) : source_->materials[m]);
             mtl += "newmtl " + names_[m] + "\nKd";
             for (int k = 0; k < 3; ++k) append(mtl, material.base_colour[k]);
             mtl += "\nKe";

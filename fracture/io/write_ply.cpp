@@ -64,16 +64,15 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
             const auto base = static_cast<uint32_t>(vertex_count);
             for (const glm::dvec3& v : positions) add_vertex(placed(job, p, v), std::nullopt);
             const auto triangles = job.fragments.triangles_of(piece);
-            for (uint32_t t = 0; t < triangles.size(); ++t) add_face(triangles[t] + base, p, t >= piece.exterior_triangles);
+            for (uint32_t t = 0; t < triangles.size(); ++t)
+                add_face(triangles[t] + base, p, t >= piece.exterior_triangles);
         }
         if (vertex_count > UINT32_MAX || vertices.size() + faces.size() > (uint64_t{1} << 32))
             return Error{Status::write_failed, "the pieces take over 4 GiB; use fewer sites or a file a piece"};
     }
     std::string header = "ply\nformat binary_little_endian 1.0\ncomment Brittle " BRITTLE_VERSION "\nelement vertex "
-                         + std::to_string(vertex_count)
-                         + "\nproperty double x\nproperty double y\nproperty double z\n";
-    if (has_colours)
-        header += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+                         + std::to_string(vertex_count) + "\nproperty double x\nproperty double y\nproperty double z\n";
+    if (has_colours) header += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
     header += "element face " + std::to_string(face_count)
               + "\nproperty list uchar uint vertex_indices\nproperty uint piece\nproperty uchar interior\nend_header\n";
     std::vector<std::byte> bytes(header.size());

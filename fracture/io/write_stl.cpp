@@ -23,15 +23,18 @@ Result<std::vector<OutputFile>> write_stl(const ExportJob& job) {
         const auto positions = job.fragments.positions_of(piece);
         const auto triangles = job.fragments.triangles_of(piece);
         for (uint32_t t = 0; t < triangles.size(); ++t) {
-            const glm::dvec3 a = placed(job, p, positions[triangles[t].x]), b = placed(job, p, positions[triangles[t].y]),
+            const glm::dvec3 a = placed(job, p, positions[triangles[t].x]),
+                             b = placed(job, p, positions[triangles[t].y]),
                              c = placed(job, p, positions[triangles[t].z]);
             const glm::dvec3 normal = glm::cross(b - a, c - a);
             const double length = glm::length(normal);
-            for (const glm::vec3& v : {glm::vec3(length > 0.0 ? normal / length : normal), glm::vec3(a), glm::vec3(b), glm::vec3(c)}) {
+            for (const glm::vec3& v :
+                 {glm::vec3(length > 0.0 ? normal / length : normal), glm::vec3(a), glm::vec3(b), glm::vec3(c)}) {
                 if (!std::isfinite(v.x + v.y + v.z))
-                    return Error{Status::write_failed, piece_name(job.options, p)
-                                                           + " has a coordinate that does not fit a 32-bit float; scale "
-                                                             "the mesh down"};
+                    return Error{Status::write_failed,
+                                 piece_name(job.options, p)
+                                     + " has a coordinate that does not fit a 32-bit float; scale "
+                                       "the mesh down"};
                 append(bytes, v);
             }
             append(bytes, static_cast<uint16_t>(t >= piece.exterior_triangles ? 1 : 0));

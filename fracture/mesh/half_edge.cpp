@@ -59,8 +59,7 @@ struct Links {
 };
 
 // The border merges at the corner between edges `in` and `out` of a new face (section 2.1.1).
-void merge_border(HalfEdgeMesh& mesh, uint32_t in, bool in_is_new, uint32_t out, bool out_is_new,
-                  Links& links) {
+void merge_border(HalfEdgeMesh& mesh, uint32_t in, bool in_is_new, uint32_t out, bool out_is_new, Links& links) {
     const uint32_t vertex = mesh[out].origin;
     const uint32_t outer_in = mesh[out].twin; // the BORDER half-edges outside the new edges
     const uint32_t outer_out = mesh[in].twin;
@@ -106,8 +105,7 @@ std::string describe(AddFace status, uint32_t index, const Triangle& t) {
                + "has an edge that another triangle uses in the same direction; its neighbour is turned "
                  "the wrong way, or three triangles share the edge";
     case AddFace::taken_vertex:
-        return where
-               + "touches a vertex whose triangles are complete without it; give it a vertex of its own";
+        return where + "touches a vertex whose triangles are complete without it; give it a vertex of its own";
     }
     return where;
 }
@@ -115,8 +113,7 @@ std::string describe(AddFace status, uint32_t index, const Triangle& t) {
 bool links_are_valid(const HalfEdgeMesh& mesh, uint32_t index) {
     const size_t count = mesh.half_edges.size();
     const HalfEdge& h = mesh[index];
-    if (h.origin >= mesh.positions.size() || h.twin >= count || h.next >= count || h.prev >= count)
-        return false;
+    if (h.origin >= mesh.positions.size() || h.twin >= count || h.next >= count || h.prev >= count) return false;
     const HalfEdge& twin = mesh[h.twin];
     const HalfEdge& next = mesh[h.next];
     if (h.twin == index || twin.twin != index || twin.origin == h.origin) return false;
@@ -163,8 +160,7 @@ AddFace add_face(HalfEdgeMesh& mesh, const Triangle& triangle, FaceSource source
         if (!is_new[i] && !mesh.is_border(edge[i])) return AddFace::taken_edge;
     }
     for (const uint32_t vertex : v)
-        if (mesh.outgoing[vertex] != no_index && !mesh.is_border(mesh.outgoing[vertex]))
-            return AddFace::taken_vertex;
+        if (mesh.outgoing[vertex] != no_index && !mesh.is_border(mesh.outgoing[vertex])) return AddFace::taken_vertex;
 
     // Old edges that meet in a corner become neighbours in their chain.
     for (int i = 0; i < 3; ++i) {
@@ -197,8 +193,7 @@ AddFace add_face(HalfEdgeMesh& mesh, const Triangle& triangle, FaceSource source
     return AddFace::added;
 }
 
-Result<HalfEdgeMesh> build_half_edges(std::span<const glm::dvec3> positions,
-                                      std::span<const Triangle> triangles) {
+Result<HalfEdgeMesh> build_half_edges(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
     HalfEdgeMesh mesh;
     mesh.positions.assign(positions.begin(), positions.end());
     mesh.outgoing.assign(positions.size(), no_index);
@@ -230,9 +225,7 @@ TriangleMesh split_fans(const TriangleMesh& mesh) {
     };
     std::vector<Use> uses;
     uses.reserve(corner_count);
-    auto vertex_at = [&](uint32_t corner) {
-        return mesh.triangles[corner / 3][static_cast<int>(corner % 3)];
-    };
+    auto vertex_at = [&](uint32_t corner) { return mesh.triangles[corner / 3][static_cast<int>(corner % 3)]; };
     auto corner_after = [](uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; };
     for (uint32_t corner = 0; corner < corner_count; ++corner) {
         const uint32_t from = vertex_at(corner);
@@ -298,8 +291,7 @@ bool is_closed(const HalfEdgeMesh& mesh) {
 }
 
 bool is_valid(const HalfEdgeMesh& mesh) {
-    if (mesh.outgoing.size() != mesh.positions.size() || mesh.sources.size() != mesh.faces.size())
-        return false;
+    if (mesh.outgoing.size() != mesh.positions.size() || mesh.sources.size() != mesh.faces.size()) return false;
     for (uint32_t h = 0; h < mesh.half_edges.size(); ++h)
         if (!links_are_valid(mesh, h)) return false;
     size_t half_edges_with_face = 0;

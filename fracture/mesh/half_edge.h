@@ -29,8 +29,7 @@ namespace brittle::fracture {
 
 // Where a face comes from.
 struct FaceSource {
-    uint32_t index =
-        0; // exterior: the input triangle it is part of; interior: the site on the other side of the cap
+    uint32_t index = 0; // exterior: the input triangle it is part of; interior: the site on the other side of the cap
     bool interior = false; // part of a cap
 
     bool operator==(const FaceSource&) const = default;
@@ -46,8 +45,8 @@ struct HalfEdge {
 
 struct HalfEdgeMesh {
     std::vector<glm::dvec3> positions; // per vertex
-    std::vector<uint32_t> outgoing; // per vertex: a half-edge that leaves it, a BORDER one where it has one;
-                                    // no_index for a vertex without faces
+    std::vector<uint32_t> outgoing;    // per vertex: a half-edge that leaves it, a BORDER one where it has one;
+                                       // no_index for a vertex without faces
     std::vector<HalfEdge> half_edges;
     std::vector<uint32_t> faces;     // per face: one of its three half-edges
     std::vector<FaceSource> sources; // per face
@@ -55,9 +54,7 @@ struct HalfEdgeMesh {
     [[nodiscard]] const HalfEdge& operator[](uint32_t half_edge) const { return half_edges[half_edge]; }
     [[nodiscard]] HalfEdge& operator[](uint32_t half_edge) { return half_edges[half_edge]; }
     [[nodiscard]] bool is_border(uint32_t half_edge) const { return half_edges[half_edge].face == no_index; }
-    [[nodiscard]] uint32_t target(uint32_t half_edge) const {
-        return half_edges[half_edges[half_edge].twin].origin;
-    }
+    [[nodiscard]] uint32_t target(uint32_t half_edge) const { return half_edges[half_edges[half_edge].twin].origin; }
 };
 
 // Appends a vertex without faces and returns its index.

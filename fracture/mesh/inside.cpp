@@ -21,7 +21,8 @@ int side(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
 } // namespace
 
 InsideTest::InsideTest(const TriangleMesh& mesh) : mesh_(mesh), box_(bounds(mesh)) {
-    bins_ = std::clamp(static_cast<uint32_t>(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0)), 1u, most_bins);
+    bins_ =
+        std::clamp(static_cast<uint32_t>(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0)), 1u, most_bins);
     begin_.assign(size_t{bins_} * bins_ + 1, 0);
     const auto for_bins = [&](const Triangle& t, const auto& visit) {
         const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
@@ -55,7 +56,8 @@ bool InsideTest::operator()(const glm::dvec3& p) const {
         if (side(b, c, p) != s || side(c, a, p) != s) continue;
         // The ray passes; is it ahead? By the side of the triangle's plane that p is on.
         const glm::dvec3 u = b - a, v = c - a, w = p - a;
-        const double behind = w.x * (u.y * v.z - u.z * v.y) + w.y * (u.z * v.x - u.x * v.z) + w.z * (u.x * v.y - u.y * v.x);
+        const double behind =
+            w.x * (u.y * v.z - u.z * v.y) + w.y * (u.z * v.x - u.x * v.z) + w.z * (u.x * v.y - u.y * v.x);
         if (behind * s < 0.0) turns += s;
     }
     return turns > 0;

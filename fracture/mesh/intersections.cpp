@@ -29,7 +29,8 @@ int orientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, c
                           Expansion::difference(v.z, d.z)};
     };
     const auto u = differences(a), v = differences(b), w = differences(c);
-    return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]))
+    return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2])
+            + u[2] * (v[0] * w[1] - v[1] * w[0]))
         .sign();
 }
 
@@ -189,7 +190,8 @@ class Finder {
         }
         if (shared == 1) {
             const size_t i = own[0], j = other[0];
-            return meets(a[(i + 1) % 3], a[(i + 2) % 3], b, axis_[t]) || meets(b[(j + 1) % 3], b[(j + 2) % 3], a, axis_[s]);
+            return meets(a[(i + 1) % 3], a[(i + 2) % 3], b, axis_[t])
+                   || meets(b[(j + 1) % 3], b[(j + 2) % 3], a, axis_[s]);
         }
         for (size_t k = 0; k < 3; ++k)
             if (meets(a[k], a[(k + 1) % 3], b, axis_[t]) || meets(b[k], b[(k + 1) % 3], a, axis_[s])) return true;

@@ -21,8 +21,7 @@ struct Intersections {
 // Pairs of triangles that have a point in common besides the vertices and edges that they share: they cross, touch, or
 // lie on each other. Triangles without area and pairs with the same three vertices do not count. At most `most_pairs`
 // pairs with overlapping boxes are looked at. Indices are in range, coordinates finite and below 1e50.
-[[nodiscard]] Intersections find_intersections(const TriangleMesh& mesh, uint64_t most_pairs,
-                                               size_t most_listed = 0);
+[[nodiscard]] Intersections find_intersections(const TriangleMesh& mesh, uint64_t most_pairs, size_t most_listed = 0);
 
 // The sign of the volume of a, b, c, d: positive where d lies on the side from which a, b, c turn clockwise; 0 exactly
 // where they lie in one plane.

@@ -58,8 +58,7 @@ void append(Island& island, const Island& cavity) {
         std::vector<Triangle> moved(cavity.triangles.begin() + static_cast<std::ptrdiff_t>(begin),
                                     cavity.triangles.begin() + static_cast<std::ptrdiff_t>(end));
         for (Triangle& t : moved) t += offset;
-        island.triangles.insert(island.triangles.begin() + static_cast<std::ptrdiff_t>(at), moved.begin(),
-                                moved.end());
+        island.triangles.insert(island.triangles.begin() + static_cast<std::ptrdiff_t>(at), moved.begin(), moved.end());
         island.sources.insert(island.sources.begin() + static_cast<std::ptrdiff_t>(at),
                               cavity.sources.begin() + static_cast<std::ptrdiff_t>(begin),
                               cavity.sources.begin() + static_cast<std::ptrdiff_t>(end));
@@ -87,8 +86,9 @@ Winding wind(const glm::dvec3& point, std::span<const glm::dvec3> positions, std
         const double lc = glm::length(c);
         const double volume = glm::dot(a, glm::cross(b, c));
         const double cosine = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-        winding.on_surface = winding.on_surface
-                             || (cosine <= on_triangle * la * lb * lc && std::abs(volume) <= on_triangle * la * lb * lc);
+        winding.on_surface =
+            winding.on_surface
+            || (cosine <= on_triangle * la * lb * lc && std::abs(volume) <= on_triangle * la * lb * lc);
         solid_angle += 2.0 * std::atan2(volume, cosine);
     }
     winding.number = solid_angle / (4.0 * std::numbers::pi);

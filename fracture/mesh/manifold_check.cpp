@@ -73,8 +73,7 @@ BRITTLE_SIMD bool are_rings(const uint32_t* corners, const uint8_t* degrees, siz
 } // namespace simd
 
 // Indices in range, no triangle that names a vertex twice; and what each run refers to.
-bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangle> triangles,
-                                    Threads& threads) {
+bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads) {
     const auto runs = static_cast<uint32_t>((triangles.size() + run_length - 1) / run_length);
     reach_.resize(runs);
     threads.for_chunks(runs, least_runs, [&](uint32_t, uint32_t begin, uint32_t end) {
@@ -82,8 +81,7 @@ bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangl
             const size_t first = size_t{r} * run_length;
             Reach reach{std::numeric_limits<uint32_t>::max(), 0};
             bool degenerate = false;
-            for (const Triangle& t :
-                 triangles.subspan(first, std::min<size_t>(run_length, triangles.size() - first))) {
+            for (const Triangle& t : triangles.subspan(first, std::min<size_t>(run_length, triangles.size() - first))) {
                 reach.lowest = std::min({reach.lowest, t.x, t.y, t.z});
                 reach.highest = std::max({reach.highest, t.x, t.y, t.z});
                 degenerate |= t.x == t.y || t.y == t.z || t.z == t.x;
@@ -92,8 +90,7 @@ bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangl
             reach_[r] = reach;
         }
     });
-    return std::all_of(reach_.begin(), reach_.end(),
-                       [&](const Reach& r) { return r.highest < vertex_count; });
+    return std::all_of(reach_.begin(), reach_.end(), [&](const Reach& r) { return r.highest < vertex_count; });
 }
 
 void ManifoldCheck::fill(uint32_t first, uint32_t last, std::span<const Triangle> triangles, Range& range) {
@@ -113,8 +110,7 @@ void ManifoldCheck::fill(uint32_t first, uint32_t last, std::span<const Triangle
     for (size_t r = 0; r < reach_.size(); ++r) {
         if (reach_[r].lowest >= last || reach_[r].highest < first) continue;
         const size_t begin = r * run_length;
-        for (const Triangle& t :
-             triangles.subspan(begin, std::min<size_t>(run_length, triangles.size() - begin))) {
+        for (const Triangle& t : triangles.subspan(begin, std::min<size_t>(run_length, triangles.size() - begin))) {
             place(t.x, t.y, t.z);
             place(t.y, t.z, t.x);
             place(t.z, t.x, t.y);
@@ -130,8 +126,7 @@ bool ManifoldCheck::are_crowds_rings(std::vector<Corner>& crowd) const {
         const uint32_t v = crowd[k].vertex;
         if (k > 0 && crowd[k - 1].vertex == v) continue;
         const uint32_t* const corner = corners_.data() + size_t{v / lanes} * block_size + v % lanes;
-        for (uint32_t s = 0; s < slots; ++s)
-            crowd.push_back({v, corner[s * lanes], corner[prevs + s * lanes]});
+        for (uint32_t s = 0; s < slots; ++s) crowd.push_back({v, corner[s * lanes], corner[prevs + s * lanes]});
     }
     std::ranges::sort(crowd, {}, [](const Corner& c) { return uint64_t{c.vertex} << 32 | c.next; });
     for (size_t begin = 0, end = 0; begin < crowd.size(); begin = end) {
@@ -166,9 +161,9 @@ bool ManifoldCheck::run(size_t vertex_count, std::span<const Triangle> triangles
         range.crowd.clear();
         std::fill(degree_.begin() + first * lanes, degree_.begin() + last * lanes, uint8_t{0});
         fill(first * lanes, last * lanes, triangles, range);
-        range.sound = simd::are_rings(corners_.data() + size_t{first} * block_size,
-                                      degree_.data() + first * lanes, last - first)
-                      && are_crowds_rings(range.crowd);
+        range.sound =
+            simd::are_rings(corners_.data() + size_t{first} * block_size, degree_.data() + first * lanes, last - first)
+            && are_crowds_rings(range.crowd);
     });
     return std::all_of(ranges_.begin(), ranges_.begin() + ranges, [](const Range& r) { return r.sound; });
 }

@@ -14,8 +14,8 @@
 #include <span>
 #include <vector>
 
-#include "fracture/mesh/mesh.h"
 #include "fracture/base/parallel.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {
 
@@ -44,8 +44,7 @@ class ManifoldCheck {
         uint32_t lowest, highest;
     };
 
-    [[nodiscard]] bool look_at_indices(size_t vertex_count, std::span<const Triangle> triangles,
-                                       Threads& threads);
+    [[nodiscard]] bool look_at_indices(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads);
     void fill(uint32_t first, uint32_t last, std::span<const Triangle> triangles, Range& range);
     [[nodiscard]] bool are_crowds_rings(std::vector<Corner>& crowd) const;
 

@@ -99,9 +99,10 @@ CompensatedSum<N> integrate(std::span<const glm::dvec3> positions, std::span<con
 
 double signed_volume(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
     const Frame frame = frame_of(positions, triangles);
-    const auto sums = integrate<1>(positions, triangles, frame.centre,
-                                   [](const glm::dvec3& a, const glm::dvec3&, const glm::dvec3&, const glm::dvec3& normal,
-                                      std::array<double, 1>& sum) { sum[0] += dot(a, normal); });
+    const auto sums =
+        integrate<1>(positions, triangles, frame.centre,
+                     [](const glm::dvec3& a, const glm::dvec3&, const glm::dvec3&, const glm::dvec3& normal,
+                        std::array<double, 1>& sum) { sum[0] += dot(a, normal); });
     return sums[0] / 6.0;
 }
 
@@ -114,27 +115,26 @@ MassProperties mass_properties(std::span<const glm::dvec3> positions, std::span<
     // are 1: d/6,  x: d/24 s,  x x^T: d/120 (a a^T + b b^T + c c^T + s s^T). The normal is taken from edges,
     // not from b x c: its rounding error then shrinks with the triangle.
     enum { six_volume, two_area, mx, my, mz, cxx, cyy, czz, cxy, cyz, czx, count };
-    const auto sums = integrate<count>(
-        positions, triangles, frame.centre,
-        [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& normal,
-           std::array<double, count>& sum) {
-            const double d = dot(a, normal);
-            const glm::dvec3 s = a + b + c;
-            const auto product = [&](int i, int j) {
-                return d * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]);
-            };
-            sum[six_volume] += d;
-            sum[two_area] += length(normal);
-            sum[mx] += d * s.x;
-            sum[my] += d * s.y;
-            sum[mz] += d * s.z;
-            sum[cxx] += product(0, 0);
-            sum[cyy] += product(1, 1);
-            sum[czz] += product(2, 2);
-            sum[cxy] += product(0, 1);
-            sum[cyz] += product(1, 2);
-            sum[czx] += product(2, 0);
-        });
+    const auto sums = integrate<count>(positions, triangles, frame.centre,
+                                       [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                                          const glm::dvec3& normal, std::array<double, count>& sum) {
+                                           const double d = dot(a, normal);
+                                           const glm::dvec3 s = a + b + c;
+                                           const auto product = [&](int i, int j) {
+                                               return d * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]);
+                                           };
+                                           sum[six_volume] += d;
+                                           sum[two_area] += length(normal);
+                                           sum[mx] += d * s.x;
+                                           sum[my] += d * s.y;
+                                           sum[mz] += d * s.z;
+                                           sum[cxx] += product(0, 0);
+                                           sum[cyy] += product(1, 1);
+                                           sum[czz] += product(2, 2);
+                                           sum[cxy] += product(0, 1);
+                                           sum[cyz] += product(1, 2);
+                                           sum[czx] += product(2, 0);
+                                       });
 
     mass.volume = sums[six_volume] / 6.0;
     mass.area = sums[two_area] / 2.0;

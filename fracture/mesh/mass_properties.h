@@ -15,11 +15,10 @@
 namespace brittle::fracture {
 
 struct MassProperties {
-    double volume = 0.0; // m^3; negative for an inside-out mesh
-    double area = 0.0;   // m^2, of all triangles
-    glm::dvec3 centre_of_mass{
-        0.0};                // m; the mean of the triangles' corners where volume is zero but for rounding
-    glm::dmat3 inertia{0.0}; // m^5, about the centre of mass in world axes; times density gives kg m^2
+    double volume = 0.0;            // m^3; negative for an inside-out mesh
+    double area = 0.0;              // m^2, of all triangles
+    glm::dvec3 centre_of_mass{0.0}; // m; the mean of the triangles' corners where volume is zero but for rounding
+    glm::dmat3 inertia{0.0};        // m^5, about the centre of mass in world axes; times density gives kg m^2
 };
 
 // Indices of triangles refer to positions. Linear time, no allocation. An empty mesh gives zeros; volume that
@@ -29,7 +28,6 @@ struct MassProperties {
                                              std::span<const Triangle> triangles);
 
 // The volume alone (eq. 5), equal bit for bit to mass_properties().volume, at about half the cost.
-[[nodiscard]] double signed_volume(std::span<const glm::dvec3> positions,
-                                   std::span<const Triangle> triangles);
+[[nodiscard]] double signed_volume(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
 
 } // namespace brittle::fracture

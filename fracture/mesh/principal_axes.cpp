@@ -8,15 +8,16 @@ namespace brittle::fracture {
 namespace {
 
 // One Jacobi rotation that zeroes tensor[p][q]; axes collects the rotations. For known p and q all of it stays in registers.
-template<int p, int q> void rotate_away(glm::dmat3& tensor, glm::dmat3& axes) {
+template<int p, int q>
+void rotate_away(glm::dmat3& tensor, glm::dmat3& axes) {
     const double off = tensor[q][p];
     if (off == 0.0) return;
     const double theta = (tensor[q][q] - tensor[p][p]) / (2.0 * off);
     // The smaller of the two rotation angles keeps the axes in order; 1/(2 theta) where theta^2 would
     // overflow.
-    const double tangent = std::abs(theta) > 1e150 ? 0.5 / theta
-                                                   : std::copysign(1.0, theta)
-                                                         / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
+    const double tangent = std::abs(theta) > 1e150
+                               ? 0.5 / theta
+                               : std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
     const double cosine = 1.0 / std::sqrt(tangent * tangent + 1.0);
     const double sine = tangent * cosine;
     glm::dmat3 rotation(1.0);

@@ -208,13 +208,11 @@ std::string describe(const TopologyReport& report) {
         faults.push_back(count_of(count, singular, plural) + (faults.empty() ? where() : std::string()));
     };
     add(report.open_edges, "open edge", "open edges", [&] { return between(*report.first_open_edge); });
-    add(report.non_manifold_edges, "edge used by three triangles or more",
-        "edges used by three triangles or more", [&] { return between(*report.first_non_manifold_edge); });
+    add(report.non_manifold_edges, "edge used by three triangles or more", "edges used by three triangles or more",
+        [&] { return between(*report.first_non_manifold_edge); });
     add(report.misoriented_edges, "edge whose two triangles face opposite ways",
-        "edges whose two triangles face opposite ways",
-        [&] { return between(*report.first_misoriented_edge); });
-    add(report.degenerate_triangles, "triangle that names a vertex twice",
-        "triangles that name a vertex twice",
+        "edges whose two triangles face opposite ways", [&] { return between(*report.first_misoriented_edge); });
+    add(report.degenerate_triangles, "triangle that names a vertex twice", "triangles that name a vertex twice",
         [&] { return ", the first is triangle " + std::to_string(*report.first_degenerate_triangle); });
     add(report.non_manifold_vertices, "vertex where separate parts of the surface touch",
         "vertices where separate parts of the surface touch",

@@ -40,8 +40,7 @@ struct TopologyReport {
     static constexpr size_t most_listed_vertices = 1000;
 
     [[nodiscard]] bool closed() const {
-        return open_edges == 0 && misoriented_edges == 0 && non_manifold_edges == 0
-               && degenerate_triangles == 0;
+        return open_edges == 0 && misoriented_edges == 0 && non_manifold_edges == 0 && degenerate_triangles == 0;
     }
     [[nodiscard]] bool manifold() const { return closed() && non_manifold_vertices == 0; }
     // V - E + F; 2 per component of genus 0.
@@ -63,7 +62,6 @@ struct TopologyReport {
 [[nodiscard]] Status status_of(const TopologyReport& report);
 
 // The connected component of each triangle (over shared vertices), numbered by first triangle.
-[[nodiscard]] std::vector<uint32_t> triangle_components(size_t vertex_count,
-                                                        std::span<const Triangle> triangles);
+[[nodiscard]] std::vector<uint32_t> triangle_components(size_t vertex_count, std::span<const Triangle> triangles);
 
 } // namespace brittle::fracture

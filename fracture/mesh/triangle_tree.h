@@ -19,7 +19,7 @@ class TriangleTree {
 
     struct Node {
         glm::dvec3 min, max;
-        uint32_t begin, end;               // into order()
+        uint32_t begin, end;              // into order()
         uint32_t low = none, high = none; // nodes; none for a leaf
     };
 
@@ -45,7 +45,8 @@ class TriangleTree {
 };
 
 // The same for a few triangles, without a tree.
-[[nodiscard]] std::optional<double> first_hit(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
-                                              const glm::dvec3& origin, const glm::dvec3& direction);
+[[nodiscard]] std::optional<double> first_hit(std::span<const glm::dvec3> positions,
+                                              std::span<const Triangle> triangles, const glm::dvec3& origin,
+                                              const glm::dvec3& direction);
 
 } // namespace brittle::fracture

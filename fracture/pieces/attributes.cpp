@@ -93,8 +93,8 @@ std::array<glm::dvec3, 3> barycentrics(const TriangleMesh& source, const Fragmen
     return result;
 }
 
-std::array<glm::dvec2, 3> interior_uv(std::span<const glm::dvec3> sites, const Fragments& fragments,
-                                      const Piece& piece, uint32_t triangle) {
+std::array<glm::dvec2, 3> interior_uv(std::span<const glm::dvec3> sites, const Fragments& fragments, const Piece& piece,
+                                      uint32_t triangle) {
     const uint32_t other = fragments.triangle_source[triangle];
     const glm::dvec3 &low = sites[std::min(piece.site, other)], &high = sites[std::max(piece.site, other)];
     std::array<glm::dvec3, 3> p{};

@@ -17,8 +17,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "fracture/pieces/fragments.h"
 #include "fracture/mesh/mesh.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture {
 

@@ -26,14 +26,11 @@ CapPairs::Side CapPairs::side(const Fragments& fragments, const Piece& piece, ui
     const uint32_t other = fragments.triangle_source[t];
     std::array<uint32_t, 3> points{};
     for (int k = 0; k < 3; ++k)
-        points[static_cast<size_t>(k)] =
-            fragments.vertex_point[piece.vertices.begin + fragments.triangles[t][k]];
+        points[static_cast<size_t>(k)] = fragments.vertex_point[piece.vertices.begin + fragments.triangles[t][k]];
     const bool upper = piece.site > other;
     if (upper) std::swap(points[1], points[2]);
     std::rotate(points.begin(), std::min_element(points.begin(), points.end()), points.end());
-    return {{std::min(piece.site, other), std::max(piece.site, other), points[0], points[1], points[2]},
-            upper,
-            t};
+    return {{std::min(piece.site, other), std::max(piece.site, other), points[0], points[1], points[2]}, upper, t};
 }
 
 void CapPairs::pair(std::vector<Side>& sides) {
@@ -42,8 +39,7 @@ void CapPairs::pair(std::vector<Side>& sides) {
     });
     for (size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
         size_t lower = 0;
-        for (; end < sides.size() && sides[end].key == sides[begin].key; ++end)
-            lower += sides[end].upper ? 0 : 1;
+        for (; end < sides.size() && sides[end].key == sides[begin].key; ++end) lower += sides[end].upper ? 0 : 1;
         for (size_t k = begin; k < begin + lower && k + lower < end; ++k) {
             across_[sides[k].triangle] = sides[k + lower].triangle;
             across_[sides[k + lower].triangle] = sides[k].triangle;

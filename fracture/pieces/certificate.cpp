@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "fracture/base/parallel.h"
 #include "fracture/mesh/manifold_check.h"
 #include "fracture/mesh/mass_properties.h"
-#include "fracture/base/parallel.h"
 
 namespace brittle::fracture {
 namespace {
@@ -38,8 +38,7 @@ bool is_well_formed(const Fragments& fragments, const Piece& piece) {
     });
 }
 
-void look_at_pieces(const Fragments& fragments, uint32_t first, uint32_t last,
-                    std::vector<PieceFacts>& facts) {
+void look_at_pieces(const Fragments& fragments, uint32_t first, uint32_t last, std::vector<PieceFacts>& facts) {
     ManifoldCheck check;
     Threads alone;
     for (uint32_t p = first; p < last; ++p) {

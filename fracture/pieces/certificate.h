@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "fracture/pieces/fragments.h"
 #include "fracture/mesh/mesh.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture {
 

@@ -12,9 +12,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/base/union_find.h"
 #include "fracture/pieces/cap_pairs.h"
 #include "fracture/pieces/sewing.h"
-#include "fracture/base/union_find.h"
 
 namespace brittle::fracture {
 
@@ -98,8 +98,7 @@ double exterior_area(const Fragments& fragments, const Piece& piece) {
     const auto positions = fragments.positions_of(piece);
     double sum = 0.0;
     for (const Triangle& t : fragments.triangles_of(piece).first(piece.exterior_triangles))
-        sum +=
-            0.5 * glm::length(glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]));
+        sum += 0.5 * glm::length(glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]));
     return sum;
 }
 
@@ -109,9 +108,8 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
     const auto count = static_cast<uint32_t>(fragments.pieces.size());
     PieceSets sets(fragments);
     if (!rules.group_of_site.empty()) {
-        const CapPairs caps(fragments, [&](uint32_t a, uint32_t b) {
-            return rules.group_of_site[a] == rules.group_of_site[b];
-        });
+        const CapPairs caps(fragments,
+                            [&](uint32_t a, uint32_t b) { return rules.group_of_site[a] == rules.group_of_site[b]; });
         for (uint32_t t = 0; t < fragments.triangles.size(); ++t) {
             if (caps.across(t) == none) continue;
             const uint32_t a = sets.root(caps.piece_of(t)), b = sets.root(caps.piece_of(caps.across(t)));
@@ -149,9 +147,7 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
     };
     const auto find_mate = [&](uint32_t root) {
         if (rules.group_of_site.empty()) return none;
-        const auto group = [&](uint32_t r) {
-            return rules.group_of_site[fragments.pieces[sets.name(r)].site];
-        };
+        const auto group = [&](uint32_t r) { return rules.group_of_site[fragments.pieces[sets.name(r)].site]; };
         for (const auto& [other, contact] : sets.contacts(root))
             if (group(other) == group(root)) return other;
         return none;
@@ -167,8 +163,7 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
     while (!smallest.empty()) {
         const auto [volume, name, root] = smallest.top();
         smallest.pop();
-        if (sets.root(root) != root || volume != std::abs(sets.volume(root)) || name != sets.name(root))
-            continue;
+        if (sets.root(root) != root || volume != std::abs(sets.volume(root)) || name != sets.name(root)) continue;
         const uint32_t other = sets.neighbour(root);
         if (other == none || (flat[root] && sticks_out(root, other))) continue;
         const uint8_t both_flat = flat[root] & flat[other];
@@ -254,8 +249,7 @@ void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative
         const Range& triangles = fragments.pieces[p].triangles;
         for (uint32_t t = triangles.begin + fragments.pieces[p].exterior_triangles; t < triangles.end; ++t) {
             const uint32_t across = caps.across(t);
-            if (across != none && representative[caps.piece_of(across)] != caps.piece_of(across))
-                return false;
+            if (across != none && representative[caps.piece_of(across)] != caps.piece_of(across)) return false;
         }
         return true;
     };
@@ -287,8 +281,7 @@ void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative
     auto set = sets.begin();
     for (uint32_t p = 0; p < count; ++p) {
         if (members[p].empty()) continue;
-        for (const uint32_t member : members[p])
-            new_index[member] = static_cast<uint32_t>(merged.pieces.size());
+        for (const uint32_t member : members[p]) new_index[member] = static_cast<uint32_t>(merged.pieces.size());
         const bool is_sewn = set != sets.end() && set->piece == p;
         const Fragments& from = is_sewn ? set->sewn : fragments;
         copy_piece(from, is_sewn ? from.pieces[0] : from.pieces[p], merged);

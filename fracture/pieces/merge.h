@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "fracture/pieces/fragments.h"
 #include "fracture/base/parallel.h"
+#include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture {
 
@@ -20,10 +20,9 @@ namespace brittle::fracture {
 inline constexpr uint32_t dropped = 0xffffffffu;
 
 struct MergeRules {
-    std::span<const uint32_t>
-        group_of_site;             // pieces that touch and whose sites share a group are one; or empty
-    double min_volume = 0.0;       // m^3; smaller pieces join the neighbour with the largest contact
-    std::span<const uint8_t> flat; // pieces of no volume: as if below any minimum
+    std::span<const uint32_t> group_of_site; // pieces that touch and whose sites share a group are one; or empty
+    double min_volume = 0.0;                 // m^3; smaller pieces join the neighbour with the largest contact
+    std::span<const uint8_t> flat;           // pieces of no volume: as if below any minimum
 };
 
 // For each piece the one that it becomes part of: in a group the one with the lowest index, for a small piece

@@ -10,8 +10,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/merge.h"
 #include "fracture/base/union_find.h"
+#include "fracture/pieces/merge.h"
 
 namespace brittle::fracture {
 
@@ -20,8 +20,7 @@ namespace {
 constexpr uint32_t none = CapPairs::none;
 constexpr uint32_t first_cut_point = 1u << 30; // see Fragments::vertex_point
 
-double distance2_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
-                             const glm::dvec3& c) {
+double distance2_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     const auto to_segment = [&](const glm::dvec3& from, const glm::dvec3& to) {
         const glm::dvec3 d = to - from;
         const double length2 = glm::dot(d, d);
@@ -52,8 +51,7 @@ uint32_t source_beyond(const Fragments& fragments, const Piece& of, uint32_t t, 
     double least = std::numeric_limits<double>::infinity();
     for (uint32_t s = sheet.triangles.begin; s < sheet.triangles.begin + sheet.exterior_triangles; ++s) {
         const Triangle& e = fragments.triangles[s];
-        const double distance2 =
-            distance2_to_triangle(centre, positions[e.x], positions[e.y], positions[e.z]);
+        const double distance2 = distance2_to_triangle(centre, positions[e.x], positions[e.y], positions[e.z]);
         if (distance2 >= least) continue;
         least = distance2;
         nearest = fragments.triangle_source[s];
@@ -272,8 +270,7 @@ class Sewing {
         std::vector<uint32_t> leaving_end(leaving_begin_.begin(), leaving_begin_.end());
         bool simple = true;
         each_edge([&](uint32_t a, uint32_t b) {
-            const auto begin = leaving_.begin() + leaving_begin_[a],
-                       end = leaving_.begin() + leaving_end[a]++;
+            const auto begin = leaving_.begin() + leaving_begin_[a], end = leaving_.begin() + leaving_end[a]++;
             simple = simple && std::find(begin, end, b) == end;
             *end = b;
         });
@@ -292,8 +289,7 @@ class Sewing {
         for (uint32_t h = 0; h < twin_.size(); ++h) {
             if (sewn_[h] == none) continue;
             const uint32_t a = root_of(vertex_of_, h), b = root_of(vertex_of_, after(h));
-            if (a < b)
-                edges.push_back({a, b, triangles_[h / 3].exterior && triangles_[sewn_[h] / 3].exterior, h});
+            if (a < b) edges.push_back({a, b, triangles_[h / 3].exterior && triangles_[sewn_[h] / 3].exterior, h});
         }
         std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
             return std::tie(x.from, x.to, x.exterior, x.h) < std::tie(y.from, y.to, y.exterior, y.h);
@@ -324,8 +320,7 @@ class Sewing {
             const uint32_t source = triangles_[parts_[begin]].source;
             while (end < count && triangles_[parts_[end]].source == source) ++end;
             if (end - begin != parts_of_source_[source]) continue;
-            for (uint32_t k = begin; k < end; ++k)
-                patch_of_[parts_[k]] = static_cast<uint32_t>(patches_.size());
+            for (uint32_t k = begin; k < end; ++k) patch_of_[parts_[k]] = static_cast<uint32_t>(patches_.size());
             patches_.push_back({source, begin, end, 0, 0});
         }
         for (Patch& patch : patches_) patch.whole = walk_rim(patch);
@@ -382,8 +377,7 @@ class Sewing {
             const size_t n = polygon_.size();
             size_t ear = 0; // where all are corners, any
             for (size_t k = 0; k < n; ++k) {
-                if (!polygon_[k].is_corner
-                    || (polygon_[(k + 1) % n].is_corner && polygon_[(k + n - 1) % n].is_corner))
+                if (!polygon_[k].is_corner || (polygon_[(k + 1) % n].is_corner && polygon_[(k + n - 1) % n].is_corner))
                     continue;
                 ear = k;
                 break;
@@ -407,7 +401,7 @@ class Sewing {
     std::vector<uint32_t> sewn_;           // twins in the new piece
     std::vector<uint32_t> vertex_of_;      // a forest over half-edges
     std::vector<uint32_t> local_;          // of the roots of vertex_of_, then of half-edges' middles
-    std::vector<uint32_t> middle_; // of the lower half-edge of each edge: the point in its middle; or empty
+    std::vector<uint32_t> middle_;         // of the lower half-edge of each edge: the point in its middle; or empty
     std::vector<Corner> polygon_;
     std::vector<Patch> patches_;
     std::vector<uint32_t> patch_of_; // of triangles
@@ -417,8 +411,7 @@ class Sewing {
 
 } // namespace
 
-Piece sew_pieces(const SewingPlan& plan, std::span<const uint32_t> pieces, uint32_t next_point,
-                 Fragments& out) {
+Piece sew_pieces(const SewingPlan& plan, std::span<const uint32_t> pieces, uint32_t next_point, Fragments& out) {
     return Sewing(plan, pieces).write(next_point, out);
 }
 

@@ -12,10 +12,9 @@ namespace brittle::fracture {
 // What the sewing of all sets has in common.
 struct SewingPlan {
     const Fragments& fragments;
-    std::span<const uint32_t> representative; // of each piece, see choose_mergers()
-    const CapPairs& caps;                     // of all sites that have a piece which changes
-    std::span<const uint32_t>
-        parts_of_source; // of how many exterior triangles each input triangle is the source
+    std::span<const uint32_t> representative;  // of each piece, see choose_mergers()
+    const CapPairs& caps;                      // of all sites that have a piece which changes
+    std::span<const uint32_t> parts_of_source; // of how many exterior triangles each input triangle is the source
 };
 
 // Appends the union of the pieces, which ascend, to `out` and returns it without site and mass. Its new

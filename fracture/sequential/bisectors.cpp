@@ -7,8 +7,8 @@
 #include <functional>
 #include <utility>
 
-#include "fracture/sequential/clip.h"
 #include "fracture/mesh/half_edge.h"
+#include "fracture/sequential/clip.h"
 
 namespace brittle::fracture {
 
@@ -28,8 +28,7 @@ constexpr double box_margin = 1e-3;
 HalfEdgeMesh box_mesh(const Box& box) {
     std::array<glm::dvec3, 8> corner;
     for (int i = 0; i < 8; ++i)
-        corner[i] = {(i & 1) ? box.max.x : box.min.x, (i & 2) ? box.max.y : box.min.y,
-                     (i & 4) ? box.max.z : box.min.z};
+        corner[i] = {(i & 1) ? box.max.x : box.min.x, (i & 2) ? box.max.y : box.min.y, (i & 4) ? box.max.z : box.min.z};
     static constexpr std::array<std::array<uint32_t, 4>, 6> quads{
         {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
     std::vector<Triangle> triangles;
@@ -88,15 +87,13 @@ CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const B
     }
     std::make_heap(heap.begin(), heap.end(), std::greater{});
     // By how much the squared distance of a corner to another site may exceed that to this one, and the other still wins.
-    const double advantage =
-        weights.empty() ? 0.0 : *std::max_element(weights.begin(), weights.end()) - weights[site];
+    const double advantage = weights.empty() ? 0.0 : *std::max_element(weights.begin(), weights.end()) - weights[site];
     const auto farthest_rival = [&](double reach) { return reach + std::sqrt(reach * reach + advantage); };
 
     const glm::dvec3 widening(box_margin * glm::length(box.size()));
     HalfEdgeMesh cell = box_mesh({box.min - widening, box.max + widening});
     double radius = radius_around(sites[site], cell.positions);
-    const double margin =
-        prune_margin * radius + coordinate_margin * radius_around(glm::dvec3(0.0), cell.positions);
+    const double margin = prune_margin * radius + coordinate_margin * radius_around(glm::dvec3(0.0), cell.positions);
     CellBounds bounds;
     while (!heap.empty() && heap.front().first <= farthest_rival(radius + margin)) {
         const uint32_t other = heap.front().second;

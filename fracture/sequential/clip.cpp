@@ -79,8 +79,7 @@ class FaceCutter {
     // Only the origin u of the half-edge stays: the triangle u, x, y with x and y on the plane.
     void keep_corner(uint32_t out) {
         const uint32_t back = in_[out].prev;
-        const uint32_t first =
-            add_triangle({vertex_of(out), cut_vertex(out), cut_vertex(back)}, source_of(out));
+        const uint32_t first = add_triangle({vertex_of(out), cut_vertex(out), cut_vertex(back)}, source_of(out));
         part_[out] = first;
         part_[back] = first + 2;
         on_plane_.push_back(first + 1);
@@ -212,11 +211,9 @@ std::vector<Triangle> fans(HalfEdgeMesh& mesh, std::span<const Loop> loops) {
     std::vector<Triangle> triangles;
     for (const Loop& loop : loops) {
         glm::dvec3 middle(0.0);
-        for (const uint32_t vertex : loop)
-            middle += mesh.positions[vertex] / static_cast<double>(loop.size());
+        for (const uint32_t vertex : loop) middle += mesh.positions[vertex] / static_cast<double>(loop.size());
         const uint32_t hub = add_vertex(mesh, middle);
-        for (size_t i = 0; i < loop.size(); ++i)
-            triangles.emplace_back(loop[i], loop[(i + 1) % loop.size()], hub);
+        for (size_t i = 0; i < loop.size(); ++i) triangles.emplace_back(loop[i], loop[(i + 1) % loop.size()], hub);
     }
     return triangles;
 }
@@ -268,8 +265,7 @@ glm::dvec3 intersection(const glm::dvec3& p, const glm::dvec3& q, const Bisector
     return p * (1.0 - lambda) + q * lambda; // exact at both ends
 }
 
-bool cut_along_first_diagonal(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r,
-                              const glm::dvec3& s) {
+bool cut_along_first_diagonal(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r, const glm::dvec3& s) {
     // With alpha the angle at q and beta the one at s: pr is the Delaunay diagonal if alpha + beta <= pi,
     // that is if sin(alpha + beta) >= 0. Sines and cosines are taken times the lengths of the sides, which
     // are positive.

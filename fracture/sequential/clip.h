@@ -12,8 +12,8 @@
 
 #include <cstdint>
 
-#include "fracture/sequential/bisectors.h"
 #include "fracture/mesh/half_edge.h"
+#include "fracture/sequential/bisectors.h"
 
 namespace brittle::fracture {
 

@@ -10,9 +10,9 @@
 
 #include <glm/common.hpp>
 
-#include "fracture/sequential/clip.h"
-#include "fracture/mesh/islands.h"
 #include "fracture/base/parallel.h"
+#include "fracture/mesh/islands.h"
+#include "fracture/sequential/clip.h"
 
 namespace brittle::fracture {
 
@@ -83,7 +83,7 @@ HalfEdgeMesh cut_cell(const HalfEdgeMesh& mesh, std::span<const Bisector> bisect
 }
 
 Result<Fragments> fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dvec3> sites,
-                              const Settings& settings) {
+                                      const Settings& settings) {
     Fragments fragments;
     if (mesh.faces.empty()) return fragments;
     const Box box = bounds_of(mesh.positions);
@@ -109,7 +109,8 @@ Result<Fragments> fracture_sequential(const HalfEdgeMesh& mesh, std::span<const 
     };
 
     timed("cells", [&] {
-        for_each_cell([&](uint32_t site, Cell& cell) { cell.bounds = cell_bounds(sites, site, box, settings.weights); });
+        for_each_cell(
+            [&](uint32_t site, Cell& cell) { cell.bounds = cell_bounds(sites, site, box, settings.weights); });
     });
     timed("clip", [&] {
         for_each_cell([&](uint32_t site, Cell& cell) {
@@ -118,8 +119,7 @@ Result<Fragments> fracture_sequential(const HalfEdgeMesh& mesh, std::span<const 
     });
     timed("islands", [&] {
         for_each_cell([&](uint32_t, Cell& cell) {
-            cell.islands =
-                split_islands(cell.mesh.positions, triangle_list(cell.mesh), cell.mesh.sources, extent);
+            cell.islands = split_islands(cell.mesh.positions, triangle_list(cell.mesh), cell.mesh.sources, extent);
             cell.mesh = {};
         });
     });

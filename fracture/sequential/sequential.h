@@ -16,20 +16,19 @@
 
 #include <glm/vec3.hpp>
 
+#include "fracture/mesh/half_edge.h"
+#include "fracture/pieces/fragments.h"
 #include "fracture/sequential/bisectors.h"
 #include "fracture/settings.h"
-#include "fracture/pieces/fragments.h"
-#include "fracture/mesh/half_edge.h"
 
 namespace brittle::fracture {
 
 // The part of a closed mesh in the cell of one site: the inner loop of Algorithm 1.
-[[nodiscard]] HalfEdgeMesh cut_cell(const HalfEdgeMesh& mesh, std::span<const Bisector> bisectors,
-                                    uint32_t site);
+[[nodiscard]] HalfEdgeMesh cut_cell(const HalfEdgeMesh& mesh, std::span<const Bisector> bisectors, uint32_t site);
 
 // Algorithm 1. The mesh is closed, positions and sites are finite, there is a site (fracture() has checked).
 // Cells are worked on side by side; the result does not depend on how many at a time. Errors: cancelled.
 [[nodiscard]] Result<Fragments> fracture_sequential(const HalfEdgeMesh& mesh, std::span<const glm::dvec3> sites,
-                                            const Settings& settings);
+                                                    const Settings& settings);
 
 } // namespace brittle::fracture

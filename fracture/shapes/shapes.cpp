@@ -91,8 +91,7 @@ void subdivide(TriangleMesh& mesh) {
     std::unordered_map<uint64_t, uint32_t> midpoints;
     midpoints.reserve(mesh.triangles.size() * 3 / 2);
     const auto midpoint = [&](uint32_t a, uint32_t b) {
-        const auto [at, is_new] =
-            midpoints.try_emplace(pair_key(a, b), static_cast<uint32_t>(mesh.positions.size()));
+        const auto [at, is_new] = midpoints.try_emplace(pair_key(a, b), static_cast<uint32_t>(mesh.positions.size()));
         if (is_new) mesh.positions.push_back((mesh.positions[a] + mesh.positions[b]) * 0.5);
         return at->second;
     };
@@ -152,8 +151,7 @@ TriangleMesh icosphere(uint32_t subdivisions, double radius) {
     return mesh;
 }
 
-TriangleMesh torus(uint32_t major_segments, uint32_t minor_segments, double major_radius,
-                   double minor_radius) {
+TriangleMesh torus(uint32_t major_segments, uint32_t minor_segments, double major_radius, double minor_radius) {
     const uint32_t n = std::clamp(major_segments, 3u, max_segments);
     const uint32_t m = std::clamp(minor_segments, 3u, max_segments);
     TriangleMesh mesh;
@@ -163,8 +161,7 @@ TriangleMesh torus(uint32_t major_segments, uint32_t minor_segments, double majo
         for (uint32_t j = 0; j < m; ++j) {
             const double v = 2.0 * std::numbers::pi * j / m;
             const double from_axis = major_radius + minor_radius * std::cos(v);
-            mesh.positions.emplace_back(from_axis * std::sin(u), minor_radius * std::sin(v),
-                                        from_axis * std::cos(u));
+            mesh.positions.emplace_back(from_axis * std::sin(u), minor_radius * std::sin(v), from_axis * std::cos(u));
         }
     }
     return mesh;
@@ -194,8 +191,7 @@ TriangleMesh torus_knot(uint32_t p, uint32_t q, uint32_t segments, uint32_t ring
         // correction.
         const glm::dvec3 normal = outward * std::cos(v) + glm::dvec3(0, std::sin(v), 0);
         const glm::dvec3 up = -outward * std::sin(v) + glm::dvec3(0, std::cos(v), 0);
-        const glm::dvec3 tangent =
-            normalize(along * (turns_major * from_axis) + up * (turns_minor * minor_radius));
+        const glm::dvec3 tangent = normalize(along * (turns_major * from_axis) + up * (turns_minor * minor_radius));
         const glm::dvec3 binormal = cross(tangent, normal);
         for (uint32_t j = 0; j < m; ++j) {
             const double w = 2.0 * std::numbers::pi * j / m;
@@ -254,7 +250,8 @@ TriangleMesh arch(uint32_t segments) {
     segments = std::clamp(segments, 2u, 4096u);
     // The outline, counter-clockwise seen from +Z: around the outside, then back along the opening.
     constexpr double width = 1.0, inner = 0.6, spring = 0.7, height = 1.5, depth = 0.15;
-    std::vector<glm::dvec2> outline = {{inner, 0.0}, {width, 0.0}, {width, height}, {-width, height}, {-width, 0.0}, {-inner, 0.0}};
+    std::vector<glm::dvec2> outline = {{inner, 0.0},     {width, 0.0},  {width, height},
+                                       {-width, height}, {-width, 0.0}, {-inner, 0.0}};
     for (uint32_t k = 0; k <= segments; ++k) {
         const double angle = std::numbers::pi * (1.0 - static_cast<double>(k) / segments);
         outline.emplace_back(inner * std::cos(angle), spring + inner * std::sin(angle));
@@ -285,14 +282,21 @@ TriangleMesh tower() {
     };
     constexpr uint32_t around = 48;
     constexpr double inner = 0.27;
-    constexpr std::array<Level, 9> levels = {{{0.0, 0.46}, {0.12, 0.42}, {0.5, 0.4}, {0.8, 0.385}, {1.05, 0.375},
-                                              {1.4, 0.36}, {1.52, 0.43}, {1.72, 0.43}, {2.0, 0.43}}};
+    constexpr std::array<Level, 9> levels = {{{0.0, 0.46},
+                                              {0.12, 0.42},
+                                              {0.5, 0.4},
+                                              {0.8, 0.385},
+                                              {1.05, 0.375},
+                                              {1.4, 0.36},
+                                              {1.52, 0.43},
+                                              {1.72, 0.43},
+                                              {2.0, 0.43}}};
     const auto filled = [](const glm::ivec3& cell) {
         if (cell.y < 0 || cell.y >= 8 || cell.z != 0) return false;
         const int i = (cell.x + static_cast<int>(around)) % static_cast<int>(around);
-        if (cell.y < 2 && (i < 3 || i >= 45)) return false;      // the door
+        if (cell.y < 2 && (i < 3 || i >= 45)) return false;                   // the door
         if (cell.y == 3 && i > 6 && i < 42 && (i + 1) % 12 < 2) return false; // windows to the other three sides
-        return cell.y != 7 || (i + 2) % 6 < 4;                   // merlons
+        return cell.y != 7 || (i + 2) % 6 < 4;                                // merlons
     };
     TriangleMesh mesh;
     std::array<uint32_t, around * levels.size() * 2> index_of;
@@ -327,8 +331,9 @@ TriangleMesh tower() {
 }
 
 std::span<const std::string_view> shape_names() {
-    static constexpr std::array<std::string_view, 13> names = {"cube", "lattice_cube", "icosphere", "torus", "torus_knot",
-                                                               "hollow_sphere", "menger_sponge", "pane", "wall", "arch", "tower", "animal", "statue"};
+    static constexpr std::array<std::string_view, 13> names = {
+        "cube", "lattice_cube", "icosphere", "torus", "torus_knot", "hollow_sphere", "menger_sponge",
+        "pane", "wall",         "arch",      "tower", "animal",     "statue"};
     return names;
 }
 

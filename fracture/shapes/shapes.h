@@ -20,13 +20,13 @@ namespace brittle::fracture {
 // 20 * 4^subdivisions triangles, vertices on the sphere.
 [[nodiscard]] TriangleMesh icosphere(uint32_t subdivisions = 4, double radius = 1.0);
 // Axis Y; major radius to the tube's centre.
-[[nodiscard]] TriangleMesh torus(uint32_t major_segments = 96, uint32_t minor_segments = 48,
-                                 double major_radius = 1.0, double minor_radius = 0.4);
+[[nodiscard]] TriangleMesh torus(uint32_t major_segments = 96, uint32_t minor_segments = 48, double major_radius = 1.0,
+                                 double minor_radius = 0.4);
 // A (p, q) torus knot as a tube: p turns around axis Y, q around the torus of radii 1 and 0.5 it lies on. A
 // common divisor of p and q is dropped. Free of self-intersections for the defaults; many turns need a
 // thinner tube.
-[[nodiscard]] TriangleMesh torus_knot(uint32_t p = 2, uint32_t q = 3, uint32_t segments = 400,
-                                      uint32_t ring = 24, double tube_radius = 0.25);
+[[nodiscard]] TriangleMesh torus_knot(uint32_t p = 2, uint32_t q = 3, uint32_t segments = 400, uint32_t ring = 24,
+                                      double tube_radius = 0.25);
 // A sphere with a concentric spherical cavity (two components, the inner one inside out).
 [[nodiscard]] TriangleMesh hollow_sphere(uint32_t subdivisions = 4, double radius = 1.0, double cavity = 0.6);
 // A Menger sponge: a cube of which each level cuts square tunnels through the middle, in 3^level steps; level 0 is the

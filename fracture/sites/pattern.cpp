@@ -11,11 +11,11 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "fracture/base/random.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/mass_properties.h"
-#include "fracture/base/random.h"
-#include "fracture/sites/sites.h"
 #include "fracture/mesh/thickness.h"
+#include "fracture/sites/sites.h"
 
 namespace brittle::fracture {
 
@@ -30,8 +30,8 @@ constexpr double largest_ball = 0.9;
 // Points are drawn so often, at most, for each that is to be inside: a solid fills more of its box than this.
 constexpr uint64_t most_draws = 2000;
 
-constexpr std::array<std::string_view, 10> names = {"uniform", "clustered", "radial",    "grid",     "bricks",
-                                                   "slices",  "splinters", "curve", "curvature", "thickness"};
+constexpr std::array<std::string_view, 10> names = {"uniform", "clustered", "radial", "grid",      "bricks",
+                                                    "slices",  "splinters", "curve",  "curvature", "thickness"};
 
 Error bad(const std::string& field, const std::string& value, const std::string& wanted) {
     return {Status::invalid_setting, "the pattern's " + field + " is " + value + "; it must be " + wanted};
@@ -47,7 +47,8 @@ Result<void> check(const Pattern& p) {
     if (!std::isfinite(p.piece_size)) return bad("piece_size", number(p.piece_size), "a length in metres, or 0");
     if (!(p.jitter <= 1.0)) return bad("jitter", number(p.jitter), "0 to 1, or negative for the kind's own");
     if (!finite(p.focus)) return bad("focus", "not finite", "three finite numbers");
-    if (!finite(p.axis) || !(glm::length(p.axis) > 1e-9)) return bad("axis", "no direction", "three numbers, not all 0");
+    if (!finite(p.axis) || !(glm::length(p.axis) > 1e-9))
+        return bad("axis", "no direction", "three numbers, not all 0");
     if (!(p.spread > 0.0) || !(p.spread <= 100.0)) return bad("spread", number(p.spread), "above 0, at most 100");
     if (!(p.slenderness >= 1.0) || !(p.slenderness <= 1e4))
         return bad("slenderness", number(p.slenderness), "1 to 10,000");
@@ -64,7 +65,7 @@ Result<void> check(const Pattern& p) {
 struct Frame {
     glm::dvec3 along, u, v; // the axis, and two directions across
     glm::dvec3 centre;
-    double length = 0.0;       // of the box along the axis
+    double length = 0.0; // of the box along the axis
     double width_u = 0.0, width_v = 0.0;
 };
 
@@ -90,16 +91,36 @@ class Maker {
 
     PatternSites run() {
         switch (pattern_.kind) {
-        case PatternKind::uniform: draw([&] { return random_.uniform_in(box_); }); break;
-        case PatternKind::clustered: clustered(); break;
-        case PatternKind::radial: radial(); break;
-        case PatternKind::grid: grid(); break;
-        case PatternKind::bricks: bricks(); break;
-        case PatternKind::slices: slices(); break;
-        case PatternKind::splinters: splinters(); break;
-        case PatternKind::curve: curve(); break;
-        case PatternKind::curvature: curvature(); break;
-        case PatternKind::thickness: thickness(); break;
+        case PatternKind::uniform:
+            draw([&] { return random_.uniform_in(box_); });
+            break;
+        case PatternKind::clustered:
+            clustered();
+            break;
+        case PatternKind::radial:
+            radial();
+            break;
+        case PatternKind::grid:
+            grid();
+            break;
+        case PatternKind::bricks:
+            bricks();
+            break;
+        case PatternKind::slices:
+            slices();
+            break;
+        case PatternKind::splinters:
+            splinters();
+            break;
+        case PatternKind::curve:
+            curve();
+            break;
+        case PatternKind::curvature:
+            curvature();
+            break;
+        case PatternKind::thickness:
+            thickness();
+            break;
         }
         if (pattern_.grading > 0.0 && pattern_.kind != PatternKind::bricks) grade();
         if (pattern_.inside) leave_out_outside();
@@ -142,7 +163,8 @@ class Maker {
         for (uint32_t ring = 0; ring < rings; ++ring) {
             const double turn = random_.uniform();
             for (uint32_t ray = 0; ray < rays; ++ray) {
-                const double angle = 2.0 * pi * (ray + turn * irregular + 0.5 * (ring % 2) + irregular * centred()) / rays;
+                const double angle =
+                    2.0 * pi * (ray + turn * irregular + 0.5 * (ring % 2) + irregular * centred()) / rays;
                 // Shards grow with the distance from the blow.
                 const double r = reach * std::pow((ring + 0.5 + 0.8 * irregular * centred()) / rings, 1.6);
                 add(focus() + r * (std::cos(angle) * frame_.u + std::sin(angle) * frame_.v));
@@ -208,7 +230,8 @@ class Maker {
             const double u = centred() * frame_.width_u, v = centred() * frame_.width_v;
             const double layer = std::fmod(k, layers) + 0.5;
             const double tilt = 0.4 * irregular * centred() * width;
-            add(frame_.centre + (layer * depth - 0.5 * frame_.length + tilt) * frame_.along + u * frame_.u + v * frame_.v);
+            add(frame_.centre + (layer * depth - 0.5 * frame_.length + tilt) * frame_.along + u * frame_.u
+                + v * frame_.v);
         }
     }
 
@@ -232,7 +255,8 @@ class Maker {
             glm::dvec3 across = glm::cross(frame_.along, tangent);
             across = glm::length(across) > 1e-9 ? glm::normalize(across) : frame_.v;
             const double a = centred(), b = centred();
-            const glm::dvec3 on = line[to - 1] + (s - at[to - 1]) * tangent + irregular * step * (a * across + b * tangent);
+            const glm::dvec3 on =
+                line[to - 1] + (s - at[to - 1]) * tangent + irregular * step * (a * across + b * tangent);
             const double off = 0.5 * step * (1.0 + irregular * centred());
             add(on + off * across);
             add(on - off * across);
@@ -255,7 +279,8 @@ class Maker {
         });
         const auto normal_of = [&](uint32_t t) {
             const Triangle& c = mesh_.triangles[t];
-            const glm::dvec3 n = glm::cross(mesh_.positions[c.y] - mesh_.positions[c.x], mesh_.positions[c.z] - mesh_.positions[c.x]);
+            const glm::dvec3 n =
+                glm::cross(mesh_.positions[c.y] - mesh_.positions[c.x], mesh_.positions[c.z] - mesh_.positions[c.x]);
             const double length = glm::length(n);
             return length > 0.0 ? n / length : glm::dvec3(0.0);
         };

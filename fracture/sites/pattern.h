@@ -37,17 +37,17 @@ enum class PatternKind {
 
 struct Pattern {
     PatternKind kind = PatternKind::uniform;
-    uint32_t count = 20;       // of pieces aimed at; exact for uniform, clustered, slices, curvature and thickness
-    double piece_size = 0.0;   // m; if positive, count is the solid's volume by its cube
+    uint32_t count = 20;     // of pieces aimed at; exact for uniform, clustered, slices, curvature and thickness
+    double piece_size = 0.0; // m; if positive, count is the solid's volume by its cube
     uint64_t seed = 1;
-    double jitter = -1.0;      // how irregular, 0 to 1; negative: as becomes the kind (0 for grid, bricks and slices)
-    glm::dvec3 focus{0.5};     // in the box: 0 to 1 along each axis
+    double jitter = -1.0;  // how irregular, 0 to 1; negative: as becomes the kind (0 for grid, bricks and slices)
+    glm::dvec3 focus{0.5}; // in the box: 0 to 1 along each axis
     glm::dvec3 axis{0.0, 1.0, 0.0};
-    double spread = 0.15;      // clustered: standard deviation, share of the box's diagonal
-    double slenderness = 8.0;  // splinters: length by width
+    double spread = 0.15;     // clustered: standard deviation, share of the box's diagonal
+    double slenderness = 8.0; // splinters: length by width
     std::vector<glm::dvec3> line{{0.0, 0.5, 0.5}, {1.0, 0.5, 0.5}}; // curve: in the box, as focus
-    double grading = 0.0;      // 0: cells of like sizes; to 1: from crumbs to lumps, by random weights; not for bricks
-    bool inside = false;       // only sites inside the solid; those of random kinds are drawn anew, others left out
+    double grading = 0.0; // 0: cells of like sizes; to 1: from crumbs to lumps, by random weights; not for bricks
+    bool inside = false;  // only sites inside the solid; those of random kinds are drawn anew, others left out
 };
 
 struct PatternSites {

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <optional>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -16,8 +15,7 @@
 namespace brittle::fracture {
 namespace {
 
-constexpr size_t max_line_length =
-    4096; // bytes; no honest site line comes near, a binary file soon passes it
+constexpr size_t max_line_length = 4096; // bytes; no honest site line comes near, a binary file soon passes it
 constexpr size_t max_sites = 10'000'000; // 240 MB of sites; far above what a fracture can use
 
 enum class LineEnd { newline, end_of_file, too_long };
@@ -39,8 +37,7 @@ LineEnd read_line(std::streambuf& in, std::string& line) {
 std::string printable(std::string_view text) {
     constexpr size_t longest = 60;
     std::string out = "'";
-    for (const char c : text.substr(0, longest))
-        out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+    for (const char c : text.substr(0, longest)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
     out += text.size() > longest ? "...'" : "'";
     return out;
 }
@@ -84,8 +81,8 @@ ParsedLine parse_site(std::string_view line) {
             rest = after.value_or(rest);
         }
         if (rest.empty()) {
-            parsed.complaint = std::string("expected three numbers 'x y z', but ")
-                               + names[static_cast<size_t>(k)] + " is missing in " + printable(line);
+            parsed.complaint = std::string("expected three numbers 'x y z', but ") + names[static_cast<size_t>(k)]
+                               + " is missing in " + printable(line);
             return parsed;
         }
         // std::from_chars knows no plus sign; "+-1" must not slip through by dropping it.
@@ -100,8 +97,8 @@ ParsedLine parse_site(std::string_view line) {
         }
         if (code == std::errc::result_out_of_range || !std::isfinite(value)) {
             const auto length = static_cast<size_t>(stop - rest.data());
-            parsed.complaint = "a site needs finite numbers that a double can hold, found "
-                               + printable(rest.substr(0, length));
+            parsed.complaint =
+                "a site needs finite numbers that a double can hold, found " + printable(rest.substr(0, length));
             parsed.status = Status::invalid_sites;
             return parsed;
         }
@@ -153,9 +150,9 @@ Result<SiteList> read_sites(const std::filesystem::path& file) {
         end = read_line(*in.rdbuf(), line);
         const auto at_line = [&] { return name + ":" + std::to_string(number) + ": "; };
         if (end == LineEnd::too_long) {
-            return Error{Status::malformed_file,
-                         at_line() + "longer than " + std::to_string(max_line_length)
-                             + " bytes; is this a text file of 'x y z' lines? It starts " + printable(line)};
+            return Error{Status::malformed_file, at_line() + "longer than " + std::to_string(max_line_length)
+                                                     + " bytes; is this a text file of 'x y z' lines? It starts "
+                                                     + printable(line)};
         }
         std::string_view text = line;
         constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
@@ -165,8 +162,7 @@ Result<SiteList> read_sites(const std::filesystem::path& file) {
         const ParsedLine parsed = parse_site(text);
         if (!parsed.complaint.empty()) return Error{parsed.status, at_line() + parsed.complaint};
         if (list.sites.size() == max_sites) {
-            return Error{Status::invalid_sites,
-                         at_line() + "more than " + std::to_string(max_sites) + " sites"};
+            return Error{Status::invalid_sites, at_line() + "more than " + std::to_string(max_sites) + " sites"};
         }
         list.sites.push_back(parsed.site);
         if (!parsed.radius && list.weights.empty()) continue;

@@ -75,9 +75,8 @@ void Ring::bridge_holes(std::span<const LoopInfo> loops, uint32_t outer) {
         count_ += static_cast<uint32_t>(hole.ids.size());
     }
     if (tips_.size() > 1) {
-        std::stable_sort(tips_.begin(), tips_.end(), [&](uint32_t a, uint32_t b) {
-            return lexicographically_less(nodes_[b].p, nodes_[a].p);
-        });
+        std::stable_sort(tips_.begin(), tips_.end(),
+                         [&](uint32_t a, uint32_t b) { return lexicographically_less(nodes_[b].p, nodes_[a].p); });
     }
     for (const uint32_t tip : tips_) bridge(tip, find_bridge(tip));
 }
@@ -131,7 +130,9 @@ uint32_t Ring::add_loop(const LoopInfo& loop) {
     return first;
 }
 
-double Ring::turn_at(const Node& n) const { return orientation(nodes_[n.prev].p, n.p, nodes_[n.next].p); }
+double Ring::turn_at(const Node& n) const {
+    return orientation(nodes_[n.prev].p, n.p, nodes_[n.next].p);
+}
 
 // --- bridges
 

@@ -70,10 +70,10 @@ class Ring {
     std::span<const glm::dvec2> points_;
     EdgeSet* edges_ = nullptr;
     std::vector<Node> nodes_;
-    std::vector<uint32_t> tips_; // of the holes
+    std::vector<uint32_t> tips_;                          // of the holes
     std::vector<std::pair<double, uint32_t>> candidates_; // for a bridge: distance and node
-    uint32_t start_ = none; // a node of the ring
-    uint32_t count_ = 0;    // nodes in the ring, with those of holes not bridged yet
+    uint32_t start_ = none;                               // a node of the ring
+    uint32_t count_ = 0;                                  // nodes in the ring, with those of holes not bridged yet
     bool reversed_ = false;
 
     std::vector<uint32_t> queue_; // nodes that may be ears; those before head_ are done

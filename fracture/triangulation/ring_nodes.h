@@ -37,9 +37,7 @@ class EdgeSet {
   private:
     static constexpr uint64_t empty = std::numeric_limits<uint64_t>::max();
 
-    static uint64_t key(uint32_t a, uint32_t b) {
-        return static_cast<uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-    }
+    static uint64_t key(uint32_t a, uint32_t b) { return static_cast<uint64_t>(std::min(a, b)) << 32 | std::max(a, b); }
     [[nodiscard]] size_t find(uint64_t wanted) const {
         const size_t mask = slots_.size() - 1;
         size_t at = static_cast<size_t>((wanted * 0x9e3779b97f4a7c15ull) >> 32) & mask;
@@ -64,8 +62,7 @@ struct Node {
     uint32_t id = 0;
     uint32_t prev = none;
     uint32_t next = none;
-    uint32_t outer =
-        none; // what lies across the edge to next: nothing, a half-edge of a triangle, or a bridge
+    uint32_t outer = none;   // what lies across the edge to next: nothing, a half-edge of a triangle, or a bridge
     uint32_t waiting = none; // first Wait of those whose ear this node blocks
     bool reflex = false;     // interior angle not strictly below 180 degrees
     bool queued = false;
@@ -93,9 +90,7 @@ class ReflexGrid {
         }
         live_ = built_ = members_.size();
         // Few nodes are scanned faster than looked up.
-        side_ = live_ < 48
-                    ? 1
-                    : std::min(1024u, static_cast<uint32_t>(2.0 * std::sqrt(static_cast<double>(live_))));
+        side_ = live_ < 48 ? 1 : std::min(1024u, static_cast<uint32_t>(2.0 * std::sqrt(static_cast<double>(live_))));
         origin_ = low;
         const glm::dvec2 size = high - low;
         per_unit_ = {size.x > 0.0 ? side_ / size.x : 0.0, size.y > 0.0 ? side_ / size.y : 0.0};

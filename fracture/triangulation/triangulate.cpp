@@ -80,8 +80,7 @@ glm::dvec2 project(const glm::dvec3& point, const glm::dvec3& normal) {
     if (size.x >= size.y && size.x >= size.z) {
         return normal.x >= 0.0 ? glm::dvec2(point.y, point.z) : glm::dvec2(point.z, point.y);
     }
-    if (size.y >= size.z)
-        return normal.y >= 0.0 ? glm::dvec2(point.z, point.x) : glm::dvec2(point.x, point.z);
+    if (size.y >= size.z) return normal.y >= 0.0 ? glm::dvec2(point.z, point.x) : glm::dvec2(point.x, point.z);
     return normal.z >= 0.0 ? glm::dvec2(point.x, point.y) : glm::dvec2(point.y, point.x);
 }
 

@@ -12,8 +12,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/pieces/fragments.h"
 #include "fracture/mesh/mesh.h"
+#include "fracture/pieces/fragments.h"
 #include "physics/world/world.h"
 
 namespace brittle::physics {

@@ -18,9 +18,8 @@ std::vector<BondBlows::Judged> BondBlows::take_up(std::span<const OfStep> blows)
     std::vector<Running> now, on_their_way;
     for (const OfStep& blow : blows) now.push_back({blow, 2.0f * blow.blow.energy / blow.blow.impulse});
     for (Running& before : running_) {
-        const auto next = std::ranges::find_if(now, [&](const Running& running) {
-            return is_of(running, before.sum.blow.piece, before.sum.blow.other);
-        });
+        const auto next = std::ranges::find_if(
+            now, [&](const Running& running) { return is_of(running, before.sum.blow.piece, before.sum.blow.other); });
         if (next == now.end()) {
             judge(before, before.sum.blow.impulse, judged);
             if (++before.steps < most_steps && owed(before) > 0.0f) on_their_way.push_back(before);
@@ -46,7 +45,8 @@ std::vector<BondBlows::Judged> BondBlows::take_up(std::span<const OfStep> blows)
 }
 
 float BondBlows::load_of(uint32_t piece, BodyId other, float impulse) {
-    const auto at = std::ranges::find_if(running_, [&](const Running& running) { return is_of(running, piece, other); });
+    const auto at =
+        std::ranges::find_if(running_, [&](const Running& running) { return is_of(running, piece, other); });
     if (at == running_.end()) return impulse;
     const float of_blow = std::clamp(owed(*at), 0.0f, impulse);
     at->sum.blow.impulse += of_blow;

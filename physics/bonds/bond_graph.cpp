@@ -12,9 +12,9 @@ namespace brittle::physics {
 
 namespace {
 
-constexpr double least_blow = 0.1;  // share of what a piece's bonds bear, below which a blow leaves no trace
-constexpr double passed_on = 0.5;   // of what is left of a blow behind a broken bond
-constexpr int blow_depth = 8;       // pieces that a blow can go through
+constexpr double least_blow = 0.1; // share of what a piece's bonds bear, below which a blow leaves no trace
+constexpr double passed_on = 0.5;  // of what is left of a blow behind a broken bond
+constexpr int blow_depth = 8;      // pieces that a blow can go through
 
 // How far a point is from a bond's area, taken as a disc.
 double distance_to(const BondGraph::Bond& bond, const glm::dvec3& point) {
@@ -41,8 +41,8 @@ BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& mater
     first_.assign(count + 1, 0);
     for (const fracture::Bond& from : fragments.bonds) {
         Bond bond{from.a, from.b, from.area, from.centroid, from.normal};
-        const bool sound = from.a < count && from.b < count && from.a != from.b && from.area > 0.0
-                           && std::isfinite(from.area);
+        const bool sound =
+            from.a < count && from.b < count && from.a != from.b && from.area > 0.0 && std::isfinite(from.area);
         if (sound) {
             const glm::dvec3 span =
                 fragments.pieces[from.b].mass.centre_of_mass - fragments.pieces[from.a].mass.centre_of_mass;
@@ -75,8 +75,7 @@ void BondGraph::weaken(uint32_t bond, double share) {
     if (!weakened.live()) broken_.push_back(bond);
 }
 
-void BondGraph::damage(const glm::dvec3& point, double radius, double amount,
-                       std::span<const uint8_t> inside) {
+void BondGraph::damage(const glm::dvec3& point, double radius, double amount, std::span<const uint8_t> inside) {
     for (uint32_t i = 0; i < bonds_.size(); ++i) {
         if (!bonds_[i].live() || !inside[bonds_[i].a]) continue;
         const double distance = distance_to(bonds_[i], point);
@@ -87,17 +86,17 @@ void BondGraph::damage(const glm::dvec3& point, double radius, double amount,
 void BondGraph::damage_segment(const glm::dvec3& from, const glm::dvec3& to, double radius, double amount,
                                std::span<const uint8_t> inside) {
     for (uint32_t i = 0; i < bonds_.size(); ++i)
-        if (bonds_[i].live() && inside[bonds_[i].a] && distance_to(bonds_[i], from, to) <= radius)
-            weaken(i, amount);
+        if (bonds_[i].live() && inside[bonds_[i].a] && distance_to(bonds_[i], from, to) <= radius) weaken(i, amount);
 }
 
 double BondGraph::bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const {
     const double along = glm::dot(direction, bond.normal) * (from == bond.a ? 1.0 : -1.0);
     const double across = std::sqrt(std::max(1.0 - along * along, 0.0)) * bond.lever;
-    const double straight = along > 0.0 ? along * static_cast<double>(std::min(material_.tensile, material_.compressive))
-                                        : along * bond.lever * static_cast<double>(material_.tensile);
-    return std::hypot(straight, across * static_cast<double>(material_.shear))
-           * static_cast<double>(impact_seconds) * bond.area;
+    const double straight = along > 0.0
+                                ? along * static_cast<double>(std::min(material_.tensile, material_.compressive))
+                                : along * bond.lever * static_cast<double>(material_.tensile);
+    return std::hypot(straight, across * static_cast<double>(material_.shear)) * static_cast<double>(impact_seconds)
+           * bond.area;
 }
 
 double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy, double most_passed) {
@@ -115,12 +114,12 @@ double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy,
             if (!(share > least_blow * borne) || borne == 0.0) continue;
             const double loss = share / borne; // the same of each bond
             for (const uint32_t bond : bonds_of(hit)) area += std::min(loss, bonds_[bond].health) * bonds_[bond].area;
-            const double costs = area * static_cast<double>(material_.fracture_energy), paid = std::min(left / costs, 1.0);
+            const double costs = area * static_cast<double>(material_.fracture_energy),
+                         paid = std::min(left / costs, 1.0);
             left = paid < 1.0 ? 0.0 : left - costs;
             for (const uint32_t bond : bonds_of(hit)) {
                 if (!bonds_[bond].live()) continue;
-                const double rest =
-                    (loss - bonds_[bond].health) * bears(bonds_[bond], hit, direction) * passed_on;
+                const double rest = (loss - bonds_[bond].health) * bears(bonds_[bond], hit, direction) * passed_on;
                 weaken(bond, paid * std::min(loss, bonds_[bond].health));
                 if (bonds_[bond].live()) continue;
                 const uint32_t behind = bonds_[bond].other(hit);

@@ -7,10 +7,10 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/fracture.h"
 #include "fracture/base/random.h"
-#include "fracture/mesh/thickness.h"
 #include "fracture/base/union_find.h"
+#include "fracture/fracture.h"
+#include "fracture/mesh/thickness.h"
 
 namespace brittle::physics {
 
@@ -20,8 +20,8 @@ constexpr uint32_t surface_samples = 2048;
 constexpr uint64_t sample_seed = 1; // where they lie; nothing else is random
 // Thicknesses below this share of the box's diagonal count as it: a rim is not cut into crumbs.
 constexpr double least_thickness = 0.01;
-constexpr double dense_enough = 0.5;  // thicknesses between sites
-constexpr double tolerance = 1e-3;    // of the stresses
+constexpr double dense_enough = 0.5;       // thicknesses between sites
+constexpr double tolerance = 1e-3;         // of the stresses
 constexpr uint32_t most_iterations = 2000; // of one solution; far more than hundreds of blocks need
 // Contacts that part at once: those loaded at least so much as the worst. Fewer rounds, nearly the same cracks.
 constexpr double with_worst = 0.8;
@@ -191,7 +191,8 @@ std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& mater
     Parting parting(blocks, lasting);
     parting.add_weight(gravity);
     for (const PointLoad& push : pushes) parting.add(parting.nearest(push.point), push);
-    while (parting.part_worst(1.0)) {}
+    while (parting.part_worst(1.0)) {
+    }
     return parting.islands();
 }
 
@@ -202,7 +203,8 @@ std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& ma
     Parting under_blow(blocks, lasting);
     const uint32_t hit = under_blow.nearest(impulse.point);
     under_blow.add(hit, impulse);
-    while (under_blow.is_held(hit) && under_blow.part_worst(0.0)) {}
+    while (under_blow.is_held(hit) && under_blow.part_worst(0.0)) {
+    }
     const std::vector<uint32_t>& islands = under_blow.islands();
     double area = 0.0, mass = 0.0;
     for (const StressBond& bond : blocks.bonds)

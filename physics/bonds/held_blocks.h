@@ -23,10 +23,10 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/pieces/fragments.h"
 #include "fracture/mesh/mesh.h"
-#include "physics/material.h"
+#include "fracture/pieces/fragments.h"
 #include "physics/bonds/stress.h"
+#include "physics/material.h"
 
 namespace brittle::physics {
 
@@ -67,8 +67,8 @@ struct PointLoad {
 
 // The same after a blow of an impulse, N s, at a point, and with the weight of what is left; energy, J, is the blow's own: what
 // is light gets no more.
-[[nodiscard]] std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material, float strength_scale,
-                                                  const glm::dvec3& gravity, const PointLoad& impulse,
-                                                  double energy);
+[[nodiscard]] std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material,
+                                                  float strength_scale, const glm::dvec3& gravity,
+                                                  const PointLoad& impulse, double energy);
 
 } // namespace brittle::physics

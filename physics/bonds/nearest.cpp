@@ -52,8 +52,7 @@ glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& poin
     glm::dvec3 nearest = point;
     double least = std::numeric_limits<double>::infinity();
     for (const fracture::Triangle& t : mesh.triangles) {
-        const glm::dvec3 on =
-            nearest_on_triangle(point, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+        const glm::dvec3 on = nearest_on_triangle(point, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
         const glm::dvec3 apart = on - point;
         if (const double square = glm::dot(apart, apart); square < least) {
             least = square;
@@ -74,7 +73,8 @@ double distance_to_hull(std::span<const glm::vec3> points, const glm::dvec3& poi
     glm::dvec3 apart = glm::dvec3(points[0]) - point;
     for (int step = 0; step < most_steps; ++step) {
         const auto ahead = [&](size_t i) { return glm::dot(apart, glm::dvec3(points[i]) - point); };
-        size_t nearest = 0, farthest = points.size(); // along the way to the point; the farthest of those that carry weight
+        size_t nearest = 0,
+               farthest = points.size(); // along the way to the point; the farthest of those that carry weight
         for (size_t i = 0; i < points.size(); ++i) {
             if (ahead(i) < ahead(nearest)) nearest = i;
             if (weights[i] > 0.0 && (farthest == points.size() || ahead(i) > ahead(farthest))) farthest = i;

@@ -14,11 +14,11 @@ namespace brittle::physics {
 namespace {
 
 constexpr uint32_t none = UINT32_MAX;
-constexpr double shear_ratio = 0.4;        // of the shear modulus to Young's: that of stone, glass and steel
-constexpr double least_rest = 1e-9;        // of a load whose island falls, N or N m for each N
-constexpr size_t most_groups = 32;         // of the coarse correction, whose factor costs their cube
+constexpr double shear_ratio = 0.4; // of the shear modulus to Young's: that of stone, glass and steel
+constexpr double least_rest = 1e-9; // of a load whose island falls, N or N m for each N
+constexpr size_t most_groups = 32;  // of the coarse correction, whose factor costs their cube
 constexpr size_t least_group_size = 6;
-constexpr double singular_pivot = 1e-10;   // of a Cholesky factor, as a share of the diagonal
+constexpr double singular_pivot = 1e-10; // of a Cholesky factor, as a share of the diagonal
 
 double dot(const auto& a, const auto& b) {
     double sum = 0.0;
@@ -68,7 +68,8 @@ glm::dmat3 cross_matrix(const glm::dvec3& v) { // cross_matrix(v) * u = cross(v,
 struct Stiffness {
     glm::dmat3 pull, bend;
 
-    template<class Put> void block(const glm::dvec3& row_arm, const glm::dvec3& column_arm, double sign, Put put) const {
+    template<class Put>
+    void block(const glm::dvec3& row_arm, const glm::dvec3& column_arm, double sign, Put put) const {
         const glm::dmat3 row = cross_matrix(row_arm), column = cross_matrix(column_arm);
         const glm::dmat3 moved = pull, turned = -pull * column, torque = row * pull,
                          torque_turned = -(row * pull * column) + bend;
@@ -165,8 +166,7 @@ void StressSolver::find_groups() {
     for (size_t i = 0; i < count; ++i) first[i + 1] += first[i];
     next_to.resize(first[count]);
     std::vector<uint32_t> at(first.begin(), first.end() - 1);
-    for (const Spring& spring : springs_)
-        next_to[at[spring.a]++] = spring.b, next_to[at[spring.b]++] = spring.a;
+    for (const Spring& spring : springs_) next_to[at[spring.a]++] = spring.b, next_to[at[spring.b]++] = spring.a;
 
     std::vector<uint32_t> queue;
     const auto walk = [&](uint32_t start, std::vector<uint32_t>& label, uint32_t value, size_t most, auto&& enters) {
@@ -220,11 +220,11 @@ void StressSolver::build_coarse() {
         for (const uint32_t row : {group_a, group_b})
             for (const uint32_t column : {group_a, group_b}) {
                 if (row == none || column == none) continue;
-                stiffness.block(place - group_centre_[row], place - group_centre_[column], row == column ? 1.0 : -1.0,
-                                [&](int i, int j, double value) {
-                                    factor_[(row * 6 + static_cast<size_t>(i)) * n + column * 6
-                                            + static_cast<size_t>(j)] += value;
-                                });
+                stiffness.block(
+                    place - group_centre_[row], place - group_centre_[column], row == column ? 1.0 : -1.0,
+                    [&](int i, int j, double value) {
+                        factor_[(row * 6 + static_cast<size_t>(i)) * n + column * 6 + static_cast<size_t>(j)] += value;
+                    });
             }
     }
     factorise(factor_, n);
@@ -276,8 +276,7 @@ void StressSolver::relieve(std::vector<NodeLoad>& loads) const {
 
 BondLoad StressSolver::load_of(const Spring& spring) const {
     const Motion &a = x_[spring.a], &b = x_[spring.b];
-    const glm::dvec3 apart =
-        b.move + glm::cross(b.turn, spring.arm_b) - a.move - glm::cross(a.turn, spring.arm_a);
+    const glm::dvec3 apart = b.move + glm::cross(b.turn, spring.arm_b) - a.move - glm::cross(a.turn, spring.arm_a);
     const glm::dvec3 bent = b.turn - a.turn;
     const glm::dvec3& n = spring.normal;
     return {-(spring.push_aside * apart + (spring.pull - spring.push_aside) * glm::dot(apart, n) * n),
@@ -290,8 +289,7 @@ void StressSolver::apply(const Motions& x, Motions& out) const {
     for (const Spring& spring : springs_) {
         const Motion &a = x[spring.a], &b = x[spring.b];
         const glm::dvec3& n = spring.normal;
-        const glm::dvec3 apart =
-            b.move + glm::cross(b.turn, spring.arm_b) - a.move - glm::cross(a.turn, spring.arm_a);
+        const glm::dvec3 apart = b.move + glm::cross(b.turn, spring.arm_b) - a.move - glm::cross(a.turn, spring.arm_a);
         const glm::dvec3 bent = b.turn - a.turn;
         const glm::dvec3 force =
             spring.push_aside * apart + ((spring.pull - spring.push_aside) * glm::dot(apart, n)) * n;
@@ -349,8 +347,7 @@ bool StressSolver::solve(uint32_t iterations, double tolerance) {
             const bool free = !nodes_[i].fixed && inverse_[i][0] > 0.0;
             r_[i] = free ? Motion{loads_[i].force - q_[i].move, loads_[i].torque - q_[i].turn} : Motion{};
             if (free)
-                load_size_ += glm::dot(loads_[i].force, loads_[i].force)
-                              + glm::dot(loads_[i].torque, loads_[i].torque);
+                load_size_ += glm::dot(loads_[i].force, loads_[i].force) + glm::dot(loads_[i].torque, loads_[i].torque);
         }
         precondition(r_, z_);
         p_ = z_;

@@ -44,8 +44,8 @@ struct StressNode {
 };
 
 struct StressBond {
-    uint32_t a = 0, b = 0;  // nodes
-    double area = 0.0;      // m^2; without area it is no bond
+    uint32_t a = 0, b = 0; // nodes
+    double area = 0.0;     // m^2; without area it is no bond
     glm::dvec3 centroid{0.0};
     glm::dvec3 normal{0.0}; // unit, from a to b
 };

@@ -40,7 +40,8 @@ bool moves(const World& world, BodyId body) {
 // m/s, of a contact of the last step. What has become another one since, as one of the two broke, tells nothing of it.
 float approach_left(const World& world, const Contact& contact) {
     if (contact.impulse != contact.blow) return 0.0f;
-    return speed_at(world, contact.b, contact.point, contact.normal) - speed_at(world, contact.a, contact.point, contact.normal);
+    return speed_at(world, contact.b, contact.point, contact.normal)
+           - speed_at(world, contact.a, contact.point, contact.normal);
 }
 
 } // namespace
@@ -49,7 +50,8 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     if (const Result<void> checked = check_pieces(fragments, desc.material); !checked) return checked.error();
     for (const uint32_t piece : desc.anchored)
         if (piece >= fragments.pieces.size())
-            return Error{Status::invalid_setting, "piece " + std::to_string(piece) + " is to be anchored, but there are "
+            return Error{Status::invalid_setting, "piece " + std::to_string(piece)
+                                                      + " is to be anchored, but there are "
                                                       + std::to_string(fragments.pieces.size())};
     if (!desc.hulls.empty() && desc.hulls.size() != fragments.pieces.size())
         return Error{Status::invalid_setting, std::to_string(desc.hulls.size()) + " hulls were given for "
@@ -169,8 +171,8 @@ BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& 
     desc.fixed = body.fixed;
     desc.pose = moved(motion.pose, arm);
     desc.previous = moved(motion.previous, arm);
-    desc.linear_velocity = glm::vec3(
-        glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
+    desc.linear_velocity =
+        glm::vec3(glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
     desc.angular_velocity = motion.angular;
     desc.friction = desc_.material.friction;
     desc.restitution = desc_.material.restitution;
@@ -207,7 +209,8 @@ void Structure::isolate(uint32_t piece) {
 }
 
 // Calls damage for each body with the function from the world to the fragments and the body's pieces as flags.
-template<class Damage> void Structure::damage_bodies(const World& world, const Damage& damage) {
+template<class Damage>
+void Structure::damage_bodies(const World& world, const Damage& damage) {
     std::vector<uint8_t> inside(pieces_.size(), 0);
     for (uint32_t i = 0; i < bodies_.size(); ++i) {
         const BodyState& body = bodies_[i];
@@ -257,15 +260,13 @@ std::vector<BondBlows::OfStep> Structure::find_blows(const World& world) const {
     for (const Contact& contact : world.solved_contacts()) {
         if (!(contact.speed > desc_.impact_speed && contact.blow > 0.0f)) continue;
         for (const bool first : {true, false}) {
-            const uint32_t piece =
-                first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
+            const uint32_t piece = first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
             if (piece == none || !exists(world, pieces_[piece].body)) continue;
             const BodyId other = first ? contact.b : contact.a;
             auto at = std::ranges::find_if(blows, [&](const BondBlows::OfStep& known) {
                 return known.blow.piece == piece && known.blow.other == other;
             });
-            if (at == blows.end())
-                at = blows.insert(blows.end(), {.blow = {.piece = piece, .other = other}});
+            if (at == blows.end()) at = blows.insert(blows.end(), {.blow = {.piece = piece, .other = other}});
             Impact& blow = at->blow;
             const float sum = blow.impulse + contact.blow;
             blow.point += (contact.point - blow.point) * (contact.blow / sum);
@@ -283,7 +284,8 @@ void Structure::strike(const World& world, const BondBlows::Judged& judged) {
     const Impact& blow = judged.blow;
     const PieceState& piece = pieces_[blow.piece];
     if (!exists(world, piece.body)) return;
-    const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse), sharpness = static_cast<double>(blow.sharpness);
+    const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse),
+                 sharpness = static_cast<double>(blow.sharpness);
     const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body_of(blow.piece)).orientation));
     const double fresh = static_cast<double>(judged.fresh), given = 0.5 * fresh * speed;
     const double spent = graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * fresh * sharpness, given,
@@ -325,8 +327,7 @@ void Structure::wear_bonds(const World& world) {
     for (const Contact& contact : world.contacts()) {
         if (contact.speed > desc_.impact_speed) continue;
         for (const bool first : {true, false}) {
-            const uint32_t piece =
-                first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
+            const uint32_t piece = first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
             if (piece == none || !exists(world, pieces_[piece].body)) continue;
             const BodyState& body = bodies_[pieces_[piece].body];
             const Pose pose = world.pose(body.id);
@@ -404,8 +405,9 @@ void Structure::solve_anew(World& world, std::span<const TakenBack> taken) const
     std::vector<std::array<BodyId, 2>> sides; // a and b, as they are now
     for (const TakenBack& back : taken) {
         const glm::vec3 &point = back.contact.point, &normal = back.contact.normal;
-        const auto& [a, b] = sides.emplace_back(std::array{back.piece_a != none ? body_of(back.piece_a) : back.contact.a,
-                                                           back.piece_b != none ? body_of(back.piece_b) : back.contact.b});
+        const auto& [a, b] =
+            sides.emplace_back(std::array{back.piece_a != none ? body_of(back.piece_a) : back.contact.a,
+                                          back.piece_b != none ? body_of(back.piece_b) : back.contact.b});
         responses.push_back(response_at(world, a, point, normal) + response_at(world, b, point, normal));
     }
     for (int sweep = 0; sweep < solver_sweeps; ++sweep)
@@ -443,8 +445,7 @@ void Structure::name_part(uint32_t piece, BodyId& body, uint32_t& part) const {
 // All contacts of the bodies that break under a blow, of what they touch, of what that touches: an impulse that is taken
 // back while another one that answers it stays would throw a body into the air. What touches in so many points that solving
 // it anew would take long, or touches what is gone already, is left as it is.
-std::vector<size_t> Structure::contacts_to_take_back(const World& world,
-                                                     const std::vector<uint8_t>& breaking) const {
+std::vector<size_t> Structure::contacts_to_take_back(const World& world, const std::vector<uint8_t>& breaking) const {
     std::vector<size_t> contacts;
     if (!contacts_due_) return contacts;
     const auto breaks = [&](BodyId id) {
@@ -487,7 +488,8 @@ std::vector<size_t> Structure::contacts_to_take_back(const World& world,
         Group& group = found[group_of(touching[i])];
         ++group.contacts;
         group.hit = group.hit || hits(all[i]);
-        for (const BodyId body : {all[i].a, all[i].b}) group.left = group.left || (body != BodyId{} && place_of(body) == none);
+        for (const BodyId body : {all[i].a, all[i].b})
+            group.left = group.left || (body != BodyId{} && place_of(body) == none);
     }
     for (size_t i = 0; i < all.size(); ++i) {
         if (touching[i] == none) continue;
@@ -567,8 +569,7 @@ uint64_t Structure::state_hash() const {
     return hash.value();
 }
 
-size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha,
-                                         uint64_t since) const {
+size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha, uint64_t since) const {
     const size_t count = std::min(out.size(), pieces_.size());
     visit_poses(world, alpha, since, [&](uint32_t piece, const Pose& pose) {
         if (piece < count) out[piece] = pose;

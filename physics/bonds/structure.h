@@ -45,10 +45,10 @@
 #include "fracture/pieces/fragments.h"
 #include "physics/bonds/bond_blows.h"
 #include "physics/bonds/bond_graph.h"
-#include "physics/world/hull.h"
-#include "physics/material.h"
-#include "physics/world/pieces.h"
 #include "physics/bonds/wear.h"
+#include "physics/material.h"
+#include "physics/world/hull.h"
+#include "physics/world/pieces.h"
 #include "physics/world/world.h"
 
 namespace brittle::physics {
@@ -67,8 +67,7 @@ class Structure {
   public:
     // Adds the object's bodies to the world, as many as its bonds and anchors leave islands. Fails as add_pieces()
     // does, and on an anchored piece that does not exist (invalid_setting); then no body is added.
-    static Result<Structure> create(World& world, const fracture::Fragments& fragments,
-                                    const StructureDesc& desc = {});
+    static Result<Structure> create(World& world, const fracture::Fragments& fragments, const StructureDesc& desc = {});
 
     // Breaks bonds, indices as in Fragments::bonds. As all of the following it shows with the next update().
     void break_bonds(std::span<const uint32_t> bonds);
@@ -121,7 +120,8 @@ class Structure {
     // Poses of all pieces in their order: of their centres of mass, as add_pieces() would have it; interpolated as
     // World::write_transforms(). Those of pieces that are gone, or that have not moved since a step, are
     // left as they are. Writes as many as fit and returns how many that are.
-    size_t write_piece_transforms(const World& world, std::span<Pose> out, float alpha = 1.0f, uint64_t since = 0) const;
+    size_t write_piece_transforms(const World& world, std::span<Pose> out, float alpha = 1.0f,
+                                  uint64_t since = 0) const;
     // The same, handed over one by one with the piece.
     using PoseVisitor = std::function<void(uint32_t piece, const Pose& pose)>;
     void visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const;
@@ -134,8 +134,8 @@ class Structure {
         double bearable = 0.0; // N s; blows above are impacts
         std::shared_ptr<const CollisionHull> hull;
         std::shared_ptr<const BodyForm> form; // of its body once it is alone and free; null where it can have none
-        uint32_t body = UINT32_MAX; // index into bodies_; none once taken
-        size_t began_with = 0;      // pieces of its first body
+        uint32_t body = UINT32_MAX;           // index into bodies_; none once taken
+        size_t began_with = 0;                // pieces of its first body
         bool anchored = false;
     };
     struct BodyState {
@@ -160,7 +160,8 @@ class Structure {
     [[nodiscard]] BodyDesc describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const;
     void make_forms(uint32_t threads);
     // Which of the islands that a body comes apart into are debris by number.
-    [[nodiscard]] std::vector<uint8_t> debris_of(const World& world, std::span<const std::vector<uint32_t>> islands) const;
+    [[nodiscard]] std::vector<uint8_t> debris_of(const World& world,
+                                                 std::span<const std::vector<uint32_t>> islands) const;
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;
     [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
     // The piece of ours that a contact's side names, or none.
@@ -179,7 +180,8 @@ class Structure {
     void solve_anew(World& world, std::span<const TakenBack> taken) const;
     void name_part(uint32_t piece, BodyId& body, uint32_t& part) const;
     void split(World& world);
-    template<class Damage> void damage_bodies(const World& world, const Damage& damage);
+    template<class Damage>
+    void damage_bodies(const World& world, const Damage& damage);
 
     StructureDesc desc_; // without the anchors
     BondGraph graph_;
@@ -189,9 +191,9 @@ class Structure {
     std::vector<PieceState> pieces_;
     std::vector<BodyState> bodies_;
     std::unordered_map<uint32_t, uint32_t> body_of_id_; // by BodyId::value, of our bodies; looked up only
-    std::vector<uint8_t> dirty_;       // by body: may have come apart
-    uint64_t steps_seen_ = 0;          // of the world: contacts of a step are taken up once
-    bool contacts_due_ = false;        // in the current update
+    std::vector<uint8_t> dirty_;                        // by body: may have come apart
+    uint64_t steps_seen_ = 0;                           // of the world: contacts of a step are taken up once
+    bool contacts_due_ = false;                         // in the current update
     Changes changes_;
 };
 

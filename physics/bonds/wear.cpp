@@ -41,8 +41,7 @@ void Wear::release(std::span<const uint32_t> nodes) {
     due_ = true;
 }
 
-void Wear::step(BondGraph& graph, std::span<const NodeLoad> weights, std::span<const NodeLoad> pushes,
-                double seconds) {
+void Wear::step(BondGraph& graph, std::span<const NodeLoad> weights, std::span<const NodeLoad> pushes, double seconds) {
     const double share = std::min(1.0, seconds / std::max<double>(settings_.load_seconds, seconds));
     bool same = true;
     next_.resize(loads_.size());

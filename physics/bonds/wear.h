@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "physics/bonds/bond_graph.h"
-#include "physics/material.h"
 #include "physics/bonds/stress.h"
+#include "physics/material.h"
 
 namespace brittle::physics {
 

@@ -28,7 +28,8 @@ namespace brittle::physics {
 // Lets this thread, and those that it begins, give way to others, where the system can do that.
 void yield_to_frames();
 
-template<class Value> class Background {
+template<class Value>
+class Background {
   public:
     using Work = std::function<Value(const std::atomic<bool>& cancelled)>;
 
@@ -60,9 +61,7 @@ template<class Value> class Background {
         }
         work_came_.notify_one();
     }
-    [[nodiscard]] bool ready(uint32_t id) {
-        return jobs_.at(id)->done;
-    }
+    [[nodiscard]] bool ready(uint32_t id) { return jobs_.at(id)->done; }
     Value take(uint32_t id) {
         std::unique_lock lock(mutex_);
         const std::shared_ptr<Job> job = jobs_.at(id);

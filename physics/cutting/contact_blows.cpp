@@ -19,8 +19,7 @@ glm::vec3 velocity_at(const World& world, BodyId body, const glm::vec3& arm) {
 
 } // namespace
 
-std::vector<BodyBlow> BlowBook::take_up(const World& world, float speed,
-                                        const std::function<bool(BodyId)>& wanted) {
+std::vector<BodyBlow> BlowBook::take_up(const World& world, float speed, const std::function<bool(BodyId)>& wanted) {
     std::vector<Running> now = of_step(world, speed, wanted);
     std::vector<BodyBlow> over;
     for (const Running& before : running_) {
@@ -51,11 +50,9 @@ std::vector<BlowBook::Running> BlowBook::of_step(const World& world, float speed
         for (const bool first : {true, false}) {
             const BodyId own = first ? contact.a : contact.b, other = first ? contact.b : contact.a;
             if (!world.contains(own) || !wanted(own)) continue;
-            auto at = std::ranges::find_if(blows, [&](const Running& known) {
-                return known.blow.body == own && known.blow.other == other;
-            });
-            if (at == blows.end())
-                at = blows.insert(blows.end(), Running{.blow = {.body = own, .other = other}});
+            auto at = std::ranges::find_if(
+                blows, [&](const Running& known) { return known.blow.body == own && known.blow.other == other; });
+            if (at == blows.end()) at = blows.insert(blows.end(), Running{.blow = {.body = own, .other = other}});
             at->pressed += contact.impulse;
             BodyBlow& blow = at->blow;
             const float part = contact.impulse / at->pressed;
@@ -90,8 +87,7 @@ bool BlowBook::goes_on(const World& world, const Running& running, float speed) 
     const float length = glm::length(blow.normal);
     if (!(length > 0.0f)) return false;
     const glm::vec3 own_arm(turned(world.pose(blow.body), glm::dvec3(blow.point)));
-    const glm::vec3 approach =
-        velocity_at(world, blow.other, blow.arm) - velocity_at(world, blow.body, own_arm);
+    const glm::vec3 approach = velocity_at(world, blow.other, blow.arm) - velocity_at(world, blow.body, own_arm);
     return glm::dot(approach, blow.normal / length) > speed;
 }
 

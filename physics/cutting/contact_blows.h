@@ -40,7 +40,8 @@ class BlowBook {
 
     // To be called after each step of the world: the blows that are over. Of contacts that came in faster than speed (m/s); a
     // body that `wanted` refuses is hit by none.
-    [[nodiscard]] std::vector<BodyBlow> take_up(const World& world, float speed, const std::function<bool(BodyId)>& wanted);
+    [[nodiscard]] std::vector<BodyBlow> take_up(const World& world, float speed,
+                                                const std::function<bool(BodyId)>& wanted);
 
   private:
     struct Running {

@@ -21,9 +21,9 @@ using fracture::Fragments;
 using fracture::Triangle;
 using fracture::TriangleMesh;
 
-constexpr size_t few_points = 500;     // below, all are candidates
-constexpr int directions_a_side = 10;  // of a cube
-constexpr int settling_rounds = 3;     // of the two sites towards the middles of their halves
+constexpr size_t few_points = 500;    // below, all are candidates
+constexpr int directions_a_side = 10; // of a cube
+constexpr int settling_rounds = 3;    // of the two sites towards the middles of their halves
 
 struct Part {
     TriangleMesh mesh; // empty until it is to be cut, for a part of the solid itself
@@ -150,7 +150,8 @@ std::vector<BodyPart> convex_parts(std::span<const glm::dvec3> positions, std::s
     }
     std::vector<BodyPart> result;
     for (Part& part : parts)
-        result.push_back({std::make_shared<const CollisionHull>(std::move(part.hull)), glm::vec3(part.centre - origin)});
+        result.push_back(
+            {std::make_shared<const CollisionHull>(std::move(part.hull)), glm::vec3(part.centre - origin)});
     return result;
 }
 

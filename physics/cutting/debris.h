@@ -25,18 +25,18 @@ struct PieceId {
 };
 
 struct DebrisLimits {
-    size_t most_pieces = 2000;       // in the world, debris or not
+    size_t most_pieces = 2000; // in the world, debris or not
     size_t most_vertices = 4'000'000;
-    double sleep_seconds = 30.0;     // s; infinity: debris may sleep for ever
-    double fade_seconds = 1.0;       // s
+    double sleep_seconds = 30.0; // s; infinity: debris may sleep for ever
+    double fade_seconds = 1.0;   // s
 };
 
 struct Debris {
-    PieceId id;             // of several the first
+    PieceId id; // of several the first
     size_t pieces = 1;
-    double volume = 0.0;    // m^3
-    double age = 0.0;       // s
-    double slept = 0.0;     // s, since it last moved
+    double volume = 0.0; // m^3
+    double age = 0.0;    // s
+    double slept = 0.0;  // s, since it last moved
     size_t vertices = 0;
     bool visible = true;
 };

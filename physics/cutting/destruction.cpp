@@ -9,8 +9,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "physics/world/body_motion.h"
 #include "physics/cutting/destruction_seeds.h"
+#include "physics/world/body_motion.h"
 #include "physics/world/state_hash.h"
 
 namespace brittle::physics {
@@ -48,7 +48,9 @@ Result<ObjectId> Destruction::add(World& world, const fracture::TriangleMesh& me
 Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc) {
     const ObjectId id{next_object_};
     objects_.emplace(id, Object{for_jobs(desc), nullptr, {}, 0});
-    Live piece{.object = id, .solid = std::move(whole), .seed = seed_of(desc.pattern.seed, id.value),
+    Live piece{.object = id,
+               .solid = std::move(whole),
+               .seed = seed_of(desc.pattern.seed, id.value),
                .born = world.steps_taken()};
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity};
@@ -82,11 +84,8 @@ Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragm
     object.structure = std::make_unique<Structure>(std::move(*made));
     const uint64_t seed = seed_of(pieces.pattern.seed, id.value);
     for (uint32_t i = 0; i < fragments.pieces.size(); ++i)
-        object.bonded.push_back(register_piece({.object = id,
-                                                .solid = solids[i],
-                                                .seed = seed_of(seed, i),
-                                                .bonded = i,
-                                                .born = world.steps_taken()}));
+        object.bonded.push_back(register_piece(
+            {.object = id, .solid = solids[i], .seed = seed_of(seed, i), .bonded = i, .born = world.steps_taken()}));
     return id;
 }
 
@@ -122,7 +121,8 @@ BodyId Destruction::body_of(const Live& piece) const {
 std::optional<Destruction::Motion> Destruction::motion_of(const World& world, const Live& piece) const {
     const BodyId body = body_of(piece);
     if (!world.contains(body)) return std::nullopt;
-    return Motion{world.pose(body), world.previous_pose(body), world.linear_velocity(body), world.angular_velocity(body)};
+    return Motion{world.pose(body), world.previous_pose(body), world.linear_velocity(body),
+                  world.angular_velocity(body)};
 }
 
 std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece, float alpha) const {
@@ -131,7 +131,8 @@ std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece, 
     Pose pose = world.pose(body);
     if (alpha < 1.0f && world.last_moved_step(body) == world.steps_taken()) {
         const Pose before = world.previous_pose(body);
-        pose = {glm::mix(before.position, pose.position, alpha), glm::slerp(before.orientation, pose.orientation, alpha)};
+        pose = {glm::mix(before.position, pose.position, alpha),
+                glm::slerp(before.orientation, pose.orientation, alpha)};
     }
     return in_body(piece, pose);
 }
@@ -160,8 +161,8 @@ void Destruction::make_forms(Broken& broken) {
 }
 
 // The motion is of the point `from`, in the coordinates of the object.
-Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris,
-                                       const std::shared_ptr<const BodyForm>& form) {
+Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from,
+                                       bool debris, const std::shared_ptr<const BodyForm>& form) {
     const BreakableDesc& desc = desc_of(piece);
     const SolidPiece& solid = *piece.solid;
     const glm::dvec3 arm = solid.mass.centre_of_mass - from;
@@ -169,8 +170,8 @@ Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& m
     body.debris = debris;
     body.pose = moved(motion.pose, arm);
     body.previous = moved(motion.previous, arm);
-    body.linear_velocity = glm::vec3(glm::dvec3(motion.linear)
-                                     + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
+    body.linear_velocity =
+        glm::vec3(glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
     body.angular_velocity = motion.angular;
     body.friction = desc.solid.material.friction;
     body.restitution = desc.solid.material.restitution;

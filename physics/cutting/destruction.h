@@ -49,13 +49,13 @@
 
 #include <glm/vec3.hpp>
 
+#include "physics/bonds/structure.h"
 #include "physics/cutting/background.h"
 #include "physics/cutting/contact_blows.h"
 #include "physics/cutting/debris.h"
 #include "physics/cutting/impact_pattern.h"
-#include "physics/world/pieces.h"
 #include "physics/cutting/solid_piece.h"
-#include "physics/bonds/structure.h"
+#include "physics/world/pieces.h"
 #include "physics/world/world.h"
 
 namespace brittle::physics {
@@ -69,11 +69,11 @@ struct ObjectId {
 
 struct BreakableDesc {
     SolidSettings solid{};
-    ImpactPattern pattern{};     // its seed is the object's: that of a blow derives from it, the object's number, the
-                                 // piece's ancestry and how many blows to the piece were worked on before
-    uint32_t most_pieces = 48;   // of one blow
-    PlacedMotion motion{};       // an anchored object keeps its placement and does not move
-    float impact_speed = 0.5f;   // m/s
+    ImpactPattern pattern{};   // its seed is the object's: that of a blow derives from it, the object's number, the
+                               // piece's ancestry and how many blows to the piece were worked on before
+    uint32_t most_pieces = 48; // of one blow
+    PlacedMotion motion{};     // an anchored object keeps its placement and does not move
+    float impact_speed = 0.5f; // m/s
 };
 
 // When jobs are committed, see above.
@@ -81,9 +81,9 @@ enum class Timing { fixed_latency, when_ready, scripted };
 
 struct DestructionSettings {
     Timing timing = Timing::fixed_latency;
-    uint32_t latency = 2;           // steps from blow to commit, at least 1; for fixed_latency
-    uint32_t commits_a_step = 0;    // for fixed_latency, at most so many; 0: all that are due
-    uint32_t workers = 1;           // threads, each with a job of its own; they give way to frames (background.h)
+    uint32_t latency = 2;        // steps from blow to commit, at least 1; for fixed_latency
+    uint32_t commits_a_step = 0; // for fixed_latency, at most so many; 0: all that are due
+    uint32_t workers = 1;        // threads, each with a job of its own; they give way to frames (background.h)
     DebrisLimits debris{};
 };
 
@@ -98,7 +98,8 @@ struct PlannedCut {
 };
 // The pieces, one where it withstands. Where no brick comes off by itself, crumbs do, and crumbs that are each too small come off
 // together, where they and what is left are each enough for a piece. Fails as break_solid() does.
-[[nodiscard]] Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled = {});
+[[nodiscard]] Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut,
+                                                      const std::function<bool()>& cancelled = {});
 
 // A job that was committed, and the World::steps_taken() of then.
 struct Commit {
@@ -136,13 +137,14 @@ struct DestructionEvents {
 class Destruction {
   public:
     struct Statistics {
-        uint32_t blows = 0;     // that began a job
+        uint32_t blows = 0; // that began a job
         uint32_t commits = 0;
         uint32_t overloads = 0; // jobs that took a held piece apart under its load, or after a blow elsewhere
         uint32_t breaks = 0;    // commits by which a piece came apart
-        uint32_t withstood = 0; // blows that cut nothing where they land: all that they would take off, or leave, is below min_size
-        uint32_t failed = 0;    // jobs whose cut was refused: such a piece is not cut again
-        uint32_t retired = 0;   // debris
+        uint32_t withstood =
+            0; // blows that cut nothing where they land: all that they would take off, or leave, is below min_size
+        uint32_t failed = 0;         // jobs whose cut was refused: such a piece is not cut again
+        uint32_t retired = 0;        // debris
         double longest_commit = 0.0; // s, of the main thread, with Timing::when_ready
         std::string last_failure;
     };
@@ -193,7 +195,9 @@ class Destruction {
     [[nodiscard]] uint32_t slot(PieceId piece) const { return pieces_.at(piece).slot; }
     [[nodiscard]] uint32_t depth(PieceId piece) const { return pieces_.at(piece).depth; }
     [[nodiscard]] ObjectId object(PieceId piece) const { return pieces_.at(piece).object; }
-    [[nodiscard]] BodyId body(PieceId piece) const { return body_of(pieces_.at(piece)); } // none once someone else removed it
+    [[nodiscard]] BodyId body(PieceId piece) const {
+        return body_of(pieces_.at(piece));
+    }                                                                  // none once someone else removed it
     [[nodiscard]] PieceId next_piece() const { return {next_piece_}; } // all that have been are below
     // Of bonded pieces, or null: for blows by hand to their bonds. Its pieces are those with the object's first numbers.
     [[nodiscard]] Structure* structure(ObjectId object);
@@ -208,14 +212,14 @@ class Destruction {
   private:
     static constexpr uint32_t none = UINT32_MAX;
 
-    struct Hit {            // a blow in the coordinates of the object
+    struct Hit { // a blow in the coordinates of the object
         Blow blow{};
         double sharp = 0.0; // N s, as of a kilogram
         BodyId striker{};
-        glm::vec3 owed{0.0f}; // N s, world: what the piece got and the striker against it, to be solved anew
+        glm::vec3 owed{0.0f};   // N s, world: what the piece got and the striker against it, to be solved anew
         glm::vec3 rubbed{0.0f}; // likewise of friction, where the piece is held; a free one has taken that over
-        glm::vec3 arm{0.0f};  // m, world axes: from the striker's centre of mass to the contact, when it was
-        double lost = 0.0;    // J, by that contact: no more comes back; the blow's energy may be that of several
+        glm::vec3 arm{0.0f};    // m, world axes: from the striker's centre of mass to the contact, when it was
+        double lost = 0.0;      // J, by that contact: no more comes back; the blow's energy may be that of several
     };
     struct Object {
         std::shared_ptr<const BreakableDesc> desc;
@@ -230,17 +234,17 @@ class Destruction {
         PieceId of{};
         uint64_t seed = 0;
         uint32_t slot = 0;
-        BodyId own{};            // none for a piece of a structure
-        uint32_t bonded = none;  // piece of the structure
+        BodyId own{};           // none for a piece of a structure
+        uint32_t bonded = none; // piece of the structure
         uint32_t job = none;
-        uint32_t blows = 0;      // that began a job
-        bool unbreakable = false; // a cut of it was refused
+        uint32_t blows = 0;           // that began a job
+        bool unbreakable = false;     // a cut of it was refused
         std::optional<Hit> waiting{}; // blows while the job runs
-        uint64_t born = 0;       // steps; of a piece of a structure, when it came off
-        uint64_t slept = 0;      // steps
-        uint64_t fading = 0;     // steps that are left of it; 0: not fading
-        double load = 0.0;       // N, mean of what rests on a held piece,
-        double looked_at = 0.0;  // and the least since its blocks were looked at
+        uint64_t born = 0;            // steps; of a piece of a structure, when it came off
+        uint64_t slept = 0;           // steps
+        uint64_t fading = 0;          // steps that are left of it; 0: not fading
+        double load = 0.0;            // N, mean of what rests on a held piece,
+        double looked_at = 0.0;       // and the least since its blocks were looked at
     };
     struct Job {
         PieceId piece;
@@ -251,7 +255,7 @@ class Destruction {
     struct Broken {
         std::vector<SolidPtr> pieces;
         std::vector<std::shared_ptr<const BodyForm>> forms; // of each of them; null where it has several hulls
-        std::string failure; // empty: none
+        std::string failure;                                // empty: none
     };
     struct Motion { // of a piece, in the world
         Pose pose, previous;
@@ -279,7 +283,8 @@ class Destruction {
                                               const glm::vec3& normal, double energy) const;
     [[nodiscard]] std::optional<PlannedCut> plan(const World& world, const Live& piece, const Blow& blow) const;
     void start_job(const World& world, PieceId id, const Hit& hit);
-    using Parting = std::function<std::vector<uint32_t>(const SolidPiece&, const SolidSettings&, const glm::dvec3& gravity)>;
+    using Parting =
+        std::function<std::vector<uint32_t>(const SolidPiece&, const SolidSettings&, const glm::dvec3& gravity)>;
     [[nodiscard]] glm::dvec3 gravity_of(const World& world, const Live& piece) const;
     void knock(const World& world, PieceId id, const Hit& hit);
     void update_loads(const World& world);

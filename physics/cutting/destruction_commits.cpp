@@ -9,10 +9,10 @@
 
 #include <glm/geometric.hpp>
 
+#include "physics/bonds/nearest.h"
+#include "physics/cutting/destruction_seeds.h"
 #include "physics/world/body_motion.h"
 #include "physics/world/crowd.h"
-#include "physics/cutting/destruction_seeds.h"
-#include "physics/bonds/nearest.h"
 
 namespace brittle::physics {
 
@@ -23,7 +23,8 @@ double distance_to(const SolidPiece& solid, const glm::dvec3& point) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const BodyPart& part : solid.parts) {
         const glm::dvec3 local = point - solid.mass.centre_of_mass - glm::dvec3(part.offset);
-        nearest = std::min(nearest, distance_to_hull(part.hull->points, local) - static_cast<double>(part.hull->margin));
+        nearest =
+            std::min(nearest, distance_to_hull(part.hull->points, local) - static_cast<double>(part.hull->margin));
     }
     return nearest;
 }
@@ -179,8 +180,8 @@ void Destruction::exchange(World& world, const Live& piece, double cracks, Hit& 
     // s of it brings  linear s + quadratic s^2  of energy.
     const double linear = static_cast<double>(
         along * (speed_at(world, hit.striker, point, normal) - speed_at(world, own, point, normal)));
-    const double response = static_cast<double>(response_at(world, hit.striker, point, normal)
-                                                + response_at(world, own, point, normal));
+    const double response =
+        static_cast<double>(response_at(world, hit.striker, point, normal) + response_at(world, own, point, normal));
     const double quadratic = 0.5 * response * static_cast<double>(along) * static_cast<double>(along);
     if (linear + quadratic > hit.lost && quadratic > 0.0) {
         const double root = std::sqrt(linear * linear + 4.0 * quadratic * hit.lost);
@@ -201,7 +202,8 @@ PieceId Destruction::solve_anew(World& world, std::span<const PieceId> made, Hit
     double lost = 0.0;
     const auto stop = [&](const glm::vec3& direction, float most_impulse) {
         const float approach = speed_at(world, hit.striker, point, direction) - speed_at(world, own, point, direction);
-        const float response = response_at(world, own, point, direction) + response_at(world, hit.striker, point, direction);
+        const float response =
+            response_at(world, own, point, direction) + response_at(world, hit.striker, point, direction);
         const float impulse = response > 0.0f ? std::clamp(approach / response, 0.0f, most_impulse) : 0.0f;
         push(world, own, impulse * direction, point);
         push(world, hit.striker, -impulse * direction, point);

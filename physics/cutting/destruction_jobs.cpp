@@ -12,9 +12,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "physics/world/body_motion.h"
-#include "physics/cutting/destruction_seeds.h"
 #include "physics/bonds/nearest.h"
+#include "physics/cutting/destruction_seeds.h"
+#include "physics/world/body_motion.h"
 
 namespace brittle::physics {
 
@@ -99,7 +99,8 @@ void Destruction::update_structures(World& world) {
     }
 }
 
-bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point, const glm::vec3& normal, double energy) {
+bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point, const glm::vec3& normal,
+                         double energy) {
     const auto at = pieces_.find(id);
     if (at == pieces_.end()) return false;
     const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy);
@@ -225,10 +226,12 @@ void Destruction::knock(const World& world, PieceId id, const Hit& hit) {
     if (!(impulse > 0.0)) return;
     const Material& material = desc_of(piece).solid.material;
     if (!(hit.blow.energy > piece.solid->blocks->least_area * static_cast<double>(material.fracture_energy))) return;
-    start_parting(world, id, hit, [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
-                                 const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
-        return knocked_loose(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, blow, energy);
-    });
+    start_parting(world, id, hit,
+                  [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
+                      const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
+                      return knocked_loose(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity,
+                                           blow, energy);
+                  });
 }
 
 // What rests on held things: their blocks are looked at again where it has become more.
@@ -247,8 +250,9 @@ void Destruction::update_loads(const World& world) {
             if (contact.speed > desc_of(piece).impact_speed) continue;
             const Pose pose = world.pose(at->first);
             const glm::vec3 impulse = (first ? 1.0f : -1.0f) * (contact.impulse * contact.normal + contact.friction);
-            loads[at->second].push_back({turned_back(pose, contact.point - pose.position) + piece.solid->mass.centre_of_mass,
-                                         turned_back(pose, impulse) / step});
+            loads[at->second].push_back(
+                {turned_back(pose, contact.point - pose.position) + piece.solid->mass.centre_of_mass,
+                 turned_back(pose, impulse) / step});
         }
     for (const auto& [body, id] : held) {
         Live& piece = pieces_.at(id);
@@ -263,10 +267,12 @@ void Destruction::update_loads(const World& world) {
         if (!more || found == loads.end() || piece.job != none || piece.unbreakable || piece.fading > 0) continue;
         piece.looked_at = piece.load;
         for (PointLoad& load : found->second) load.force *= piece.load / sum; // their mean, as they lie now
-        start_parting(world, id, {}, [=, pushes = std::move(found->second)](
-                                     const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
-            return overloaded(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, pushes);
-        });
+        start_parting(world, id, {},
+                      [=, pushes = std::move(found->second)](const SolidPiece& solid, const SolidSettings& settings,
+                                                             const glm::dvec3& gravity) {
+                          return overloaded(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity,
+                                            pushes);
+                      });
     }
 }
 
@@ -280,7 +286,8 @@ void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, 
         Broken broken;
         const std::vector<uint32_t> islands = parts(*solid, desc->solid, gravity);
         if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size())) return broken;
-        Result<std::vector<SolidPtr>> pieces = break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); });
+        Result<std::vector<SolidPtr>> pieces =
+            break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); });
         if (pieces)
             broken.pieces = std::move(*pieces);
         else
@@ -312,8 +319,9 @@ double Destruction::lost_by(const World& world, const Hit& hit, const glm::vec3&
     const float size = glm::length(impulse);
     if (!(size > 0.0f)) return 0.0;
     const glm::vec3 direction = impulse / size, point = world.pose(hit.striker).position + hit.arm;
-    return static_cast<double>(size * (speed_at(world, hit.striker, point, direction)
-                                       + 0.5f * size * response_at(world, hit.striker, point, direction)));
+    return static_cast<double>(size
+                               * (speed_at(world, hit.striker, point, direction)
+                                  + 0.5f * size * response_at(world, hit.striker, point, direction)));
 }
 
 } // namespace brittle::physics

@@ -9,9 +9,9 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "fracture/base/random.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/principal_axes.h"
-#include "fracture/base/random.h"
 
 namespace brittle::physics {
 
@@ -85,13 +85,17 @@ class Maker {
     ImpactSites run(const fracture::MassProperties& mass) {
         bool ended = false; // the damage, by sites of the rest around it
         switch (pattern_.kind) {
-        case PatternKind::radial: radial(); break;
+        case PatternKind::radial:
+            radial();
+            break;
         case PatternKind::splinters:
             splinters(longest_axis(mass));
             ended = true;
             break;
         case PatternKind::clustered:
-        case PatternKind::thickness: crowd(damage_.pieces, 1.0); break;
+        case PatternKind::thickness:
+            crowd(damage_.pieces, 1.0);
+            break;
         case PatternKind::bricks:
             ended = result_.bricks = bricks();
             if (ended) break;
@@ -190,8 +194,8 @@ class Maker {
     // Halves beside those that come off are the rest's, or what lies farther off would give the bricks other faces.
     bool bricks() {
         const fracture::InsideTest inside(solid_);
-        const BricksTaken taken = bricks_near(pattern_.bond, fracture::bounds(solid_), blow_.point, damage_.radius, damage_.pieces,
-                                              [&](const glm::dvec3& middle) { return inside(middle); });
+        const BricksTaken taken = bricks_near(pattern_.bond, fracture::bounds(solid_), blow_.point, damage_.radius,
+                                              damage_.pieces, [&](const glm::dvec3& middle) { return inside(middle); });
         for (const auto& halves : taken.bricks) {
             for (const glm::dvec3& site : halves) add(site, result_.rest);
             ++result_.rest;
@@ -218,7 +222,8 @@ class Maker {
         const std::vector<glm::dvec3> near(result_.sites);
         const auto clear = [&](const glm::dvec3& p) { // surely, where it is so far from the damage
             return glm::distance(p, blow_.point) > beyond + 2.0 * clear_
-                   || std::ranges::all_of(near, [&](const glm::dvec3& site) { return glm::distance(p, site) >= clear_; });
+                   || std::ranges::all_of(near,
+                                          [&](const glm::dvec3& site) { return glm::distance(p, site) >= clear_; });
         };
         for (const glm::dvec3& p : solid_.positions)
             if (glm::distance(p, blow_.point) > beyond && clear(p)) far.push_back(p);
@@ -258,7 +263,8 @@ Damage damage_of(const Blow& blow, const Material& material, double volume, cons
         || !std::isfinite(blow.energy) || !(volume > 0.0) || !std::isfinite(volume))
         return {};
     const double surface = blow.energy / static_cast<double>(material.fracture_energy);
-    double pieces = std::max(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)), double{least_pieces});
+    double pieces =
+        std::max(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)), double{least_pieces});
     pieces = std::min(pieces, static_cast<double>(std::max(limits.most_pieces, 1u)));
     const double radius = std::sqrt(surface / (surface_per_radius * std::cbrt(pieces)));
     if (limits.least_volume > 0.0) {

@@ -24,8 +24,8 @@
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/mesh.h"
 #include "fracture/sites/pattern.h"
-#include "physics/material.h"
 #include "physics/cutting/running_bond.h"
+#include "physics/material.h"
 
 namespace brittle::physics {
 
@@ -41,7 +41,7 @@ struct DamageLimits {
 };
 
 struct Damage {
-    double radius = 0.0;  // m; 0: nothing breaks
+    double radius = 0.0; // m; 0: nothing breaks
     uint32_t pieces = 0;
 };
 

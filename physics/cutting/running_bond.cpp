@@ -12,8 +12,8 @@ namespace brittle::physics {
 
 namespace {
 
-constexpr double thinner = 1e-6;        // of a half: what reaches no farther into one is none of it
-constexpr double farthest = 1e9;        // halves from the corner
+constexpr double thinner = 1e-6;           // of a half: what reaches no farther into one is none of it
+constexpr double farthest = 1e9;           // halves from the corner
 constexpr double least_looked_at = 4096.0; // halves, and so many a brick that may be taken:
 constexpr double looked_at = 32.0;
 
@@ -57,7 +57,9 @@ BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const
         const glm::dvec3 count = glm::max(to - from + 1.0, glm::dvec3(0.0));
         if (count.x * count.y * count.z <= bound) break;
     }
-    const auto middle = [&](const Half& half) { return bond.corner + (glm::dvec3(half[0], half[1], half[2]) + 0.5) * size; };
+    const auto middle = [&](const Half& half) {
+        return bond.corner + (glm::dvec3(half[0], half[1], half[2]) + 0.5) * size;
+    };
     std::vector<std::pair<double, Half>> near;
     const Half first = integers(from), last = integers(to);
     for (int64_t z = first[2]; z <= last[2]; ++z)

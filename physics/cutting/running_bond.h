@@ -36,6 +36,7 @@ struct BricksTaken {
 // Those of a box of which a half's middle is within radius of the point and, by `there`, has not gone before; the nearest
 // ones if there are more than most. None where the box has no two bricks, or bricks no size or axis.
 [[nodiscard]] BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const glm::dvec3& point,
-                                      double radius, uint32_t most, const std::function<bool(const glm::dvec3&)>& there);
+                                      double radius, uint32_t most,
+                                      const std::function<bool(const glm::dvec3&)>& there);
 
 } // namespace brittle::physics

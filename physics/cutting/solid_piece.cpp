@@ -11,9 +11,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "fracture/base/parallel.h"
 #include "fracture/fracture.h"
 #include "fracture/pieces/merge.h"
-#include "fracture/base/parallel.h"
 
 namespace brittle::physics {
 
@@ -58,15 +58,16 @@ void add_blocks(SolidPiece& solid, const SolidSettings& settings, const std::fun
     const auto anchored = [&](const Fragments& fragments, const Piece& piece) {
         return reaches(settings.anchors, fragments.positions_of(piece), fragments.triangles_of(piece));
     };
-    solid.blocks = held_blocks(solid.mesh, settings.material.density, settings.blocks, anchored, settings.threads, cancelled);
+    solid.blocks =
+        held_blocks(solid.mesh, settings.material.density, settings.blocks, anchored, settings.threads, cancelled);
 }
 
 Result<void> check(const SolidSettings& settings) {
     if (std::string fault = fault_of(settings.material); !fault.empty())
         return Error{Status::invalid_setting, std::move(fault)};
     if (!(settings.min_size > 0.0) || !std::isfinite(settings.min_size))
-        return Error{Status::invalid_setting, "the least size of a piece is " + std::to_string(settings.min_size)
-                                                  + " m; it must be positive"};
+        return Error{Status::invalid_setting,
+                     "the least size of a piece is " + std::to_string(settings.min_size) + " m; it must be positive"};
     return {};
 }
 
@@ -80,8 +81,7 @@ SolidPiece mesh_of(const SolidPiece& from, const Fragments& fragments, const Pie
     for (const bool exterior : {true, false})
         for (uint32_t k = 0; k < piece.triangles.size(); ++k) {
             const uint32_t t = piece.triangles.begin + k;
-            const bool outside =
-                k < piece.exterior_triangles && fragments.triangle_source[t] < from.exterior_triangles;
+            const bool outside = k < piece.exterior_triangles && fragments.triangle_source[t] < from.exterior_triangles;
             if (outside != exterior) continue;
             solid.mesh.triangles.push_back(fragments.triangles[t]);
             if (exterior) solid.source.push_back(from.source[fragments.triangle_source[t]]);
@@ -139,8 +139,9 @@ Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSetti
 namespace {
 
 // The pieces of a cut, those of one representative joined.
-Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& cut, const std::vector<uint32_t>& goes_to,
-                                            const SolidSettings& settings, const std::function<bool()>& cancelled) {
+Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& cut,
+                                            const std::vector<uint32_t>& goes_to, const SolidSettings& settings,
+                                            const std::function<bool()>& cancelled) {
     const std::vector<std::vector<BodyPart>> parts = parts_of_cells(cut, settings.parts);
     if (cancelled && cancelled()) return cancelled_error();
     std::vector<glm::dvec3> centres;
@@ -194,7 +195,8 @@ std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uin
 Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites,
                                           std::span<const uint32_t> groups, const SolidSettings& settings,
                                           const std::function<bool()>& cancelled) {
-    Result<Fragments> cut = fracture::fracture(solid.mesh, sites, {.threads = settings.threads, .cancelled = cancelled});
+    Result<Fragments> cut =
+        fracture::fracture(solid.mesh, sites, {.threads = settings.threads, .cancelled = cancelled});
     if (!cut) return cut.error();
     const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
     return joined_pieces(solid, *cut, goes_to, settings, cancelled);
@@ -248,8 +250,8 @@ Result<std::vector<SolidPtr>> solids_of(const Fragments& fragments, const SolidS
                 continue;
             }
             SolidPiece solid = copy_of(fragments, piece, settings);
-            solid.parts = convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece),
-                                       piece.mass.volume, piece.mass.centre_of_mass, settings.parts);
+            solid.parts = convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece), piece.mass.volume,
+                                       piece.mass.centre_of_mass, settings.parts);
             add_blocks(solid, settings);
             solids[i] = std::make_shared<const SolidPiece>(std::move(solid));
         }

@@ -18,11 +18,11 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/base/error.h"
-#include "fracture/pieces/fragments.h"
 #include "fracture/mesh/mesh.h"
+#include "fracture/pieces/fragments.h"
 #include "physics/bonds/anchor.h"
-#include "physics/cutting/convex_parts.h"
 #include "physics/bonds/held_blocks.h"
+#include "physics/cutting/convex_parts.h"
 #include "physics/material.h"
 #include "physics/world/piece_mass.h"
 
@@ -38,7 +38,7 @@ struct SolidSettings {
     std::vector<AnchorRegion> anchors{}; // in the object's coordinates: a piece that reaches into one is fixed
     ConvexPartSettings parts{};
     HeldBlockSettings blocks{}; // of what is held and breakable
-    uint32_t threads = 1; // of one fracture; a Destruction's jobs cut on one each
+    uint32_t threads = 1;       // of one fracture; a Destruction's jobs cut on one each
     // What else is wanted of each piece, such as what a renderer uploads: made on the thread that makes the piece, when
     // all but its parts is there, and kept as SolidPiece::look. May be called on several threads at once,
     // and what it made be let go of on any.
@@ -46,19 +46,19 @@ struct SolidSettings {
 };
 
 struct SolidPiece {
-    fracture::TriangleMesh mesh{};       // closed; without positions where it cannot be broken, the triangles stay
-    uint32_t exterior_triangles = 0;     // the first so many are of the unbroken object's surface
-    std::vector<uint32_t> source{};      // of each exterior triangle, the one of the unbroken object that it is part of
-    std::vector<glm::vec3> positions{};  // of the vertices, relative to the centre of mass, for drawing
-    fracture::MassProperties mass{};     // at density 1
-    BodyMass body{};                     // kg
-    std::vector<BodyPart> parts{};       // relative to the centre of mass
-    float radius = 0.0f;                 // m, around the centre of mass
-    double bearable = 0.0;               // N s; a blow above it breaks the piece: see bearable_impulse()
+    fracture::TriangleMesh mesh{};      // closed; without positions where it cannot be broken, the triangles stay
+    uint32_t exterior_triangles = 0;    // the first so many are of the unbroken object's surface
+    std::vector<uint32_t> source{};     // of each exterior triangle, the one of the unbroken object that it is part of
+    std::vector<glm::vec3> positions{}; // of the vertices, relative to the centre of mass, for drawing
+    fracture::MassProperties mass{};    // at density 1
+    BodyMass body{};                    // kg
+    std::vector<BodyPart> parts{};      // relative to the centre of mass
+    float radius = 0.0f;                // m, around the centre of mass
+    double bearable = 0.0;              // N s; a blow above it breaks the piece: see bearable_impulse()
     bool anchored = false;
     bool breakable = false;
     std::shared_ptr<const HeldBlocks> blocks{}; // for loads: of what is anchored and breakable; or null
-    std::shared_ptr<void> look{};        // what SolidSettings::look made; belongs to who set that
+    std::shared_ptr<void> look{};               // what SolidSettings::look made; belongs to who set that
 };
 
 using SolidPtr = std::shared_ptr<const SolidPiece>;
@@ -75,11 +75,9 @@ using SolidPtr = std::shared_ptr<const SolidPiece>;
 // Cuts a solid along the cells of sites; cells of one group stay together where they touch. Pieces in the order of
 // fracture(). Volumes sum to the solid's. Collision parts are the hulls of cells: none of a piece overlaps one of
 // another but where islands of one cell do. Fails as fracture() does; Status::cancelled where `cancelled` says so.
-[[nodiscard]] fracture::Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid,
-                                                                  std::span<const glm::dvec3> sites,
-                                                                  std::span<const uint32_t> groups,
-                                                                  const SolidSettings& settings,
-                                                                  const std::function<bool()>& cancelled = {});
+[[nodiscard]] fracture::Result<std::vector<SolidPtr>>
+break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites, std::span<const uint32_t> groups,
+            const SolidSettings& settings, const std::function<bool()>& cancelled = {});
 
 // Cuts a solid along those of its blocks that are in different islands (overloaded(), knocked_loose()). Islands of less
 // than the least size join a neighbour. One piece where nothing is left to cut; else as break_solid().
@@ -93,8 +91,7 @@ using SolidPtr = std::shared_ptr<const SolidPiece>;
                                 const SolidSettings& settings);
 // All of them, made side by side on so many threads (0: one a core). `hollow`: with as many collision hulls as their
 // shape asks for, as an unbroken object has. Fails as make_solid() does on settings that are none.
-[[nodiscard]] fracture::Result<std::vector<SolidPtr>> solids_of(const fracture::Fragments& fragments,
-                                                                const SolidSettings& settings, bool hollow,
-                                                                uint32_t threads = 0);
+[[nodiscard]] fracture::Result<std::vector<SolidPtr>>
+solids_of(const fracture::Fragments& fragments, const SolidSettings& settings, bool hollow, uint32_t threads = 0);
 
 } // namespace brittle::physics

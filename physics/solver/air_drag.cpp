@@ -34,7 +34,8 @@ AirDrag::AirDrag(std::span<const glm::vec3> sides, const glm::quat& turn, float 
         std::array<float, 4> length;
         sqrt(own.x * own.x + own.y * own.y + own.z * own.z).store(length.data());
         std::array<double, group_size> square, met;
-        for (size_t k = 0; k < group_size; ++k) square[k] = static_cast<double>(group[k]) * static_cast<double>(group[k]);
+        for (size_t k = 0; k < group_size; ++k)
+            square[k] = static_cast<double>(group[k]) * static_cast<double>(group[k]);
         for (size_t k = 0; k < group_size; ++k) // from the other two axes
             met[k] = 2.0 / std::numbers::pi * std::sqrt(square[(k + 4) % group_size] + square[(k + 8) % group_size]);
         for (size_t lane = 0; lane < 4; ++lane) {
@@ -71,7 +72,8 @@ void AirDrag::brake(btRigidBody& body, float density, float seconds, float unfel
     const float most_lost = lost[lost.maxAxis()];
     if (most_lost > nothing && most_lost * spin.length() * radius_ > unfelt) {
         const btVector3 own = spin * basis;
-        body.setAngularVelocity(basis * btVector3(own.x() / (1.0f + lost.x()), own.y() / (1.0f + lost.y()), own.z() / (1.0f + lost.z())));
+        body.setAngularVelocity(
+            basis * btVector3(own.x() / (1.0f + lost.x()), own.y() / (1.0f + lost.y()), own.z() / (1.0f + lost.z())));
     }
 }
 

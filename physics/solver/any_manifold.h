@@ -21,8 +21,9 @@ struct AnyManifold {
     uint32_t count = 0; // of points
 
     explicit AnyManifold(btPersistentManifold& of)
-        : between(&of), a(index_of(*of.getBody0())), b(index_of(*of.getBody1())), a_moves(!of.getBody0()->isStaticObject()),
-          b_moves(!of.getBody1()->isStaticObject()), count(static_cast<uint32_t>(of.getNumContacts())) {}
+        : between(&of), a(index_of(*of.getBody0())), b(index_of(*of.getBody1())),
+          a_moves(!of.getBody0()->isStaticObject()), b_moves(!of.getBody1()->isStaticObject()),
+          count(static_cast<uint32_t>(of.getNumContacts())) {}
     explicit AnyManifold(GroundManifold& of) : ground(&of), a(index_of(*of.body)), count(of.count) {}
 
     // For who will look at its contacts; and, a round later, for who then looks at what touches the ground.

@@ -72,7 +72,8 @@ AirDrag drag_of_single(const BodyMeasures& body, const CollisionHull& hull) {
 AirDrag drag_of_compound(const BodyRecord& body, std::span<const BodyPart> parts) {
     std::vector<glm::vec3> all;
     for (const BodyPart& part : parts) {
-        const CrossSection own = part.hull->section.sides.empty() ? cross_section(part.hull->points) : part.hull->section;
+        const CrossSection own =
+            part.hull->section.sides.empty() ? cross_section(part.hull->points) : part.hull->section;
         all.insert(all.end(), own.sides.begin(), own.sides.end());
     }
     CrossSection section = bundled(all);
@@ -92,8 +93,8 @@ std::unique_ptr<SweptProxy> proxy_of(BodyRecord& body, bool large) {
     btVector3 low = body.blow_frame.getOrigin() - reach, high = body.blow_frame.getOrigin() + reach;
     if (body.fixed) body.collision_shape()->getAabb(body.blow_frame, low, high);
     return SweepBroadphase::make_proxy(low, high, &*body.rigid, group_of(body.fixed, body.debris),
-                                       partners_of(body.fixed, body.debris), body.fixed || large ? BT_LARGE_FLOAT : body.longest,
-                                       least_partner_of(body));
+                                       partners_of(body.fixed, body.debris),
+                                       body.fixed || large ? BT_LARGE_FLOAT : body.longest, least_partner_of(body));
 }
 
 bool has_one_hull(const BodyDesc& desc) {

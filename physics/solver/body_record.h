@@ -64,19 +64,18 @@ struct BodyRecord : BodyMeasures {
     // What World::rewind() goes back to. Bullet's frame, and the time that the body then moved on without touching anything.
     btTransform blow_frame = btTransform::getIdentity();
     float left_seconds = 0.0f;
-    float moving_seconds = 0.0f; // of the last step: less than all where it stopped at another body
-    Velocity unhindered, solved; // before contacts, with the step's gravity; and after them
-    float still_seconds = 0.0f; // how long it has been slow while touching something
-    float quiet_seconds = 0.0f; // how long nearly all of what it touches, directly or not, has been
+    float moving_seconds = 0.0f;                   // of the last step: less than all where it stopped at another body
+    Velocity unhindered, solved;                   // before contacts, with the step's gravity; and after them
+    float still_seconds = 0.0f;                    // how long it has been slow while touching something
+    float quiet_seconds = 0.0f;                    // how long nearly all of what it touches, directly or not, has been
     btTransform rest = btTransform::getIdentity(); // where it was when it last had moved away
     float rest_seconds = 0.0f;                     // how long it has touched something near there
     bool touching = false;                         // in the last step
     bool sunk = false;                             // likewise, and after the repair: in the ground, too deep to sleep
-    bool resting = false;      // in this step: held where it is, see SteppedWorld::let_rest()
-    float unmoved_seconds = 0.0f; // how long nothing has kept it from that
-    uint32_t resting_on = 0;   // fours of contacts that it had when it came to rest, or in the last step
-    std::vector<HullEdge>
-        edges; // for debug lines, indices into the points of shape; filled when first asked for
+    bool resting = false;                          // in this step: held where it is, see SteppedWorld::let_rest()
+    float unmoved_seconds = 0.0f;                  // how long nothing has kept it from that
+    uint32_t resting_on = 0;     // fours of contacts that it had when it came to rest, or in the last step
+    std::vector<HullEdge> edges; // for debug lines, indices into the points of shape; filled when first asked for
     std::vector<std::shared_ptr<SharedShape>> shared; // of a compound, in the order of its parts
     std::unique_ptr<btCompoundShape> compound;        // null for a body with one hull
     std::optional<btRigidBody> rigid;                 // made once; none until then
@@ -94,16 +93,15 @@ struct BodyRecord : BodyMeasures {
     [[nodiscard]] Pose pose() const { return pose_in(rigid->getWorldTransform()); }
     // With Bullet's frame there.
     [[nodiscard]] Pose pose_in(const btTransform& frame) const {
-        return {metres_from_bullet(frame.getOrigin()),
-                to_glm(frame.getRotation()) * glm::conjugate(to_principal)};
+        return {metres_from_bullet(frame.getOrigin()), to_glm(frame.getRotation()) * glm::conjugate(to_principal)};
     }
 };
 
 // A body that is in no world yet, and what it will be among the others' boxes.
 struct NewBody {
     std::unique_ptr<BodyRecord> record;
-    std::unique_ptr<SweptProxy> proxy; // null until the rigid body is made
-    bool sibling = false;              // Siblings::mark()
+    std::unique_ptr<SweptProxy> proxy;  // null until the rigid body is made
+    bool sibling = false;               // Siblings::mark()
     bool awake = false, debris = false; // as the record
 };
 

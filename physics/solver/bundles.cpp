@@ -31,7 +31,8 @@ void Bundles::finish(uint32_t least_points) {
             groups_.push_back(mover);
     }
     std::erase_if(groups_, [this](uint32_t group) { return points_[group] == 0; });
-    std::ranges::sort(groups_, [this](uint32_t a, uint32_t b) { return std::pair(points_[b], a) < std::pair(points_[a], b); });
+    std::ranges::sort(groups_,
+                      [this](uint32_t a, uint32_t b) { return std::pair(points_[b], a) < std::pair(points_[a], b); });
     uint32_t filled = least_points; // of the bundle at hand
     for (const uint32_t group : groups_) {
         if (filled >= least_points) {

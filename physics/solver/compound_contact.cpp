@@ -27,7 +27,8 @@ Box box_of(const btCollisionShape& shape, const btTransform& frame) {
 
 class CompoundPair final : public FollowedContacts {
   public:
-    CompoundPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* compound, const btCollisionObject*)
+    CompoundPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* compound,
+                 const btCollisionObject*)
         : FollowedContacts(info), compound_(compound) {}
     ~CompoundPair() override {
         for (const Child& child : children_) free(child);
@@ -170,7 +171,8 @@ class CompoundPair final : public FollowedContacts {
         const btTransform frame = frame_of(sides, index); // the wrapper keeps a reference
         const btCollisionObjectWrapper hull(&sides.compound, shape_of(sides).getChildShape(index),
                                             sides.compound.getCollisionObject(), frame, -1, index);
-        btCollisionAlgorithm* const made = m_dispatcher->findAlgorithm(&hull, &sides.other, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+        btCollisionAlgorithm* const made =
+            m_dispatcher->findAlgorithm(&hull, &sides.other, nullptr, BT_CONTACT_POINT_ALGORITHMS);
         return {index, static_cast<FollowedContacts*>(made)};
     }
     void free(const Child& child) const {

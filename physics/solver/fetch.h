@@ -18,7 +18,8 @@ inline constexpr size_t fetched_ahead = 3; // rounds before it is needed
     for (size_t byte = 0; byte < bytes; byte += cache_line) __builtin_prefetch(static_cast<const char*>(from) + byte);
 }
 
-template<class Object> [[gnu::always_inline]] inline void fetch(const Object* object) {
+template<class Object>
+[[gnu::always_inline]] inline void fetch(const Object* object) {
     fetch(object, sizeof(Object));
 }
 

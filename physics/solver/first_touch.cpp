@@ -4,8 +4,8 @@
 
 #include "physics/solver/convert.h"
 #include "physics/solver/hull_distance.h"
-#include "physics/world/hull.h"
 #include "physics/solver/rotation.h"
+#include "physics/world/hull.h"
 
 namespace brittle::physics {
 
@@ -83,7 +83,8 @@ std::optional<btScalar> first_touch(const FlyingHull& first, const FlyingHull& s
     }
     NearCorners corners;
     for (int advance = 0; advance < most_advances; ++advance) {
-        const HullDistance found = hull_distance(*first.shape, *second.shape, now.first.inverseTimes(now.second), BT_LARGE_FLOAT, corners);
+        const HullDistance found =
+            hull_distance(*first.shape, *second.shape, now.first.inverseTimes(now.second), BT_LARGE_FLOAT, corners);
         const btScalar distance = found.distance - margins;
         if (advance == 0) deepest += std::min<btScalar>(distance, 0.0f);
         if (distance - deepest <= (1.0f - stopped_part) * bearable) return time;

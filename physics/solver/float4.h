@@ -46,18 +46,14 @@ struct Float4 {
             _mm_and_ps(_mm_and_ps(_mm_cmple_ps(a.v, b.v), _mm_cmple_ps(c.v, d.v)), _mm_cmple_ps(e.v, f.v))));
     }
     // Bit i is set where a < b in lane i.
-    friend uint32_t less(Float4 a, Float4 b) {
-        return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)));
-    }
+    friend uint32_t less(Float4 a, Float4 b) { return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v))); }
     // yes where a < b, no elsewhere.
     friend Float4 where_less(Float4 a, Float4 b, Float4 yes, Float4 no) {
         const __m128 less = _mm_cmplt_ps(a.v, b.v);
         return {_mm_or_ps(_mm_and_ps(less, yes.v), _mm_andnot_ps(less, no.v))};
     }
     // Bit i is set where a == b in lane i.
-    friend uint32_t equal(Float4 a, Float4 b) {
-        return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v)));
-    }
+    friend uint32_t equal(Float4 a, Float4 b) { return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v))); }
 };
 
 #else

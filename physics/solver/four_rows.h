@@ -19,7 +19,8 @@ struct FourMotions {
     Float4 light;
 
     FourMotions() = default;
-    FourMotions(const std::array<uint32_t, 4>& movers, const Four& lights, const Motion* motions) : light(Float4::load(lights.data())) {
+    FourMotions(const std::array<uint32_t, 4>& movers, const Four& lights, const Motion* motions)
+        : light(Float4::load(lights.data())) {
         const Motion &a = motions[movers[0]], &b = motions[movers[1]], &c = motions[movers[2]], &d = motions[movers[3]];
         for (size_t axis = 0; axis < 3; ++axis) {
             linear[axis] = Float4::of(a.linear[axis], b.linear[axis], c.linear[axis], d.linear[axis]);
@@ -50,7 +51,8 @@ struct FourMotions {
     void solve(const FourRows& rows, const Four& wanted, const Four& gain, Four& impulse, Float4 low, Float4 high) {
         FourVectors along;
         for (size_t axis = 0; axis < 3; ++axis)
-            along[axis] = Float4::load(rows.normal[axis].data()) * linear[axis] + Float4::load(rows.arm[axis].data()) * angular[axis];
+            along[axis] = Float4::load(rows.normal[axis].data()) * linear[axis]
+                          + Float4::load(rows.arm[axis].data()) * angular[axis];
         const Float4 apart = (along[0] + along[1]) + along[2];
         const Float4 before = Float4::load(impulse.data());
         const Float4 free = before + Float4::load(wanted.data()) - apart * Float4::load(gain.data());
@@ -60,7 +62,8 @@ struct FourMotions {
     }
     // One contact of each, and its friction.
     void press(FourRows& rows) {
-        solve(rows, rows.wanted, rows.gain, rows.impulse, Float4::all(0.0f), Float4::all(std::numeric_limits<float>::max()));
+        solve(rows, rows.wanted, rows.gain, rows.impulse, Float4::all(0.0f),
+              Float4::all(std::numeric_limits<float>::max()));
     }
     void rub(FourRows& rows, Float4 coefficient, const FourRows& contacts) {
         const Float4 most = coefficient * Float4::load(contacts.impulse.data());

@@ -77,9 +77,9 @@ void keep_best(std::vector<Corner>& corners) {
     if (corners.size() <= carrying_corners) return;
     find_carrying(corners);
     const auto others = corners.begin() + carrying_corners;
-    corners.erase(std::remove_if(others, corners.end(),
-                                 [](const Corner& c) { return c.ahead > -sunk_depth * bullet_units; }),
-                  corners.end());
+    corners.erase(
+        std::remove_if(others, corners.end(), [](const Corner& c) { return c.ahead > -sunk_depth * bullet_units; }),
+        corners.end());
     for (size_t i = carrying_corners; i < corners.size(); ++i) corners[i].apart = BT_LARGE_FLOAT;
     const auto keep_away = [&](const btVector3& from, size_t behind) {
         for (size_t i = behind; i < corners.size(); ++i)
@@ -218,20 +218,25 @@ class HullOnPlane final : public FollowedContacts {
             const Float4 turning = Float4::all(spin.z()) * (Float4::all(origin.x()) + x)
                                    - Float4::all(spin.x()) * (Float4::all(origin.z()) + z);
             const Float4 none = Float4::all(0.0f), approach = none - (Float4::all(velocity.y()) + turning);
-            const Float4 reached = Float4::all(resting)
-                                   + Float4::all(turned_approach) * max(none, approach) * Float4::all(seconds);
+            const Float4 reached =
+                Float4::all(resting) + Float4::all(turned_approach) * max(none, approach) * Float4::all(seconds);
             const auto first = static_cast<int>(i / HullShape::group_size) * 4;
             const uint32_t points = 0xfu >> std::max(first + 4 - shape.getNumPoints(), 0); // that are no repetitions
             uint32_t low = less(distance, reached) & points;
             if (low == 0) continue;
             std::array<std::array<float, 4>, 5> lanes;
-            for (const auto& [to, from] : {std::pair(&lanes[0], Float4::all(at.x()) + x), {&lanes[1], Float4::all(at.y()) + y},
-                                           {&lanes[2], Float4::all(at.z()) + z}, {&lanes[3], distance},
+            for (const auto& [to, from] : {std::pair(&lanes[0], Float4::all(at.x()) + x),
+                                           {&lanes[1], Float4::all(at.y()) + y},
+                                           {&lanes[2], Float4::all(at.z()) + z},
+                                           {&lanes[3], distance},
                                            {&lanes[4], distance - approach * Float4::all(seconds)}})
                 from.store(to->data());
             for (; low != 0; low &= low - 1) {
                 const auto k = static_cast<size_t>(std::countr_zero(low));
-                corners.push_back({{lanes[0][k], lanes[1][k], lanes[2][k]}, lanes[3][k], lanes[4][k], 0.0f,
+                corners.push_back({{lanes[0][k], lanes[1][k], lanes[2][k]},
+                                   lanes[3][k],
+                                   lanes[4][k],
+                                   0.0f,
                                    first + static_cast<int>(k)});
             }
         }
@@ -302,10 +307,8 @@ struct GroundContacts::Impl {
 };
 
 GroundContacts::GroundContacts(btCollisionDispatcher& dispatcher) : impl_(std::make_unique<Impl>()) {
-    dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, STATIC_PLANE_PROXYTYPE,
-                                           &impl_->hull_first);
-    dispatcher.registerCollisionCreateFunc(STATIC_PLANE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
-                                           &impl_->plane_first);
+    dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, STATIC_PLANE_PROXYTYPE, &impl_->hull_first);
+    dispatcher.registerCollisionCreateFunc(STATIC_PLANE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE, &impl_->plane_first);
 }
 GroundContacts::~GroundContacts() = default;
 

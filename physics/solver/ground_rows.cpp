@@ -40,7 +40,8 @@ struct Along {
 
 void clear(GroundRows& rows, size_t lane) {
     for (FourRows* of : {&rows.contacts, &rows.frictions}) {
-        for (size_t axis = 0; axis < 3; ++axis) of->normal[axis][lane] = of->arm[axis][lane] = of->turn[axis][lane] = 0.0f;
+        for (size_t axis = 0; axis < 3; ++axis)
+            of->normal[axis][lane] = of->arm[axis][lane] = of->turn[axis][lane] = 0.0f;
         of->wanted[lane] = of->gain[lane] = of->impulse[lane] = 0.0f;
     }
     rows.speed[lane] = rows.depth[lane] = 0.0f;
@@ -93,13 +94,15 @@ GroundRows rows_of(const Movers& movers, const Points& points, const GroundStep&
     contact.wanted = contact.wanted + (bounce - max(points.distance, none) / seconds) * contact.gain;
     store(contact, points.kept_impulse * Float4::all(step.kept_impulse), rows.contacts);
     minus(before).store(rows.speed.data());
-    (max(minus(points.distance), none) * Float4::all(GroundRows::undone_part) / seconds * contact.gain).store(rows.depth.data());
+    (max(minus(points.distance), none) * Float4::all(GroundRows::undone_part) / seconds * contact.gain)
+        .store(rows.depth.data());
 
     const FourVectors sliding = movers.linear + cross(movers.angular, arms) - all(up) * apart;
     const Float4 square = dot(sliding, sliding), epsilon = Float4::all(SIMD_EPSILON);
     FourVectors along = sliding * (Float4::all(1.0f) / sqrt(square));
     if (less(epsilon, square) != 0xf)
-        for (size_t axis = 0; axis < 3; ++axis) along[axis] = where_less(epsilon, square, along[axis], points.held[axis]);
+        for (size_t axis = 0; axis < 3; ++axis)
+            along[axis] = where_less(epsilon, square, along[axis], points.held[axis]);
     store(rows_along(along, arms, movers, rows.frictions), none, rows.frictions);
     return rows;
 }
@@ -121,7 +124,9 @@ GroundRows ground_rows(const Mover& mover, const GroundManifold& ground, size_t 
         const auto at = [&](size_t i) { return value(ground.all[std::min<size_t>(first + i, ground.count - 1)]); };
         return Float4::of(at(0), at(1), at(2), at(3));
     };
-    const auto position = [&](size_t axis) { return of([axis](const GroundPoint& point) { return point.position[axis]; }); };
+    const auto position = [&](size_t axis) {
+        return of([axis](const GroundPoint& point) { return point.position[axis]; });
+    };
     const std::array<btVector3, 2>& ways = held_ways(); // first is even
     const auto held = [&](int axis) { return Float4::of(ways[0][axis], ways[1][axis], ways[0][axis], ways[1][axis]); };
     const std::array<FourVectors, 3> turning{all(mover.turning[0]), all(mover.turning[1]), all(mover.turning[2])};
@@ -134,12 +139,14 @@ GroundRows ground_rows(const Mover& mover, const GroundManifold& ground, size_t 
                    step);
 }
 
-FourGrounded::FourGrounded(const std::array<const Mover*, 4>& movers, const std::array<const GroundManifold*, 4>& manifolds)
+FourGrounded::FourGrounded(const std::array<const Mover*, 4>& movers,
+                           const std::array<const GroundManifold*, 4>& manifolds)
     : grounds(manifolds) {
     const auto lanes = [&](const auto& value) { return Float4::of(value(0), value(1), value(2), value(3)); };
     for (size_t axis = 0; axis < 3; ++axis) {
         const auto i = static_cast<int>(axis);
-        for (size_t row = 0; row < 3; ++row) turning[row][axis] = lanes([&](size_t lane) { return movers[lane]->turning[row][i]; });
+        for (size_t row = 0; row < 3; ++row)
+            turning[row][axis] = lanes([&](size_t lane) { return movers[lane]->turning[row][i]; });
         centre[axis] = lanes([&](size_t lane) { return movers[lane]->centre[i]; });
         linear[axis] = lanes([&](size_t lane) { return movers[lane]->linear[i]; });
         angular[axis] = lanes([&](size_t lane) { return movers[lane]->angular[i]; });
@@ -157,13 +164,16 @@ GroundRows ground_rows(const FourGrounded& bodies, size_t index, const GroundSte
         };
         return Float4::of(at(0), at(1), at(2), at(3));
     };
-    const auto position = [&](size_t axis) { return of([axis](const GroundPoint& point) { return point.position[axis]; }); };
-    GroundRows rows = rows_of({bodies.turning, bodies.centre, bodies.linear, bodies.angular, bodies.light, bodies.restitution},
-                              {.position = {position(0), position(1), position(2)},
-                               .distance = of([](const GroundPoint& point) { return point.distance; }),
-                               .kept_impulse = of([](const GroundPoint& point) { return point.kept_impulse(); }),
-                               .held = all(held_ways()[index % 2])},
-                              step);
+    const auto position = [&](size_t axis) {
+        return of([axis](const GroundPoint& point) { return point.position[axis]; });
+    };
+    GroundRows rows =
+        rows_of({bodies.turning, bodies.centre, bodies.linear, bodies.angular, bodies.light, bodies.restitution},
+                {.position = {position(0), position(1), position(2)},
+                 .distance = of([](const GroundPoint& point) { return point.distance; }),
+                 .kept_impulse = of([](const GroundPoint& point) { return point.kept_impulse(); }),
+                 .held = all(held_ways()[index % 2])},
+                step);
     for (size_t lane = 0; lane < 4; ++lane)
         if (index >= bodies.grounds[lane]->count) clear(rows, lane);
     return rows;

@@ -19,8 +19,8 @@ struct GroundRows {
     static constexpr float undone_part = 0.6f;
 
     FourRows contacts, frictions; // frictions act along their normals
-    Four speed; // at which the body comes down, before the step's gravity
-    Four depth; // wanted where overlap is undone; 0: there is none
+    Four speed;                   // at which the body comes down, before the step's gravity
+    Four depth;                   // wanted where overlap is undone; 0: there is none
 };
 
 struct GroundStep {
@@ -31,7 +31,8 @@ struct GroundStep {
 };
 
 // Of four points from one on; where there are fewer, the last one again. The body does not rest.
-[[nodiscard]] GroundRows ground_rows(const Mover& mover, const GroundManifold& ground, size_t first, const GroundStep& step);
+[[nodiscard]] GroundRows ground_rows(const Mover& mover, const GroundManifold& ground, size_t first,
+                                     const GroundStep& step);
 
 // Four bodies that do not rest, side by side, and what they touch the ground in.
 struct FourGrounded {

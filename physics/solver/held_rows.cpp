@@ -33,8 +33,8 @@ void HeldRows::sort_movers(const Bundles& bundles) {
     for (uint32_t mover = 0; mover < movers; ++mover)
         if (counts_[mover] > 0) order_[next_[key_of(mover)]++] = mover;
     for (size_t key = 0; key < starts_.size() - 1; key += most_counted + 1)
-        std::ranges::stable_sort(std::span(order_).subspan(starts_[key], starts_[key + 1] - starts_[key]), std::ranges::greater{},
-                                 [this](uint32_t mover) { return counts_[mover]; });
+        std::ranges::stable_sort(std::span(order_).subspan(starts_[key], starts_[key + 1] - starts_[key]),
+                                 std::ranges::greater{}, [this](uint32_t mover) { return counts_[mover]; });
 }
 
 void HeldRows::arrange(std::span<const uint32_t> movers, std::span<const float> lights, const Bundles& bundles) {
@@ -146,7 +146,8 @@ void HeldRows::for_rows(uint32_t bundle, Motion* motions, const auto& visit) con
 }
 
 void HeldRows::give(uint32_t bundle, Motion* motions) const {
-    for_rows(bundle, motions, [this](size_t at, FourMotions& of) { of.act(contacts_[at], Float4::load(contacts_[at].impulse.data())); });
+    for_rows(bundle, motions,
+             [this](size_t at, FourMotions& of) { of.act(contacts_[at], Float4::load(contacts_[at].impulse.data())); });
 }
 
 void HeldRows::press(uint32_t bundle, Motion* motions) {

@@ -50,8 +50,8 @@ class HeldRows {
 
   private:
     struct Block {
-        uint32_t begin = 0, end = 0;       // its rows; who has fewer has rows without effect
-        uint32_t count = 0;                // bodies
+        uint32_t begin = 0, end = 0; // its rows; who has fewer has rows without effect
+        uint32_t count = 0;          // bodies
         std::array<uint32_t, 4> movers{};
         Four light{};
     };
@@ -68,10 +68,10 @@ class HeldRows {
 
     std::vector<Block> blocks_;
     std::vector<uint32_t> firsts_{0}; // blocks of bundles; from the last one on, of bodies without rows elsewhere
-    std::vector<FourRows> contacts_, frictions_; // side by side
-    std::vector<Four> coefficients_;         // of friction, beside them
-    std::vector<uint32_t> movers_, slots_;   // by contact; its row, times four, and lane
-    std::vector<uint32_t> lanes_;            // by mover: its block, times four, and lane
+    std::vector<FourRows> contacts_, frictions_;  // side by side
+    std::vector<Four> coefficients_;              // of friction, beside them
+    std::vector<uint32_t> movers_, slots_;        // by contact; its row, times four, and lane
+    std::vector<uint32_t> lanes_;                 // by mover: its block, times four, and lane
     std::vector<uint32_t> counts_;                // scratch of arrange(), as the next: rows by mover
     std::vector<uint32_t> starts_, next_, order_; // movers that have any, in order, and where those of a kind begin
 };

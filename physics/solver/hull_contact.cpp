@@ -134,8 +134,8 @@ class HullPair final : public FollowedContacts {
     };
 
     // False, and to be done again, where the manifold must come or go and that is not allowed.
-    bool update(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, const btDispatcherInfo& info,
-                btManifoldResult& result, bool may_come_and_go) {
+    bool update(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                const btDispatcherInfo& info, btManifoldResult& result, bool may_come_and_go) {
         const btTransform relative = relative_of(first, second);
         const std::optional<Left> left = std::exchange(left_, std::nullopt);
         const bool pushed = left && in_compound_ ? left->pushed : may_be_pushed(first, second, info.m_timeStep);
@@ -175,17 +175,16 @@ class HullPair final : public FollowedContacts {
     }
 
     // The frame of the smaller hull in that of the other one.
-    [[nodiscard]] btTransform relative_of(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) const {
+    [[nodiscard]] btTransform relative_of(const btCollisionObjectWrapper& first,
+                                          const btCollisionObjectWrapper& second) const {
         const btTransform &a = first.getWorldTransform(), &b = second.getWorldTransform();
         return first_moves_ ? b.inverseTimes(a) : a.inverseTimes(b);
     }
 
     // How far any point of the smaller hull can have moved in the frame of the other one.
     [[nodiscard]] btScalar moved_since(const btTransform& relative) const {
-        btScalar turned =
-            0.0f; // the square of the Frobenius norm bounds what the difference does to a vector
-        for (int row = 0; row < 3; ++row)
-            turned += (relative.getBasis()[row] - seen_.getBasis()[row]).length2();
+        btScalar turned = 0.0f; // the square of the Frobenius norm bounds what the difference does to a vector
+        for (int row = 0; row < 3; ++row) turned += (relative.getBasis()[row] - seen_.getBasis()[row]).length2();
         return (relative.getOrigin() - seen_.getOrigin()).length() + std::sqrt(turned) * radius_;
     }
 
@@ -239,8 +238,8 @@ class HullPair final : public FollowedContacts {
         return free_ > 0.0f ? std::nullopt : std::optional(found);
     }
 
-    void add_contact(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, const HullDistance& touch,
-                     btScalar near, btManifoldResult& result) {
+    void add_contact(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                     const HullDistance& touch, btScalar near, btManifoldResult& result) {
         const btTransform& a = first.getWorldTransform();
         if (!manifold_)
             manifold_ = m_dispatcher->getNewManifold(first.getCollisionObject(), second.getCollisionObject());
@@ -248,7 +247,8 @@ class HullPair final : public FollowedContacts {
         const int before = manifold_->getNumContacts();
         result.setPersistentManifold(manifold_);
         result.addContactPoint(a.getBasis() * touch.normal,
-                               a * (touch.point + touch.normal * hull_of(second).getMargin()), touch.distance - margins_);
+                               a * (touch.point + touch.normal * hull_of(second).getMargin()),
+                               touch.distance - margins_);
         free_ = manifold_->getNumContacts() == before ? still_ : -1.0f;
     }
 
@@ -275,17 +275,18 @@ class HullPair final : public FollowedContacts {
             if (has_contact_near(on_smaller, std::max(threshold, same_part * radius_))) continue;
             if (!is_over(hull_of(larger), larger.getWorldTransform(), corner, height)) continue;
             manifold_->setContactBreakingThreshold(threshold);
-            result.addContactPoint(known.m_normalWorldOnB, first_moves_ ? on_smaller - away * height : on_smaller, height);
+            result.addContactPoint(known.m_normalWorldOnB, first_moves_ ? on_smaller - away * height : on_smaller,
+                                   height);
         }
         manifold_->setContactBreakingThreshold(near_);
     }
 
     // Where the two will be when they touch, on the way that they have in the step, turning left out.
     struct Touch {
-        btTransform first, second;       // the second as far on as both move against each other
-        btVector3 way{0, 0, 0};          // by so much
+        btTransform first, second; // the second as far on as both move against each other
+        btVector3 way{0, 0, 0};    // by so much
         btVector3 normal{0, 0, 0}, on_second{0, 0, 0};
-        btScalar distance = 0.0f;        // that is left
+        btScalar distance = 0.0f; // that is left
     };
     std::optional<Touch> touch_ahead(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                                      btScalar seconds) {
@@ -342,11 +343,14 @@ class HullPair final : public FollowedContacts {
             if (below.away.dot(away) < same_way) return;
             const btVector3 on_smaller = corner - below.away * hull.getMargin();
             const btManifoldPoint point = ahead_of(known, *touch, on_smaller, below);
-            if (!has_contact_near(first_moves_ ? point.getPositionWorldOnA() : point.getPositionWorldOnB(), same_part * radius_))
+            if (!has_contact_near(first_moves_ ? point.getPositionWorldOnA() : point.getPositionWorldOnB(),
+                                  same_part * radius_))
                 manifold_->addManifoldPoint(point);
         };
-        if (!low.empty()) add(middle / static_cast<btScalar>(low.size())); // solved first, so that it turns only if it must
-        manifold_->addManifoldPoint(ahead_of(known, *touch, on_other + away * touch->distance, {away, touch->distance}));
+        if (!low.empty())
+            add(middle / static_cast<btScalar>(low.size())); // solved first, so that it turns only if it must
+        manifold_->addManifoldPoint(
+            ahead_of(known, *touch, on_other + away * touch->distance, {away, touch->distance}));
         while (!low.empty() && manifold_->getNumContacts() < MANIFOLD_CACHE_SIZE) {
             const auto farthest = std::ranges::max_element(low, {}, [&](const btVector3& corner) {
                 return to_contacts(first_moves_ ? corner : corner - touch->way);
@@ -365,8 +369,8 @@ class HullPair final : public FollowedContacts {
                                  btScalar most = BT_LARGE_FLOAT) const {
         static const HullShape tip = point_hull();
         NearCorners nowhere;
-        const HullDistance found =
-            hull_distance(tip, other, btTransform(btMatrix3x3::getIdentity(), corner).inverseTimes(frame), most, nowhere);
+        const HullDistance found = hull_distance(
+            tip, other, btTransform(btMatrix3x3::getIdentity(), corner).inverseTimes(frame), most, nowhere);
         return {found.normal, found.distance - margins_};
     }
 
@@ -410,8 +414,8 @@ class HullPair final : public FollowedContacts {
     }
 
     // Velocity of the smaller hull against the other one at a point of the world.
-    [[nodiscard]] btVector3 velocity_against(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                                             const btVector3& point) const {
+    [[nodiscard]] btVector3 velocity_against(const btCollisionObjectWrapper& first,
+                                             const btCollisionObjectWrapper& second, const btVector3& point) const {
         const auto velocity = [&](const btCollisionObjectWrapper& object) {
             const btRigidBody& body = *btRigidBody::upcast(object.getCollisionObject());
             return body.getVelocityInLocalPoint(point - body.getCenterOfMassPosition());
@@ -421,7 +425,8 @@ class HullPair final : public FollowedContacts {
     }
 
     // Whether a corner of the smaller hull is as far from the larger one as from the plane of a contact: over the same face.
-    [[nodiscard]] bool is_over(const HullShape& larger, const btTransform& frame, const btVector3& corner, btScalar height) const {
+    [[nodiscard]] bool is_over(const HullShape& larger, const btTransform& frame, const btVector3& corner,
+                               btScalar height) const {
         const btScalar most = margins_ + near_ + std::max<btScalar>(height, 0.0f);
         return std::abs(below_of(larger, frame, corner, most).distance - height) < near_;
     }
@@ -433,18 +438,18 @@ class HullPair final : public FollowedContacts {
 
     btPersistentManifold* manifold_; // of our own: only while there are contacts
     bool own_;
-    bool in_compound_;      // the first is one of several hulls
-    bool first_moves_;      // what is looked at as moving: the smaller one
-    btScalar radius_;       // of it
-    btScalar margins_;      // of both
-    btScalar near_;         // closer is a contact
-    bool looks_ahead_;      // debris
-    bool pushed_by_first_, pushed_by_second_; // which is much heavier
-    bool alike_;            // both move, none is much lighter
-    btScalar thinner_;      // thickness of the thinner one
-    bool on_larger_;        // one of them is much larger
-    btScalar still_;        // movement that contacts bear
-    btScalar free_ = -1.0f; // movement from seen_ that needs no look; negative: always look
+    bool in_compound_;                              // the first is one of several hulls
+    bool first_moves_;                              // what is looked at as moving: the smaller one
+    btScalar radius_;                               // of it
+    btScalar margins_;                              // of both
+    btScalar near_;                                 // closer is a contact
+    bool looks_ahead_;                              // debris
+    bool pushed_by_first_, pushed_by_second_;       // which is much heavier
+    bool alike_;                                    // both move, none is much lighter
+    btScalar thinner_;                              // thickness of the thinner one
+    bool on_larger_;                                // one of them is much larger
+    btScalar still_;                                // movement that contacts bear
+    btScalar free_ = -1.0f;                         // movement from seen_ that needs no look; negative: always look
     btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame
     NearCorners corners_;
     std::optional<Left> left_;
@@ -467,8 +472,7 @@ struct HullContacts::Impl {
 };
 
 HullContacts::HullContacts(btCollisionDispatcher& dispatcher) : impl_(std::make_unique<Impl>()) {
-    dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
-                                           &impl_->create);
+    dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE, &impl_->create);
 }
 HullContacts::~HullContacts() = default;
 

@@ -143,10 +143,17 @@ bool inside_tetrahedron(Simplex& s) {
 bool reduce(Simplex& s) {
     const std::array<Corner, 4> c = s.corners;
     switch (s.count) {
-    case 1: s.set(c[0]); return false;
-    case 2: nearest_of_segment(s, c[0], c[1]); return false;
-    case 3: nearest_of_triangle(s, c[0], c[1], c[2]); return false;
-    default: return inside_tetrahedron(s);
+    case 1:
+        s.set(c[0]);
+        return false;
+    case 2:
+        nearest_of_segment(s, c[0], c[1]);
+        return false;
+    case 3:
+        nearest_of_triangle(s, c[0], c[1], c[2]);
+        return false;
+    default:
+        return inside_tetrahedron(s);
     }
 }
 
@@ -180,7 +187,8 @@ class Polytope {
         double least_depth = std::numeric_limits<double>::infinity();
         Face found{};
         for (int round = 0; round < most_epa_rounds; ++round) {
-            const auto face = std::ranges::min_element(faces_.begin(), faces_.begin() + face_count_, {}, &Face::distance);
+            const auto face =
+                std::ranges::min_element(faces_.begin(), faces_.begin() + face_count_, {}, &Face::distance);
             const Corner corner = difference_.support(face->normal);
             const double depth = glm::dot(face->normal, corner.at);
             const bool last = depth - face->distance <= face_part * size_;
@@ -223,14 +231,13 @@ class Polytope {
         }
         if (s.count == 2) {
             const dvec3 side = glm::normalize(s.corners[1].at - s.corners[0].at);
-            const dvec3 across = glm::normalize(
-                glm::cross(side, std::abs(side.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+            const dvec3 across =
+                glm::normalize(glm::cross(side, std::abs(side.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
             const auto apart = [&](const dvec3& p) { return glm::length(glm::cross(side, p - s.corners[0].at)); };
             if (!add(across, apart, small) && !add(glm::cross(side, across), apart, small)) return false;
         }
         if (s.count == 3) {
-            const dvec3 normal =
-                glm::cross(s.corners[1].at - s.corners[0].at, s.corners[2].at - s.corners[0].at);
+            const dvec3 normal = glm::cross(s.corners[1].at - s.corners[0].at, s.corners[2].at - s.corners[0].at);
             const double area = glm::length(normal);
             if (!(area > 0.0)) return false;
             const auto apart = [&](const dvec3& p) { return glm::dot(normal / area, p - s.corners[0].at); };
@@ -312,7 +319,8 @@ class Polytope {
 Simplex start(const Difference& difference, const NearCorners& corners) {
     Simplex s;
     const auto known = [&](size_t i) {
-        return corners.first[i] < difference.first.getNumPoints() && corners.second[i] < difference.second.getNumPoints();
+        return corners.first[i] < difference.first.getNumPoints()
+               && corners.second[i] < difference.second.getNumPoints();
     };
     for (size_t i = 0; i < corners.count; ++i)
         if (known(i)) s.corners[s.count++] = difference.corner(corners.first[i], corners.second[i]);

@@ -28,7 +28,7 @@ struct NearCorners {
 };
 
 struct HullDistance {
-    btScalar distance = 0.0f;          // below 0: how deep they overlap. Above the limit: at least so much
+    btScalar distance = 0.0f;           // below 0: how deep they overlap. Above the limit: at least so much
     btVector3 normal{0.0f, 1.0f, 0.0f}; // unit, in the first's axes, from the second to the first
     // Nearest, or deepest, on the second, in the first's frame; not known above the limit. The one on the first is
     // point + normal * distance.

@@ -70,7 +70,9 @@ void Islands::find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::
 std::span<const int> Islands::add_touched(SweepBroadphase& broadphase) {
     std::ranges::sort(touched_);
     touched_.erase(std::ranges::unique(touched_).begin(), touched_.end());
-    const auto passes = [](const btBroadphaseProxy& proxy) { return moves(object_of(&proxy)) && sleeps(object_of(&proxy)); };
+    const auto passes = [](const btBroadphaseProxy& proxy) {
+        return moves(object_of(&proxy)) && sleeps(object_of(&proxy));
+    };
     const SweepBroadphase::Reached& reached = broadphase.reach(touched_, passes);
     const auto awake = static_cast<std::ptrdiff_t>(members_.size());
     for (const uint32_t rank : reached.ranks) members_.push_back(index_of(object_of(&broadphase.proxy(rank))));

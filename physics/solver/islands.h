@@ -27,12 +27,12 @@ class Islands {
   public:
     // Bodies are in the order of their user indices. Nobody is awake but some of those given for that, in the same order. Lets islands fall
     // asleep and wakes them.
-    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::span<BodyRecord* const> awake, SweepBroadphase& broadphase,
-              fracture::Threads& threads);
+    void find(const std::vector<std::unique_ptr<BodyRecord>>& bodies, std::span<BodyRecord* const> awake,
+              SweepBroadphase& broadphase, fracture::Threads& threads);
 
     // In body order.
     [[nodiscard]] const std::vector<BodyRecord*>& awake() const { return awake_; }
-    [[nodiscard]] const std::vector<BodyRecord*>& woken() const { return woken_; }           // slept until now
+    [[nodiscard]] const std::vector<BodyRecord*>& woken() const { return woken_; }          // slept until now
     [[nodiscard]] const std::vector<BodyRecord*>& fallen_asleep() const { return asleep_; } // were awake until now
     // With at least one body that is awake.
     [[nodiscard]] const std::vector<AnyManifold>& manifolds() const { return manifolds_; }

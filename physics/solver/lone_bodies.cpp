@@ -22,8 +22,8 @@ struct LoneBodies::Block {
         bool deep; // one of them is to part
     };
 
-    uint32_t count = 0;                // bodies
-    std::array<uint32_t, 4> movers{};  // lanes that stay empty are the last body's
+    uint32_t count = 0;               // bodies
+    std::array<uint32_t, 4> movers{}; // lanes that stay empty are the last body's
     std::array<GroundManifold*, 4> grounds{};
     uint32_t row_count = 0;
     bool deep = false; // one of the rows
@@ -95,7 +95,9 @@ uint32_t LoneBodies::groups() const {
 
 void LoneBodies::solve(uint32_t begin, uint32_t end, const Movers& movers, const GroundStep& step, int sweeps) const {
     const std::span<const Lone> all = bodies_;
-    const auto group = [&](uint32_t i) { return all.subspan(i * group_size, std::min<size_t>(group_size, all.size() - i * group_size)); };
+    const auto group = [&](uint32_t i) {
+        return all.subspan(i * group_size, std::min<size_t>(group_size, all.size() - i * group_size));
+    };
     for (uint32_t i = begin; i < end; ++i) {
         if (i + 1 < end)
             for (const Lone& body : group(i + 1)) fetch(body.ground, 512); // as many points as most have
@@ -107,7 +109,8 @@ void LoneBodies::solve(std::span<const Lone> group, const Movers& movers, const 
     std::array<Block, group_size / block_size> store;
     const std::span<Block> blocks = std::span(store).first((group.size() + block_size - 1) / block_size);
     for (size_t i = 0; i < blocks.size(); ++i)
-        blocks[i].make(group.subspan(i * block_size, std::min<size_t>(block_size, group.size() - i * block_size)), movers, step);
+        blocks[i].make(group.subspan(i * block_size, std::min<size_t>(block_size, group.size() - i * block_size)),
+                       movers, step);
     // The first row of each, then the second ones.
     const auto for_rows = [&](const auto& visit) {
         for (uint32_t row = 0; row < blocks[0].row_count; ++row)
@@ -119,7 +122,9 @@ void LoneBodies::solve(std::span<const Lone> group, const Movers& movers, const 
     });
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for_rows([](Block& block, Block::Row& row) { block.motions.press(row.made.contacts); });
-        for_rows([](Block& block, Block::Row& row) { block.motions.rub(row.made.frictions, block.coefficient, row.made.contacts); });
+        for_rows([](Block& block, Block::Row& row) {
+            block.motions.rub(row.made.frictions, block.coefficient, row.made.contacts);
+        });
     }
     for (int sweep = 0; sweep < sweeps; ++sweep) for_rows([](Block& block, Block::Row& row) { block.part(row); });
     for (const Block& block : blocks) block.hand_back(movers);

@@ -81,7 +81,8 @@ void find_algorithm(btBroadphasePair& pair, const Meeting& met, btCollisionDispa
 // Of a pair that is new, where it can be followed.
 void prepare(btBroadphasePair& pair, btCollisionDispatcher& dispatcher) {
     const Meeting met(pair);
-    if (!both_compound(met.a, met.b) && dispatcher.needsCollision(&met.a, &met.b)) find_algorithm(pair, met, dispatcher);
+    if (!both_compound(met.a, met.b) && dispatcher.needsCollision(&met.a, &met.b))
+        find_algorithm(pair, met, dispatcher);
 }
 
 // False where the dispatcher is needed.

@@ -40,7 +40,8 @@ class FollowedContacts : public btCollisionAlgorithm {
 void collect_manifolds(const btBroadphasePair& pair, std::vector<AnyManifold>& to);
 
 // Makes an Algorithm(info, first, second) of two objects, the other way round where they come swapped.
-template<class Algorithm> struct CreateContacts final : btCollisionAlgorithmCreateFunc {
+template<class Algorithm>
+struct CreateContacts final : btCollisionAlgorithmCreateFunc {
     explicit CreateContacts(bool swapped) { m_swapped = swapped; }
 
     btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,

@@ -26,8 +26,7 @@ class PieceSolver {
         : settings_(settings), bodies_(bodies), ground_(ground) {}
 
     // Of bodies that are awake, and all contacts that any of them has; those must stay until they are told or a body goes.
-    void solve(std::span<BodyRecord* const> awake, std::span<const AnyManifold> manifolds,
-               fracture::Threads& threads);
+    void solve(std::span<BodyRecord* const> awake, std::span<const AnyManifold> manifolds, fracture::Threads& threads);
     // Those of the last step that were solved, in the order of manifolds. They are told when they are first asked for, as not
     // everybody wants them: that must be before a body goes.
     [[nodiscard]] std::span<const Contact> solved_contacts();
@@ -51,7 +50,7 @@ class PieceSolver {
     const GroundContacts& ground_;
     std::span<const AnyManifold> manifolds_; // of the last step
     std::vector<Contact> contacts_;
-    size_t solved_count_ = 0; // of contacts_: they come first
+    size_t solved_count_ = 0;                                // of contacts_: they come first
     enum class Told { none, solved, all } told_ = Told::all; // what of the last step contacts_ has
     std::vector<BodyRecord*> awake_;
     // What presses among those that sleep, and who did not sleep then.

@@ -25,8 +25,7 @@ struct Spin {
 // must be those of a body: positive, none above the sum of the other two.
 [[nodiscard]] Spin free_spin(const Spin& spin, const glm::dvec3& moments, double seconds);
 
-inline constexpr double max_turn_per_substep =
-    0.5; // rad; the fixed-point iteration contracts by half of it or better
-inline constexpr int max_spin_substeps = 16; // bounds the cost of one body
+inline constexpr double max_turn_per_substep = 0.5; // rad; the fixed-point iteration contracts by half of it or better
+inline constexpr int max_spin_substeps = 16;        // bounds the cost of one body
 
 } // namespace brittle::physics

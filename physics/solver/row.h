@@ -15,11 +15,11 @@ inline constexpr float blow_speed = 0.2f;
 
 // Of a contact or of its friction. Vectors lie without gaps; four floats can be read at each. Bullet's units.
 struct Row {
-    float normal[3];          // from b to a
-    float arm_a[3], arm_b[3]; // arm x normal; of b with -normal
+    float normal[3];            // from b to a
+    float arm_a[3], arm_b[3];   // arm x normal; of b with -normal
     float turn_a[3], turn_b[3]; // what a unit of impulse does to the angular velocity
-    float wanted;             // impulse that brings the velocity that is wanted, from that before the sweeps
-    float gain;               // impulse a unit of velocity
+    float wanted;               // impulse that brings the velocity that is wanted, from that before the sweeps
+    float gain;                 // impulse a unit of velocity
     float impulse;
     float light_a, light_b; // inverse masses
     uint32_t a, b;          // movers; where one body never moves it is b, and not to be looked at
@@ -34,7 +34,7 @@ struct FourRows {
 
 // What rows are made of: a body as it enters the solution.
 struct Mover {
-    btVector3 turning[3]{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};           // rows of the inverse inertia, in the world's axes
+    btVector3 turning[3]{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};        // rows of the inverse inertia, in the world's axes
     btVector3 centre{0, 0, 0}, linear{0, 0, 0}, angular{0, 0, 0}; // gravity is in
     float light = 0.0f; // inverse mass; 0 of a body that rests, as its inertia is
 };

@@ -37,8 +37,8 @@ constexpr uint32_t least_bundle = 256;
 
 } // namespace
 
-void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds,
-                      const Step& step, fracture::Threads& threads) {
+void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
+                      fracture::Threads& threads) {
     take_bodies(bodies, step, threads);
     order(manifolds, threads);
     make_rows(manifolds, step, threads);
@@ -62,7 +62,8 @@ void RowSolver::solve_rows(const Step& step, fracture::Threads& threads) {
         if (task <= in_bundles) return move_apart(deep_[task / 2], sweeps);
         uint32_t part = task - in_bundles - 1;
         if (part < held_parts)
-            return held_rows_.settle(held_groups * part / held_parts, held_groups * (part + 1) / held_parts, sweeps, motions_.data());
+            return held_rows_.settle(held_groups * part / held_parts, held_groups * (part + 1) / held_parts, sweeps,
+                                     motions_.data());
         part -= held_parts;
         lone_.solve(lone_groups * part / lone_parts, lone_groups * (part + 1) / lone_parts,
                     {movers_.data(), motions_.data(), parting_.data()}, ground_step(step), sweeps);
@@ -114,15 +115,17 @@ Mover RowSolver::mover_of(const btRigidBody& rigid, const Step& step) {
 }
 
 RowSolver::Between RowSolver::between(const AnyManifold& manifold) const {
-    return {manifold.a_moves ? indices_[manifold.a] : nobody, manifold.b_moves ? indices_[manifold.b] : nobody, manifold.count};
+    return {manifold.a_moves ? indices_[manifold.a] : nobody, manifold.b_moves ? indices_[manifold.b] : nobody,
+            manifold.count};
 }
 
 // A sort by counting.
 void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads& threads) {
     betweens_.resize(manifolds.size());
-    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) betweens_[i] = between(manifolds[i]);
-    });
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds,
+                       [&](uint32_t, uint32_t begin, uint32_t end) {
+                           for (uint32_t i = begin; i < end; ++i) betweens_[i] = between(manifolds[i]);
+                       });
     bundles_.start(movers_.size());
     for (const Between& two : betweens_)
         if (!two.held() && two.count > 0) bundles_.join(two.mover_a, two.mover_b, two.count);
@@ -167,7 +170,8 @@ void RowSolver::take_lone(std::span<const AnyManifold> manifolds) {
             if (mover != nobody && two.count > 0) ++touched_[mover];
     for (size_t m = 0; m < manifolds.size(); ++m) {
         Between& two = betweens_[m];
-        if (!manifolds[m].ground || two.count == 0 || touched_[two.mover_a] > 1 || lights_[two.mover_a] == 0.0f) continue;
+        if (!manifolds[m].ground || two.count == 0 || touched_[two.mover_a] > 1 || lights_[two.mover_a] == 0.0f)
+            continue;
         lone_.add(*manifolds[m].ground, two.mover_a);
         points_of_lone_ += std::exchange(two.count, 0);
     }
@@ -190,16 +194,18 @@ void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& st
     frictions_.resize(held_);
     coefficients_.resize(held_);
     depths_.resize(places_.size());
-    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0) manifolds[i + fetched_ahead].fetch_contacts();
-            if (betweens_[i].count == 0) continue;
-            if (manifolds[i].ground)
-                make_rows(*manifolds[i].ground, places_of(i), step);
-            else
-                make_rows(*manifolds[i].between, places_of(i), solved_of(i), step);
-        }
-    });
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds,
+                       [&](uint32_t, uint32_t begin, uint32_t end) {
+                           for (uint32_t i = begin; i < end; ++i) {
+                               if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0)
+                                   manifolds[i + fetched_ahead].fetch_contacts();
+                               if (betweens_[i].count == 0) continue;
+                               if (manifolds[i].ground)
+                                   make_rows(*manifolds[i].ground, places_of(i), step);
+                               else
+                                   make_rows(*manifolds[i].between, places_of(i), solved_of(i), step);
+                           }
+                       });
 }
 
 std::span<const uint32_t> RowSolver::places_of(size_t manifold) const {
@@ -223,17 +229,17 @@ void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32
         const float distance = std::max(point.getDistance(), -deepest);
         const auto turn = [&](const btVector3& v) { return turned ? -v : v; };
         const Made made = make_row({.a = side_of(turned ? b : a, position),
-                                   .b = side_of(turned ? a : b, position),
-                                   .normal = turn(point.m_normalWorldOnB),
-                                   .distance = distance,
-                                   .undone_part = undone_part,
-                                   .restitution = point.m_combinedRestitution,
-                                   .coefficient = point.m_combinedFriction,
-                                   .impulse = point.m_appliedImpulse,
-                                   .friction = point.m_appliedImpulseLateral1,
-                                   .along = turn(point.m_lateralFrictionDir1),
-                                   .odd = i % 2 != 0},
-                                  places[i], step);
+                                    .b = side_of(turned ? a : b, position),
+                                    .normal = turn(point.m_normalWorldOnB),
+                                    .distance = distance,
+                                    .undone_part = undone_part,
+                                    .restitution = point.m_combinedRestitution,
+                                    .coefficient = point.m_combinedFriction,
+                                    .impulse = point.m_appliedImpulse,
+                                    .friction = point.m_appliedImpulseLateral1,
+                                    .along = turn(point.m_lateralFrictionDir1),
+                                    .odd = i % 2 != 0},
+                                   places[i], step);
         solved[i] = {.manifold = &manifold,
                      .point = &point,
                      .position = position,
@@ -260,7 +266,8 @@ void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> plac
             const size_t lane = i - first;
             GroundPoint& point = ground.all[i];
             point.speed = made.speed[lane];
-            point.along = {made.frictions.normal[0][lane], made.frictions.normal[1][lane], made.frictions.normal[2][lane]};
+            point.along = {made.frictions.normal[0][lane], made.frictions.normal[1][lane],
+                           made.frictions.normal[2][lane]};
             depths_[places[i]] = made.depth[lane];
             held_rows_.put(places[i] - held_, made.contacts, made.frictions, lane, ground.friction);
         }
@@ -271,17 +278,17 @@ void RowSolver::make_rows_of_resting(GroundManifold& ground, std::span<const uin
     for (size_t i = 0; i < places.size(); ++i) {
         GroundPoint& point = ground.all[i];
         const Made made = make_row({.a = side_of(ground.body, unpacked(point.position)),
-                                   .b = {},
-                                   .normal = {0, 1, 0},
-                                   .distance = point.distance,
-                                   .undone_part = GroundRows::undone_part,
-                                   .restitution = ground.restitution,
-                                   .coefficient = ground.friction,
-                                   .impulse = point.kept_impulse(),
-                                   .friction = point.kept_friction(),
-                                   .along = unpacked(point.along),
-                                   .odd = i % 2 != 0},
-                                  places[i], step);
+                                    .b = {},
+                                    .normal = {0, 1, 0},
+                                    .distance = point.distance,
+                                    .undone_part = GroundRows::undone_part,
+                                    .restitution = ground.restitution,
+                                    .coefficient = ground.friction,
+                                    .impulse = point.kept_impulse(),
+                                    .friction = point.kept_friction(),
+                                    .along = unpacked(point.along),
+                                    .odd = i % 2 != 0},
+                                   places[i], step);
         point.speed = made.speed;
         point.along = packed(made.along);
     }
@@ -331,7 +338,8 @@ inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, con
     const float apart = still ? 0.0f : -row.wanted / row.gain;
     // Before the step's gravity, which is the same for both where both move.
     const float before = b.mover || still ? apart : apart - normal.dot(step.gravity) * step.seconds;
-    const float bounce = std::abs(before) < step.least_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
+    const float bounce =
+        std::abs(before) < step.least_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
     row.wanted += (bounce - std::max(touch.distance, 0.0f) / step.seconds) * row.gain;
     row.impulse = touch.impulse * (still ? 1.0f : kept_impulse);
     depths_[place] = std::max(-touch.distance, 0.0f) * touch.undone_part / step.seconds * row.gain;
@@ -390,9 +398,9 @@ void RowSolver::give(const Row& row, float impulse, Motion* motions) {
 
 inline void RowSolver::resolve(Row& row, Motion* motions, float low, float high) {
     const Motion &a = motions[row.a], &b = motions[row.b];
-    const float apart = sum3(Float4::load3(row.normal) * (Float4::load(a.linear) - Float4::load(b.linear))
-                             + Float4::load3(row.arm_a) * Float4::load(a.angular)
-                             + Float4::load3(row.arm_b) * Float4::load(b.angular));
+    const float apart =
+        sum3(Float4::load3(row.normal) * (Float4::load(a.linear) - Float4::load(b.linear))
+             + Float4::load3(row.arm_a) * Float4::load(a.angular) + Float4::load3(row.arm_b) * Float4::load(b.angular));
     const float before = row.impulse;
     row.impulse = std::clamp(before + row.wanted - apart * row.gain, low, high);
     give(row, row.impulse - before, motions);
@@ -401,8 +409,8 @@ inline void RowSolver::resolve(Row& row, Motion* motions, float low, float high)
 // Where b never moves, it is neither read nor written: all that lie on the ground would wait for each other.
 inline void RowSolver::resolve_held(Row& row, Motion* motions) {
     const Motion& a = motions[row.a];
-    const float apart = sum3(Float4::load3(row.normal) * Float4::load(a.linear)
-                             + Float4::load3(row.arm_a) * Float4::load(a.angular));
+    const float apart =
+        sum3(Float4::load3(row.normal) * Float4::load(a.linear) + Float4::load3(row.arm_a) * Float4::load(a.angular));
     const float before = row.impulse;
     row.impulse = std::max(0.0f, before + row.wanted - apart * row.gain);
     push_first(row, row.impulse - before, motions);
@@ -418,7 +426,9 @@ void RowSolver::take_deep() {
         row.wanted = depths_[place];
         row.impulse = 0.0f;
     };
-    const auto deep_of = [this](uint32_t mover) -> Deep& { return deep_[std::min(bundles_.of(mover), bundles_.count())]; };
+    const auto deep_of = [this](uint32_t mover) -> Deep& {
+        return deep_[std::min(bundles_.of(mover), bundles_.count())];
+    };
     for (size_t place = 0; place < held_; ++place)
         if (depths_[place] != 0.0f) take(place, deep_of(contacts_[place].a).between.emplace_back(contacts_[place]));
     for (size_t place = held_; place < depths_.size(); ++place)
@@ -442,17 +452,19 @@ void RowSolver::hand_back(std::span<BodyRecord* const> bodies, std::span<const A
             hand_back(*bodies[i], i, seconds);
         }
     });
-    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0) manifolds[i + fetched_ahead].fetch_contacts();
-            const std::span<const uint32_t> places = places_of(i);
-            for (size_t k = 0; k < places.size(); ++k)
-                if (manifolds[i].ground)
-                    hand_back(manifolds[i].ground->all[k], places[k]);
-                else
-                    hand_back(solved_of(i)[k], places[k]);
-        }
-    });
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds,
+                       [&](uint32_t, uint32_t begin, uint32_t end) {
+                           for (uint32_t i = begin; i < end; ++i) {
+                               if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0)
+                                   manifolds[i + fetched_ahead].fetch_contacts();
+                               const std::span<const uint32_t> places = places_of(i);
+                               for (size_t k = 0; k < places.size(); ++k)
+                                   if (manifolds[i].ground)
+                                       hand_back(manifolds[i].ground->all[k], places[k]);
+                                   else
+                                       hand_back(solved_of(i)[k], places[k]);
+                           }
+                       });
 }
 
 void RowSolver::hand_back(BodyRecord& body, size_t mover, float seconds) const {

@@ -42,7 +42,7 @@ class RowSolver {
         float seconds = 0.0f;
         int sweeps = 0;
         btVector3 gravity{0, 0, 0};
-        float separation_speed = 0.0f;  // at which overlap of bodies that both move is undone, at most
+        float separation_speed = 0.0f;   // at which overlap of bodies that both move is undone, at most
         float least_bounce_speed = 0.0f; // slower blows do not bounce
     };
     // What became of one point of a contact of two bodies.
@@ -99,7 +99,8 @@ class RowSolver {
     [[nodiscard]] Between between(const AnyManifold& manifold) const;
     void make_rows(std::span<const AnyManifold> manifolds, const Step& step, fracture::Threads& threads);
     // Of the manifold's points, with their places, and where to note what becomes of them.
-    void make_rows(btPersistentManifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved, const Step& step);
+    void make_rows(btPersistentManifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved,
+                   const Step& step);
     void make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
     void make_rows_of_resting(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
     // Of one contact and its friction.
@@ -153,9 +154,9 @@ class RowSolver {
     std::vector<uint32_t> held_movers_;            // of them
     LoneBodies lone_;                              // which need none of that
     uint32_t points_of_lone_ = 0;
-    std::vector<uint32_t> touched_; // by mover, scratch: how many it touches
-    std::vector<Deep> deep_; // by bundle, and behind them of movers without one
-    size_t held_ = 0; // places from here on are those of contacts with what never moves
+    std::vector<uint32_t> touched_;         // by mover, scratch: how many it touches
+    std::vector<Deep> deep_;                // by bundle, and behind them of movers without one
+    size_t held_ = 0;                       // places from here on are those of contacts with what never moves
     std::vector<Motion> motions_, parting_; // of velocities, and of moving apart
 };
 

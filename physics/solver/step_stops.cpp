@@ -45,7 +45,8 @@ bool exceeds(btScalar way, btScalar least) {
 
 // The longest way of any of its points.
 btScalar way_of(const BodyRecord& body, btScalar seconds) {
-    return (body.rigid->getLinearVelocity().length() + body.rigid->getAngularVelocity().length() * body.reach) * seconds;
+    return (body.rigid->getLinearVelocity().length() + body.rigid->getAngularVelocity().length() * body.reach)
+           * seconds;
 }
 
 // How far turning takes a point of the body at most.
@@ -70,7 +71,8 @@ struct Collect final : btBroadphaseAabbCallback {
     const SweepBroadphase& among;
     const btBroadphaseProxy& own;
     std::vector<uint32_t>& found;
-    Collect(const SweepBroadphase& all, const btBroadphaseProxy& of, std::vector<uint32_t>& to) : among(all), own(of), found(to) {}
+    Collect(const SweepBroadphase& all, const btBroadphaseProxy& of, std::vector<uint32_t>& to)
+        : among(all), own(of), found(to) {}
     bool process(const btBroadphaseProxy* proxy) override {
         if (proxy != &own && among.may_meet(own, *proxy) && !is_fixed(*proxy)) found.push_back(index_of(*proxy));
         return true;
@@ -78,7 +80,8 @@ struct Collect final : btBroadphaseAabbCallback {
 };
 
 // Calls with each hull of the body that may be in the box, given in the world as the body is when the step begins.
-template<class Call> void visit_hulls(const BodyRecord& body, const Flight& flight, const Box& box, const Call& call) {
+template<class Call>
+void visit_hulls(const BodyRecord& body, const Flight& flight, const Box& box, const Call& call) {
     if (!body.compound) return call(FlyingHull{&*body.form->shape, btTransform::getIdentity(), &flight});
     Box local;
     btTransformAabb(box.low, box.high, 0.0f, flight.from.inverse(), local.low, local.high);
@@ -120,8 +123,10 @@ void StepStops::find_stops(btScalar seconds, btDispatcher& dispatcher) {
         const Event event = events_.back();
         events_.pop_back();
         // What was known of two of which one has stopped since has been looked at anew.
-        if (flights_[event.first].stop != event.first_stop || flights_[event.second].stop != event.second_stop) continue;
-        const bool first = may_be_stopped(event.first, event.second), second = may_be_stopped(event.second, event.first);
+        if (flights_[event.first].stop != event.first_stop || flights_[event.second].stop != event.second_stop)
+            continue;
+        const bool first = may_be_stopped(event.first, event.second),
+                   second = may_be_stopped(event.second, event.first);
         if (first) stop(event.first, event.seconds);
         if (second) stop(event.second, event.seconds);
         if (first) meet_moving(event.first, event.seconds);
@@ -168,7 +173,8 @@ void StepStops::find_flights(btScalar seconds) {
             const BodyRecord& body = *bodies_[i];
             const bool awake = glances_[i].awake;
             flights_[i] = {body.rigid->getWorldTransform(), glances_[i].linear,
-                           awake ? body.rigid->getAngularVelocity() : btVector3(0, 0, 0), body.moments, awake ? seconds : 0.0f};
+                           awake ? body.rigid->getAngularVelocity() : btVector3(0, 0, 0), body.moments,
+                           awake ? seconds : 0.0f};
         }
     });
 }
@@ -214,8 +220,7 @@ void StepStops::meet_fixed(uint32_t body) {
     const Box box = swept(body);
     for (const uint32_t other : fixed_) {
         const btBroadphaseProxy& proxy = *bodies_[other]->rigid->getBroadphaseProxy();
-        if (TestAabbAgainstAabb2(box.low, box.high, proxy.m_aabbMin, proxy.m_aabbMax)
-            && may_touch(body, other, 0.0f))
+        if (TestAabbAgainstAabb2(box.low, box.high, proxy.m_aabbMin, proxy.m_aabbMax) && may_touch(body, other, 0.0f))
             kept_.push_back({body, other});
     }
 }
@@ -237,7 +242,8 @@ void StepStops::meet_wild() {
     std::vector<std::vector<Two>> kept(threads_.chunks(count, least_near));
     threads_.for_chunks(count, least_near, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (const SweptPairs::Key key : keys.subspan(begin, end - begin)) {
-            const btBroadphaseProxy &a = broadphase_.proxy(key >> 32), &b = broadphase_.proxy(static_cast<uint32_t>(key));
+            const btBroadphaseProxy &a = broadphase_.proxy(key >> 32),
+                                    &b = broadphase_.proxy(static_cast<uint32_t>(key));
             if (is_fixed(a) || is_fixed(b)) continue;
             Two two{std::min(index_of(a), index_of(b)), std::max(index_of(a), index_of(b))};
             if (!is_wild_[two.first]) std::swap(two.first, two.second);
@@ -282,7 +288,8 @@ StepStops::Event StepStops::event_of(uint32_t first, uint32_t second, btScalar f
     const btVector3 way_a = flight_a.linear * flight_a.stop, way_b = flight_b.linear * flight_b.stop;
     // Where hulls of the one must be when the step begins to meet the other.
     visit_hulls(a, flight_a, grown(swept(second), -way_a, turning_a), [&](const FlyingHull& hull) {
-        const Box near = grown(grown(box_of(*hull.shape, flight_a.from * hull.local), way_a, turning_a), -way_b, turning_b);
+        const Box near =
+            grown(grown(box_of(*hull.shape, flight_a.from * hull.local), way_a, turning_a), -way_b, turning_b);
         visit_hulls(b, flight_b, near, [&](const FlyingHull& other) {
             if (const auto touch = first_touch(hull, other, from, event.seconds)) event.seconds = *touch;
         });

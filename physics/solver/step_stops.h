@@ -63,7 +63,8 @@ class StepStops {
     };
     // Who stops when all that are awake move on for so long from where they are, in the order of time. Valid until the next
     // call.
-    [[nodiscard]] std::span<const Stop> find(std::span<BodyRecord* const> awake, btScalar seconds, btDispatcher& dispatcher);
+    [[nodiscard]] std::span<const Stop> find(std::span<BodyRecord* const> awake, btScalar seconds,
+                                             btDispatcher& dispatcher);
 
   private:
     struct Two {
@@ -82,9 +83,9 @@ class StepStops {
 
     // What is asked of every body.
     struct Glance {
-        btVector3 linear;   // 0 of one that does not move
-        btScalar way;       // the longest of any of its points
-        btScalar wild_way;  // from which on it is wild
+        btVector3 linear;  // 0 of one that does not move
+        btScalar way;      // the longest of any of its points
+        btScalar wild_way; // from which on it is wild
         bool fixed, awake, debris, fast;
     };
 
@@ -92,8 +93,8 @@ class StepStops {
     void find_stops(btScalar seconds, btDispatcher& dispatcher);
     [[nodiscard]] static Glance glance_at(const BodyRecord& body, btScalar seconds);
     void find_fast(btScalar seconds);
-    void find_flights(btScalar seconds); // of all, after who is fast
-    void swell_wild(btDispatcher& dispatcher); // their boxes
+    void find_flights(btScalar seconds);             // of all, after who is fast
+    void swell_wild(btDispatcher& dispatcher);       // their boxes
     [[nodiscard]] btVector3 common_velocity() const; // of most that can move, without debris
     // What holds a body on its way.
     [[nodiscard]] Box swept(uint32_t body) const;
@@ -117,7 +118,8 @@ class StepStops {
     btScalar end_ = 0.0f;
     std::vector<Glance> glances_;
     std::vector<uint8_t> is_fast_, is_wild_;
-    std::vector<uint32_t> fast_, wild_; // in body order; those that move fast, and those that move fast against most others
+    std::vector<uint32_t> fast_,
+        wild_; // in body order; those that move fast, and those that move fast against most others
     std::vector<uint32_t> fixed_, near_;
     btScalar slow_way_ = 0.0f; // the longest way of those that are not wild
     std::vector<Flight> flights_;

@@ -72,23 +72,25 @@ void note(bool& true_now) {
 } // namespace
 
 void SteppedWorld::for_each_body(std::span<BodyRecord* const> bodies, const auto& visit) {
-    threads_.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
-            visit(*bodies[i]);
-        }
-    });
+    threads_.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies,
+                        [&](uint32_t, uint32_t begin, uint32_t end) {
+                            for (uint32_t i = begin; i < end; ++i) {
+                                if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
+                                visit(*bodies[i]);
+                            }
+                        });
 }
 
 void SteppedWorld::for_each_contact(const auto& visit) {
     const std::vector<AnyManifold>& all = islands_.manifolds();
-    threads_.for_chunks(static_cast<uint32_t>(all.size()), least_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead + 1 < end) all[i + fetched_ahead + 1].fetch_contacts();
-            if (i + fetched_ahead < end) all[i + fetched_ahead].fetch_body();
-            if (all[i].count > 0) visit(all[i]);
-        }
-    });
+    threads_.for_chunks(static_cast<uint32_t>(all.size()), least_manifolds,
+                        [&](uint32_t, uint32_t begin, uint32_t end) {
+                            for (uint32_t i = begin; i < end; ++i) {
+                                if (i + fetched_ahead + 1 < end) all[i + fetched_ahead + 1].fetch_contacts();
+                                if (i + fetched_ahead < end) all[i + fetched_ahead].fetch_body();
+                                if (all[i].count > 0) visit(all[i]);
+                            }
+                        });
 }
 
 void SteppedWorld::put_in(NewBody& body) {
@@ -106,7 +108,8 @@ std::span<const int> SteppedWorld::take_out(BodyRecord& body) {
         const btBroadphaseProxy& other = *(pair.m_pProxy0 == proxy ? pair.m_pProxy1 : pair.m_pProxy0);
         manifolds.resize(0);
         if (pair.m_algorithm) pair.m_algorithm->getAllContactManifolds(manifolds);
-        if (manifolds.size() > 0) touched_.push_back(static_cast<const btCollisionObject*>(other.m_clientObject)->getUserIndex());
+        if (manifolds.size() > 0)
+            touched_.push_back(static_cast<const btCollisionObject*>(other.m_clientObject)->getUserIndex());
         pairs.cleanOverlappingPair(pair, getDispatcher());
     }
     broadphase_.destroyProxy(proxy, getDispatcher());
@@ -129,16 +132,17 @@ void SteppedWorld::step(btScalar seconds) {
 void SteppedWorld::find_pairs(btScalar seconds) {
     const btScalar linear_kept = std::pow(1.0f - settings_.linear_damping, seconds);
     const btScalar angular_kept = std::pow(1.0f - settings_.angular_damping, seconds);
-    threads_.for_chunks(static_cast<uint32_t>(stepped_.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) {
-            fetch_hulls(std::span(stepped_).subspan(i, end - i));
-            BodyRecord& body = *stepped_[i];
-            body.start_step();
-            body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * linear_kept);
-            body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * angular_kept);
-            set_box(body, seconds);
-        }
-    });
+    threads_.for_chunks(static_cast<uint32_t>(stepped_.size()), least_bodies,
+                        [&](uint32_t, uint32_t begin, uint32_t end) {
+                            for (uint32_t i = begin; i < end; ++i) {
+                                fetch_hulls(std::span(stepped_).subspan(i, end - i));
+                                BodyRecord& body = *stepped_[i];
+                                body.start_step();
+                                body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * linear_kept);
+                                body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * angular_kept);
+                                set_box(body, seconds);
+                            }
+                        });
     btDispatcherInfo& info = getDispatchInfo();
     info.m_timeStep = seconds;
     broadphase_.calculateOverlappingPairs(getDispatcher());
@@ -147,13 +151,14 @@ void SteppedWorld::find_pairs(btScalar seconds) {
     // After that, as the air meets each piece of a cut alone: at once they would not fly as one any more.
     const float unfelt = unfelt_part * glm::length(settings_.gravity) * seconds;
     if (settings_.air_density > 0.0f)
-        threads_.for_chunks(static_cast<uint32_t>(stepped_.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-            for (uint32_t i = begin; i < end; ++i) {
-                if (i + 2 * fetched_ahead < end) fetch(stepped_[i + 2 * fetched_ahead]);
-                if (i + fetched_ahead < end) fetch(&stepped_[i + fetched_ahead]->form->drag);
-                stepped_[i]->form->drag.brake(*stepped_[i]->rigid, settings_.air_density, seconds, unfelt);
-            }
-        });
+        threads_.for_chunks(
+            static_cast<uint32_t>(stepped_.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+                for (uint32_t i = begin; i < end; ++i) {
+                    if (i + 2 * fetched_ahead < end) fetch(stepped_[i + 2 * fetched_ahead]);
+                    if (i + fetched_ahead < end) fetch(&stepped_[i + fetched_ahead]->form->drag);
+                    stepped_[i]->form->drag.brake(*stepped_[i]->rigid, settings_.air_density, seconds, unfelt);
+                }
+            });
     find_contacts(broadphase_.pairs(), static_cast<btCollisionDispatcher&>(*getDispatcher()), info, threads_);
 }
 
@@ -203,7 +208,8 @@ void SteppedWorld::find_islands() {
 void SteppedWorld::find_company() {
     company_.assign(bodies_.size(), {});
     for_each_body(islands_.awake(), [&](const BodyRecord& body) {
-        if (is_fast(body) || (rises(body) && waited(body) >= settings_.sleep_seconds)) note(company_[islands_.of(body)].busy);
+        if (is_fast(body) || (rises(body) && waited(body) >= settings_.sleep_seconds))
+            note(company_[islands_.of(body)].busy);
     });
     const auto note_contacts = [&](uint32_t body, uint32_t fours, bool pressed) -> Company& {
         Company& company = company_[body];
@@ -213,7 +219,8 @@ void SteppedWorld::find_company() {
     };
     for_each_contact([&](const AnyManifold& manifold) {
         if (const GroundManifold* const ground = manifold.ground) {
-            const bool pressed = std::ranges::any_of(ground->points(), [](const GroundPoint& p) { return p.kept_impulse() > 0.0f; });
+            const bool pressed =
+                std::ranges::any_of(ground->points(), [](const GroundPoint& p) { return p.kept_impulse() > 0.0f; });
             note_contacts(manifold.a, (ground->count + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE, pressed);
             return;
         }
@@ -281,9 +288,9 @@ void SteppedWorld::move_on(BodyRecord& body, btScalar seconds) {
     btRigidBody& rigid = *body.rigid;
     body.blow_frame = rigid.getWorldTransform();
     body.left_seconds = seconds;
-    const Spin spin = free_spin({glm::dquat(to_glm(body.blow_frame.getRotation())),
-                                 glm::dvec3(to_glm(rigid.getAngularVelocity()))},
-                                body.moments, seconds);
+    const Spin spin =
+        free_spin({glm::dquat(to_glm(body.blow_frame.getRotation())), glm::dvec3(to_glm(rigid.getAngularVelocity()))},
+                  body.moments, seconds);
     const btVector3 way = rigid.getLinearVelocity() * seconds;
     rigid.setCenterOfMassTransform(
         btTransform(to_bullet(glm::quat(spin.orientation)), body.blow_frame.getOrigin() + way));
@@ -347,8 +354,7 @@ bool SteppedWorld::rocks_in_place(BodyRecord& body, btScalar seconds) {
     const float near = place_part * settings_.sleep_seconds;
     const float moved = (now.getOrigin() - body.rest.getOrigin()).length();
     const float turned = now.getRotation().angleShortestPath(body.rest.getRotation());
-    if (moved > near * settings_.sleep_linear_speed * bullet_units
-        || turned > near * settings_.sleep_angular_speed) {
+    if (moved > near * settings_.sleep_linear_speed * bullet_units || turned > near * settings_.sleep_angular_speed) {
         body.rest = now;
         body.rest_seconds = 0.0f;
     }

@@ -13,10 +13,10 @@
 #include "physics/solver/body_record.h"
 #include "physics/solver/islands.h"
 #include "physics/solver/piece_solver.h"
+#include "physics/solver/rotation.h"
 #include "physics/solver/siblings.h"
 #include "physics/solver/step_stops.h"
 #include "physics/solver/sweep_broadphase.h"
-#include "physics/solver/rotation.h"
 #include "physics/world/world.h"
 
 namespace brittle::physics {
@@ -28,7 +28,8 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
                  btCollisionConfiguration* configuration, const WorldSettings& settings,
                  const std::vector<std::unique_ptr<BodyRecord>>& bodies, fracture::Threads& threads)
         : btDiscreteDynamicsWorld(dispatcher, broadphase, nullptr, configuration), broadphase_(*broadphase),
-          solver_(*solver), settings_(settings), bodies_(bodies), threads_(threads), stops_(bodies, *broadphase, threads) {}
+          solver_(*solver), settings_(settings), bodies_(bodies), threads_(threads),
+          stops_(bodies, *broadphase, threads) {}
 
     // In place of Bullet's own, whose lists of bodies nobody reads. Does not look at the body itself.
     void put_in(NewBody& body);
@@ -72,7 +73,9 @@ class SteppedWorld final : public btDiscreteDynamicsWorld {
     [[nodiscard]] float speed_of(const btRigidBody& body) const;
     [[nodiscard]] float waited(const BodyRecord& body) const; // s
     [[nodiscard]] bool rises(const BodyRecord& body) const;   // out of the ground, into which it was pressed
-    [[nodiscard]] static bool is_ready(const btRigidBody& body) { return body.getActivationState() == WANTS_DEACTIVATION; } // to sleep
+    [[nodiscard]] static bool is_ready(const btRigidBody& body) {
+        return body.getActivationState() == WANTS_DEACTIVATION;
+    }                                                         // to sleep
     [[nodiscard]] bool is_fast(const BodyRecord& body) const; // too fast for a tremble
     // Whether a body has long been where it is.
     bool rocks_in_place(BodyRecord& body, btScalar seconds);

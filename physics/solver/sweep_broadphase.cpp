@@ -126,7 +126,8 @@ void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispa
 
 btBroadphasePair* SweptPairs::findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) {
     for (int i = 0; i < pairs_->size(); ++i)
-        if (btBroadphasePair& pair = pairs_->at(i); std::minmax(pair.m_pProxy0, pair.m_pProxy1) == std::minmax(first, second))
+        if (btBroadphasePair& pair = pairs_->at(i);
+            std::minmax(pair.m_pProxy0, pair.m_pProxy1) == std::minmax(first, second))
             return &pair;
     return nullptr;
 }
@@ -191,7 +192,8 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
 
 uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_least_partner) const {
     const Float4 sizes = Float4::load(size.data() + first), least_partners = Float4::load(least_partner.data() + first);
-    return all_less_equal(least_partners, own_size, own_least_partner, sizes, own_least_partner, sizes); // the third is the second again
+    return all_less_equal(least_partners, own_size, own_least_partner, sizes, own_least_partner,
+                          sizes); // the third is the second again
 }
 
 bool SweepBroadphase::Filter::meets(const Filter& other) const {
@@ -204,8 +206,8 @@ btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVe
     return proxies_.back().get();
 }
 
-std::unique_ptr<SweptProxy> SweepBroadphase::make_proxy(const btVector3& low, const btVector3& high, void* object, int group,
-                                                        int mask, btScalar size, btScalar least_partner) {
+std::unique_ptr<SweptProxy> SweepBroadphase::make_proxy(const btVector3& low, const btVector3& high, void* object,
+                                                        int group, int mask, btScalar size, btScalar least_partner) {
     auto proxy = std::make_unique<SweptProxy>();
     proxy->m_aabbMin = low;
     proxy->m_aabbMax = high;
@@ -364,7 +366,8 @@ int SweepBroadphase::widest_axis() const {
         spread[axis] = high - low;
     }
     const auto widest = std::ranges::max_element(spread);
-    return *widest > worth_another_axis * spread[static_cast<size_t>(axis_)] ? static_cast<int>(widest - spread.begin()) : axis_;
+    return *widest > worth_another_axis * spread[static_cast<size_t>(axis_)] ? static_cast<int>(widest - spread.begin())
+                                                                             : axis_;
 }
 
 void SweepBroadphase::sort(Sorted& sorted) {
@@ -395,7 +398,8 @@ void SweepBroadphase::merge(Still& still) {
     };
     for (size_t place = 0; place < before.ranks.size(); ++place) {
         if (is_set(before.ranks[place])) continue;
-        while (come < come_.ranks.size() && come_.boxes.low[axis][come] < before.boxes.low[axis][place]) take(come_, come++);
+        while (come < come_.ranks.size() && come_.boxes.low[axis][come] < before.boxes.low[axis][place])
+            take(come_, come++);
         take(before, place);
     }
     while (come < come_.ranks.size()) take(come_, come++);
@@ -465,7 +469,8 @@ bool SweepBroadphase::reach_few(std::span<const uint32_t> ranks, const Passes& p
         const uint32_t rank = reached_.ranks[i];
         for (const int index : pairs_.pairs_of(*proxies_[rank])) {
             const SweptPairs::Key key = pairs_.keys()[static_cast<size_t>(index)];
-            const auto first = static_cast<uint32_t>(key >> 32), other = first == rank ? static_cast<uint32_t>(key) : first;
+            const auto first = static_cast<uint32_t>(key >> 32),
+                       other = first == rank ? static_cast<uint32_t>(key) : first;
             reached_.pairs.push_back(index);
             if (is_reached_[other] != 0 || !passes(*proxies_[other])) continue;
             is_reached_[other] = 1;
@@ -498,15 +503,15 @@ void SweepBroadphase::reach_many(std::span<const uint32_t> ranks, const Passes& 
     }
     reached_.pairs.clear();
     for (size_t i = 0; i < keys.size(); ++i)
-        if ((is_reached_[keys[i] >> 32] | is_reached_[static_cast<uint32_t>(keys[i])]) != 0) reached_.pairs.push_back(static_cast<int>(i));
+        if ((is_reached_[keys[i] >> 32] | is_reached_[static_cast<uint32_t>(keys[i])]) != 0)
+            reached_.pairs.push_back(static_cast<int>(i));
 }
 
 void SweepBroadphase::sweep_parts(size_t count, const auto& sweep) {
     parts_.resize(std::max<size_t>(parts_.size(), threads_.chunks(static_cast<uint32_t>(count), least_boxes)));
     for (auto& part : parts_) part.clear();
-    threads_.for_chunks(static_cast<uint32_t>(count), least_boxes, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        sweep(begin, end, parts_[chunk]);
-    });
+    threads_.for_chunks(static_cast<uint32_t>(count), least_boxes,
+                        [&](uint32_t chunk, uint32_t begin, uint32_t end) { sweep(begin, end, parts_[chunk]); });
     for (const auto& part : parts_) found_.insert(found_.end(), part.begin(), part.end());
 }
 

@@ -67,7 +67,9 @@ class SweptPairs final : public btOverlappingPairCache {
     [[nodiscard]] const std::vector<int>& set() const { return set_; }
     [[nodiscard]] std::span<const Key> keys() const { return keys_; } // of all pairs
     [[nodiscard]] const btBroadphasePair& at(int index) const { return pairs_->at(index); }
-    [[nodiscard]] uint32_t higher_rank(int index) const { return static_cast<uint32_t>(keys_[static_cast<size_t>(index)]); }
+    [[nodiscard]] uint32_t higher_rank(int index) const {
+        return static_cast<uint32_t>(keys_[static_cast<size_t>(index)]);
+    }
     // Of those of one box, in their order; until the next call.
     [[nodiscard]] const std::vector<int>& pairs_of(const btBroadphaseProxy& proxy);
 
@@ -103,8 +105,9 @@ class SweepBroadphase final : public btBroadphaseInterface {
     btBroadphaseProxy* createProxy(const btVector3& low, const btVector3& high, int shape, void* object, int group,
                                    int mask, btDispatcher* dispatcher) override;
     // One that is in no broadphase yet: made on any thread. It is so large, and meets only what is at least so large.
-    [[nodiscard]] static std::unique_ptr<SweptProxy> make_proxy(const btVector3& low, const btVector3& high, void* object,
-                                                                int group, int mask, btScalar size = BT_LARGE_FLOAT,
+    [[nodiscard]] static std::unique_ptr<SweptProxy> make_proxy(const btVector3& low, const btVector3& high,
+                                                                void* object, int group, int mask,
+                                                                btScalar size = BT_LARGE_FLOAT,
                                                                 btScalar least_partner = 0.0f);
     // Behind all others.
     void put_in(std::unique_ptr<SweptProxy> proxy);
@@ -194,7 +197,8 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // that begin before it ends.
     void sweep(const Sorted& boxes);
     void sweep(const Sorted& boxes, const Sorted& others, bool skip_set);
-    void sweep_one(uint32_t rank, const Sorted& others, size_t from, bool skip_set, std::vector<SweptPairs::Key>& found) const;
+    void sweep_one(uint32_t rank, const Sorted& others, size_t from, bool skip_set,
+                   std::vector<SweptPairs::Key>& found) const;
     // On several threads: sweep(begin, end, found) for parts of so many boxes.
     void sweep_parts(size_t count, const auto& sweep);
     void sort_found();
@@ -207,7 +211,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     SweptPairs pairs_;
     int next_uid_ = 0;
     bool some_gone_ = false;
-    int axis_ = 0; // along which boxes are sorted
+    int axis_ = 0;               // along which boxes are sorted
     Sorted moving_, debris_;     // when pairs were last found: boxes that were set, of debris and not
     Still still_, still_debris_; // and the others, likewise
     Sorted set_;                 // since then

@@ -10,8 +10,7 @@ Engine::Engine(const WorldSettings& settings, const std::vector<std::unique_ptr<
         std::make_unique<SteppedWorld>(&dispatcher, &broadphase, &solver, &configuration, settings, bodies, threads);
     world->setGravity(metres_to_bullet(settings.gravity));
     if (!settings.ground_height) return;
-    ground_shape =
-        std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * bullet_units);
+    ground_shape = std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * bullet_units);
     ground = std::make_unique<btRigidBody>(blank_body());
     ground->setCollisionShape(ground_shape.get());
     ground->setMassProps(0.0f, {0, 0, 0});

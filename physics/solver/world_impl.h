@@ -56,15 +56,14 @@ struct AwakeCount {
 
 struct World::Impl {
     WorldSettings settings;
-    std::vector<std::unique_ptr<BodyRecord>>
-        bodies;                        // in body order; the rigid bodies' user index points here
-    std::vector<BodyId> ids;           // in body order, and so ascending: they are given in that order
+    std::vector<std::unique_ptr<BodyRecord>> bodies; // in body order; the rigid bodies' user index points here
+    std::vector<BodyId> ids;                         // in body order, and so ascending: they are given in that order
     // By body: see World::last_moved_step(). Apart from the rest of a body, as each step asks for all of them.
     std::vector<uint64_t> moved_steps;
-    AwakeCount awake;                  // right whenever World has returned
-    uint32_t last_siblings = 0;        // the last number given
-    uint32_t next_id = 0;              // never goes back
-    uint64_t removed = 0;              // nor does the number of those removed
+    AwakeCount awake;           // right whenever World has returned
+    uint32_t last_siblings = 0; // the last number given
+    uint32_t next_id = 0;       // never goes back
+    uint64_t removed = 0;       // nor does the number of those removed
     std::unique_ptr<Engine> engine;
     // Hulls that bodies share, by address: an entry holds its hull, so an address in here names one hull.
     std::unordered_map<const CollisionHull*, std::shared_ptr<SharedShape>> shared_shapes;
@@ -90,15 +89,14 @@ struct World::Impl {
     std::shared_ptr<SharedShape> shared_shape(const std::shared_ptr<const CollisionHull>& hull);
     void make_compound(NewBody& made, const BodyDesc& desc); // what make_body() left out
     // All or none. describe(i) gives the description of the i-th or a reference to it: see World::add_bodies().
-    template<class Describe> Result<std::vector<BodyId>> add(size_t count, const Describe& describe);
+    template<class Describe>
+    Result<std::vector<BodyId>> add(size_t count, const Describe& describe);
     // By halving: a table by number would grow for ever where things break again and again.
     [[nodiscard]] const BodyRecord* find(BodyId id) const {
         const auto at = std::ranges::lower_bound(ids, id);
         return at != ids.end() && *at == id ? bodies[static_cast<size_t>(at - ids.begin())].get() : nullptr;
     }
-    [[nodiscard]] BodyRecord* find(BodyId id) {
-        return const_cast<BodyRecord*>(std::as_const(*this).find(id));
-    }
+    [[nodiscard]] BodyRecord* find(BodyId id) { return const_cast<BodyRecord*>(std::as_const(*this).find(id)); }
     [[nodiscard]] const BodyRecord& get(BodyId id) const {
         const BodyRecord* body = find(id);
         assert(body && "no such body in this world");

@@ -25,13 +25,15 @@ namespace brittle::physics {
 }
 
 // Of a body's point, along a unit direction.
-[[nodiscard]] inline float speed_at(const World& world, BodyId body, const glm::vec3& point, const glm::vec3& direction) {
+[[nodiscard]] inline float speed_at(const World& world, BodyId body, const glm::vec3& point,
+                                    const glm::vec3& direction) {
     if (!world.contains(body)) return 0.0f;
     const glm::vec3 arm = point - world.pose(body).position;
     return glm::dot(world.linear_velocity(body) + glm::cross(world.angular_velocity(body), arm), direction);
 }
 
-[[nodiscard]] inline float response_at(const World& world, BodyId body, const glm::vec3& point, const glm::vec3& direction) {
+[[nodiscard]] inline float response_at(const World& world, BodyId body, const glm::vec3& point,
+                                       const glm::vec3& direction) {
     return world.contains(body) ? world.response(body, point, direction) : 0.0f;
 }
 

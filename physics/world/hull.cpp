@@ -9,8 +9,8 @@
 #include <LinearMath/btConvexHullComputer.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/mesh/mass_properties.h"
 #include "fracture/base/parallel.h"
+#include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/principal_axes.h"
 
 namespace brittle::physics {
@@ -95,8 +95,7 @@ std::vector<glm::dvec3> spread_subset(const std::vector<glm::dvec3>& points, siz
 
 std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
     btConvexHullComputer computer;
-    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)), static_cast<int>(points.size()),
-                     0.0f, 0.0f);
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
     if (computer.vertices.size() < 4 || computer.faces.size() < 4) return std::nullopt;
     FullHull hull;
     // The computer's own coordinates are rounded to its grid: take the points they came from.
@@ -149,8 +148,7 @@ std::optional<InnerHull> planes_moved_in(const FullHull& hull, double margin) {
     for (int i = 0; i < computer.vertices.size(); ++i) {
         inner.vertices.push_back(to_glm(computer.vertices[i]));
         for (const Plane& plane : hull.planes)
-            inner.margin =
-                std::min(inner.margin, plane.distance - glm::dot(plane.normal, inner.vertices.back()));
+            inner.margin = std::min(inner.margin, plane.distance - glm::dot(plane.normal, inner.vertices.back()));
     }
     return inner.margin < 0.7 * margin ? std::nullopt : std::optional(std::move(inner));
 }
@@ -225,7 +223,8 @@ Directions directions_for(const OrientedExtents& extents) {
 
 // At most count of the points, whose hull comes close to that of all: always the one that sticks out farthest of the hull of
 // those before, in any of the directions. That is how deep it would be in a floor which that hull stands on.
-std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points, const Directions& directions, size_t count) {
+std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points, const Directions& directions,
+                                          size_t count) {
     if (points.size() <= count) return points;
     std::array<float, Directions::count> all, chosen_reach;
     std::array<uint32_t, Directions::count> farthest{};
@@ -261,8 +260,7 @@ std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points,
 
 // For flakes, needles and points: every thin axis gets a thickness, the others keep their outline. The margin
 // takes half of the thickness.
-CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExtents& extents,
-                        size_t max_vertices) {
+CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExtents& extents, size_t max_vertices) {
     const double longest = std::max({extents.half.x, extents.half.y, extents.half.z});
     const double thickness = longest > 0.0 ? 2.0 * longest * flat_half_thickness : point_half_thickness;
     glm::dmat3 flatten(0.0); // projects onto the axes that are not thin
@@ -291,22 +289,20 @@ CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExt
     thick.half = glm::max(thick.half, glm::dvec3(thickness * 0.5));
     hull.section = section_of(thick);
     for (const glm::dvec3& point : outline)
-        for (const glm::dvec3& offset : offsets)
-            hull.points.push_back(glm::vec3(extents.centre + point + offset));
+        for (const glm::dvec3& offset : offsets) hull.points.push_back(glm::vec3(extents.centre + point + offset));
     return hull;
 }
 
 } // namespace
 
-CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin,
-                             const HullSettings& settings) {
+CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin, const HullSettings& settings) {
     const std::vector<glm::dvec3> local = finite_points(points, origin);
     const OrientedExtents extents = oriented_extents(local);
     const double longest = std::max({extents.half.x, extents.half.y, extents.half.z});
     const double thinnest = std::min({extents.half.x, extents.half.y, extents.half.z});
     const bool crumb = 2.0 * longest < settings.crumb_size;
-    const size_t max_vertices = std::max<size_t>(
-        crumb ? std::min(settings.max_vertices, settings.crumb_vertices) : settings.max_vertices, 8);
+    const size_t max_vertices =
+        std::max<size_t>(crumb ? std::min(settings.max_vertices, settings.crumb_vertices) : settings.max_vertices, 8);
     if (thinnest <= longest * flat_ratio) return flat_hull(local, extents, max_vertices);
     // Exact hulls are of few points: one of 700 costs two milliseconds, and so does moving its planes in.
     const Directions directions = directions_for(extents);
@@ -326,8 +322,7 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     return hull;
 }
 
-PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSettings& settings,
-                           uint32_t threads) {
+PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSettings& settings, uint32_t threads) {
     PieceHulls hulls(fragments.pieces.size());
     fracture::Threads pool(threads);
     pool.for_chunks(static_cast<uint32_t>(hulls.size()), 4, [&](uint32_t, uint32_t begin, uint32_t end) {
@@ -351,11 +346,8 @@ std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points) {
     std::vector<HullEdge> edges;
     if (points.empty()) return edges;
     btConvexHullComputer computer;
-    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f,
-                     0.0f);
-    const auto index_of = [&](int vertex) {
-        return static_cast<uint32_t>(computer.original_vertex_index[vertex]);
-    };
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
+    const auto index_of = [&](int vertex) { return static_cast<uint32_t>(computer.original_vertex_index[vertex]); };
     // Of the face on an edge's left; the computer's faces are planar polygons.
     const auto normal_of = [&](const btConvexHullComputer::Edge* first) {
         const glm::dvec3 apex(points[index_of(first->getSourceVertex())]);
@@ -379,8 +371,7 @@ fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points) {
     fracture::TriangleMesh mesh;
     if (points.empty()) return mesh;
     btConvexHullComputer computer;
-    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f,
-                     0.0f);
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
     for (int v = 0; v < computer.vertices.size(); ++v) {
         const btVector3& p = computer.vertices[v];
         mesh.positions.emplace_back(p.x(), p.y(), p.z());
@@ -393,8 +384,7 @@ fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points) {
             mesh.triangles.emplace_back(apex, static_cast<uint32_t>(edge->getSourceVertex()),
                                         static_cast<uint32_t>(edge->getTargetVertex()));
     }
-    if (fracture::signed_volume(mesh.positions, mesh.triangles)
-        < 0.0) // whichever way the computer goes around faces
+    if (fracture::signed_volume(mesh.positions, mesh.triangles) < 0.0) // whichever way the computer goes around faces
         for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
     return mesh;
 }

@@ -20,8 +20,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/pieces/fragments.h"
 #include "fracture/mesh/mesh.h"
+#include "fracture/pieces/fragments.h"
 #include "physics/world/cross_section.h"
 
 namespace brittle::physics {

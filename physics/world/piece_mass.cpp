@@ -57,8 +57,7 @@ std::string fault_of(const Fragments& fragments, const Piece& piece) {
 } // namespace
 
 Result<void> check_pieces(const Fragments& fragments, const Material& material) {
-    if (std::string fault = fault_of(material); !fault.empty())
-        return Error{Status::invalid_setting, std::move(fault)};
+    if (std::string fault = fault_of(material); !fault.empty()) return Error{Status::invalid_setting, std::move(fault)};
     for (size_t i = 0; i < fragments.pieces.size(); ++i)
         if (const std::string fault = fault_of(fragments, fragments.pieces[i]); !fault.empty())
             return Error{Status::invalid_mesh, "piece " + std::to_string(i) + " cannot become a body: " + fault};

@@ -21,8 +21,7 @@ struct BodyMass {
 
 // Fails (invalid_setting, invalid_mesh) on a material without density or strength, non-finite positions and
 // vertex ranges outside the arena, naming the piece.
-[[nodiscard]] fracture::Result<void> check_pieces(const fracture::Fragments& fragments,
-                                                  const Material& material);
+[[nodiscard]] fracture::Result<void> check_pieces(const fracture::Fragments& fragments, const Material& material);
 
 // From the piece's integrals; a sliver's can round to what no body has.
 [[nodiscard]] BodyMass true_mass(const fracture::Piece& piece, double density);
@@ -34,7 +33,6 @@ struct BodyMass {
 [[nodiscard]] BodyMass box_mass(std::span<const glm::dvec3> points, double density);
 
 // The true mass if a body can have it, else that of the box.
-[[nodiscard]] BodyMass piece_mass(const fracture::Fragments& fragments, const fracture::Piece& piece,
-                                  double density);
+[[nodiscard]] BodyMass piece_mass(const fracture::Fragments& fragments, const fracture::Piece& piece, double density);
 
 } // namespace brittle::physics

@@ -37,7 +37,8 @@ void give(BodyDesc& body, const BodyMass& mass) {
 }
 
 // A sliver's integrals can round to a volume or a tensor that no body has: it gets those of a box.
-Result<std::shared_ptr<const BodyForm>> form_of(const Fragments& fragments, const Piece& piece, const Material& material,
+Result<std::shared_ptr<const BodyForm>> form_of(const Fragments& fragments, const Piece& piece,
+                                                const Material& material,
                                                 const std::shared_ptr<const CollisionHull>& hull) {
     BodyDesc body;
     body.parts = {{hull, glm::vec3(0.0f)}};
@@ -48,8 +49,8 @@ Result<std::shared_ptr<const BodyForm>> form_of(const Fragments& fragments, cons
 }
 
 Error wrong_count(size_t given, const std::string& what, const Fragments& fragments) {
-    return {Status::invalid_setting,
-            std::to_string(given) + " " + what + " were given for " + std::to_string(fragments.pieces.size()) + " pieces"};
+    return {Status::invalid_setting, std::to_string(given) + " " + what + " were given for "
+                                         + std::to_string(fragments.pieces.size()) + " pieces"};
 }
 
 std::vector<Newcomer> newcomers(const Fragments& fragments) {
@@ -67,7 +68,8 @@ Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments,
     return add_pieces(world, fragments, material, motion, collision_hulls(fragments, hull));
 }
 
-Result<PieceForms> piece_forms(const Fragments& fragments, const Material& material, const PieceHulls& hulls, uint32_t threads) {
+Result<PieceForms> piece_forms(const Fragments& fragments, const Material& material, const PieceHulls& hulls,
+                               uint32_t threads) {
     if (const Result<void> checked = check_pieces(fragments, material); !checked) return checked.error();
     const auto count = static_cast<uint32_t>(fragments.pieces.size());
     if (hulls.size() != count) return wrong_count(hulls.size(), "hulls", fragments);

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "fracture/pieces/fragments.h"
-#include "physics/world/hull.h"
 #include "physics/material.h"
+#include "physics/world/hull.h"
 #include "physics/world/world.h"
 
 namespace brittle::physics {

@@ -10,7 +10,8 @@ namespace brittle::physics {
 
 class StateHash {
   public:
-    template<std::unsigned_integral Bits> void add(Bits bits) {
+    template<std::unsigned_integral Bits>
+    void add(Bits bits) {
         for (size_t byte = 0; byte < sizeof(Bits); ++byte)
             value_ = (value_ ^ (static_cast<uint64_t>(bits) >> (8 * byte) & 0xffu)) * 0x100000001b3ull;
     }

@@ -48,7 +48,8 @@ const WorldSettings& World::settings() const {
 }
 
 // What is done one after the other leaves bodies of one hull alone: half of them lie in another core's cache.
-template<class Describe> Result<std::vector<BodyId>> World::Impl::add(size_t number, const Describe& describe) {
+template<class Describe>
+Result<std::vector<BodyId>> World::Impl::add(size_t number, const Describe& describe) {
     if (number == 0) return std::vector<BodyId>{};
     const auto count = static_cast<uint32_t>(number);
     const auto set_place = [&, before = bodies.size()](BodyRecord& body, uint32_t i) {
@@ -57,7 +58,8 @@ template<class Describe> Result<std::vector<BodyId>> World::Impl::add(size_t num
     fracture::Threads& threads = engine->threads;
     std::vector<NewBody> come(count);
     std::vector<BodyId> added(count);
-    std::vector<std::optional<fracture::Error>> faults(threads.chunks(count, least_new_bodies)); // the first of each chunk
+    std::vector<std::optional<fracture::Error>> faults(
+        threads.chunks(count, least_new_bodies)); // the first of each chunk
     threads.for_chunks(count, least_new_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             added[i] = {next_id + i};
@@ -116,7 +118,8 @@ bool World::remove_body(BodyId id) {
     if (!body) return false;
     (void)impl_->engine->solver.solved_contacts(); // they still name it
     impl_->engine->world->siblings().remove(*body->rigid);
-    for (const int other : impl_->engine->world->take_out(*body)) impl_->wake(*impl_->bodies[static_cast<size_t>(other)]);
+    for (const int other : impl_->engine->world->take_out(*body))
+        impl_->wake(*impl_->bodies[static_cast<size_t>(other)]);
     if (body->awake()) --impl_->awake.of(body->debris);
     impl_->engine->solver.forget_sleeping();
     const auto order = static_cast<size_t>(body->rigid->getUserIndex());
@@ -160,31 +163,33 @@ uint64_t World::steps_taken() const {
 
 void World::step() {
     fracture::Threads& threads = impl_->engine->threads;
-    threads.for_chunks(static_cast<uint32_t>(impl_->bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (size_t i = begin; i < end; ++i)
-            if (impl_->moved_steps[i] >= impl_->steps) impl_->bodies[i]->previous = impl_->bodies[i]->pose(); // else they are the same
-    });
+    threads.for_chunks(static_cast<uint32_t>(impl_->bodies.size()), least_bodies,
+                       [&](uint32_t, uint32_t begin, uint32_t end) {
+                           for (size_t i = begin; i < end; ++i)
+                               if (impl_->moved_steps[i] >= impl_->steps)
+                                   impl_->bodies[i]->previous = impl_->bodies[i]->pose(); // else they are the same
+                       });
     impl_->engine->world->step(impl_->settings.step);
     ++impl_->steps;
     const std::span<BodyRecord* const> stepped = impl_->engine->world->stepped(); // nobody else is awake
     std::atomic<size_t> colliding = 0, debris = 0;
-    threads.for_chunks(static_cast<uint32_t>(stepped.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
-        AwakeCount count;
-        for (const BodyRecord* body : stepped.subspan(begin, end - begin)) {
-            if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
-            if (body->awake()) ++count.of(body->debris);
-        }
-        colliding += count.colliding;
-        debris += count.debris;
-    });
+    threads.for_chunks(static_cast<uint32_t>(stepped.size()), least_bodies,
+                       [&](uint32_t, uint32_t begin, uint32_t end) {
+                           AwakeCount count;
+                           for (const BodyRecord* body : stepped.subspan(begin, end - begin)) {
+                               if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
+                               if (body->awake()) ++count.of(body->debris);
+                           }
+                           colliding += count.colliding;
+                           debris += count.debris;
+                       });
     impl_->awake = {.colliding = colliding, .debris = debris};
 }
 
 float World::advance(double seconds, const std::function<void()>& after_step) {
     const double step_seconds = impl_->settings.step;
     if (std::isfinite(seconds) && seconds > 0.0) impl_->pending_seconds += seconds;
-    for (uint32_t taken = 0; taken < impl_->settings.max_substeps && impl_->pending_seconds >= step_seconds;
-         ++taken) {
+    for (uint32_t taken = 0; taken < impl_->settings.max_substeps && impl_->pending_seconds >= step_seconds; ++taken) {
         step();
         if (after_step) after_step();
         impl_->pending_seconds -= step_seconds;
@@ -267,11 +272,13 @@ void World::set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular) {
 float World::rewind(BodyId id) {
     BodyRecord* body = impl_->find(id);
     assert(body && "no such body in this world");
-    if (body->fixed) return impl_->moved_step(*body) < impl_->steps ? impl_->settings.step : 0.0f; // it may just have come
+    if (body->fixed)
+        return impl_->moved_step(*body) < impl_->steps ? impl_->settings.step : 0.0f; // it may just have come
     impl_->wake(*body);
     body->rigid->setCenterOfMassTransform(body->blow_frame);
     body->rigid->setLinearVelocity(body->rigid->getLinearVelocity() + body->unhindered.linear - body->solved.linear);
-    body->rigid->setAngularVelocity(body->rigid->getAngularVelocity() + body->unhindered.angular - body->solved.angular);
+    body->rigid->setAngularVelocity(body->rigid->getAngularVelocity() + body->unhindered.angular
+                                    - body->solved.angular);
     body->unhindered = body->solved = body->velocity();
     return body->left_seconds;
 }
@@ -330,11 +337,11 @@ size_t World::contact_count() const {
     for (int i = 0; i < impl_->engine->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold* manifold = impl_->engine->dispatcher.getManifoldByIndexInternal(i);
         for (int point = 0; point < manifold->getNumContacts(); ++point)
-            count +=
-                manifold->getContactPoint(point).getDistance() < touching_distance * bullet_units ? 1u : 0u;
+            count += manifold->getContactPoint(point).getDistance() < touching_distance * bullet_units ? 1u : 0u;
     }
     for (const GroundManifold* manifold : impl_->engine->ground_contacts.manifolds())
-        for (const GroundPoint& point : manifold->points()) count += point.distance < touching_distance * bullet_units ? 1u : 0u;
+        for (const GroundPoint& point : manifold->points())
+            count += point.distance < touching_distance * bullet_units ? 1u : 0u;
     return count;
 }
 

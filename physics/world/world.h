@@ -50,10 +50,10 @@ namespace brittle::physics {
 using fracture::Result;
 
 struct WorldSettings {
-    glm::vec3 gravity{0.0f, -9.81f, 0.0f}; // m/s^2
-    float step = 1.0f / 120.0f;            // s; longer steps let piles sag, shorter ones cost in proportion
-    uint32_t threads = 0;                  // that share a step; 0: one a core. Results do not depend on it
-    uint32_t max_substeps = 4;             // steps one advance() may take; time beyond them is dropped
+    glm::vec3 gravity{0.0f, -9.81f, 0.0f};     // m/s^2
+    float step = 1.0f / 120.0f;                // s; longer steps let piles sag, shorter ones cost in proportion
+    uint32_t threads = 0;                      // that share a step; 0: one a core. Results do not depend on it
+    uint32_t max_substeps = 4;                 // steps one advance() may take; time beyond them is dropped
     std::optional<float> ground_height = 0.0f; // m, a plane y = height, solid below; nothing: no ground
     float ground_friction = 0.6f;              // multiplied with a body's friction
     float ground_restitution = 0.3f;           // multiplied with a body's restitution
@@ -63,7 +63,7 @@ struct WorldSettings {
     // that its hulls throw (solver/air_drag.h); what it takes of less than a thirtieth of gravity is left out. 1000: water, but nothing
     // floats. 0: a vacuum.
     float air_density = 1.2f;
-    uint32_t solver_iterations = 20;           // more: stiffer piles; 10 more cost about a tenth of a step
+    uint32_t solver_iterations = 20; // more: stiffer piles; 10 more cost about a tenth of a step
     // How fast overlapping hulls are moved apart, m/s. Pieces that are not convex overlap their neighbours
     // with their hulls at birth: a high speed blows them apart, a low one lets hard impacts overlap for
     // longer. Moving apart gives no velocity.
@@ -150,15 +150,15 @@ struct Contact {
     BodyId b;            // the default if it is the ground
     uint32_t part_a = 0; // which of the body's hulls: index into BodyDesc::parts, 0 where there are none
     uint32_t part_b = 0;
-    glm::vec3 point{0.0f};  // world, m
-    glm::vec3 normal{0.0f}; // unit, world, from b towards a
-    float impulse = 0.0f;   // N s, never below 0: what a got along the normal, and b against it
+    glm::vec3 point{0.0f};    // world, m
+    glm::vec3 normal{0.0f};   // unit, world, from b towards a
+    float impulse = 0.0f;     // N s, never below 0: what a got along the normal, and b against it
     glm::vec3 friction{0.0f}; // N s, across the normal: what a got, and b against it
     // N s along the normal for which a and b were asked before either broke: impulse, unless that was solved anew for their
     // parts (Structure). It is what breaks them.
     float blow = 0.0f;
-    float gap = 0.0f;       // m between a and b when the step began, which it may have closed; below 0: overlap
-    float speed = 0.0f;     // m/s at which a and b approached there before the step, along the normal; below 0: parting
+    float gap = 0.0f;   // m between a and b when the step began, which it may have closed; below 0: overlap
+    float speed = 0.0f; // m/s at which a and b approached there before the step, along the normal; below 0: parting
 };
 
 // Sums over all bodies (or of one), in double so that differences between steps mean something.
@@ -278,7 +278,7 @@ class World {
     // Both are kept: asking costs nothing.
     [[nodiscard]] size_t awake_count() const;
     [[nodiscard]] size_t colliding_count() const; // awake, and no debris
-    [[nodiscard]] size_t contact_count() const; // points that touch (not those that are merely near)
+    [[nodiscard]] size_t contact_count() const;   // points that touch (not those that are merely near)
 
     // Of all poses and velocities, and of who sleeps, in body order.
     [[nodiscard]] uint64_t state_hash() const;

@@ -21,9 +21,9 @@ fracture::Error bad_setting(std::string message) {
 }
 
 std::string fault_of(const CollisionHull& hull) {
-    if (hull.points.size() < 4)
-        return text("its hull has ", hull.points.size(), " points, at least 4 are needed");
-    glm::vec3 none(0.0f); // not a number where a point is not finite; without a branch for each, as they nearly always are
+    if (hull.points.size() < 4) return text("its hull has ", hull.points.size(), " points, at least 4 are needed");
+    glm::vec3 none(
+        0.0f); // not a number where a point is not finite; without a branch for each, as they nearly always are
     for (const glm::vec3& point : hull.points) none += point - point;
     for (size_t i = 0; none != glm::vec3(0.0f) && i < hull.points.size(); ++i)
         if (!finite(hull.points[i])) return text("point ", i, " of its hull is not finite");
@@ -36,8 +36,7 @@ std::string fault_of(std::span<const BodyPart> parts) {
     for (size_t i = 0; i < parts.size(); ++i) {
         if (!parts[i].hull) return text("its part ", i, " has no hull");
         if (!finite(parts[i].offset)) return text("the offset of its part ", i, " is not finite");
-        if (const std::string fault = fault_of(*parts[i].hull); !fault.empty())
-            return text("part ", i, ": ", fault);
+        if (const std::string fault = fault_of(*parts[i].hull); !fault.empty()) return text("part ", i, ": ", fault);
     }
     return {};
 }
@@ -49,8 +48,8 @@ std::string settle_moments(glm::dvec3& moments) {
     const double sum = moments.x + moments.y + moments.z;
     if (!(largest >= least_moment && largest <= greatest_moment) || smallest < -moment_slack * largest
         || 2.0 * largest > sum * (1.0 + moment_slack))
-        return text("no body has the principal moments of inertia ", moments.x, ", ", moments.y, ", ",
-                    moments.z, " kg m^2");
+        return text("no body has the principal moments of inertia ", moments.x, ", ", moments.y, ", ", moments.z,
+                    " kg m^2");
     moments = glm::max(moments, glm::dvec3(largest * least_moment_ratio));
     return {};
 }
@@ -61,8 +60,7 @@ std::string fault_of_form(const BodyDesc& desc, fracture::PrincipalAxes& princip
     if (std::string fault = desc.parts.empty() ? fault_of(desc.hull) : fault_of(desc.parts); !fault.empty())
         return fault;
     if (!(desc.mass >= least_mass && desc.mass <= greatest_mass))
-        return text("its mass is ", desc.mass, " kg; it must be between ", least_mass, " and ", greatest_mass,
-                    " kg");
+        return text("its mass is ", desc.mass, " kg; it must be between ", least_mass, " and ", greatest_mass, " kg");
     for (int column = 0; column < 3 && !desc.fixed; ++column)
         if (!finite(desc.inertia[column])) return "its inertia tensor is not finite";
     if (desc.fixed) return {};
@@ -91,14 +89,12 @@ Result<void> validate(const WorldSettings& settings) {
     };
     const auto in = [](float value, float low, float high) { return value >= low && value <= high; };
     constexpr float far = 1e6f;
-    if (!finite(settings.gravity))
-        return bad_setting("world setting gravity has a component that is not finite");
+    if (!finite(settings.gravity)) return bad_setting("world setting gravity has a component that is not finite");
     if (!in(settings.step, 1e-5f, 0.1f)) return outside("step", settings.step, "between 0.00001 and 0.1 s");
     if (settings.max_substeps < 1 || settings.max_substeps > 1000)
         return outside("max_substeps", static_cast<float>(settings.max_substeps), "between 1 and 1000");
     if (settings.solver_iterations < 1 || settings.solver_iterations > 1000)
-        return outside("solver_iterations", static_cast<float>(settings.solver_iterations),
-                       "between 1 and 1000");
+        return outside("solver_iterations", static_cast<float>(settings.solver_iterations), "between 1 and 1000");
     if (settings.ground_height && !in(*settings.ground_height, -far, far))
         return outside("ground_height", *settings.ground_height, "between -1000000 and 1000000 m");
     if (!in(settings.ground_friction, 0.0f, far))
@@ -117,8 +113,7 @@ Result<void> validate(const WorldSettings& settings) {
         return outside("sleep_linear_speed", settings.sleep_linear_speed, "0 m/s or more");
     if (!in(settings.sleep_angular_speed, 0.0f, far))
         return outside("sleep_angular_speed", settings.sleep_angular_speed, "0 rad/s or more");
-    if (!in(settings.sleep_seconds, 0.0f, far))
-        return outside("sleep_seconds", settings.sleep_seconds, "0 s or more");
+    if (!in(settings.sleep_seconds, 0.0f, far)) return outside("sleep_seconds", settings.sleep_seconds, "0 s or more");
     return {};
 }
 

@@ -14,8 +14,8 @@ void World::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) cons
     constexpr glm::vec3 contact_colour(1.0f, 0.85f, 0.1f);
     // Not through btIDebugDraw: its wireframe of a convex hull draws every edge twice, from features that it
     // finds anew or keeps in the shape, where they would take part in collisions.
-    const auto draw_hull = [&](const btConvexHullShape& shape, std::vector<HullEdge>& edges,
-                               const btTransform& frame, const glm::vec3& colour) {
+    const auto draw_hull = [&](const btConvexHullShape& shape, std::vector<HullEdge>& edges, const btTransform& frame,
+                               const glm::vec3& colour) {
         const btVector3* points = shape.getUnscaledPoints();
         if (edges.empty()) {
             std::vector<glm::vec3> corners;
@@ -23,8 +23,7 @@ void World::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) cons
             edges = hull_edges(corners);
         }
         for (const auto& [from, to] : edges)
-            out.push_back(
-                {metres_from_bullet(frame * points[from]), metres_from_bullet(frame * points[to]), colour});
+            out.push_back({metres_from_bullet(frame * points[from]), metres_from_bullet(frame * points[to]), colour});
     };
     for (size_t i = 0; draw.hulls && i < impl_->bodies.size(); ++i) {
         BodyRecord& body = *impl_->bodies[i];

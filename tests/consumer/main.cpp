@@ -1,9 +1,9 @@
 // Breaks a mesh into twenty pieces: consumer MESH
 #include <cstdio>
 
-#include <fracture/pieces/certificate.h>
 #include <fracture/fracture.h>
 #include <fracture/io/import.h>
+#include <fracture/pieces/certificate.h>
 #include <fracture/sites/sites.h>
 
 namespace bf = brittle::fracture;

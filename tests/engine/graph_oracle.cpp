@@ -54,8 +54,7 @@ const std::vector<Plan::Barrier>& barriers_at(const Plan& plan, int position) {
 
 bool share_bytes(const Plan& plan, std::uint32_t a, std::uint32_t b) {
     const Plan::Resource &x = plan.resources[a], &y = plan.resources[b];
-    if (a == b || x.imported || y.imported || !x.used() || !y.used() || x.memory.heap != y.memory.heap)
-        return false;
+    if (a == b || x.imported || y.imported || !x.used() || !y.used() || x.memory.heap != y.memory.heap) return false;
     for (std::uint64_t byte = x.memory.offset; byte < x.memory.offset + x.memory.size; ++byte)
         if (byte >= y.memory.offset && byte < y.memory.offset + y.memory.size) return true;
     return false;
@@ -81,8 +80,7 @@ bool is_chained(const Plan& plan, const Event& i, const Event& j) {
                 waiting_in_i |= barrier.after;
             if (barrier.resource != j.resource || i.resource == j.resource) continue;
             const bool takes_over =
-                barrier.aliasing
-                && (barrier.before.contains(i.access) || barrier.before.intersects(waiting_in_i));
+                barrier.aliasing && (barrier.before.contains(i.access) || barrier.before.intersects(waiting_in_i));
             if (takes_over || barrier.before.intersects(waiting_in_j)) waiting_in_j |= barrier.after;
         }
     return (i.resource == j.resource ? waiting_in_i : waiting_in_j).contains(j.access);
@@ -99,8 +97,7 @@ std::string layout_fault(const Plan& plan) {
         for (int position = -1; position <= static_cast<int>(plan.passes.size()); ++position) {
             bool replaces = false;
             for (const Event& event : events)
-                if (event.resource == r && event.position == position)
-                    replaces |= facts(event.access).replaces;
+                if (event.resource == r && event.position == position) replaces |= facts(event.access).replaces;
             for (const Plan::Barrier& barrier :
                  position < 0 ? std::vector<Plan::Barrier>{} : barriers_at(plan, position)) {
                 if (barrier.resource != r) continue;
@@ -149,8 +146,8 @@ std::string barrier_fault(const Plan& plan) {
     for (const Event& i : events)
         for (const Event& j : events)
             if (is_hazard(plan, i, j) && !is_chained(plan, i, j))
-                return "no barrier from " + plan.resources[i.resource].name + " " + to_string(i.access)
-                       + " at " + std::to_string(i.position) + " to " + plan.resources[j.resource].name + " "
+                return "no barrier from " + plan.resources[i.resource].name + " " + to_string(i.access) + " at "
+                       + std::to_string(i.position) + " to " + plan.resources[j.resource].name + " "
                        + to_string(j.access) + " at " + std::to_string(j.position);
     return layout_fault(plan);
 }
@@ -169,8 +166,7 @@ std::string memory_fault(const Plan& plan, const MemoryNeeds& needs) {
         for (std::uint32_t b = 0; b < a; ++b) {
             const Plan::Resource& y = plan.resources[b];
             const bool apart = x.last_pass < y.first_pass || y.last_pass < x.first_pass;
-            if (!apart && share_bytes(plan, a, b))
-                return x.name + " and " + y.name + " live in the same bytes";
+            if (!apart && share_bytes(plan, a, b)) return x.name + " and " + y.name + " live in the same bytes";
         }
     }
     return {};

@@ -11,10 +11,8 @@ namespace brittle::engine::test {
 
 inline constexpr glm::uvec2 small{96, 64};
 
-inline constexpr Quality plain_quality{.shadow_size = 512,
-                                       .soft_shadows = false,
-                                       .samples = 1,
-                                       .ambient_occlusion = false};
+inline constexpr Quality plain_quality{
+    .shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false};
 inline constexpr Quality automatic_quality{.shadow_size = 128, .soft_shadows = false};
 
 // A renderer on a device that can be told to fail, checked at the end for silence of the validation layer. Empty where

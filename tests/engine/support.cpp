@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include <glm/geometric.hpp>
@@ -29,8 +29,7 @@ std::unique_ptr<Device> make_device(FaultInjector* faults) {
 Shape box(glm::vec3 half, uint32_t interior_faces) {
     Shape shape;
     for (uint32_t i = 0; i < 8; ++i)
-        shape.positions.push_back(
-            half * glm::vec3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f));
+        shape.positions.push_back(half * glm::vec3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f));
     const std::array<std::array<uint32_t, 4>, 6> faces{{{0, 4, 6, 2}, // -x
                                                         {1, 3, 7, 5}, // +x
                                                         {0, 1, 5, 4}, // -y
@@ -87,8 +86,7 @@ Shape icosphere(float radius, int levels) {
 }
 
 KnownScene::KnownScene() {
-    shapes_ = {box({0.5f, 0.3f, 0.4f}, 1), box({0.25f, 0.6f, 0.25f}, 4), icosphere(0.45f, 3),
-               box({0.2f, 0.2f, 0.2f})};
+    shapes_ = {box({0.5f, 0.3f, 0.4f}, 1), box({0.25f, 0.6f, 0.25f}, 4), icosphere(0.45f, 3), box({0.2f, 0.2f, 0.2f})};
     const glm::vec3 y(0.0f, 1.0f, 0.0f);
     poses = {{.rotation = glm::angleAxis(0.3f, y), .position = {-0.9f, 0.3f, 0.1f}},
              {.rotation = glm::angleAxis(-0.5f, y), .position = {0.1f, 0.6f, -0.5f}},

@@ -62,8 +62,8 @@ struct GoldenCheck {
 // NAME.difference.png in the folder of the test's program. A golden that is missing fails. With
 // BRITTLE_UPDATE_GOLDENS=1 in the environment (tools/update-goldens) writes the golden instead where it is not equal to the
 // last bit, says how it differs, and leaves NAME.before.png and NAME.difference.png there.
-[[nodiscard]] GoldenCheck check_golden(const Bitmap& actual, const std::string& name,
-                                       const BitmapTolerance& tolerance, const std::string& folder);
+[[nodiscard]] GoldenCheck check_golden(const Bitmap& actual, const std::string& name, const BitmapTolerance& tolerance,
+                                       const std::string& folder);
 [[nodiscard]] bool is_updating_goldens();
 [[nodiscard]] std::string golden_folder();  // tests/images
 [[nodiscard]] std::string failure_folder(); // in the build folder

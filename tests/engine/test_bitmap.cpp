@@ -114,8 +114,7 @@ TEST_CASE("the tolerance ends where it says") {
     const Bitmap image = gradient(20, 20); // 0.5 % are two pixels
     const auto with = [&](uint32_t pixels, int by) {
         Bitmap other = image;
-        for (uint32_t i = 0; i < pixels; ++i)
-            other.at(i, 1)[1] = static_cast<uint8_t>(other.at(i, 1)[1] + by);
+        for (uint32_t i = 0; i < pixels; ++i) other.at(i, 1)[1] = static_cast<uint8_t>(other.at(i, 1)[1] + by);
         return compare_bitmaps(other, image);
     };
     CHECK(with(2, 3).within_tolerance);

@@ -29,10 +29,9 @@ glm::vec3 project(const CameraMatrices& m, glm::vec3 p) {
 TEST_CASE("any camera gives finite matrices") {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     const Bounds point{{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
-    for (const Camera& camera :
-         {Camera{{1, 1, 1}, {1, 1, 1}}, Camera{{0, 5, 0}, {0, 0, 0}}, Camera{{0, -5, 0}, {}},
-          Camera{{nan, 0, 0}, {}}, Camera{{0, 0, 1}, {inf, 0, 0}}, Camera{{0, 0, 1}, {}, 0.0f},
-          Camera{{0, 0, 1}, {}, 9.0f}, Camera{{0, 0, 1}, {}, nan}})
+    for (const Camera& camera : {Camera{{1, 1, 1}, {1, 1, 1}}, Camera{{0, 5, 0}, {0, 0, 0}}, Camera{{0, -5, 0}, {}},
+                                 Camera{{nan, 0, 0}, {}}, Camera{{0, 0, 1}, {inf, 0, 0}}, Camera{{0, 0, 1}, {}, 0.0f},
+                                 Camera{{0, 0, 1}, {}, 9.0f}, Camera{{0, 0, 1}, {}, nan}})
         for (const Bounds& bounds : {point, Bounds{}}) {
             const CameraMatrices m = matrices(camera, 1.5f, bounds);
             CHECK(finite(m.view));

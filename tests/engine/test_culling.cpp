@@ -12,11 +12,7 @@ using namespace brittle::engine::test;
 namespace {
 
 Quality quality(bool culling) {
-    return {.shadow_size = 512,
-            .soft_shadows = false,
-            .samples = 1,
-            .ambient_occlusion = false,
-            .culling = culling};
+    return {.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false, .culling = culling};
 }
 
 // A grid of boxes in the x-y plane, a metre apart and turned each in its way, about the origin.
@@ -35,8 +31,7 @@ struct Grid {
             pieces.push_back(cube.piece(number, piece_tint(number)));
             poses.push_back(
                 {.rotation = glm::angleAxis(0.7f * static_cast<float>(i), glm::vec3(0.6f, 0.0f, 0.8f)),
-                 .position = {static_cast<float>(i % side) - middle, static_cast<float>(i / side) - middle,
-                              0.0f},
+                 .position = {static_cast<float>(i % side) - middle, static_cast<float>(i / side) - middle, 0.0f},
                  .scale = i % 7 == 3 ? 1.4f : 1.0f});
         }
         scene.write_poses = [this](std::span<BodyPose> out, uint64_t) {
@@ -60,10 +55,9 @@ TEST_CASE("culled pictures are those of all pieces, wherever the camera is") {
     uint32_t fewest = ~0u, most = 0;
     for (int i = 0; i < 60; ++i) {
         const float t = static_cast<float>(i);
-        grid.scene.camera = {
-            .eye = {6.0f * std::sin(0.9f * t), 4.0f * std::cos(1.3f * t), 5.0f * std::cos(0.4f * t)},
-            .target = {3.0f * std::sin(2.1f * t), 3.0f * std::cos(1.7f * t), 0.0f},
-            .vertical_fov = i % 5 == 0 ? 0.05f : 0.6f};
+        grid.scene.camera = {.eye = {6.0f * std::sin(0.9f * t), 4.0f * std::cos(1.3f * t), 5.0f * std::cos(0.4f * t)},
+                             .target = {3.0f * std::sin(2.1f * t), 3.0f * std::cos(1.7f * t), 0.0f},
+                             .vertical_fov = i % 5 == 0 ? 0.05f : 0.6f};
         grid.scene.bounds.max.x = i % 4 == 0 ? 0.0f : 5.0f; // some cast no shadow
         grid.scene.moved = i % 3 != 0;
         grid.poses[static_cast<size_t>(i)].scale = 0.0f;

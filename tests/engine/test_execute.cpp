@@ -36,21 +36,17 @@ int64_t now() {
 
 // Fills a chain of transients, each copied from the one before, and ends in `result`: with aliasing memory, a
 // missing barrier or a wrong offset shows as a wrong value or as a validation message.
-void copy_chain(FrameGraph& graph, External& external, const DeviceBuffer& result, uint32_t value,
-                int links) {
+void copy_chain(FrameGraph& graph, External& external, const DeviceBuffer& result, uint32_t value, int links) {
     const BufferDesc desc{result.size()};
     Buffer from = graph.create_buffer("link 0", desc);
     graph.add_pass(
         "fill", PassKind::transfer, [&](PassBuilder& p) { from = p.write(from, Access::transfer_write); },
-        [from, value](PassContext& c) {
-            vkCmdFillBuffer(c.commands, c.buffer(from), 0, VK_WHOLE_SIZE, value);
-        });
+        [from, value](PassContext& c) { vkCmdFillBuffer(c.commands, c.buffer(from), 0, VK_WHOLE_SIZE, value); });
     for (int i = 1; i <= links; ++i) {
         const bool last = i == links;
         Buffer to =
             last ? graph.import_buffer(
-                "result", desc,
-                {.initial = {}, .final = Access::host_read, .external = external.add(result.handle())})
+                "result", desc, {.initial = {}, .final = Access::host_read, .external = external.add(result.handle())})
                  : graph.create_buffer("link " + std::to_string(i), desc);
         graph.add_pass(
             "copy " + std::to_string(i), PassKind::transfer,
@@ -96,8 +92,7 @@ TEST_CASE("values pass through transients that share memory, in graphs that chan
     uint32_t value = 0x1234;
     for (const int links : {1, 2, 6, 6, 3, 9}) {
         for (const uint64_t size : {4u, 65536u}) {
-            const DeviceBuffer result(*device, "result", size, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                                      MemoryKind::readback);
+            const DeviceBuffer result(*device, "result", size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback);
             FrameGraph graph;
             External external;
             copy_chain(graph, external, result, ++value, links);
@@ -141,8 +136,7 @@ TEST_CASE("memory that no device has is an error, not a crash") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     const auto allocate = [&]() -> Result<void> {
-        const VkDeviceMemory memory =
-            allocate_memory(*device, 1024, 0, MemoryKind::device); // no type is allowed
+        const VkDeviceMemory memory = allocate_memory(*device, 1024, 0, MemoryKind::device); // no type is allowed
         vkFreeMemory(device->handle(), memory, nullptr);
         return {};
     };

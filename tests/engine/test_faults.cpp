@@ -78,8 +78,8 @@ TEST_CASE("a plan of faults is read, and one that is none is refused with its wo
     CHECK(allocate() == VK_ERROR_OUT_OF_DEVICE_MEMORY);
     CHECK(allocate() == VK_SUCCESS);
     REQUIRE(faults.plan(""));
-    for (const char* bad : {"explode:-4:1", "submit", "submit:-4", "submit:-4:0", "submit:lost:1",
-                            "submit:-4:1:0", "submit:-4:1:2:3", "hide:", "submit:-4:99999999999"}) {
+    for (const char* bad : {"explode:-4:1", "submit", "submit:-4", "submit:-4:0", "submit:lost:1", "submit:-4:1:0",
+                            "submit:-4:1:2:3", "hide:", "submit:-4:99999999999"}) {
         CAPTURE(bad);
         const Result<void> read = faults.plan(bad);
         REQUIRE_FALSE(read);

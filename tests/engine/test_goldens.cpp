@@ -16,8 +16,7 @@ constexpr glm::uvec2 size{480, 300};
 
 // On the CPU driver that made the goldens, images repeat byte for byte; GPUs round in their own ways.
 BitmapTolerance tolerance_of(const Device& device) {
-    return device.is_cpu() ? BitmapTolerance{}
-                           : BitmapTolerance{.ignore = 3, .channel = 255, .fraction = 0.02};
+    return device.is_cpu() ? BitmapTolerance{} : BitmapTolerance{.ignore = 3, .channel = 255, .fraction = 0.02};
 }
 
 // Quality is fixed, so that every device draws the same picture.
@@ -30,8 +29,7 @@ void check_picture(const char* name, const Quality& quality, const std::function
     const auto handles = f.renderer->set_pieces(known.pieces());
     REQUIRE(handles);
     for (size_t i = 0; i < fades.size(); ++i) REQUIRE(f.renderer->fade_pieces({&(*handles)[i], 1}, fades[i]));
-    const GoldenCheck check =
-        check_golden(f.draw(known.scene, size), name, tolerance_of(*f.device), golden_folder());
+    const GoldenCheck check = check_golden(f.draw(known.scene, size), name, tolerance_of(*f.device), golden_folder());
     CHECK_MESSAGE(check.passed, check.message);
 }
 

@@ -10,10 +10,10 @@
 #include <glm/geometric.hpp>
 
 #include "engine/compute/site_bins.h"
-#include "fracture/pieces/certificate.h"
+#include "fracture/base/random.h"
 #include "fracture/fracture.h"
 #include "fracture/io/import.h"
-#include "fracture/base/random.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "tests/engine/support.h"
@@ -119,10 +119,8 @@ struct Answers {
 
 Answers check_answers(GpuClassifier& classifier, const TriangleMesh& mesh, const Sites& sites,
                       PatternCheck* patterns = nullptr) {
-    Answers answers{std::vector<uint32_t>(mesh.positions.size()),
-                    std::vector<uint32_t>(mesh.triangles.size())};
-    REQUIRE_MESSAGE(classifier.start({mesh.positions, mesh.triangles, sites, bounds(mesh)}),
-                    classifier.error());
+    Answers answers{std::vector<uint32_t>(mesh.positions.size()), std::vector<uint32_t>(mesh.triangles.size())};
+    REQUIRE_MESSAGE(classifier.start({mesh.positions, mesh.triangles, sites, bounds(mesh)}), classifier.error());
     REQUIRE_MESSAGE(classifier.finish(answers.vertices, answers.triangles), classifier.error());
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
         const uint32_t site = answers.vertices[v] & ~Classifier::uncertain;
@@ -181,8 +179,7 @@ TEST_CASE("the device's answers are right where it is sure") {
     SUBCASE("few and many sites") {
         for (const uint32_t count : {2u, 10u, 100u, 3000u}) {
             CAPTURE(count);
-            const Answers answers =
-                check_answers(*classifier, ball, uniform_sites(bounds(ball), count, count));
+            const Answers answers = check_answers(*classifier, ball, uniform_sites(bounds(ball), count, count));
             CHECK(answers.uncertain < ball.positions.size() / 50);
         }
     }
@@ -244,8 +241,8 @@ TEST_CASE("pieces are the same with the device's help and without") {
     const auto device = engine::test::make_device();
     if (!device) return;
     const auto classifier = make_classifier(*device);
-    for (const TriangleMesh& mesh : {icosphere(4), torus(64, 32), torus_knot(), hollow_sphere(3),
-                                     lattice_cube(8), four_legged_animal()}) {
+    for (const TriangleMesh& mesh :
+         {icosphere(4), torus(64, 32), torus_knot(), hollow_sphere(3), lattice_cube(8), four_legged_animal()}) {
         CAPTURE(mesh.triangles.size());
         for (const uint32_t count : {1u, 30u, 300u}) {
             const Sites sites = uniform_sites(bounds(mesh), count, 7);

@@ -55,8 +55,7 @@ TEST_CASE("an empty graph compiles to an empty plan") {
 TEST_CASE("a resource that no live pass uses gets no memory and no barrier") {
     FrameGraph graph;
     (void)graph.create_image("unused", small_image);
-    (void)graph.import_buffer("arena", small_buffer,
-                              {.initial = Access::vertex_read, .final = Access::vertex_read});
+    (void)graph.import_buffer("arena", small_buffer, {.initial = Access::vertex_read, .final = Access::vertex_read});
     const Plan plan = compiled(graph);
     CHECK_FALSE(plan.resources[0].used());
     CHECK(plan.heaps.empty());
@@ -223,13 +222,12 @@ TEST_CASE("a diamond runs its arms after its top and before its bottom") {
 
 TEST_CASE("a swapchain image goes from acquired to drawn to present") {
     FrameGraph graph;
-    Image target = graph.import_image(
-        "swapchain", small_image, {.initial = Access::acquired, .final = Access::present, .external = 42});
+    Image target = graph.import_image("swapchain", small_image,
+                                      {.initial = Access::acquired, .final = Access::present, .external = 42});
     add(graph, "draw", G, [&](PassBuilder& p) { target = p.write(target, Access::colour_attachment); });
     Plan plan = compiled(graph);
     const Plan::Barrier& first = plan.passes.at(0).barriers.at(0);
-    CHECK(first.before
-          == AccessSet(Access::acquired)); // else the transition would not wait for the semaphore
+    CHECK(first.before == AccessSet(Access::acquired)); // else the transition would not wait for the semaphore
     CHECK(first.from == Layout::undefined);
     CHECK(first.to == Layout::attachment);
     const Plan::Barrier& last = plan.final_barriers.at(0);
@@ -242,8 +240,7 @@ TEST_CASE("a swapchain image goes from acquired to drawn to present") {
     check_sound(plan);
 }
 
-TEST_CASE(
-    "a read that the import's initial reads do not cover gets a barrier, one that they cover does not") {
+TEST_CASE("a read that the import's initial reads do not cover gets a barrier, one that they cover does not") {
     FrameGraph graph;
     const Buffer data =
         graph.import_buffer("data", small_buffer, {.initial = Access::vertex_read | Access::index_read});
@@ -347,9 +344,8 @@ TEST_CASE("a chain of passes lives in the memory of two images") {
     CHECK(plan.heaps[0].size == 200);
     // Image 2 takes the bytes of image 0, which pass 1 sampled last.
     const std::vector<Plan::Barrier>& barriers = plan.passes[2].barriers;
-    const auto born = std::find_if(barriers.begin(), barriers.end(), [&](const Plan::Barrier& b) {
-        return b.resource == images[2].resource();
-    });
+    const auto born = std::find_if(barriers.begin(), barriers.end(),
+                                   [&](const Plan::Barrier& b) { return b.resource == images[2].resource(); });
     REQUIRE(born != barriers.end());
     CHECK(born->aliasing);
     CHECK(born->before == AccessSet(Access::sampled_fragment));
@@ -397,8 +393,7 @@ TEST_CASE("the plan carries each pass's execute function") {
     FrameGraph graph;
     for (const char* name : {"a", "b"})
         graph.add_pass(
-            name, G, [](PassBuilder& p) { p.side_effect(); },
-            [name](PassContext& context) { context.log += name; });
+            name, G, [](PassBuilder& p) { p.side_effect(); }, [name](PassContext& context) { context.log += name; });
     const Plan plan = compiled(graph);
     PassContext context;
     for (const Plan::Pass& pass : plan.passes) pass.execute(context);
@@ -417,8 +412,7 @@ TEST_CASE("reading a transient before any write is refused by name") {
 TEST_CASE("loading what was never written is refused by name") {
     FrameGraph graph;
     Image target = graph.import_image("target", small_image, {.initial = Access::acquired});
-    add(graph, "overlay", G,
-        [&](PassBuilder& p) { target = p.write(target, Access::colour_attachment_load); });
+    add(graph, "overlay", G, [&](PassBuilder& p) { target = p.write(target, Access::colour_attachment_load); });
     CHECK(error_of(graph)
           == "pass 'overlay' writes 'target' as colour_attachment_load, but it was imported with undefined "
              "contents and no "
@@ -449,8 +443,7 @@ TEST_CASE("writing a read-only import is refused by name") {
     const Buffer arena =
         graph.import_buffer("arena", small_buffer, {.initial = Access::vertex_read, .read_only = true});
     add(graph, "scribble", T, [&](PassBuilder& p) { (void)p.write(arena, Access::transfer_write); });
-    CHECK(error_of(graph)
-          == "pass 'scribble' writes 'arena' as transfer_write, but it is imported as read-only");
+    CHECK(error_of(graph) == "pass 'scribble' writes 'arena' as transfer_write, but it is imported as read-only");
 }
 
 TEST_CASE("an access that the resource, the pass or the direction does not allow is refused by name") {
@@ -459,8 +452,7 @@ TEST_CASE("an access that the resource, the pass or the direction does not allow
     const Image image = graph.create_image("image", small_image);
     SUBCASE("attachment access to a buffer") {
         add(graph, "p", G, [&](PassBuilder& p) { (void)p.write(data, Access::colour_attachment); });
-        CHECK(error_of(graph)
-              == "pass 'p' writes 'data' as colour_attachment, which is no access to a buffer");
+        CHECK(error_of(graph) == "pass 'p' writes 'data' as colour_attachment, which is no access to a buffer");
     }
     SUBCASE("vertex access to an image") {
         add(graph, "p", G, [&](PassBuilder& p) { p.read(image, Access::vertex_read); });
@@ -468,8 +460,7 @@ TEST_CASE("an access that the resource, the pass or the direction does not allow
     }
     SUBCASE("attachment in a compute pass") {
         add(graph, "p", C, [&](PassBuilder& p) { (void)p.write(image, Access::depth_attachment); });
-        CHECK(error_of(graph)
-              == "pass 'p' writes 'image' as depth_attachment, which is not allowed in a compute pass");
+        CHECK(error_of(graph) == "pass 'p' writes 'image' as depth_attachment, which is not allowed in a compute pass");
     }
     SUBCASE("writing with a reading access") {
         add(graph, "p", C, [&](PassBuilder& p) { (void)p.write(data, Access::storage_read_compute); });
@@ -478,8 +469,7 @@ TEST_CASE("an access that the resource, the pass or the direction does not allow
     SUBCASE("resolving into samples") {
         const Image samples = graph.create_image("samples", {.width = 4, .height = 4, .samples = 4});
         add(graph, "p", G, [&](PassBuilder& p) { (void)p.write(samples, Access::resolve_attachment); });
-        CHECK(error_of(graph)
-              == "pass 'p' writes 'samples' as resolve_attachment, which needs an image of one sample");
+        CHECK(error_of(graph) == "pass 'p' writes 'samples' as resolve_attachment, which needs an image of one sample");
     }
     SUBCASE("reading with a writing access") {
         add(graph, "p", C, [&](PassBuilder& p) { p.read(data, Access::storage_write_compute); });
@@ -487,8 +477,7 @@ TEST_CASE("an access that the resource, the pass or the direction does not allow
     }
     SUBCASE("an access for edges of the frame inside it") {
         add(graph, "p", G, [&](PassBuilder& p) { p.read(image, Access::present); });
-        CHECK(error_of(graph)
-              == "pass 'p' reads 'image' as present, which is only for the edges of an import");
+        CHECK(error_of(graph) == "pass 'p' reads 'image' as present, which is only for the edges of an import");
     }
 }
 
@@ -553,8 +542,7 @@ TEST_CASE("impossible resources are refused by name") {
         CHECK(error_of(graph) == "buffer 'nothing' has size 0");
     }
     SUBCASE("initial accesses in two layouts") {
-        (void)graph.import_image("torn", small_image,
-                                 {.initial = Access::sampled_fragment | Access::transfer_read});
+        (void)graph.import_image("torn", small_image, {.initial = Access::sampled_fragment | Access::transfer_read});
         CHECK(error_of(graph)
               == "imported 'torn': initial accesses transfer_read and sampled_fragment need different image "
                  "layouts");
@@ -573,8 +561,7 @@ TEST_CASE("impossible resources are refused by name") {
                  "imported 'after': host_write is no final access");
     }
     SUBCASE("final read of contents that nobody made") {
-        (void)graph.import_image("blank", small_image,
-                                 {.initial = Access::acquired, .final = Access::present});
+        (void)graph.import_image("blank", small_image, {.initial = Access::acquired, .final = Access::present});
         CHECK(error_of(graph) == "imported 'blank' is to end as present, but no pass wrote it");
     }
 }
@@ -585,13 +572,12 @@ TEST_CASE("handles that name nothing in the graph are refused") {
     const Buffer data = graph.create_buffer("data", small_buffer);
     add(graph, "a", G, [&](PassBuilder& p) { p.read(Image(), Access::sampled_fragment); });
     add(graph, "b", G, [&](PassBuilder& p) { (void)p.write(foreign, Access::colour_attachment); });
-    add(graph, "c", C, [&](PassBuilder& p) {
-        p.read(Buffer(data.resource(), data.version() + 1), Access::storage_read_compute);
-    });
+    add(graph, "c", C,
+        [&](PassBuilder& p) { p.read(Buffer(data.resource(), data.version() + 1), Access::storage_read_compute); });
     const std::string error = error_of(graph);
-    for (const char* part : {"pass 'a' reads an image handle that names nothing in this graph",
-                             "pass 'b' writes an image handle that names nothing",
-                             "pass 'c' reads a buffer handle that names nothing"})
+    for (const char* part :
+         {"pass 'a' reads an image handle that names nothing in this graph",
+          "pass 'b' writes an image handle that names nothing", "pass 'c' reads a buffer handle that names nothing"})
         CHECK(contains(error, part));
 }
 
@@ -628,8 +614,7 @@ TEST_CASE("a resource has a bounded number of versions") {
 TEST_CASE("the graph prints itself as DOT") {
     FrameGraph graph;
     Image odd = graph.create_image("a \"quoted\\\" {name\nin two lines", small_image);
-    Image target =
-        graph.import_image("target", small_image, {.initial = Access::acquired, .final = Access::present});
+    Image target = graph.import_image("target", small_image, {.initial = Access::acquired, .final = Access::present});
     Buffer waste = graph.create_buffer("waste", small_buffer);
     add(graph, "make", G, [&](PassBuilder& p) { odd = p.write(odd, Access::colour_attachment); });
     add(graph, "useless", C, [&](PassBuilder& p) { waste = p.write(waste, Access::storage_write_compute); });

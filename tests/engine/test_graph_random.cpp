@@ -32,9 +32,7 @@ MemoryNeed random_need(const Plan::Resource& resource) {
     std::uint64_t seed = 0;
     for (const char c : resource.name) seed = seed * 131 + static_cast<unsigned char>(c);
     Random random(seed);
-    return {.size = 1 + random.below(300),
-            .alignment = 1u << random.below(7),
-            .memory_class = random.below(8) == 0};
+    return {.size = 1 + random.below(300), .alignment = 1u << random.below(7), .memory_class = random.below(8) == 0};
 }
 
 // A random legal graph, with what the test itself knows of it: for each pass the passes whose results it
@@ -147,17 +145,15 @@ class RandomGraph {
     }
 
     // All accesses that a pass of this kind may now make to the resource.
-    [[nodiscard]] std::vector<AccessFacts> legal(const Resource& resource, const Pass& pass,
-                                                 PassKind kind) const {
+    [[nodiscard]] std::vector<AccessFacts> legal(const Resource& resource, const Pass& pass, PassKind kind) const {
         std::vector<AccessFacts> out;
         for (const AccessFacts& f : facts_table) {
-            bool good = f.kind == kind && (resource.is_image ? f.image : f.buffer)
-                        && (!f.reads || resource.defined) && (!f.writes || !resource.read_only);
+            bool good = f.kind == kind && (resource.is_image ? f.image : f.buffer) && (!f.reads || resource.defined)
+                        && (!f.writes || !resource.read_only);
             for (const Plan::Use& other : pass.uses) {
                 if (other.resource != resource.index()) continue;
                 const AccessFacts o = facts(other.access);
-                good &= !f.writes && !o.writes && f.access != o.access
-                        && (!resource.is_image || f.layout == o.layout);
+                good &= !f.writes && !o.writes && f.access != o.access && (!resource.is_image || f.layout == o.layout);
             }
             if (good) out.push_back(f);
         }
@@ -216,8 +212,7 @@ TEST_CASE("random graphs: every hazard has a barrier, no barrier is superfluous,
             }
     }
     // The graphs are worth the name.
-    MESSAGE(live, " live passes, ", culled, " culled, ", barriers, " barriers, ", aliased,
-            " of them aliasing");
+    MESSAGE(live, " live passes, ", culled, " culled, ", barriers, " barriers, ", aliased, " of them aliasing");
     CHECK(live > 3000);
     CHECK(culled > 1000);
     CHECK(barriers > 5000);

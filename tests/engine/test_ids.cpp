@@ -35,8 +35,7 @@ TEST_CASE("without pieces no pixel has a number, and a size of nothing is refuse
 
 TEST_CASE("a pixel has a number exactly where the picture shows a piece") {
     for (const uint32_t samples : {1u, 4u}) { // numbers have one sample whatever the quality
-        const Fixture f(
-            {.shadow_size = 512, .soft_shadows = false, .samples = samples, .ambient_occlusion = false});
+        const Fixture f({.shadow_size = 512, .soft_shadows = false, .samples = samples, .ambient_occlusion = false});
         if (!f) return;
         KnownScene known;
         REQUIRE(f.renderer->set_pieces(known.pieces()));

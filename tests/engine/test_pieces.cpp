@@ -399,8 +399,8 @@ TEST_CASE("draws from front to back are the same draws, nearest piece first, pie
 
     const auto distance = [&](const brittle::engine::shared::DrawData& draw) {
         const BodyPose& pose = poses[draw.body];
-        const float d = glm::length(pose.position
-                                    + glm::mat3_cast(pose.rotation) * glm::vec3(draw.sphere) * pose.scale - eye);
+        const float d =
+            glm::length(pose.position + glm::mat3_cast(pose.rotation) * glm::vec3(draw.sphere) * pose.scale - eye);
         return std::isnan(d) ? std::numeric_limits<float>::infinity() : d;
     };
     const auto contents = [](const Lists& lists, size_t i) {

@@ -22,8 +22,7 @@ struct OpenWindow {
     std::unique_ptr<Window> window;
 
     OpenWindow() {
-        Result<std::unique_ptr<Window>> opened =
-            Window::create({.title = "faults", .width = 120, .height = 90});
+        Result<std::unique_ptr<Window>> opened = Window::create({.title = "faults", .width = 120, .height = 90});
         REQUIRE(opened);
         window = *std::move(opened);
     }
@@ -81,8 +80,8 @@ TEST_CASE("the extent is the surface's, or the window's within its limits, or no
 }
 
 TEST_CASE("a present mode that is not offered is replaced by FIFO") {
-    constexpr std::array all{VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR,
-                             VK_PRESENT_MODE_FIFO_KHR, VK_PRESENT_MODE_FIFO_RELAXED_KHR};
+    constexpr std::array all{VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR, VK_PRESENT_MODE_FIFO_KHR,
+                             VK_PRESENT_MODE_FIFO_RELAXED_KHR};
     CHECK(choose_present_mode(all, true) == VK_PRESENT_MODE_FIFO_KHR);
     CHECK(choose_present_mode(all, false) == VK_PRESENT_MODE_MAILBOX_KHR);
     CHECK(choose_present_mode(std::span(all).first(1), false) == VK_PRESENT_MODE_IMMEDIATE_KHR);
@@ -175,8 +174,7 @@ TEST_CASE("memory that runs out at any call of a frame is an error, and the next
     if (!f) return;
     f.attach();
     for (const VkResult result : {VK_ERROR_OUT_OF_DEVICE_MEMORY, VK_ERROR_OUT_OF_HOST_MEMORY})
-        for (const Call kind :
-             {Call::create_swapchain, Call::acquire, Call::submit, Call::present, Call::allocate}) {
+        for (const Call kind : {Call::create_swapchain, Call::acquire, Call::submit, Call::present, Call::allocate}) {
             f.show();
             CAPTURE(static_cast<int>(kind));
             f.faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR); // the swapchain is made again, too

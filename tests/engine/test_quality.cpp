@@ -11,10 +11,8 @@ using namespace brittle::engine::test;
 namespace {
 
 constexpr Quality plain{.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false};
-constexpr Quality shaded_gaps{
-    .shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = true};
-constexpr Quality smooth_edges{
-    .shadow_size = 512, .soft_shadows = false, .samples = 4, .ambient_occlusion = false};
+constexpr Quality shaded_gaps{.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = true};
+constexpr Quality smooth_edges{.shadow_size = 512, .soft_shadows = false, .samples = 4, .ambient_occlusion = false};
 
 // Each pixel the mean of `factor` squared.
 Bitmap shrunk(const Bitmap& large, uint32_t factor) {
@@ -24,8 +22,7 @@ Bitmap shrunk(const Bitmap& large, uint32_t factor) {
             for (int channel = 0; channel < 4; ++channel) {
                 uint32_t sum = 0;
                 for (uint32_t j = 0; j < factor; ++j)
-                    for (uint32_t i = 0; i < factor; ++i)
-                        sum += large.at(x * factor + i, y * factor + j)[channel];
+                    for (uint32_t i = 0; i < factor; ++i) sum += large.at(x * factor + i, y * factor + j)[channel];
                 small_one.pixels.push_back(static_cast<uint8_t>(sum / (factor * factor)));
             }
     return small_one;
@@ -101,8 +98,7 @@ TEST_CASE("samples that not every device has are refused") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     for (const uint32_t samples : {0u, 2u, 3u, 8u, 64u}) {
-        const Result<std::unique_ptr<Renderer>> made =
-            Renderer::create(*device, {.quality = {.samples = samples}});
+        const Result<std::unique_ptr<Renderer>> made = Renderer::create(*device, {.quality = {.samples = samples}});
         REQUIRE_FALSE(made);
         CHECK(made.error().status == Status::invalid_argument);
     }
@@ -111,10 +107,9 @@ TEST_CASE("samples that not every device has are refused") {
 TEST_CASE("a scale while things move that is out of range is refused") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
-    for (const float scale : {0.0f, 0.2f, 1.01f, -0.5f, std::numeric_limits<float>::quiet_NaN(),
-                              std::numeric_limits<float>::infinity()}) {
-        const Result<std::unique_ptr<Renderer>> made =
-            Renderer::create(*device, {.quality = {.moving_scale = scale}});
+    for (const float scale :
+         {0.0f, 0.2f, 1.01f, -0.5f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        const Result<std::unique_ptr<Renderer>> made = Renderer::create(*device, {.quality = {.moving_scale = scale}});
         REQUIRE_FALSE(made);
         CHECK(made.error().status == Status::invalid_argument);
     }
@@ -124,7 +119,8 @@ TEST_CASE("where panels cover a part, the rest has the pixels of the whole pictu
     Quality best = smooth_edges;
     best.ambient_occlusion = true;
     best.soft_shadows = true;
-    const std::vector<LineVertex> lines{{{-1.0f, 0.1f, 0.0f}, srgb8(255, 0, 0)}, {{1.0f, 0.9f, 0.3f}, srgb8(255, 0, 0)}};
+    const std::vector<LineVertex> lines{{{-1.0f, 0.1f, 0.0f}, srgb8(255, 0, 0)},
+                                        {{1.0f, 0.9f, 0.3f}, srgb8(255, 0, 0)}};
     for (const Quality& quality : {with_scale(1.0f), with_scale(0.5f), with_scale(0.7f), best}) {
         const Fixture whole(quality), f(quality);
         if (!f) return;
@@ -137,8 +133,9 @@ TEST_CASE("where panels cover a part, the rest has the pixels of the whole pictu
                 known.scene.moved = moved;
                 known.scene.region = {};
                 const Bitmap expected = presented(whole, known.scene, size);
-                for (const Region& region : {Region{{0.21f, 0.1f}, {0.8f, 0.93f}}, Region{{0.0f, 0.5f}, {0.5f, 1.0f}}, Region{{-1.0f, -1.0f}, {2.0f, 2.0f}},
-                                             Region{{0.5f, 0.5f}, {0.5f, 0.5f}}, Region{{0.9f, 0.9f}, {0.1f, 0.1f}}}) {
+                for (const Region& region : {Region{{0.21f, 0.1f}, {0.8f, 0.93f}}, Region{{0.0f, 0.5f}, {0.5f, 1.0f}},
+                                             Region{{-1.0f, -1.0f}, {2.0f, 2.0f}}, Region{{0.5f, 0.5f}, {0.5f, 0.5f}},
+                                             Region{{0.9f, 0.9f}, {0.1f, 0.1f}}}) {
                     known.scene.region = region;
                     const Bitmap part = presented(f, known.scene, size);
                     const glm::vec2 low = glm::max(glm::floor(region.min * glm::vec2(size)), 0.0f);
@@ -204,8 +201,7 @@ TEST_CASE("while things move a window shows nearly the full picture, at odd size
             REQUIRE(f.renderer->set_pieces(known.pieces()));
             for (const glm::uvec2 size : {glm::uvec2(95, 63), glm::uvec2(191, 128), glm::uvec2(192, 127)}) {
                 CAPTURE(size.x);
-                const double difference =
-                    mean_difference(presented(f, known.scene, size), f.draw(known.scene, size));
+                const double difference = mean_difference(presented(f, known.scene, size), f.draw(known.scene, size));
                 CHECK(difference > 0.0);
                 CHECK(difference < 6.0); // as samples may differ, above
             }
@@ -263,9 +259,7 @@ TEST_CASE("ambient occlusion darkens the ground at a box's foot, and nothing in 
     REQUIRE(on.renderer->set_pieces({&piece, 1}));
     const glm::uvec2 size{192, 128};
     const Bitmap without = off.draw(scene, size), with = on.draw(scene, size);
-    const auto darker = [&](uint32_t x, uint32_t y) {
-        return int{without.at(x, y)[1]} - int{with.at(x, y)[1]};
-    };
+    const auto darker = [&](uint32_t x, uint32_t y) { return int{without.at(x, y)[1]} - int{with.at(x, y)[1]}; };
     // Down the middle column: sky, the box, its foot, the ground before it.
     uint32_t foot = size.y - 1;
     int most = 0;

@@ -75,8 +75,7 @@ TEST_CASE("a shadow map out of range is refused") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     for (const uint32_t size : {0u, 63u, 1u << 20}) {
-        const Result<std::unique_ptr<Renderer>> made =
-            Renderer::create(*device, {.quality = {.shadow_size = size}});
+        const Result<std::unique_ptr<Renderer>> made = Renderer::create(*device, {.quality = {.shadow_size = size}});
         REQUIRE_FALSE(made);
         CHECK(made.error().status == Status::invalid_argument);
     }
@@ -162,9 +161,7 @@ TEST_CASE("a pose moves, turns, scales and hides its body, and only its own") {
     REQUIRE(f.renderer->set_pieces(pieces));
     std::vector<BodyPose> poses(2);
     Scene scene = empty_stage();
-    scene.write_poses = [&](std::span<BodyPose> out, uint64_t) {
-        std::copy(poses.begin(), poses.end(), out.begin());
-    };
+    scene.write_poses = [&](std::span<BodyPose> out, uint64_t) { std::copy(poses.begin(), poses.end(), out.begin()); };
     const glm::uvec2 size{128, 64};
     poses[0].position.x = -1.0f;
     poses[1].position.x = 1.0f;
@@ -412,8 +409,7 @@ TEST_CASE("two renderers share a device") {
     const Fixture f;
     if (!f) return;
     Result<std::unique_ptr<Renderer>> other = Renderer::create(
-        *f.device,
-        {.quality = {.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false}});
+        *f.device, {.quality = {.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false}});
     REQUIRE(other);
     const KnownScene known;
     REQUIRE(f.renderer->set_pieces(known.pieces()));

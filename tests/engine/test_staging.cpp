@@ -82,7 +82,8 @@ TEST_CASE("staged batches are drawn like the meshes that they were made of, alon
     if (!f) return;
     const Row row;
     const Shape cube = box({0.2f, 0.3f, 0.25f}, 2);
-    const std::vector<PieceMesh> meshes{row.mesh(0), cube.piece(1, piece_tint(7)), row.mesh(2), row.mesh(3), cube.piece(4)};
+    const std::vector<PieceMesh> meshes{row.mesh(0), cube.piece(1, piece_tint(7)), row.mesh(2), row.mesh(3),
+                                        cube.piece(4)};
     const Bitmap expected = picture_of(f, meshes);
     for (const uint32_t stage : {0b11111u, 0b00100u, 0b01001u, 0b00000u}) { // by batch
         std::vector<PieceBatch> batches;

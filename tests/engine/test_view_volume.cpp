@@ -20,7 +20,8 @@ struct Random {
     glm::vec3 vector(float size) { return {between(-size, size), between(-size, size), between(-size, size)}; }
     glm::vec3 direction() {
         for (;;)
-            if (const glm::vec3 v = vector(1.0f); glm::length(v) > 0.1f && glm::length(v) < 1.0f) return glm::normalize(v);
+            if (const glm::vec3 v = vector(1.0f); glm::length(v) > 0.1f && glm::length(v) < 1.0f)
+                return glm::normalize(v);
     }
 };
 
@@ -28,7 +29,8 @@ struct Random {
 // metres; negative: inside of all. In doubles, from the angles.
 double outside(const Camera& camera, float aspect, const glm::vec3& place) {
     const glm::dvec3 forward = glm::normalize(glm::dvec3(camera.target) - glm::dvec3(camera.eye));
-    const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0))), up = glm::cross(right, forward);
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0))),
+                     up = glm::cross(right, forward);
     const glm::dvec3 way = glm::dvec3(place) - glm::dvec3(camera.eye);
     const double depth = glm::dot(way, forward), high = 0.5 * double{camera.vertical_fov};
     const double wide = std::atan(double{aspect} * std::tan(high));
@@ -41,9 +43,11 @@ double outside(const Camera& camera, float aspect, const glm::vec3& place) {
 
 TEST_CASE("view volume: any camera, and things that are no ball, have an answer") {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-    for (const Camera& camera : {Camera{{1, 1, 1}, {1, 1, 1}}, Camera{{0, 5, 0}, {0, 0, 0}}, Camera{{nan, 0, 0}, {}},
-                                 Camera{{0, 0, 1}, {inf, 0, 0}}, Camera{{0, 0, 1}, {}, 0.0f}, Camera{{0, 0, 1}, {}, nan}})
-        for (const float aspect : {0.0f, 1.5f}) CHECK(ViewVolume(camera, aspect).sees(camera.eye, 1.0f)); // around the eye
+    for (const Camera& camera :
+         {Camera{{1, 1, 1}, {1, 1, 1}}, Camera{{0, 5, 0}, {0, 0, 0}}, Camera{{nan, 0, 0}, {}},
+          Camera{{0, 0, 1}, {inf, 0, 0}}, Camera{{0, 0, 1}, {}, 0.0f}, Camera{{0, 0, 1}, {}, nan}})
+        for (const float aspect : {0.0f, 1.5f})
+            CHECK(ViewVolume(camera, aspect).sees(camera.eye, 1.0f)); // around the eye
     const ViewVolume view({.eye = {0, 0, 5}, .target = {}}, 1.5f);
     CHECK(view.sees({nan, 0, 0}, 0.0f)); // rather than to lose something that is there
     CHECK(view.sees({0, 0, 0}, 0.0f));
@@ -71,7 +75,8 @@ TEST_CASE("view volume: a ball is seen where any of it is, and not where it is o
     Random random;
     int seen = 0, unseen = 0;
     for (int round = 0; round < 4000; ++round) {
-        const Camera camera{.eye = random.vector(5.0f), .target = random.vector(5.0f), .vertical_fov = random.between(0.05f, 2.0f)};
+        const Camera camera{
+            .eye = random.vector(5.0f), .target = random.vector(5.0f), .vertical_fov = random.between(0.05f, 2.0f)};
         const glm::vec3 way = camera.target - camera.eye;
         if (std::abs(way.y) > 0.99f * glm::length(way)) continue; // where up is another one
         const float aspect = random.between(0.3f, 3.0f), radius = random.between(0.0f, 1.0f);
@@ -80,7 +85,8 @@ TEST_CASE("view volume: a ball is seen where any of it is, and not where it is o
         const bool sees = view.sees(from, to, radius);
         CAPTURE(round);
         for (int point = 0; point < 20; ++point) { // of the ball on its way
-            const glm::vec3 place = from + random.between(0.0f, 1.0f) * (to - from) + random.between(0.0f, radius) * random.direction();
+            const glm::vec3 place =
+                from + random.between(0.0f, 1.0f) * (to - from) + random.between(0.0f, radius) * random.direction();
             if (outside(camera, aspect, place) < 0.0) REQUIRE(sees);
         }
         // Of a ball, the side that it is farthest outside of says it: that which the greatest of the distances is for.

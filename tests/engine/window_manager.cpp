@@ -11,8 +11,7 @@ namespace {
 void set_state(Display* display, Window window, long state) {
     const Atom name = XInternAtom(display, "WM_STATE", False);
     const long data[] = {state, None};
-    XChangeProperty(display, window, name, name, 32, PropModeReplace,
-                    reinterpret_cast<const unsigned char*>(data), 2);
+    XChangeProperty(display, window, name, name, 32, PropModeReplace, reinterpret_cast<const unsigned char*>(data), 2);
 }
 
 void grant(Display* display, const XConfigureRequestEvent& wanted) {

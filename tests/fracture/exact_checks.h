@@ -18,11 +18,11 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/exact/exact.h"
+#include "fracture/mesh/topology.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "fracture/mesh/topology.h"
 
 namespace brittle::fracture::test {
 
@@ -159,8 +159,7 @@ inline void check_caps_match(const Fragments& f) {
     const auto keys = [&](bool lower) {
         std::vector<Side> sides;
         for (const Piece& piece : f.pieces) {
-            for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end;
-                 ++t) {
+            for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end; ++t) {
                 const uint32_t other = f.triangle_source[t];
                 if ((piece.site < other) != lower) continue;
                 Key key{};

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "tests/fracture/lattice.h"

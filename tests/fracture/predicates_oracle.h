@@ -11,8 +11,8 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "fracture/exact/predicates.h"
 #include "fracture/base/random.h"
+#include "fracture/exact/predicates.h"
 
 namespace brittle::fracture::exact::test {
 
@@ -83,8 +83,7 @@ struct Oracle {
             return {vec(n), Rational((p - kBoxMinX) % 2 ? diagram->box.max[axis] : diagram->box.min[axis])};
         }
         const Vec n = site(p) - site(c);
-        return {{2 * n.x, 2 * n.y, 2 * n.z},
-                dot(site(p), site(p)) - weight(p) - dot(site(c), site(c)) + weight(c)};
+        return {{2 * n.x, 2 * n.y, 2 * n.z}, dot(site(p), site(p)) - weight(p) - dot(site(c), site(c)) + weight(c)};
     }
     static Plane plane(const Corners& q) {
         const Vec n = cross(vec(q[1]) - vec(q[0]), vec(q[2]) - vec(q[0]));
@@ -118,8 +117,7 @@ struct Oracle {
         result = g(c, l, x);
         return true;
     }
-    bool pierce_order(SiteId c, SiteId a, SiteId b, const Corners& q1, const Corners& q2,
-                      Rational& result) const {
+    bool pierce_order(SiteId c, SiteId a, SiteId b, const Corners& q1, const Corners& q2, Rational& result) const {
         Vec x1, x2;
         if (!meet(plane(c, a), plane(c, b), plane(q1), x1)) return false;
         if (!meet(plane(c, a), plane(c, b), plane(q2), x2)) return false;
@@ -132,8 +130,7 @@ struct Oracle {
 // absence gives zero, and are then made so small that the order of magnitudes is settled: halving the
 // exponent must not change the sign.
 template<class Ask>
-int oracle_sign(const Diagram& diagram, std::vector<SiteId> involved, unsigned bits, bool& perturbed,
-                Ask ask) {
+int oracle_sign(const Diagram& diagram, std::vector<SiteId> involved, unsigned bits, bool& perturbed, Ask ask) {
     Oracle oracle{&diagram, std::move(involved), 0};
     Rational result;
     perturbed = false;
@@ -195,8 +192,7 @@ inline Scene cospherical_scene(Random& random) {
             scene.sites.emplace_back(s & 1 ? p[0] : -p[0], s & 2 ? p[1] : -p[1], s & 4 ? p[2] : -p[2]);
         }
     } while (std::next_permutation(p.begin(), p.end()));
-    for (size_t i = scene.sites.size(); i > 1; --i)
-        std::swap(scene.sites[i - 1], scene.sites[random.next() % i]);
+    for (size_t i = scene.sites.size(); i > 1; --i) std::swap(scene.sites[i - 1], scene.sites[random.next() % i]);
     for (int i = 0; i < 60; ++i) {
         scene.points.push_back(i % 3 == 0 ? dvec3(0.0) : lattice_point(random, i % 3 == 1 ? 1 : 4));
     }

@@ -43,8 +43,7 @@ inline std::array<glm::dvec3, 3> corners_of(const TriangleMesh& mesh, uint32_t t
 }
 
 // What holds for every repair, whatever came in.
-inline void check_promises(const TriangleMesh& input, const Repaired& repaired,
-                           const RepairSettings& settings = {}) {
+inline void check_promises(const TriangleMesh& input, const Repaired& repaired, const RepairSettings& settings = {}) {
     const TriangleMesh& mesh = repaired.mesh;
     REQUIRE(repaired.source_triangle.size() == mesh.triangles.size());
     REQUIRE(mesh.positions.size() >= input.positions.size());
@@ -99,8 +98,7 @@ inline void append(TriangleMesh& mesh, const TriangleMesh& other, const glm::dve
 inline TriangleMesh without(TriangleMesh mesh, const std::vector<uint32_t>& triangles) {
     std::vector<Triangle> rest;
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        if (std::find(triangles.begin(), triangles.end(), t) == triangles.end())
-            rest.push_back(mesh.triangles[t]);
+        if (std::find(triangles.begin(), triangles.end(), t) == triangles.end()) rest.push_back(mesh.triangles[t]);
     mesh.triangles = rest;
     return mesh;
 }

@@ -14,12 +14,12 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
-#include "fracture/fracture.h"
 #include "fracture/base/random.h"
+#include "fracture/fracture.h"
+#include "fracture/mesh/topology.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "fracture/mesh/topology.h"
 
 using namespace brittle::fracture;
 
@@ -37,8 +37,7 @@ double distance_to_nearest(const Sites& sites, const glm::dvec3& point) {
 }
 
 // Layout, closedness, positive volumes, volume sum, and that each piece lies in its site's cell.
-void check_fragments(const TriangleMesh& mesh, const Sites& sites, const Fragments& fragments,
-                     double tolerance) {
+void check_fragments(const TriangleMesh& mesh, const Sites& sites, const Fragments& fragments, double tolerance) {
     const double size = glm::length(bounds(mesh).size());
     uint32_t vertex = 0;
     uint32_t triangle = 0;
@@ -64,8 +63,7 @@ void check_fragments(const TriangleMesh& mesh, const Sites& sites, const Fragmen
         CHECK(piece.mass.volume > 0.0);
         double furthest_out = 0.0;
         for (const glm::dvec3& p : positions)
-            furthest_out =
-                std::max(furthest_out, glm::distance(sites[piece.site], p) - distance_to_nearest(sites, p));
+            furthest_out = std::max(furthest_out, glm::distance(sites[piece.site], p) - distance_to_nearest(sites, p));
         CHECK(furthest_out <= tolerance * size);
         for (uint32_t i = 0; i < triangles.size(); ++i) {
             const uint32_t source = fragments.triangle_source[piece.triangles.begin + i];
@@ -111,8 +109,7 @@ Sites lattice_sites(int n, double spacing, const glm::dvec3& centre = glm::dvec3
     Sites sites;
     for (int x = 0; x < n; ++x)
         for (int y = 0; y < n; ++y)
-            for (int z = 0; z < n; ++z)
-                sites.push_back(centre + (glm::dvec3(x, y, z) - 0.5 * (n - 1)) * spacing);
+            for (int z = 0; z < n; ++z) sites.push_back(centre + (glm::dvec3(x, y, z) - 0.5 * (n - 1)) * spacing);
     return sites;
 }
 
@@ -235,8 +232,8 @@ TEST_CASE("an edge of four triangles is refused, whether the cut meets it or not
     // Two tetrahedra that share the edge from vertex 0 to 1.
     TriangleMesh mesh{{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {}};
     for (const glm::uvec4& v : {glm::uvec4(0, 2, 3, 1), glm::uvec4(0, 4, 5, 1)})
-        for (const Triangle& t : {Triangle(v.x, v.z, v.y), Triangle(v.x, v.y, v.w), Triangle(v.y, v.z, v.w),
-                                  Triangle(v.z, v.x, v.w)})
+        for (const Triangle& t :
+             {Triangle(v.x, v.z, v.y), Triangle(v.x, v.y, v.w), Triangle(v.y, v.z, v.w), Triangle(v.z, v.x, v.w)})
             mesh.triangles.push_back(t);
     for (const Sites& sites : {Sites{{0, 0, 0}}, Sites{{0, 0, 0}, {0, 0, 1}}, Sites{{9, 0, 0}, {10, 0, 0}}}) {
         for (const Algorithm algorithm : {Algorithm::exact, Algorithm::sequential}) {
@@ -250,7 +247,8 @@ TEST_CASE("two triangles back to back beside a solid are left out, and nothing e
     const TriangleMesh ball = icosphere(2);
     TriangleMesh mesh = ball;
     const auto n = static_cast<uint32_t>(mesh.positions.size());
-    for (const glm::dvec3& p : {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 2, 1)}) mesh.positions.push_back(p);
+    for (const glm::dvec3& p : {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 2, 1)})
+        mesh.positions.push_back(p);
     mesh.triangles.insert(mesh.triangles.begin() + 7, {n, n + 1, n + 2});
     mesh.triangles.push_back({n, n + 2, n + 1});
     const Sites sites = uniform_sites(bounds(ball), 8, 2);
@@ -428,11 +426,10 @@ TEST_CASE("scale and offset do not matter") {
 TEST_CASE("solids that touch in a vertex are cut as two") {
     TriangleMesh mesh = cube(1.0); // corners at half
     const TriangleMesh first = mesh;
-    const auto corner = static_cast<uint32_t>(
-        std::find(first.positions.begin(), first.positions.end(), glm::dvec3(0.5)) - first.positions.begin());
-    const auto opposite =
-        static_cast<uint32_t>(std::find(first.positions.begin(), first.positions.end(), glm::dvec3(-0.5))
-                              - first.positions.begin());
+    const auto corner = static_cast<uint32_t>(std::find(first.positions.begin(), first.positions.end(), glm::dvec3(0.5))
+                                              - first.positions.begin());
+    const auto opposite = static_cast<uint32_t>(
+        std::find(first.positions.begin(), first.positions.end(), glm::dvec3(-0.5)) - first.positions.begin());
     REQUIRE(corner < 8);
     REQUIRE(opposite < 8);
     for (const glm::dvec3& p : first.positions) mesh.positions.push_back(p + 1.0);
@@ -465,8 +462,7 @@ TEST_CASE("a hollow sphere in one cell is one piece, four legs below a plane are
     const glm::dvec3 middle = box.centre();
     const Fragments legs =
         fracture_and_check(animal, {{middle.x, knee - 0.2, middle.z}, {middle.x, knee + 0.2, middle.z}});
-    CHECK(std::count_if(legs.pieces.begin(), legs.pieces.end(), [](const Piece& p) { return p.site == 0; })
-          == 4);
+    CHECK(std::count_if(legs.pieces.begin(), legs.pieces.end(), [](const Piece& p) { return p.site == 0; }) == 4);
     CHECK(legs.pieces.size() == 5);
 }
 
@@ -552,8 +548,7 @@ TEST_CASE("the Stanford bunny falls to closed pieces") {
         const Fragments fragments = fracture_and_check(bunny, uniform_sites(bounds(bunny), count, 1), 1e-9);
         const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
         std::string phases;
-        for (const Milliseconds& m : fragments.timings)
-            phases += m.phase + " " + std::to_string(m.milliseconds) + ", ";
+        for (const Milliseconds& m : fragments.timings) phases += m.phase + " " + std::to_string(m.milliseconds) + ", ";
         MESSAGE(count << " sites: " << fragments.pieces.size() << " pieces, " << fragments.triangles.size()
                       << " triangles; ms: " << phases << "with checks " << elapsed.count());
     }

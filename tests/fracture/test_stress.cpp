@@ -6,9 +6,9 @@
 
 #include <doctest/doctest.h>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
 #include "fracture/io/atomic_file.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "tests/fracture/mesh_checks.h"

@@ -25,8 +25,7 @@ Result<Model> read(std::span<const std::byte> bytes) {
 
 void check_indices(const TriangleMesh& mesh) {
     for (const Triangle& t : mesh.triangles)
-        fuzz::require(std::max({t.x, t.y, t.z}) < mesh.positions.size(),
-                      "a triangle names a vertex that is not there");
+        fuzz::require(std::max({t.x, t.y, t.z}) < mesh.positions.size(), "a triangle names a vertex that is not there");
 }
 
 // Lists of looks are whole or empty, and nothing names what is not there.
@@ -67,8 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     check_looks(*model);
     // A vertex or a corner takes a byte at the least, but nodes of glTF may show one mesh many times.
     if (format != "gltf") {
-        fuzz::require(mesh.positions.size() <= size && mesh.triangles.size() <= size,
-                      "more comes out than goes in");
+        fuzz::require(mesh.positions.size() <= size && mesh.triangles.size() <= size, "more comes out than goes in");
     }
     const bool finite = std::all_of(mesh.positions.begin(), mesh.positions.end(), [](const glm::dvec3& p) {
         return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);

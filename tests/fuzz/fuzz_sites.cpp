@@ -16,7 +16,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
     fuzz::require(!sites->empty() && sites->size() <= size, "as many sites as the file has room for");
     for (const glm::dvec3& p : *sites)
-        fuzz::require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z),
-                      "a site that is not finite");
+        fuzz::require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z), "a site that is not finite");
     return 0;
 }

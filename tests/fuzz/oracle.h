@@ -30,8 +30,7 @@ inline void require(bool holds, const char* what) {
 inline void check_message(const std::string& message) {
     require(!message.empty(), "an error without a message");
     require(message.size() <= longest_message, "an endless message");
-    for (const char c : message)
-        require(static_cast<unsigned char>(c) >= 0x20, "a control character in a message");
+    for (const char c : message) require(static_cast<unsigned char>(c) >= 0x20, "a control character in a message");
 }
 
 class TimeGuard {
@@ -52,8 +51,7 @@ class TimeGuard {
 class MemoryFile {
   public:
     MemoryFile(const uint8_t* data, size_t size) : descriptor_(::memfd_create("input", 0)) {
-        require(descriptor_ >= 0 && ::write(descriptor_, data, size) == static_cast<ssize_t>(size),
-                "no memory file");
+        require(descriptor_ >= 0 && ::write(descriptor_, data, size) == static_cast<ssize_t>(size), "no memory file");
         path_ = "/proc/self/fd/" + std::to_string(descriptor_);
     }
     MemoryFile(const MemoryFile&) = delete;

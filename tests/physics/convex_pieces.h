@@ -47,12 +47,9 @@ inline Polyhedron box_polyhedron(const glm::dvec3& low, const glm::dvec3& high) 
     const auto at = [&](int x, int y, int z) {
         return glm::dvec3(x ? high.x : low.x, y ? high.y : low.y, z ? high.z : low.z);
     };
-    return {{at(0, 0, 0), at(0, 0, 1), at(0, 1, 1), at(0, 1, 0)},
-            {at(1, 0, 0), at(1, 1, 0), at(1, 1, 1), at(1, 0, 1)},
-            {at(0, 0, 0), at(1, 0, 0), at(1, 0, 1), at(0, 0, 1)},
-            {at(0, 1, 0), at(0, 1, 1), at(1, 1, 1), at(1, 1, 0)},
-            {at(0, 0, 0), at(0, 1, 0), at(1, 1, 0), at(1, 0, 0)},
-            {at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1)}};
+    return {{at(0, 0, 0), at(0, 0, 1), at(0, 1, 1), at(0, 1, 0)}, {at(1, 0, 0), at(1, 1, 0), at(1, 1, 1), at(1, 0, 1)},
+            {at(0, 0, 0), at(1, 0, 0), at(1, 0, 1), at(0, 0, 1)}, {at(0, 1, 0), at(0, 1, 1), at(1, 1, 1), at(1, 1, 0)},
+            {at(0, 0, 0), at(0, 1, 0), at(1, 1, 0), at(1, 0, 0)}, {at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1)}};
 }
 
 // The part of the polyhedron with normal . x <= distance; empty if there is none. No vertex may lie on the
@@ -141,8 +138,8 @@ inline fracture::Fragments grid_pieces(const glm::dvec3& low, const glm::dvec3& 
     for (int i = 0; i < x; ++i)
         for (int j = 0; j < y; ++j)
             for (int k = 0; k < z; ++k)
-                boxes.push_back(box_polyhedron(low + cell * glm::dvec3(i, j, k),
-                                               low + cell * glm::dvec3(i + 1, j + 1, k + 1)));
+                boxes.push_back(
+                    box_polyhedron(low + cell * glm::dvec3(i, j, k), low + cell * glm::dvec3(i + 1, j + 1, k + 1)));
     return fragments_of(boxes);
 }
 
@@ -167,8 +164,7 @@ inline fracture::Fragments bonded_grid(const glm::dvec3& low, const glm::dvec3& 
 }
 
 // The box cut into the Voronoi cells of random sites: what a fracture of a box is.
-inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec3& high, int count,
-                                          uint64_t seed) {
+inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec3& high, int count, uint64_t seed) {
     Random random(seed);
     std::vector<glm::dvec3> sites;
     for (int i = 0; i < count; ++i) sites.push_back(random.point(low, high));
@@ -186,8 +182,7 @@ inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec
 }
 
 // The box cut by planes right through, one after the other: wedges and flakes among the pieces.
-inline fracture::Fragments wedge_pieces(const glm::dvec3& low, const glm::dvec3& high, int planes,
-                                        uint64_t seed) {
+inline fracture::Fragments wedge_pieces(const glm::dvec3& low, const glm::dvec3& high, int planes, uint64_t seed) {
     Random random(seed);
     std::vector<Polyhedron> pieces{box_polyhedron(low, high)};
     for (int i = 0; i < planes; ++i) {

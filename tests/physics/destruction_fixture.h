@@ -22,7 +22,8 @@ inline BreakableDesc desc_of(double min_size, const Material& material = weak) {
     return desc;
 }
 
-inline ObjectId must_add(Destruction& destruction, World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc) {
+inline ObjectId must_add(Destruction& destruction, World& world, const fracture::TriangleMesh& mesh,
+                         const BreakableDesc& desc) {
     const Result<ObjectId> object = destruction.add(world, mesh, desc);
     REQUIRE_MESSAGE(object.has_value(), (object ? std::string() : object.error().message));
     return *object;

@@ -49,7 +49,9 @@ class RunLog {
 
   private:
     static void put(std::ostream& stream, const auto& value) { stream << value; }
-    static void put(std::ostream& stream, const glm::vec3& v) { stream << '(' << v.x << ' ' << v.y << ' ' << v.z << ')'; }
+    static void put(std::ostream& stream, const glm::vec3& v) {
+        stream << '(' << v.x << ' ' << v.y << ' ' << v.z << ')';
+    }
     template<typename T>
     static void put(std::ostream& stream, const std::vector<T>& values) {
         for (const T& value : values) stream << ' ', put(stream, value);

@@ -16,7 +16,8 @@ inline std::string log_text(const ReplayLog& log, const std::filesystem::path& f
     for (uint64_t step = 0; step < log.states.size(); ++step) {
         for (; commit != log.commits.end() && commit->step == step; ++commit) text += commit_line(*commit);
         text += state_line(step, log.states[step]);
-        for (; action != log.actions.end() && action->first == step; ++action) text += action_line(step, action->second);
+        for (; action != log.actions.end() && action->first == step; ++action)
+            text += action_line(step, action->second);
     }
     return text + end_line(log.states.size() - 1, log.end);
 }

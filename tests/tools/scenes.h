@@ -29,12 +29,13 @@
 namespace scene {
 
 // By the names of their files, sorted. test_scenes.cpp tells what is missing.
-using All = std::tuple<struct arch_loses_a_column, struct brick_wall_rammed, struct bunny_dropped,
-                       struct figure_03_voronoi_diagram, struct figure_04_bunny_with_three_sites,
-                       struct figure_09_clip_step_0, struct figure_09_clip_step_1, struct figure_09_clip_step_2,
-                       struct figure_09_clip_step_3, struct figure_10_hulls, struct figure_11_icosphere_falls_apart,
-                       struct figure_12_legs_below_the_knees, struct glass_pane_shot_by_a_ball,
-                       struct pane_hangs_by_its_corners, struct statue_broken_three_levels_deep, struct tower_collapses>;
+using All =
+    std::tuple<struct arch_loses_a_column, struct brick_wall_rammed, struct bunny_dropped,
+               struct figure_03_voronoi_diagram, struct figure_04_bunny_with_three_sites, struct figure_09_clip_step_0,
+               struct figure_09_clip_step_1, struct figure_09_clip_step_2, struct figure_09_clip_step_3,
+               struct figure_10_hulls, struct figure_11_icosphere_falls_apart, struct figure_12_legs_below_the_knees,
+               struct glass_pane_shot_by_a_ball, struct pane_hangs_by_its_corners,
+               struct statue_broken_three_levels_deep, struct tower_collapses>;
 
 } // namespace scene
 

@@ -25,7 +25,8 @@ struct Outcome {
 // `environment`: words like NAME=VALUE before the command.
 inline Outcome run_brittle(const Folder& folder, const std::string& arguments, const std::string& environment = "") {
     const std::string log = folder / "output";
-    const std::string command = environment + " /usr/bin/timeout 120 " BRITTLE_PROGRAM " " + arguments + " >" + log + " 2>&1";
+    const std::string command =
+        environment + " /usr/bin/timeout 120 " BRITTLE_PROGRAM " " + arguments + " >" + log + " 2>&1";
     const int status = std::system(command.c_str());
     Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(log)};
     std::filesystem::remove(log);

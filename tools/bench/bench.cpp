@@ -24,14 +24,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
 #include "fracture/io/import.h"
 #include "fracture/mesh/manifold_check.h"
+#include "fracture/pieces/certificate.h"
 
+#include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "fracture/mesh/topology.h"
 #include "tools/bench/broken_bunny.h"
 #include "tools/bench/impacts.h"
 #include "tools/bench/memory_meter.h"
@@ -85,8 +85,8 @@ uint64_t bytes_of(const TriangleMesh& mesh) {
 }
 
 uint64_t bytes_of(const Fragments& f) {
-    return bytes_of(f.positions) + bytes_of(f.triangles) + bytes_of(f.triangle_source)
-           + bytes_of(f.vertex_point) + bytes_of(f.pieces) + bytes_of(f.bonds);
+    return bytes_of(f.positions) + bytes_of(f.triangles) + bytes_of(f.triangle_source) + bytes_of(f.vertex_point)
+           + bytes_of(f.pieces) + bytes_of(f.bonds);
 }
 
 template<class Body>
@@ -122,8 +122,7 @@ double memory_of_first(const Case& c, const std::vector<glm::dvec3>& sites) {
     reset_heap_peak();
     const Result<Fragments> fragments = fracture::fracture(mesh, sites, {.threads = c.threads});
     const uint64_t used = heap_use().peak - before + bytes_of(mesh);
-    return fragments ? static_cast<double>(used) / static_cast<double>(bytes_of(mesh) + bytes_of(*fragments))
-                     : 0.0;
+    return fragments ? static_cast<double>(used) / static_cast<double>(bytes_of(mesh) + bytes_of(*fragments)) : 0.0;
 }
 
 void run_fracture(benchmark::State& state, const Case& c, bool first_time) {
@@ -203,25 +202,21 @@ void add_fracture(const Case& c) {
 
 void add_all() {
     const bool has_bunny = std::ifstream(bunny_file).good();
-    const std::vector<std::string> meshes{has_bunny ? "bunny" : "ball_82k", "ball_20k", "ball_328k",
-                                          "knot_1311k"};
+    const std::vector<std::string> meshes{has_bunny ? "bunny" : "ball_82k", "ball_20k", "ball_328k", "knot_1311k"};
     const std::set<uint32_t> thread_counts{1, 2, std::max(1u, std::thread::hardware_concurrency())};
     for (const std::string& mesh : meshes) {
         for (const uint32_t sites : {10u, 100u, 1000u, 10000u})
-            for (const uint32_t threads : thread_counts)
-                add_fracture({mesh, sites, Pattern::uniform, threads});
+            for (const uint32_t threads : thread_counts) add_fracture({mesh, sites, Pattern::uniform, threads});
     }
     for (const uint32_t sites : {1000u, 10000u})
-        for (const uint32_t threads : thread_counts)
-            add_fracture({meshes[0], sites, Pattern::clustered, threads});
+        for (const uint32_t threads : thread_counts) add_fracture({meshes[0], sites, Pattern::clustered, threads});
     for (const std::string& mesh : meshes) {
         benchmark::RegisterBenchmark(("check/full/" + mesh).c_str(), [=](benchmark::State& state) {
             run_full_check(state, mesh);
         })->Unit(benchmark::kMillisecond);
         for (const uint32_t threads : thread_counts) {
-            benchmark::RegisterBenchmark(
-                ("check/quick/" + mesh + "/threads:" + std::to_string(threads)).c_str(),
-                [=](benchmark::State& state) { run_quick_check(state, mesh, threads); })
+            benchmark::RegisterBenchmark(("check/quick/" + mesh + "/threads:" + std::to_string(threads)).c_str(),
+                                         [=](benchmark::State& state) { run_quick_check(state, mesh, threads); })
                 ->Unit(benchmark::kMillisecond)
                 ->UseRealTime();
         }

@@ -23,8 +23,7 @@ fracture::TriangleMesh bunny() {
         std::ifstream(bunny_file).good() ? *fracture::import_mesh(bunny_file) : fracture::icosphere(6);
     const fracture::Box box = fracture::bounds(mesh);
     const double longest = std::max({box.size().x, box.size().y, box.size().z});
-    for (glm::dvec3& p : mesh.positions)
-        p = (p - glm::dvec3(box.centre().x, box.min.y, box.centre().z)) / longest;
+    for (glm::dvec3& p : mesh.positions) p = (p - glm::dvec3(box.centre().x, box.min.y, box.centre().z)) / longest;
     return mesh;
 }
 

@@ -106,7 +106,8 @@ BodyId shoot_ball(World& world, const glm::vec3& at, const glm::vec3& along, dou
 // The tensile strength, Pa, with which a thing just breaks of a ball with this energy. Of granite such a thing bears two to forty
 // times as much, and what breaks it does more damage.
 float tensile_for(double energy, const Material& material, double volume, const fracture::Box& box) {
-    const double blow = std::cbrt(4.0 * energy * energy / static_cast<double>(ball_speed)); // as of a kilogram: contact_blows.h
+    const double blow =
+        std::cbrt(4.0 * energy * energy / static_cast<double>(ball_speed)); // as of a kilogram: contact_blows.h
     const double bearable = bearable_impulse(material, volume, box);
     return material.tensile * static_cast<float>(0.8 * blow / bearable);
 }
@@ -145,14 +146,16 @@ void run_impact(benchmark::State& state, const std::string& name) {
         if (!add_crowd(world)) return state.SkipWithError("no crowd");
         Destruction destruction({.timing = Timing::when_ready});
         // A copy that the destruction alone holds: letting go of it counts.
-        if (!destruction.add(world, std::make_shared<const SolidPiece>(**solid), desc)) return state.SkipWithError("no body");
+        if (!destruction.add(world, std::make_shared<const SolidPiece>(**solid), desc))
+            return state.SkipWithError("no body");
         Frames settle, before, during, after;
         for (int i = 0; i < 60; ++i) settle.run(world, destruction);
         for (int i = 0; i < 30; ++i) before.run(world, destruction);
         if (destruction.statistics().blows > 0) return state.SkipWithError("broke before");
         const Pose pose = world.pose(destruction.body(destruction.pieces()[0])); // it may have rolled
         const glm::vec3 to_point(at - (*solid)->mass.centre_of_mass);
-        shoot_ball(world, pose.position + pose.orientation * to_point, pose.orientation * glm::vec3(-1.0f, 0.0f, 0.0f), energy);
+        shoot_ball(world, pose.position + pose.orientation * to_point, pose.orientation * glm::vec3(-1.0f, 0.0f, 0.0f),
+                   energy);
         for (int i = 0; i < 30 && destruction.jobs_in_flight() == 0; ++i) during.run(world, destruction);
         const Clock::time_point contact = Clock::now();
         while (destruction.jobs_in_flight() > 0) during.run(world, destruction);
@@ -186,7 +189,8 @@ void run_thousand(benchmark::State& state, bool (*add_others)(World&)) {
         if (!add_others(world)) return state.SkipWithError("no bodies");
         Destruction destruction({.timing = Timing::when_ready});
         for (int i = 0; i < 30; ++i) {
-            desc.motion.placement.position = {-9.0f + 0.8f * static_cast<float>(i % 6), 0.31f, 3.0f + 0.8f * static_cast<float>(i / 6)};
+            desc.motion.placement.position = {-9.0f + 0.8f * static_cast<float>(i % 6), 0.31f,
+                                              3.0f + 0.8f * static_cast<float>(i / 6)};
             if (!destruction.add(world, *ball, desc)) return state.SkipWithError("no body");
         }
         Frames settle, before, during, after;
@@ -219,7 +223,8 @@ void run_cycles(benchmark::State& state) {
     desc.solid = {.material = material_preset("stone")->material, .min_size = 0.1};
     const Result<SolidPtr> cube = make_solid(fracture::cube(1.0), desc.solid);
     for (auto _ : state) {
-        World world({.gravity = glm::vec3(0.0f), .ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false});
+        World world(
+            {.gravity = glm::vec3(0.0f), .ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false});
         Destruction destruction({.latency = 1});
         uint64_t heap = 0, bodies = 0;
         for (int cycle = 0; cycle < cycles; ++cycle) {
@@ -244,13 +249,16 @@ void add_impact_benchmarks() {
     std::vector<std::string> meshes{"ball_328k", "knot_1311k"};
     if (std::ifstream(bunny_file).good()) meshes.insert(meshes.begin(), "bunny");
     for (const std::string& mesh : meshes)
-        benchmark::RegisterBenchmark(("impact/" + mesh).c_str(), [=](benchmark::State& state) { run_impact(state, mesh); })
+        benchmark::RegisterBenchmark(("impact/" + mesh).c_str(),
+                                     [=](benchmark::State& state) { run_impact(state, mesh); })
             ->Unit(benchmark::kMillisecond)
             ->UseManualTime()
             ->Iterations(9);
-    const std::pair<const char*, bool (*)(World&)> scenes[] = {{"impact/1000_bodies", add_pile}, {"impact/1000_in_crowd", add_crowd}};
+    const std::pair<const char*, bool (*)(World&)> scenes[] = {{"impact/1000_bodies", add_pile},
+                                                               {"impact/1000_in_crowd", add_crowd}};
     for (const auto& [name, add_others] : scenes)
-        benchmark::RegisterBenchmark(name, [add_others = add_others](benchmark::State& state) { run_thousand(state, add_others); })
+        benchmark::RegisterBenchmark(
+            name, [add_others = add_others](benchmark::State& state) { run_thousand(state, add_others); })
             ->Unit(benchmark::kMillisecond)
             ->UseManualTime()
             ->Iterations(3);

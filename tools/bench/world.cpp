@@ -16,8 +16,8 @@
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "physics/bonds/anchor.h"
-#include "physics/material.h"
 #include "physics/bonds/structure.h"
+#include "physics/material.h"
 #include "tools/bench/broken_bunny.h"
 #include "tools/bench/samples.h"
 
@@ -38,7 +38,8 @@ double milliseconds_of(const auto& body) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::vector<double> steps_of(World& world, int count, const std::function<void()>& after_step = [] {}) {
+std::vector<double> steps_of(
+    World& world, int count, const std::function<void()>& after_step = [] {}) {
     std::vector<double> steps;
     for (int step = 0; step < count; ++step)
         steps.push_back(milliseconds_of([&] {
@@ -123,7 +124,8 @@ struct Apart {
 
 // A thousand more pieces come in one frame; and the same without them. Each run has the same steps, so what a step takes is the least
 // of all runs: what else the machine did only adds to it. In medians, and in single frames most of all, what it did is counted, too.
-template<class Newcomers> void run_add(benchmark::State& state, const WorldSettings& settings, Newcomers newcomers) {
+template<class Newcomers>
+void run_add(benchmark::State& state, const WorldSettings& settings, Newcomers newcomers) {
     const BrokenBunny there(sites_for_1000);
     std::vector<std::vector<double>> before, after, without;
     size_t asleep = 0, colliding = 0;
@@ -179,9 +181,11 @@ void run_tower(benchmark::State& state) {
     const TriangleMesh mesh = fracture::tower();
     const auto pieces = fracture::fracture(mesh, sites->sites);
     physics::Material material = material_preset("stone")->material;
-    for (float* strength : {&material.tensile, &material.compressive, &material.shear}) *strength *= 0.1f; // as the program
+    for (float* strength : {&material.tensile, &material.compressive, &material.shear})
+        *strength *= 0.1f; // as the program
     const TriangleMesh ball = icosphere(1, 0.17);
-    BodyDesc shot{.hull = collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}), .large = true, .mass = 160.5f};
+    BodyDesc shot{
+        .hull = collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}), .large = true, .mass = 160.5f};
     shot.inertia = glm::mat3(0.4f * shot.mass * 0.17f * 0.17f);
     for (auto _ : state) {
         World world({.most_colliding = 1000}); // as the scene
@@ -241,17 +245,20 @@ void add_world_benchmarks() {
     add("world/vacuum/1000", 3, [](benchmark::State& state) {
         run_drop(state, sites_for_1000, {.air_density = 0.0f, .debris_size = 0.0f, .most_colliding = 0}, false);
     });
-    const auto add_more = [&add](const std::string& name, const WorldSettings& settings, float height, const glm::vec3& at) {
-        add("world/add/" + name + "/1000_to_3000", runs_of_add,
-            [=](benchmark::State& state) { run_add(state, settings, Loose{BrokenBunny(sites_for_1000, height), at}); });
+    const auto add_more = [&add](const std::string& name, const WorldSettings& settings, float height,
+                                 const glm::vec3& at) {
+        add("world/add/" + name + "/1000_to_3000", runs_of_add, [=](benchmark::State& state) {
+            run_add(state, settings, Loose{BrokenBunny(sites_for_1000, height), at});
+        });
     };
     const glm::vec3 beside(-3.0f, 0.3f, 0.0f), above(0.0f, 1.0f, 0.0f);
     add_more("meet", all_meet, 1.0f, beside);
     add_more("default", {}, 1.0f, beside);
     add_more("onto", {}, 1.0f, above);
     add_more("small", {.most_colliding = 0}, little_bunny, beside);
-    add("world/add/apart/1000_to_3000", runs_of_add,
-        [=](benchmark::State& state) { run_add(state, WorldSettings{}, Apart{BrokenBunny(sites_for_1000), beside}); });
+    add("world/add/apart/1000_to_3000", runs_of_add, [=](benchmark::State& state) {
+        run_add(state, WorldSettings{}, Apart{BrokenBunny(sites_for_1000), beside});
+    });
     add("world/tower", 1, run_tower);
 }
 

@@ -18,8 +18,8 @@
 #include "fracture/io/import.h"
 #include "fracture/io/text_cursor.h"
 #include "fracture/shapes/shapes.h"
-#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/base/failure.h"
+#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/recipe/recipe.h"
 
 namespace brittle::tools {
@@ -56,7 +56,8 @@ Ball ball_of(const std::string& option, const std::string& text) {
     Ball ball;
     char rest = 0;
     const bool read = std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%c", &ball.centre.x, &ball.centre.y, &ball.centre.z,
-                                  &ball.radius, &rest) == 4;
+                                  &ball.radius, &rest)
+                      == 4;
     if (!read || !std::isfinite(ball.centre.x + ball.centre.y + ball.centre.z + ball.radius))
         throw CLI::ValidationError(option, "'" + text + "' is not X,Y,Z,RADIUS");
     return ball;
@@ -99,38 +100,49 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
         .add_option_function<std::string>(
             "mesh",
             [&options](const std::string& mesh) {
-                if (mesh.ends_with(".json")) read_recipe(mesh, options);
-                else options.mesh = mesh;
+                if (mesh.ends_with(".json"))
+                    read_recipe(mesh, options);
+                else
+                    options.mesh = mesh;
             },
             mesh_help() + ", or a recipe (.json)")
         ->type_name("MESH");
     fracture::Pattern& pattern = options.pattern;
-    auto* count = command.add_option("-n,--pieces", pattern.count,
-                                     "Number of Voronoi sites; those outside the solid give no piece")
-                      ->check(CLI::Range(1u, 1'000'000u))
-                      ->capture_default_str();
-    command.add_option("--seed", pattern.seed, "Seed of what is random, the cuts of blows too: equal seeds, equal pieces")
+    auto* count =
+        command
+            .add_option("-n,--pieces", pattern.count, "Number of Voronoi sites; those outside the solid give no piece")
+            ->check(CLI::Range(1u, 1'000'000u))
+            ->capture_default_str();
+    command
+        .add_option("--seed", pattern.seed, "Seed of what is random, the cuts of blows too: equal seeds, equal pieces")
         ->capture_default_str();
     // Before --pattern and its shape, which outdo it.
     command
         .add_option_function<std::string>(
             "--material", [&options](const std::string& name) { use_material(name, options); },
-            "What it is made of, which says how it breaks, moves and looks: glass, stone, concrete, wood, ceramic or brick")
+            "What it is made of, which says how it breaks, moves and looks: glass, stone, concrete, wood, ceramic or "
+            "brick")
         ->type_name("NAME");
     const auto names = fracture::pattern_names();
     const auto set_kind = [&pattern, names](const std::string& name) {
         pattern.kind = static_cast<fracture::PatternKind>(std::find(names.begin(), names.end(), name) - names.begin());
     };
     command
-        .add_option_function<std::string>("--pattern", set_kind,
-                                          "How the sites lie: uniform, clustered at the focus, radial (glass), grid, "
-                                          "bricks, slices, splinters (wood), curve (a crack), curvature (edges), thickness (small where thin)")
+        .add_option_function<std::string>(
+            "--pattern", set_kind,
+            "How the sites lie: uniform, clustered at the focus, radial (glass), grid, "
+            "bricks, slices, splinters (wood), curve (a crack), curvature (edges), thickness (small where thin)")
         ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
         ->type_name("NAME")
         ->default_str("uniform");
     const auto add_vector = [&command](const char* name, glm::dvec3& target, const char* help) {
-        command.add_option_function<std::vector<double>>(
-                   name, [&target](const std::vector<double>& v) { target = {v[0], v[1], v[2]}; }, help)
+        command
+            .add_option_function<std::vector<double>>(
+                name,
+                [&target](const std::vector<double>& v) {
+                    target = {v[0], v[1], v[2]};
+                },
+                help)
             ->expected(3)
             ->delimiter(',')
             ->type_name("X,Y,Z");
@@ -145,7 +157,10 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
     command.add_option("--grading", pattern.grading, "0: pieces of like sizes; to 1: from crumbs to lumps")
         ->check(CLI::Range(0.0, 1.0));
     command.add_flag("--inside", pattern.inside, "Only sites inside the solid, so that each makes a piece");
-    command.add_option("--sites", options.sites_file, "Read the sites from FILE instead: a line `x y z` each, or `x y z radius` for cells of graded sizes")
+    command
+        .add_option(
+            "--sites", options.sites_file,
+            "Read the sites from FILE instead: a line `x y z` each, or `x y z radius` for cells of graded sizes")
         ->type_name("FILE")
         ->excludes(count)
         ->excludes("--pattern");
@@ -167,10 +182,10 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
                     options.strikes.push_back(strike);
                 }
             },
-            "Break only what lies within RADIUS of a point of the mesh, metres; the rest stays one piece. May be given again")
+            "Break only what lies within RADIUS of a point of the mesh, metres; the rest stays one piece. May be given "
+            "again")
         ->type_name("X,Y,Z,RADIUS");
-    command.add_flag("--repair", options.repair,
-                     "First mend the mesh as `brittle repair` does; says what was done");
+    command.add_flag("--repair", options.repair, "First mend the mesh as `brittle repair` does; says what was done");
     const auto set_algorithm = [&options](const std::string& name) {
         options.algorithm = name == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
     };
@@ -198,8 +213,9 @@ void add_view_options(CLI::App& command, ViewOptions& view) {
         char rest = 0;
         const bool read = std::sscanf(text.c_str(), "%5ux%5u%c", &width, &height, &rest) == 2;
         if (!read || width < 16 || height < 16 || width > 8192 || height > 8192) {
-            throw CLI::ValidationError("--size", "'" + text + "' is no size; give WIDTHxHEIGHT, each between 16 and "
-                                                              "8192, e.g. 1280x720");
+            throw CLI::ValidationError("--size", "'" + text
+                                                     + "' is no size; give WIDTHxHEIGHT, each between 16 and "
+                                                       "8192, e.g. 1280x720");
         }
         view.width = width;
         view.height = height;
@@ -232,11 +248,13 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
                 for (const std::string& text : anchors) {
                     const Ball ball = ball_of("--anchor", text);
                     if (ball.radius < 0.001 || ball.radius > 10.0)
-                        throw CLI::ValidationError("--anchor", "'" + text + "' has a radius that is not in [0.001, 10]");
+                        throw CLI::ValidationError("--anchor",
+                                                   "'" + text + "' has a radius that is not in [0.001, 10]");
                     world.anchors.push_back({ball.centre, ball.radius});
                 }
             },
-            "Bonded, or breakable, and held where it is within RADIUS of a point: metres from the middle of its foot, with "
+            "Bonded, or breakable, and held where it is within RADIUS of a point: metres from the middle of its foot, "
+            "with "
             "the mesh 2 m long. May be given again")
         ->type_name("X,Y,Z,RADIUS");
     command
@@ -246,46 +264,58 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
                 world.shots.clear();
                 for (const std::string& text : shots) world.shots.push_back(shot_of(text));
             },
-            "A ball of steel is shot from a point, at a velocity in m/s, after SECONDS (0): metres, the mesh 2 m long over the "
+            "A ball of steel is shot from a point, at a velocity in m/s, after SECONDS (0): metres, the mesh 2 m long "
+            "over the "
             "origin of the ground. May be given again")
         ->type_name("X,Y,Z,VX,VY,VZ,RADIUS[,SECONDS]");
-    command.add_option("--strength", world.strength,
-                       "Of bonds and breakable pieces, in the material's own; 0.075 is stone laid in weak mortar")
+    command
+        .add_option("--strength", world.strength,
+                    "Of bonds and breakable pieces, in the material's own; 0.075 is stone laid in weak mortar")
         ->check(CLI::Range(1e-6, 1e6))
         ->capture_default_str();
     command.add_flag("--breakable", world.breakable,
-                     "Cut anew where it is hit, again and again. Without --bonded it starts whole: blows cut in the manner of --pattern, or "
+                     "Cut anew where it is hit, again and again. Without --bonded it starts whole: blows cut in the "
+                     "manner of --pattern, or "
                      "along the diagram of --sites, fitted to what is hit; --anchored holds its foot");
-    command.add_option("--min-size", world.min_size, "Metres, cube root of volume; breakable things give no smaller pieces")
+    command
+        .add_option("--min-size", world.min_size,
+                    "Metres, cube root of volume; breakable things give no smaller pieces")
         ->check(CLI::Range(1e-4, 10.0))
         ->capture_default_str();
     command.add_option("--blow-pieces", world.blow_pieces, "Pieces that one blow to a breakable thing makes, at most")
         ->check(CLI::Range(2u, 1000u))
         ->capture_default_str();
-    command.add_option("--piece-limit", world.piece_limit,
-                       "Pieces of breakable things in the world, bonded or not; beyond it debris goes: first what is not in the picture, then what "
-                       "is small and old. With --bonded alone nothing goes")
+    command
+        .add_option("--piece-limit", world.piece_limit,
+                    "Pieces of breakable things in the world, bonded or not; beyond it debris goes: first what is not "
+                    "in the picture, then what "
+                    "is small and old. With --bonded alone nothing goes")
         ->check(CLI::Range(1u, 1'000'000u))
         ->capture_default_str();
     command.add_option("--air-density", world.air_density, "Of the air that brakes what moves, kg/m^3; 0 is a vacuum")
         ->check(CLI::Range(0.0, 1e4))
         ->capture_default_str();
-    command.add_option("--most-colliding", world.most_colliding,
-                       "Awake pieces that collide with each other, at most; what comes off beyond meets only the ground, what is held, "
-                       "balls, and what is at least twice as long, and may lie in its like. Keeps frames short; 0: no limit, for "
-                       "pictures that may take their time")
+    command
+        .add_option(
+            "--most-colliding", world.most_colliding,
+            "Awake pieces that collide with each other, at most; what comes off beyond meets only the ground, what is "
+            "held, "
+            "balls, and what is at least twice as long, and may lie in its like. Keeps frames short; 0: no limit, for "
+            "pictures that may take their time")
         ->check(CLI::Range(0u, 1'000'000u))
         ->capture_default_str();
-    command.add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")
+    command
+        .add_option("--height", world.height, "Metres of the mesh above the ground at first; 0 where it is anchored")
         ->check(CLI::Range(0.0, 100.0))
         ->capture_default_str();
 }
 
 void add_classify_option(CLI::App& command, std::string& where) {
     command
-        .add_option("--classify", where,
-                    "Where vertices and triangles are classified: cpu, gpu (the Vulkan device, even if that is a CPU), or "
-                    "auto: whichever a few trials find faster. Never changes the result")
+        .add_option(
+            "--classify", where,
+            "Where vertices and triangles are classified: cpu, gpu (the Vulkan device, even if that is a CPU), or "
+            "auto: whichever a few trials find faster. Never changes the result")
         ->check(CLI::IsMember({"auto", "cpu", "gpu"}))
         ->type_name("WHERE")
         ->capture_default_str();
@@ -310,14 +340,17 @@ void add_export_options(CLI::App& command, ExportSettings& files) {
                      "GLB: also masses and hulls by KHR_physics_rigid_bodies, the draft of 2024");
     command.add_option("--density", files.density, "kg/m^3, of --rigid-bodies; the material's if not given")
         ->check(CLI::PositiveNumber);
-    command.add_option("--interior-texture", files.interior_texture,
-                       "An image for the cuts, repeated every metre (PNG or JPEG)")
+    command
+        .add_option("--interior-texture", files.interior_texture,
+                    "An image for the cuts, repeated every metre (PNG or JPEG)")
         ->type_name("FILE");
 }
 
 void add_state_export(CLI::App& command, StateExport& pieces) {
-    command.add_option("--export", pieces.files.output,
-                       "Also write the pieces of the last moment, as blows have cut them by then: .glb, .obj, .ply or .stl")
+    command
+        .add_option(
+            "--export", pieces.files.output,
+            "Also write the pieces of the last moment, as blows have cut them by then: .glb, .obj, .ply or .stl")
         ->check(has_exportable_ending)
         ->type_name("FILE");
     command.add_option("--export-as", pieces.as, "lie: turned and moved as they lie; made: where they were cut")
@@ -336,7 +369,8 @@ void add_profile(CLI::App& app, std::function<int()>& run) {
     profile
         ->add_option_function<std::string>(
             "--scenarios", [&plan](const std::string& file) { read_profile_plan(file, plan); },
-            "What to measure, from a file (assets/profile.schema.json); for what it leaves open the command line is asked")
+            "What to measure, from a file (assets/profile.schema.json); for what it leaves open the command line is "
+            "asked")
         ->type_name("FILE.json");
     add_fracture_options(*profile, command.fracture);
     profile->add_option("--meshes", command.lists.meshes, "Several meshes instead of MESH")
@@ -352,9 +386,10 @@ void add_profile(CLI::App& app, std::function<int()>& run) {
         ->excludes("--piece-size")
         ->type_name("N,N,...");
     profile
-        ->add_option("--classify", command.lists.classify,
-                     "Where vertices and triangles are classified: cpu, gpu (the Vulkan device, even if that is a CPU), "
-                     "auto (whichever a few trials find faster) or several of them")
+        ->add_option(
+            "--classify", command.lists.classify,
+            "Where vertices and triangles are classified: cpu, gpu (the Vulkan device, even if that is a CPU), "
+            "auto (whichever a few trials find faster) or several of them")
         ->check(CLI::IsMember({"auto", "cpu", "gpu"}))
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -390,24 +425,29 @@ void add_profile(CLI::App& app, std::function<int()>& run) {
 }
 
 void add_record_option(CLI::App& command, std::string& file) {
-    command.add_option("--record", file, "Also write a log of what happens, for `brittle replay`")->type_name("FILE.log");
+    command.add_option("--record", file, "Also write a log of what happens, for `brittle replay`")
+        ->type_name("FILE.log");
 }
 
 void add_replay(CLI::App& app, std::function<int()>& run) {
     static ReplayCommand command;
-    auto* replay = app.add_subcommand("replay", "Repeat a recorded run without a display and compare the state after each step");
+    auto* replay =
+        app.add_subcommand("replay", "Repeat a recorded run without a display and compare the state after each step");
     replay->add_option("log", command.log, "What --record wrote")->required()->type_name("FILE.log");
     replay->add_option("--render", command.pictures, "Also draw it: %04d stands for the frame's number")
         ->type_name("FILE_%04d.png");
     replay->add_option("--every", command.every, "Write every so many-th frame, 60 a second")
         ->check(CLI::Range(1u, 100'000u))
         ->capture_default_str();
-    replay->add_option("--video", command.video, "Also draw it as a video, by the program ffmpeg")->type_name("FILE.mp4");
+    replay->add_option("--video", command.video, "Also draw it as a video, by the program ffmpeg")
+        ->type_name("FILE.mp4");
     replay->add_option("--threads", command.threads, "Worker threads; 0 is one a core. Never changes the result")
         ->check(CLI::Range(0u, 1024u))
         ->capture_default_str();
     add_state_export(*replay, command.pieces);
-    replay->get_option("--export")->excludes("--render")->excludes("--video"); // frames may go beyond the log's last step
+    replay->get_option("--export")
+        ->excludes("--render")
+        ->excludes("--video"); // frames may go beyond the log's last step
     add_view_options(*replay, command.view);
     replay->footer("Ends with 0 where all states are those recorded, with 8 where one is not.");
     replay->callback([&run] { run = [] { return run_replay(command); }; });
@@ -417,8 +457,9 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     static FractureCommand fracture_command;
     auto* fracture = app.add_subcommand("fracture", "Break a mesh and write the pieces: GLB, OBJ, PLY or STL");
     add_fracture_options(*fracture, fracture_command.fracture);
-    fracture->add_option("-o,--output", fracture_command.files.output,
-                         "The file to write; its ending says the format: .glb, .obj (with .mtl), .ply or .stl")
+    fracture
+        ->add_option("-o,--output", fracture_command.files.output,
+                     "The file to write; its ending says the format: .glb, .obj (with .mtl), .ply or .stl")
         ->required()
         ->check(has_exportable_ending)
         ->type_name("FILE");
@@ -429,10 +470,12 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     fracture->callback([&run] { run = [] { return run_fracture(fracture_command); }; });
 
     static InspectCommand inspect_command;
-    auto* inspect = app.add_subcommand("inspect", "Say what is the matter with a mesh, and what fracture will do with it");
+    auto* inspect =
+        app.add_subcommand("inspect", "Say what is the matter with a mesh, and what fracture will do with it");
     inspect->add_option("mesh", inspect_command.mesh, mesh_help())->required()->type_name("MESH");
     inspect->add_flag("--json", inspect_command.json, "As JSON");
-    inspect->add_option("--marks", inspect_command.marks, "Also write the mesh with what was found marked, for any viewer")
+    inspect
+        ->add_option("--marks", inspect_command.marks, "Also write the mesh with what was found marked, for any viewer")
         ->type_name("FILE.glb");
     inspect->add_option("--picture", inspect_command.picture, "Also draw the mesh with what was found marked")
         ->type_name("FILE.png");
@@ -441,22 +484,28 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     inspect->callback([&run] { run = [] { return run_inspect(inspect_command); }; });
 
     static RepairCommand repair_command;
-    auto* repair = app.add_subcommand("repair", "Mend a mesh: weld cracks, drop what is double, turn, close holes, split");
+    auto* repair =
+        app.add_subcommand("repair", "Mend a mesh: weld cracks, drop what is double, turn, close holes, split");
     repair->add_option("mesh", repair_command.mesh, mesh_help())->required()->type_name("MESH");
     repair->add_option("-o,--output", repair_command.output, "The file to write: .glb, .obj, .ply or .stl")
         ->required()
         ->check(has_exportable_ending)
         ->type_name("FILE");
-    repair->add_option("--weld", repair_command.settings.weld_distance,
-                       "Metres; vertices on the rims of holes this close become one. A millionth of the size if not given")
+    repair
+        ->add_option(
+            "--weld", repair_command.settings.weld_distance,
+            "Metres; vertices on the rims of holes this close become one. A millionth of the size if not given")
         ->check(CLI::NonNegativeNumber);
-    repair->add_option("--close-holes", repair_command.settings.close_holes, "Metres; only rims up to this length are closed")
+    repair
+        ->add_option("--close-holes", repair_command.settings.close_holes,
+                     "Metres; only rims up to this length are closed")
         ->check(CLI::NonNegativeNumber);
     repair->add_flag("--cavities", repair_command.settings.cavities,
                      "A part wholly inside another becomes a cavity of it, whichever way it faces");
     repair->add_flag("--overlaps", repair_command.settings.covered_parts,
                      "Parts wholly inside others go, so that space counts once; parts that cross stay");
-    repair->footer("Ends with 0 where the result can be fractured, with 4 where it cannot. A sound mesh is not changed.");
+    repair->footer(
+        "Ends with 0 where the result can be fractured, with 4 where it cannot. A sound mesh is not changed.");
     repair->callback([&run] { run = [] { return run_repair(repair_command); }; });
 
     static RenderCommand render_command;
@@ -469,13 +518,17 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     render->add_option("--every", render_command.every, "Write every so many-th frame")
         ->check(CLI::Range(1u, 100'000u))
         ->capture_default_str();
-    render->add_option("-o,--output", render_command.output, "Where to: %04d stands for the frame's number; without it one picture is written, of the last frame")
+    render
+        ->add_option(
+            "-o,--output", render_command.output,
+            "Where to: %04d stands for the frame's number; without it one picture is written, of the last frame")
         ->type_name("FILE_%04d.png")
         ->capture_default_str();
     render->add_flag("--whole", picture.whole, "Draw the unbroken mesh at rest");
     render->add_option("--planes", picture.planes, "Only cut the cell of the first site out, by so many of its planes");
-    render->add_option("--explode", picture.explode,
-                       "Draw the pieces moved apart, by this share of their distance to the middle")
+    render
+        ->add_option("--explode", picture.explode,
+                     "Draw the pieces moved apart, by this share of their distance to the middle")
         ->check(CLI::Range(0.0f, 10.0f))
         ->capture_default_str();
     render->add_flag("--show-sites", picture.sites, "Draw the sites as red spheres");
@@ -483,22 +536,27 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     render->add_flag("--smooth", picture.smooth, "Round exteriors instead of facets");
     render->add_flag("--wireframe", picture.wireframe, "Draw the edges of triangles");
     render->add_flag("--show-cells", picture.cells, "Draw the edges of the Voronoi cells as blue lines");
-    render->add_option("--azimuth", picture.azimuth, "Degrees of the camera, from +Z towards +X")->capture_default_str();
+    render->add_option("--azimuth", picture.azimuth, "Degrees of the camera, from +Z towards +X")
+        ->capture_default_str();
     render->add_option("--elevation", picture.elevation, "Degrees of the camera above the ground")
         ->check(CLI::Range(-89.0f, 89.0f))
         ->capture_default_str();
     render->add_option("--distance", picture.distance, "Of the camera; 1 shows the mesh, the ground and some room")
         ->check(CLI::Range(0.1f, 10.0f))
         ->capture_default_str();
-    render->add_option("--video", render_command.video,
-                       "Also write all frames as a video, by the program ffmpeg; without -o no pictures then, nor with --export")
+    render
+        ->add_option(
+            "--video", render_command.video,
+            "Also write all frames as a video, by the program ffmpeg; without -o no pictures then, nor with --export")
         ->type_name("FILE.mp4");
     add_record_option(*render, render_command.record);
-    render->add_option("--ids", render_command.ids,
-                       "Also write which piece each pixel shows, one colour a piece, as a PNG beside each picture; "
-                       "docs/files.md says how to read it")
+    render
+        ->add_option("--ids", render_command.ids,
+                     "Also write which piece each pixel shows, one colour a piece, as a PNG beside each picture; "
+                     "docs/files.md says how to read it")
         ->type_name("FILE.png");
-    render->add_option("--graph", render_command.graph, "Also write the frame graph of the last picture, for `dot -Tsvg`")
+    render
+        ->add_option("--graph", render_command.graph, "Also write the frame graph of the last picture, for `dot -Tsvg`")
         ->type_name("FILE.dot");
     add_state_export(*render, render_command.pieces);
     add_world_options(*render, render_command.fracture.world);
@@ -513,12 +571,14 @@ void add_commands(CLI::App& app, std::function<int()>& run) {
     add_replay(app, run);
 
     static DemoCommand demo_command;
-    auto* demo = app.add_subcommand("demo", "A window to break meshes in: tools, panels, preview (Space breaks, H lists all keys)");
+    auto* demo = app.add_subcommand(
+        "demo", "A window to break meshes in: tools, panels, preview (Space breaks, H lists all keys)");
     demo_command.fracture.mesh = "shape:animal";
     add_fracture_options(*demo, demo_command.fracture);
     demo->get_option("mesh")->capture_default_str();
     add_world_options(*demo, demo_command.fracture.world);
-    demo->add_option("--ui-scale", demo_command.ui_scale, "Of text and panels: 2 on a display of high density; asks the display if not given")
+    demo->add_option("--ui-scale", demo_command.ui_scale,
+                     "Of text and panels: 2 on a display of high density; asks the display if not given")
         ->check(CLI::Range(0.5, 4.0));
     add_classify_option(*demo, demo_command.classify);
     add_record_option(*demo, demo_command.record);
@@ -550,7 +610,8 @@ int run(int argc, char** argv) {
         std::fputs(app.help().c_str(), stderr);
         return exit_usage;
     }
-    if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) throw Failure(exit_usage, unknown);
+    if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty())
+        throw Failure(exit_usage, unknown);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

@@ -51,11 +51,16 @@ void scale(TriangleMesh& mesh, const glm::dvec3& factor) {
 
 TriangleMesh simple_shape(Dice& dice) {
     switch (dice.below(5)) {
-    case 0: return cube();
-    case 1: return lattice_cube(dice.between(1, 4));
-    case 2: return icosphere(dice.between(0, 2));
-    case 3: return torus(dice.between(3, 24), dice.between(3, 16), 0.7, 0.28);
-    default: return hollow_sphere(dice.between(1, 2));
+    case 0:
+        return cube();
+    case 1:
+        return lattice_cube(dice.between(1, 4));
+    case 2:
+        return icosphere(dice.between(0, 2));
+    case 3:
+        return torus(dice.between(3, 24), dice.between(3, 16), 0.7, 0.28);
+    default:
+        return hollow_sphere(dice.between(1, 2));
     }
 }
 
@@ -164,14 +169,24 @@ void break_mesh(Dice& dice, Case& c) {
     Triangle& victim = mesh.triangles[dice.below(static_cast<uint32_t>(mesh.triangles.size()))];
     c.expect = Expect::refusal;
     switch (dice.below(8)) {
-    case 0: mesh.triangles.erase(mesh.triangles.begin() + (&victim - mesh.triangles.data())); break;
-    case 1: std::swap(victim.x, victim.y); break;
-    case 2: mesh.triangles.push_back(Triangle(victim)); break;
-    case 3: victim.y = static_cast<uint32_t>(mesh.positions.size()) + dice.below(1000); break;
-    case 4: victim.x = victim.z; break;
+    case 0:
+        mesh.triangles.erase(mesh.triangles.begin() + (&victim - mesh.triangles.data()));
+        break;
+    case 1:
+        std::swap(victim.x, victim.y);
+        break;
+    case 2:
+        mesh.triangles.push_back(Triangle(victim));
+        break;
+    case 3:
+        victim.y = static_cast<uint32_t>(mesh.positions.size()) + dice.below(1000);
+        break;
+    case 4:
+        victim.x = victim.z;
+        break;
     case 5:
-        mesh.positions[victim.x].y = dice.chance(0.5) ? std::numeric_limits<double>::quiet_NaN()
-                                                      : std::numeric_limits<double>::infinity();
+        mesh.positions[victim.x].y =
+            dice.chance(0.5) ? std::numeric_limits<double>::quiet_NaN() : std::numeric_limits<double>::infinity();
         break;
     case 6: { // four triangles at an edge
         const Triangle t = victim;
@@ -192,9 +207,12 @@ glm::dvec3 mesh_point(Dice& dice, const TriangleMesh& mesh) {
     const Triangle& t = mesh.triangles[dice.below(static_cast<uint32_t>(mesh.triangles.size()))];
     const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
     switch (dice.below(3)) {
-    case 0: return a;
-    case 1: return (a + b) * 0.5;
-    default: return (a + b + c) / 3.0;
+    case 0:
+        return a;
+    case 1:
+        return (a + b) * 0.5;
+    default:
+        return (a + b + c) / 3.0;
     }
 }
 
@@ -366,9 +384,8 @@ Case random_case(uint64_t seed, std::string_view family) {
 
 std::string to_text(const Case& c) {
     constexpr std::array expectations = {"pieces", "refusal", "either"};
-    std::string text = "brittle-case 1\nfamily " + c.family + "\nexpect "
-                       + expectations[static_cast<size_t>(c.expect)] + "\nsimple " + (c.simple ? "1" : "0")
-                       + "\ngeneric " + (c.generic ? "1" : "0") + "\n";
+    std::string text = "brittle-case 1\nfamily " + c.family + "\nexpect " + expectations[static_cast<size_t>(c.expect)]
+                       + "\nsimple " + (c.simple ? "1" : "0") + "\ngeneric " + (c.generic ? "1" : "0") + "\n";
     char line[120];
     const auto points = [&](const char* name, const std::vector<glm::dvec3>& list) {
         text += name + (" " + std::to_string(list.size())) + "\n";

@@ -27,7 +27,7 @@ struct Case {
     fracture::TriangleMesh mesh;
     std::vector<glm::dvec3> sites;
     std::vector<uint32_t> groups; // of sites; or none
-    std::vector<double> weights; // of sites; or none
+    std::vector<double> weights;  // of sites; or none
     double min_volume = 0.0;
 };
 

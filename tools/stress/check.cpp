@@ -11,9 +11,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/exact/exact.h"
 #include "fracture/fracture.h"
+#include "fracture/pieces/certificate.h"
 
 namespace brittle::stress {
 
@@ -93,8 +93,8 @@ Measure measure(std::span<const Triangle> triangles, const Position& position) {
         };
         const auto bc = cross(b, c);
         sum.volume += (a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2]) / 6.0L;
-        const auto n = cross(std::array{b[0] - a[0], b[1] - a[1], b[2] - a[2]},
-                             std::array{c[0] - a[0], c[1] - a[1], c[2] - a[2]});
+        const auto n =
+            cross(std::array{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, std::array{c[0] - a[0], c[1] - a[1], c[2] - a[2]});
         sum.area += std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2.0L;
     }
     return sum;
@@ -110,8 +110,7 @@ std::string volume_complaint(const Case& c, const Fragments& f) {
     const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
     const double extent = std::max({furthest.x, furthest.y, furthest.z});
     const double size = std::max({box.size().x, box.size().y, box.size().z});
-    const Measure input =
-        measure(c.mesh.triangles, [&](uint32_t v) { return extended(c.mesh.positions[v]); });
+    const Measure input = measure(c.mesh.triangles, [&](uint32_t v) { return extended(c.mesh.positions[v]); });
     Measure sum, stored;
     long double absolute = 0.0L;
     for (const Piece& piece : f.pieces) {
@@ -179,7 +178,9 @@ std::string cap_complaint(const Case& c, const Fragments& f) {
     for (const auto& [side, count] : balance) {
         if (count == 0) continue;
         const auto& [site, other, corners] = side;
-        const auto p = [&corners = corners](size_t k) { return glm::dvec3(corners[k][0], corners[k][1], corners[k][2]); };
+        const auto p = [&corners = corners](size_t k) {
+            return glm::dvec3(corners[k][0], corners[k][1], corners[k][2]);
+        };
         unpaired[std::minmax(site, other)] += 0.5 * count * glm::cross(p(1) - p(0), p(2) - p(0));
         extent = std::max({extent, glm::length(p(0)), glm::length(p(1)), glm::length(p(2))});
     }
@@ -247,7 +248,8 @@ std::string group_complaint(const Case& c, const Fragments& f) {
 }
 
 std::string difference_from_sequential(const Case& c, const Fragments& f) {
-    const Result<Fragments> reference = fracture::fracture(c.mesh, c.sites, {.algorithm = Algorithm::sequential, .weights = c.weights});
+    const Result<Fragments> reference =
+        fracture::fracture(c.mesh, c.sites, {.algorithm = Algorithm::sequential, .weights = c.weights});
     if (!reference) return "sequential refuses it: " + reference.error().message;
     struct Cell {
         double volume = 0.0;
@@ -280,8 +282,9 @@ std::string difference_from_sequential(const Case& c, const Fragments& f) {
 
 std::string complaint(const Case& c) {
     const auto run = [&](uint32_t threads) {
-        return fracture::fracture(c.mesh, c.sites,
-                                  {.threads = threads, .groups = c.groups, .weights = c.weights, .min_volume = c.min_volume});
+        return fracture::fracture(
+            c.mesh, c.sites,
+            {.threads = threads, .groups = c.groups, .weights = c.weights, .min_volume = c.min_volume});
     };
     const Result<Fragments> result = run(1);
     if (!result) {

@@ -22,7 +22,8 @@ constexpr bool can_limit_memory = true;
 
 [[noreturn]] void run_child(int out, const std::function<std::string()>& function, unsigned seconds,
                             size_t memory_bytes) {
-    if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) dup2(nowhere, STDERR_FILENO); // glibc's last words
+    if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0)
+        dup2(nowhere, STDERR_FILENO); // glibc's last words
     const rlimit time{seconds, seconds + 1}, memory{memory_bytes, memory_bytes}, core{0, 0};
     setrlimit(RLIMIT_CPU, &time);
     setrlimit(RLIMIT_CORE, &core);

@@ -8,7 +8,6 @@ namespace brittle::stress {
 
 // In a child process with limits on time and memory. What the function returns, or how the child ended: crashed, ran
 // out of time (seconds of processor time), out of memory.
-[[nodiscard]] std::string isolated(const std::function<std::string()>& function, unsigned seconds,
-                                   size_t memory_bytes);
+[[nodiscard]] std::string isolated(const std::function<std::string()>& function, unsigned seconds, size_t memory_bytes);
 
 } // namespace brittle::stress

@@ -43,8 +43,7 @@ void report_failure(const Options& options, const stress::Case& c, const std::st
     };
     const stress::Case small = stress::shrink(
         c, [&](const stress::Case& candidate) { return words(check(options, candidate)) == words(wrong); }, most_tries);
-    const std::filesystem::path file =
-        std::filesystem::path(options.save) / ("seed_" + std::to_string(seed) + ".txt");
+    const std::filesystem::path file = std::filesystem::path(options.save) / ("seed_" + std::to_string(seed) + ".txt");
     const std::string text = stress::to_text(small);
     std::error_code ignored;
     std::filesystem::create_directories(options.save, ignored);
@@ -105,7 +104,8 @@ int main(int count, char** arguments) {
     app.add_option("--cases", options.cases, "so many cases instead");
     app.add_option("--seed", options.seed, "of the first case; the next ones count up")->capture_default_str();
     app.add_option("--family", options.family, "meshes of this kind only")
-        ->check(CLI::IsMember(std::vector<std::string>(stress::mesh_families().begin(), stress::mesh_families().end())));
+        ->check(
+            CLI::IsMember(std::vector<std::string>(stress::mesh_families().begin(), stress::mesh_families().end())));
     app.add_option("--replay", options.replay, "check one saved case")->check(CLI::ExistingFile);
     app.add_option("--save", options.save, "folder for failures")->capture_default_str();
     app.add_option("--seconds", options.seconds, "processor time that a case may take")->capture_default_str();

@@ -30,8 +30,7 @@ std::vector<Group> groups_of(const std::vector<Triangle>& triangles) {
     std::sort(sorted.begin(), sorted.end());
     std::vector<Group> groups;
     for (size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
-        while (end < sorted.size()
-               && std::equal(sorted[end].begin(), sorted[end].begin() + 3, sorted[begin].begin()))
+        while (end < sorted.size() && std::equal(sorted[end].begin(), sorted[end].begin() + 3, sorted[begin].begin()))
             ++end;
         if (end - begin == 1) continue;
         Group group;
@@ -96,8 +95,8 @@ class Backs {
     // Uses of the edge by triangles of no group.
     [[nodiscard]] size_t others(size_t edge) const {
         const auto uses = table_[edge];
-        return static_cast<size_t>(std::count_if(
-            uses.begin(), uses.end(), [&](const EdgeUse& use) { return group_of(use) == no_index; }));
+        return static_cast<size_t>(
+            std::count_if(uses.begin(), uses.end(), [&](const EdgeUse& use) { return group_of(use) == no_index; }));
     }
 
     // The one that agrees best with its neighbours, else the first.

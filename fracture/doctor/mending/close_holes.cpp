@@ -27,12 +27,10 @@ std::vector<RimSide> rim_sides(const EdgeTable& table) {
     for (size_t e = 0; e < table.size(); ++e) {
         const auto uses = table[e];
         const int surplus = table.surplus(e);
-        const RimSide side =
-            surplus > 0 ? RimSide{uses[0].high, uses[0].low} : RimSide{uses[0].low, uses[0].high};
+        const RimSide side = surplus > 0 ? RimSide{uses[0].high, uses[0].low} : RimSide{uses[0].low, uses[0].high};
         sides.insert(sides.end(), static_cast<size_t>(std::abs(surplus)), side);
     }
-    std::stable_sort(sides.begin(), sides.end(),
-                     [](const RimSide& a, const RimSide& b) { return a.from < b.from; });
+    std::stable_sort(sides.begin(), sides.end(), [](const RimSide& a, const RimSide& b) { return a.from < b.from; });
     return sides;
 }
 
@@ -119,8 +117,7 @@ class LoopFinder {
 
     // Clockwise around the normal at v, from the direction to `from` to that to `to`.
     [[nodiscard]] double angle_between(uint32_t from, uint32_t v, uint32_t to) const {
-        const glm::dvec3 a = mesh_.positions[from] - mesh_.positions[v],
-                         b = mesh_.positions[to] - mesh_.positions[v];
+        const glm::dvec3 a = mesh_.positions[from] - mesh_.positions[v], b = mesh_.positions[to] - mesh_.positions[v];
         const glm::dvec3& n = normals_[v];
         const double size = glm::length(n);
         if (!(size > 0.0)) return 0.0;
@@ -149,8 +146,7 @@ class TakenByMesh final : public Taken {
   public:
     TakenByMesh(const std::vector<Triangle>& triangles, const EdgeTable& table) : table_(table) {
         triangles_.reserve(triangles.size());
-        for (uint32_t t = 0; t < triangles.size(); ++t)
-            triangles_.emplace_back(sorted_corners(triangles[t]), t);
+        for (uint32_t t = 0; t < triangles.size(); ++t) triangles_.emplace_back(sorted_corners(triangles[t]), t);
         std::sort(triangles_.begin(), triangles_.end());
     }
 
@@ -218,8 +214,7 @@ class HoleCloser {
     bool run(std::vector<RimSide> sides) {
         const std::vector<Loop> loops = LoopFinder(work_.mesh, std::move(sides)).run();
         std::vector<uint8_t> done(loops.size(), 0);
-        for (const std::vector<uint32_t>& ring : find_rings(work_.mesh.positions, loops))
-            fill_ring(loops, ring, done);
+        for (const std::vector<uint32_t>& ring : find_rings(work_.mesh.positions, loops)) fill_ring(loops, ring, done);
         for (size_t k = 0; k < loops.size(); ++k)
             if (!done[k] && !drop_loose(loops[k])) fill(loops[k]);
         if (any_loose_) work_.drop(loose_);
@@ -238,8 +233,7 @@ class HoleCloser {
         return place;
     }
 
-    void fill_ring(const std::vector<Loop>& loops, const std::vector<uint32_t>& ring,
-                   std::vector<uint8_t>& done) {
+    void fill_ring(const std::vector<Loop>& loops, const std::vector<uint32_t>& ring, std::vector<uint8_t>& done) {
         std::vector<Loop> parts;
         for (const uint32_t k : ring) {
             if (!is_wanted(loops[k])) return;
@@ -295,8 +289,7 @@ class HoleCloser {
     void count_closed(const Loop& loop) {
         for (size_t k = 0; k < loop.size(); ++k) {
             const uint32_t e = table_.find(loop[k], loop[(k + 1) % loop.size()]);
-            if (table_[e].size() == 2 && !is_cut_[e])
-                work_.report.cut_edges.add(work_.origin[table_[e][0].low]);
+            if (table_[e].size() == 2 && !is_cut_[e]) work_.report.cut_edges.add(work_.origin[table_[e][0].low]);
             is_cut_[e] = 1;
         }
         work_.report.closed_holes.add(place_of(loop));

@@ -3,9 +3,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/doctor/mending/steps.h"
 #include "fracture/mesh/intersections.h"
 #include "fracture/mesh/islands.h"
-#include "fracture/doctor/mending/steps.h"
 #include "fracture/mesh/topology.h"
 
 namespace brittle::fracture::mending {

@@ -6,8 +6,8 @@
 
 #include <glm/vec2.hpp>
 
-#include "fracture/mesh/intersections.h"
 #include "fracture/arithmetic/plane_predicates.h"
+#include "fracture/mesh/intersections.h"
 
 namespace brittle::fracture::mending {
 namespace {
@@ -29,16 +29,14 @@ class Around {
     }
 
     [[nodiscard]] std::vector<uint32_t> run() const {
-        std::vector<uint32_t> half(
-            uses_.size()); // 0: angle 0, 1: below half a turn, 2: half a turn, 3: above
+        std::vector<uint32_t> half(uses_.size()); // 0: angle 0, 1: below half a turn, 2: half a turn, 3: above
         for (uint32_t k = 0; k < uses_.size(); ++k) half[k] = half_of(apexes_[k]);
         std::vector<uint32_t> order(uses_.size());
         std::iota(order.begin(), order.end(), 0u);
         std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
             if (half[a] != half[b]) return half[a] < half[b];
             if (half[a] % 2 == 1)
-                if (const int turn = orientation(low_, high_, apexes_[a], apexes_[b]); turn != 0)
-                    return turn < 0;
+                if (const int turn = orientation(low_, high_, apexes_[a], apexes_[b]); turn != 0) return turn < 0;
             if (uses_[a].forward != uses_[b].forward) return uses_[a].forward;
             return a < b;
         });
@@ -48,9 +46,7 @@ class Around {
   private:
     // Seen along an axis, the side of the edge's line that a point is on.
     [[nodiscard]] int side_of_line(const glm::dvec3& p, int axis) const {
-        const auto flat = [axis](const glm::dvec3& q) {
-            return glm::dvec2(q[(axis + 1) % 3], q[(axis + 2) % 3]);
-        };
+        const auto flat = [axis](const glm::dvec3& q) { return glm::dvec2(q[(axis + 1) % 3], q[(axis + 2) % 3]); };
         const double side = orientation(flat(low_), flat(high_), flat(p));
         return side > 0.0 ? 1 : (side < 0.0 ? -1 : 0);
     }

@@ -50,9 +50,8 @@ bool is_simple(const std::vector<glm::dvec2>& points, const std::vector<uint32_t
     std::vector<uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
     const auto least_x = [&](uint32_t k) { return std::min(points[k].x, end(k).x); };
-    std::sort(order.begin(), order.end(), [&](uint32_t i, uint32_t j) {
-        return least_x(i) != least_x(j) ? least_x(i) < least_x(j) : i < j;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t i, uint32_t j) { return least_x(i) != least_x(j) ? least_x(i) < least_x(j) : i < j; });
     size_t pairs = 0;
     for (size_t i = 0; i < n; ++i) {
         const glm::dvec2 &a = points[order[i]], &b = end(order[i]);
@@ -80,8 +79,7 @@ bool is_inside(const glm::dvec2& p, const std::vector<glm::dvec2>& polygon) {
     for (size_t k = 0; k < polygon.size(); ++k) {
         const glm::dvec2 &a = polygon[k], &b = polygon[k + 1 == polygon.size() ? 0 : k + 1];
         if ((a.y > p.y) == (b.y > p.y)) continue;
-        const bool is_right =
-            (orientation(a, b, p) > 0.0) == (b.y > a.y); // the side passes to the right of the point
+        const bool is_right = (orientation(a, b, p) > 0.0) == (b.y > a.y); // the side passes to the right of the point
         inside = inside != is_right;
     }
     return inside;
@@ -112,15 +110,15 @@ std::optional<FlatLoop> as_flat(std::span<const glm::dvec3> positions, const Loo
     }
     if (most - least > in_plane * diagonal) return {};
     const auto rounded = [](double x) { return static_cast<int64_t>(std::floor(x + 0.5)); };
-    return FlatLoop{{rounded(unit.x / normal_grid), rounded(unit.y / normal_grid),
-                     rounded(unit.z / normal_grid), rounded(least / (offset_grid * diagonal))},
+    return FlatLoop{{rounded(unit.x / normal_grid), rounded(unit.y / normal_grid), rounded(unit.z / normal_grid),
+                     rounded(least / (offset_grid * diagonal))},
                     index,
                     normal};
 }
 
 // Of loops in one plane.
-void find_rings_among(std::span<const glm::dvec3> positions, std::span<const Loop> loops,
-                      std::vector<FlatLoop> flat, std::vector<std::vector<uint32_t>>& rings) {
+void find_rings_among(std::span<const glm::dvec3> positions, std::span<const Loop> loops, std::vector<FlatLoop> flat,
+                      std::vector<std::vector<uint32_t>>& rings) {
     std::stable_sort(flat.begin(), flat.end(), [](const FlatLoop& a, const FlatLoop& b) {
         return glm::length(a.normal) > glm::length(b.normal);
     });
@@ -210,8 +208,7 @@ uint32_t taken_inside(const std::vector<Triangle>& triangles, const Taken& taken
     return count;
 }
 
-std::vector<std::vector<uint32_t>> find_rings(std::span<const glm::dvec3> positions,
-                                              std::span<const Loop> loops) {
+std::vector<std::vector<uint32_t>> find_rings(std::span<const glm::dvec3> positions, std::span<const Loop> loops) {
     if (loops.size() < 2) return {};
     Box box{positions[loops[0][0]], positions[loops[0][0]]};
     for (const Loop& loop : loops) {
@@ -230,10 +227,10 @@ std::vector<std::vector<uint32_t>> find_rings(std::span<const glm::dvec3> positi
     for (size_t begin = 0, end = 0; begin < flat.size(); begin = end) {
         while (end < flat.size() && flat[end].plane == flat[begin].plane) ++end;
         if (end - begin < 2 || end - begin > most_loops) continue;
-        find_rings_among(positions, loops,
-                         {flat.begin() + static_cast<std::ptrdiff_t>(begin),
-                          flat.begin() + static_cast<std::ptrdiff_t>(end)},
-                         rings);
+        find_rings_among(
+            positions, loops,
+            {flat.begin() + static_cast<std::ptrdiff_t>(begin), flat.begin() + static_cast<std::ptrdiff_t>(end)},
+            rings);
     }
     return rings;
 }

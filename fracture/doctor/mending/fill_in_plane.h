@@ -28,8 +28,8 @@ class PlaneBasis {
 
 // Fills an outer loop, the first, and holes in it, which run the other way. Empty where they are not simple
 // as seen along the outer one's normal, or where a triangle is taken. Near-linear time.
-[[nodiscard]] std::vector<Triangle> fill_in_plane(std::span<const glm::dvec3> positions,
-                                                  std::span<const Loop> loops, const Taken& taken);
+[[nodiscard]] std::vector<Triangle> fill_in_plane(std::span<const glm::dvec3> positions, std::span<const Loop> loops,
+                                                  const Taken& taken);
 
 // The edges between two of the triangles that are taken.
 [[nodiscard]] uint32_t taken_inside(const std::vector<Triangle>& triangles, const Taken& taken);

@@ -123,8 +123,7 @@ class Filler {
             triangles.push_back(of(before(ear), ring[ear], after(ear)));
             ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
             cost.erase(cost.begin() + static_cast<std::ptrdiff_t>(ear));
-            const size_t right = ear == ring.size() ? 0 : ear,
-                         left = right == 0 ? ring.size() - 1 : right - 1;
+            const size_t right = ear == ring.size() ? 0 : ear, left = right == 0 ? ring.size() - 1 : right - 1;
             cost[left] = cost_of_ear(before(left), ring[left], after(left));
             cost[right] = cost_of_ear(before(right), ring[right], after(right));
         }

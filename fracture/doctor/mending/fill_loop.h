@@ -28,7 +28,6 @@ struct Fill {
 // taken; inner edges avoid taken ones where they can. No point is added. In the plane of the loop where it is
 // simple there: near-linear time. Else up to 64 corners the least area, cubic time; then ears, the shortest
 // edge first, quadratic time.
-[[nodiscard]] Fill fill_loop(std::span<const glm::dvec3> positions, std::span<const uint32_t> loop,
-                             const Taken& taken);
+[[nodiscard]] Fill fill_loop(std::span<const glm::dvec3> positions, std::span<const uint32_t> loop, const Taken& taken);
 
 } // namespace brittle::fracture::mending

@@ -31,8 +31,8 @@ class Rays {
   public:
     Rays(const TriangleMesh& mesh, std::span<const uint32_t> part_of, std::span<const uint8_t> closed)
         : mesh_(mesh), part_of_(part_of), closed_(closed), box_(bounds(mesh)) {
-        bins_ = std::clamp(static_cast<uint32_t>(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0)),
-                           1u, most_bins);
+        bins_ = std::clamp(static_cast<uint32_t>(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0)), 1u,
+                           most_bins);
         while (bins_ > 1 && member_count() > most_members * mesh.triangles.size()) bins_ /= 2;
         begin_.assign(size_t{bins_} * bins_ + 1, 0);
         for_members([&](uint32_t, uint32_t bin) { ++begin_[bin + 1]; });
@@ -135,13 +135,11 @@ std::vector<uint32_t> nesting_depths(const TriangleMesh& mesh, std::span<const u
             const double length = glm::length(normal);
             if (!(length > 0.0)) continue;
             const glm::dvec3 middle = (a + b + c) / 3.0, step = normal * (off / length);
-            const std::vector<uint32_t> before = rays.around(middle + step),
-                                        behind = rays.around(middle - step);
+            const std::vector<uint32_t> before = rays.around(middle + step), behind = rays.around(middle - step);
             std::vector<uint32_t> either, merged;
             std::set_intersection(before.begin(), before.end(), behind.begin(), behind.end(),
                                   std::back_inserter(inside));
-            std::set_union(before.begin(), before.end(), behind.begin(), behind.end(),
-                           std::back_inserter(either));
+            std::set_union(before.begin(), before.end(), behind.begin(), behind.end(), std::back_inserter(either));
             if (first)
                 merged = std::move(either);
             else

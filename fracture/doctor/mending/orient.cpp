@@ -118,13 +118,11 @@ std::vector<Part> measure(const TriangleMesh& mesh, const std::vector<uint32_t>&
         if (first[part_of[t]] == no_index) first[part_of[t]] = t;
         const Triangle& c = mesh.triangles[t];
         const glm::dvec3& o = mesh.positions[mesh.triangles[first[part_of[t]]].x];
-        const glm::dvec3 a = mesh.positions[c.x] - o, b = mesh.positions[c.y] - o,
-                         d = mesh.positions[c.z] - o;
+        const glm::dvec3 a = mesh.positions[c.x] - o, b = mesh.positions[c.y] - o, d = mesh.positions[c.z] - o;
         part.volume += glm::dot(a, glm::cross(b, d)) / 6.0;
         part.area += glm::length(glm::cross(b - a, d - a)) * 0.5;
     }
-    if (check_topology(mesh.positions.size(), mesh.triangles).closed())
-        return parts; // ten times as fast as the table
+    if (check_topology(mesh.positions.size(), mesh.triangles).closed()) return parts; // ten times as fast as the table
     const EdgeTable table(mesh.triangles);
     for (size_t e = 0; e < table.size(); ++e)
         if (table.surplus(e) != 0) parts[part_of[table[e][0].corner / 3]].closed = false;
@@ -159,8 +157,7 @@ bool turn_parts(Work& work, bool cavities) {
     const double diagonal = glm::length(bounds(mesh).size());
     std::vector<uint8_t> has_volume(count, 0);
     for (size_t k = 0; k < count; ++k)
-        has_volume[k] =
-            parts[k].closed && std::abs(parts[k].volume) > least_volume * parts[k].area * diagonal;
+        has_volume[k] = parts[k].closed && std::abs(parts[k].volume) > least_volume * parts[k].area * diagonal;
     const std::vector<uint32_t> depth = nesting_depths(mesh, part_of, has_volume);
 
     bool any = false;

@@ -98,9 +98,8 @@ class Separator {
         }
         for (const size_t e : crowded_) {
             const EdgeUse& first = table_[e][0];
-            const bool apart = std::any_of(table_[e].begin(), table_[e].end(), [&](const EdgeUse& use) {
-                return ends(use.corner) != ends(first.corner);
-            });
+            const bool apart = std::any_of(table_[e].begin(), table_[e].end(),
+                                           [&](const EdgeUse& use) { return ends(use.corner) != ends(first.corner); });
             if (apart) work_.report.split_edges.add(work_.origin[first.low]);
         }
         return any;

@@ -25,8 +25,7 @@ struct Patch {
 
 class PatchFinder {
   public:
-    explicit PatchFinder(const TriangleMesh& mesh)
-        : mesh_(mesh), table_(mesh.triangles), edges_(table_.size()) {
+    explicit PatchFinder(const TriangleMesh& mesh) : mesh_(mesh), table_(mesh.triangles), edges_(table_.size()) {
         for (size_t e = 0; e < table_.size(); ++e) {
             for (const EdgeUse& use : table_[e]) ++(use.forward ? edges_[e].forward : edges_[e].backward);
             joined_.push_back(edges_[e].joins());

@@ -51,8 +51,7 @@ class Welder {
             return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
         });
         for (size_t k = 1; k < vertices.size(); ++k)
-            if (positions_[vertices[k]] == positions_[vertices[k - 1]])
-                unite(parent_, vertices[k - 1], vertices[k]);
+            if (positions_[vertices[k]] == positions_[vertices[k - 1]]) unite(parent_, vertices[k - 1], vertices[k]);
     }
 
     // Of vertices in different places.
@@ -75,13 +74,12 @@ class Welder {
             for (int64_t x = cell[0] - 1; x <= cell[0] + 1; ++x) {
                 for (int64_t y = cell[1] - 1; y <= cell[1] + 1; ++y) {
                     // The three cells along Z lie together.
-                    auto near = std::lower_bound(members.begin(), members.end(),
-                                                 std::pair(Cell{x, y, cell[2] - 1}, 0u));
+                    auto near =
+                        std::lower_bound(members.begin(), members.end(), std::pair(Cell{x, y, cell[2] - 1}, 0u));
                     const Cell last = {x, y, cell[2] + 1};
                     for (; near != members.end() && near->first <= last; ++near) {
                         const glm::dvec3 apart = positions_[near->second] - positions_[v];
-                        if (near->second > v && glm::length(apart) <= distance_)
-                            unite(parent_, v, near->second);
+                        if (near->second > v && glm::length(apart) <= distance_) unite(parent_, v, near->second);
                     }
                 }
             }

@@ -7,8 +7,7 @@
 namespace brittle::fracture::mending {
 
 Work::Work(const TriangleMesh& input)
-    : mesh(input), source(input.triangles.size()), turned(input.triangles.size(), 0),
-      origin(input.positions.size()) {
+    : mesh(input), source(input.triangles.size()), turned(input.triangles.size(), 0), origin(input.positions.size()) {
     std::iota(source.begin(), source.end(), 0u);
     std::iota(origin.begin(), origin.end(), 0u);
 }
@@ -51,16 +50,14 @@ EdgeTable::EdgeTable(std::span<const Triangle> triangles) : of_corner_(3 * trian
     for (const Triangle& t : triangles) {
         for (int k = 0; k < 3; ++k) {
             const uint32_t from = t[k], to = t[(k + 1) % 3];
-            uses_.push_back(
-                {std::min(from, to), std::max(from, to), static_cast<uint32_t>(uses_.size()), from < to});
+            uses_.push_back({std::min(from, to), std::max(from, to), static_cast<uint32_t>(uses_.size()), from < to});
         }
     }
     std::sort(uses_.begin(), uses_.end(), [](const EdgeUse& a, const EdgeUse& b) {
         return std::tie(a.low, a.high, a.corner) < std::tie(b.low, b.high, b.corner);
     });
     for (uint32_t k = 0; k < uses_.size(); ++k) {
-        if (k == 0 || uses_[k].low != uses_[k - 1].low || uses_[k].high != uses_[k - 1].high)
-            begin_.push_back(k);
+        if (k == 0 || uses_[k].low != uses_[k - 1].low || uses_[k].high != uses_[k - 1].high) begin_.push_back(k);
         of_corner_[uses_[k].corner] = static_cast<uint32_t>(begin_.size() - 1);
     }
     begin_.push_back(static_cast<uint32_t>(uses_.size()));
@@ -74,8 +71,8 @@ int EdgeTable::surplus(size_t edge) const {
 
 uint32_t EdgeTable::find(uint32_t a, uint32_t b) const {
     if (a > b) std::swap(a, b);
-    const auto at = std::lower_bound(
-        uses_.begin(), uses_.end(), std::pair(a, b), [](const EdgeUse& use, const auto& ends) {
+    const auto at =
+        std::lower_bound(uses_.begin(), uses_.end(), std::pair(a, b), [](const EdgeUse& use, const auto& ends) {
             return std::tie(use.low, use.high) < std::tie(ends.first, ends.second);
         });
     return at != uses_.end() && at->low == a && at->high == b ? of_corner_[at->corner] : no_index;

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "fracture/mesh/mesh.h"
-#include "fracture/doctor/repair.h"
 #include "fracture/base/union_find.h"
+#include "fracture/doctor/repair.h"
+#include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture::mending {
 

@@ -9,13 +9,13 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <doctest/doctest.h>
 
+#include "fracture/base/random.h"
 #include "fracture/fracture.h"
 #include "fracture/io/import.h"
 #include "fracture/mesh/intersections.h"
-#include "fracture/base/random.h"
+#include "fracture/mesh/thickness.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "fracture/mesh/thickness.h"
 
 using namespace brittle::fracture;
 
@@ -24,12 +24,18 @@ namespace {
 using Rational = boost::multiprecision::cpp_rational;
 using Vector = std::array<Rational, 3>;
 
-Vector exact(const glm::dvec3& p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
-Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vector exact(const glm::dvec3& p) {
+    return {Rational(p.x), Rational(p.y), Rational(p.z)};
+}
+Vector minus(const Vector& a, const Vector& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 Vector cross(const Vector& a, const Vector& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-Rational dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Rational dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 using Corners = std::array<glm::dvec3, 3>;
 
@@ -101,8 +107,8 @@ TriangleMesh stood_up(TriangleMesh mesh) {
 TriangleMesh welded(TriangleMesh mesh) {
     for (Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k)
-            t[k] = static_cast<uint32_t>(
-                std::find(mesh.positions.begin(), mesh.positions.end(), mesh.positions[t[k]]) - mesh.positions.begin());
+            t[k] = static_cast<uint32_t>(std::find(mesh.positions.begin(), mesh.positions.end(), mesh.positions[t[k]])
+                                         - mesh.positions.begin());
     return mesh;
 }
 
@@ -201,8 +207,7 @@ TEST_CASE("intersections: orientation is exact on a lattice and beside it") {
             if (k % 3 == 0) at += glm::dvec3(1e6);
         }
         const Vector d = exact(p[3]);
-        const Rational det =
-            dot(minus(exact(p[0]), d), cross(minus(exact(p[1]), d), minus(exact(p[2]), d)));
+        const Rational det = dot(minus(exact(p[0]), d), cross(minus(exact(p[1]), d), minus(exact(p[2]), d)));
         CHECK(orientation(p[0], p[1], p[2], p[3]) == (det > 0 ? 1 : (det < 0 ? -1 : 0)));
     }
 }
@@ -231,8 +236,8 @@ TEST_CASE("intersections: pairs of triangles, against separating axes in fractio
 }
 
 TEST_CASE("intersections: neighbours do not count, unless they fold onto each other") {
-    for (const TriangleMesh& mesh : {cube(), lattice_cube(6), icosphere(3), torus(32, 16), torus_knot(), hollow_sphere(2),
-                                     menger_sponge(2), four_legged_animal(32)}) {
+    for (const TriangleMesh& mesh : {cube(), lattice_cube(6), icosphere(3), torus(32, 16), torus_knot(),
+                                     hollow_sphere(2), menger_sponge(2), four_legged_animal(32)}) {
         CAPTURE(mesh.triangles.size());
         const Intersections found = find_intersections(mesh, 100'000'000);
         CHECK(found.pairs == 0);
@@ -258,7 +263,8 @@ TEST_CASE("intersections: the work is bounded, and says so") {
 
 TEST_CASE("inspect: the verdict on fifty sound and broken meshes is that of fracture") {
     const TriangleMesh ball = icosphere(2), box = cube();
-    TriangleMesh flipped = ball, doubled = ball, shared_edge = box, nan = ball, outside = ball, twice = ball, flat = ball;
+    TriangleMesh flipped = ball, doubled = ball, shared_edge = box, nan = ball, outside = ball, twice = ball,
+                 flat = ball;
     std::swap(flipped.triangles[7].x, flipped.triangles[7].y);
     doubled.triangles.push_back(doubled.triangles[5]);
     shared_edge = together(box, box, {2.0, 2.0, 0.0}); // two cubes that share an edge, once welded
@@ -302,30 +308,56 @@ TEST_CASE("inspect: the verdict on fifty sound and broken meshes is that of frac
         {"a sponge", menger_sponge(2), {}, 0, 0, 0, 0},
         {"a lattice cube", lattice_cube(4), {}, 0, 0, 0, 0},
         {"an animal", four_legged_animal(24), {}, 0, 0, 0, 0},
-        {"two rings, linked", together(torus(24, 12, 1.0, 0.2), stood_up(torus(24, 12, 1.0, 0.2)), {1, 0, 0}), {}, 0, 0, 0, 0},
-        {"two rings that cut each other", together(torus(24, 12, 1.0, 0.2), stood_up(torus(24, 12, 1.0, 0.2))), {}, 0, 0, 0, some},
+        {"two rings, linked",
+         together(torus(24, 12, 1.0, 0.2), stood_up(torus(24, 12, 1.0, 0.2)), {1, 0, 0}),
+         {},
+         0,
+         0,
+         0,
+         0},
+        {"two rings that cut each other",
+         together(torus(24, 12, 1.0, 0.2), stood_up(torus(24, 12, 1.0, 0.2))),
+         {},
+         0,
+         0,
+         0,
+         some},
         {"two cubes at a corner", welded(together(box, box, {2, 2, 2})), {}, 0, 0, 0, 0},
         {"two balls that touch in a point unwelded", together(cube(), cube(), {2, 2, 2}), {}, 0, 0, 0, some},
         {"a box without its lid", without(without(box, 0), 0), Status::not_closed, 1, 0, 0, 0},
         {"a tube", tube(16), Status::not_closed, 2, 0, 0, 0},
         {"a Moebius strip", moebius(24), Status::not_closed, 1, 0, 0, 0},
         {"one triangle", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, Status::not_closed, 1, 0, 0, 0},
-        {"a triangle and its back", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}}, Status::no_volume, 0, 0, 0, 0},
+        {"a triangle and its back",
+         {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}},
+         Status::no_volume,
+         0,
+         0,
+         0,
+         0},
         {"a triangle with its back inside a ball's surface", with_back(ball, 11), Status::non_manifold, 0, 0, 0, 0},
         {"a fin on a ball", with_fin(ball, 3), Status::not_closed, 1, 0, 0, some},
         {"a box with a wall in it", with_wall(), Status::non_manifold, 0, 0, 0, 0},
         {"half of a ball turned", half_turned(ball), Status::not_oriented, 0, 0, 0, 0},
-        {"a ball inwards in a ball inwards", together(turned(icosphere(2, 2.0)), turned(ball)), Status::inside_out, 0, 0, 2, 0},
+        {"a ball inwards in a ball inwards", together(turned(icosphere(2, 2.0)), turned(ball)), Status::inside_out, 0,
+         0, 2, 0},
         {"a thin plate", scaled(box, {1, 0.001, 1}), {}, 0, 0, 0, 0},
         {"a thin shell", hollow_sphere(4, 1.0, 0.99), {}, 0, 1, 0, 0},
         {"a ball in a hollow ball", together(hollow_sphere(2, 1.0, 0.6), icosphere(2, 0.3)), {}, 0, 1, 0, 0},
-        {"a cavity that comes out", together(icosphere(3), turned(icosphere(3, 0.8)), {0.4, 0, 0}), {}, 0, some, 0, some},
+        {"a cavity that comes out",
+         together(icosphere(3), turned(icosphere(3, 0.8)), {0.4, 0, 0}),
+         {},
+         0,
+         some,
+         0,
+         some},
         {"a crumpled ball", crumpled(), {}, 0, 0, 0, some},
         {"a tube too thick for its knot", torus_knot(2, 3, 96, 12, 0.9), {}, 0, 0, 0, some},
         // The sides beside the flat one lie on each other along it.
         {"a side of no area", with_flat_side(), {}, 0, 0, 0, some},
         {"too far out to compute with", scaled(ball, glm::dvec3(1e60)), Status::invalid_mesh, 0, 0, 0, 0},
-        {"infinite", scaled(ball, glm::dvec3(std::numeric_limits<double>::infinity())), Status::invalid_mesh, 0, 0, 0, 0},
+        {"infinite", scaled(ball, glm::dvec3(std::numeric_limits<double>::infinity())), Status::invalid_mesh, 0, 0, 0,
+         0},
         {"a nanometre large", scaled(ball, glm::dvec3(1e-9)), {}, 0, 0, 0, 0},
         {"a million metres off", together({}, ball, glm::dvec3(1e6)), {}, 0, 0, 0, 0},
         {"with vertices that nothing uses", together({{{9, 9, 9}}, {}}, ball), {}, 0, 0, 0, 0},

@@ -7,8 +7,8 @@
 #include <doctest/doctest.h>
 
 #include "fracture/base/random.h"
-#include "fracture/shapes/shapes.h"
 #include "fracture/mesh/topology.h"
+#include "fracture/shapes/shapes.h"
 #include "tests/fracture/mesh_checks.h"
 #include "tests/fracture/repair_checks.h"
 
@@ -164,9 +164,9 @@ TEST_CASE("where it is asked for, parts that others cover go") {
     settings.covered_parts = true;
     const TriangleMesh outer = icosphere(2, 2.0);
     TriangleMesh mesh = outer;
-    append(mesh, icosphere(1, 0.5));                              // solid in solid
-    append(mesh, icosphere(1, 0.2));                              // in both
-    append(mesh, icosphere(1, 0.3), glm::dvec3(1.2, 0.0, 0.0));   // beside them
+    append(mesh, icosphere(1, 0.5));                            // solid in solid
+    append(mesh, icosphere(1, 0.2));                            // in both
+    append(mesh, icosphere(1, 0.3), glm::dvec3(1.2, 0.0, 0.0)); // beside them
     const Repaired solid = check_solid(mesh, test::signed_volume(outer), settings);
     CHECK(solid.mesh.triangles == outer.triangles);
     CHECK(solid.report.covered_parts.count == 3);
@@ -218,10 +218,8 @@ TEST_CASE("a wall that both sides have goes") {
     const TriangleMesh one = plain_cube();
     TriangleMesh pair = one;
     const uint32_t of_second[8] = {4, 5, 6, 7, 8, 9, 10, 11};
-    for (int v = 4; v < 8; ++v)
-        pair.positions.push_back(one.positions[static_cast<size_t>(v)] + glm::dvec3(2, 0, 0));
-    for (const Triangle& t : one.triangles)
-        pair.triangles.emplace_back(of_second[t.x], of_second[t.y], of_second[t.z]);
+    for (int v = 4; v < 8; ++v) pair.positions.push_back(one.positions[static_cast<size_t>(v)] + glm::dvec3(2, 0, 0));
+    for (const Triangle& t : one.triangles) pair.triangles.emplace_back(of_second[t.x], of_second[t.y], of_second[t.z]);
     REQUIRE(test::signed_volume(pair) == doctest::Approx(16.0));
     const Repaired repaired = check_solid(pair, 16.0);
     CHECK(repaired.report.duplicate_triangles.count == 4);
@@ -247,8 +245,7 @@ TEST_CASE("vertices cracked apart") {
         RepairSettings equal_only;
         equal_only.weld_distance = 0.0;
         const Repaired plain = repair(soup, equal_only);
-        CHECK(plain.report.welded_vertices.count
-              == (apart > 0.0 ? 0 : repaired.report.welded_vertices.count));
+        CHECK(plain.report.welded_vertices.count == (apart > 0.0 ? 0 : repaired.report.welded_vertices.count));
     }
     // Closed places stay, however close: two spheres that touch in a vertex of each.
     TriangleMesh spheres = icosphere(2);
@@ -347,8 +344,7 @@ TEST_CASE("any soup of indices becomes a manifold, and nothing is left to do") {
             mesh.positions.push_back(p);
         }
         for (uint64_t t = 0; t < triangles; ++t)
-            mesh.triangles.emplace_back(random.next() % vertices, random.next() % vertices,
-                                        random.next() % vertices);
+            mesh.triangles.emplace_back(random.next() % vertices, random.next() % vertices, random.next() % vertices);
         const Repaired repaired = repair(mesh);
         check_promises(mesh, repaired);
         CHECK(is_manifold(repaired.mesh));
@@ -358,8 +354,7 @@ TEST_CASE("any soup of indices becomes a manifold, and nothing is left to do") {
 TEST_CASE("large soups take seconds at most") {
     Random random(1);
     TriangleMesh mesh;
-    for (int v = 0; v < 3000; ++v)
-        mesh.positions.push_back(random.uniform_in({glm::dvec3(0.0), glm::dvec3(1.0)}));
+    for (int v = 0; v < 3000; ++v) mesh.positions.push_back(random.uniform_in({glm::dvec3(0.0), glm::dvec3(1.0)}));
     for (int t = 0; t < 20000; ++t)
         mesh.triangles.emplace_back(random.next() % 3000, random.next() % 3000, random.next() % 3000);
     const Repaired repaired = repair(mesh);

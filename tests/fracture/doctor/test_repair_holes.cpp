@@ -7,8 +7,8 @@
 #include <doctest/doctest.h>
 
 #include "fracture/base/random.h"
-#include "fracture/shapes/shapes.h"
 #include "fracture/mesh/topology.h"
+#include "fracture/shapes/shapes.h"
 #include "tests/fracture/mesh_checks.h"
 #include "tests/fracture/repair_checks.h"
 
@@ -101,8 +101,7 @@ TEST_CASE("a sphere with random triangles missing") {
         INFO(describe(repaired.report));
         CHECK(is_manifold(repaired.mesh));
         check_sources(open, repaired);
-        CHECK(test::signed_volume(repaired.mesh)
-              == doctest::Approx(test::signed_volume(sphere)).epsilon(0.05));
+        CHECK(test::signed_volume(repaired.mesh) == doctest::Approx(test::signed_volume(sphere)).epsilon(0.05));
     }
 }
 
@@ -112,8 +111,7 @@ TEST_CASE("bow-ties: holes that meet in a vertex") {
     for (uint32_t v = 0; v < 12; ++v) {
         std::vector<uint32_t> fan;
         for (uint32_t t = 0; t < whole.triangles.size(); ++t)
-            if (whole.triangles[t].x == v || whole.triangles[t].y == v || whole.triangles[t].z == v)
-                fan.push_back(t);
+            if (whole.triangles[t].x == v || whole.triangles[t].y == v || whole.triangles[t].z == v) fan.push_back(t);
         REQUIRE(fan.size() == 5);
         for (uint32_t mask = 1; mask < 31; ++mask) {
             std::vector<uint32_t> missing;
@@ -173,8 +171,7 @@ TEST_CASE("the ends of a pipe are rings") {
     // The same in a plane that no axis is normal to, inside out, and with a rod in the bore.
     append(pipe, open_prism({{0.1, -0.1}, {0.3, -0.1}, {0.3, 0.1}, {0.1, 0.1}}));
     for (Triangle& t : pipe.triangles) turn(t);
-    const glm::dvec3 x = glm::normalize(glm::dvec3(1, 2, 3)),
-                     y = glm::normalize(glm::cross(x, glm::dvec3(1, 0, 0)));
+    const glm::dvec3 x = glm::normalize(glm::dvec3(1, 2, 3)), y = glm::normalize(glm::cross(x, glm::dvec3(1, 0, 0)));
     for (glm::dvec3& p : pipe.positions) p = x * p.x + y * p.y + glm::cross(x, y) * p.z;
     repaired = check_solid(pipe, area_of(outer) - area_of(inner) + 0.04, 1e-9);
     CHECK(check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles).components == 2);

@@ -7,9 +7,9 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
-#include "fracture/classifier.h"
 #include "fracture/base/random.h"
+#include "fracture/classifier.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 
@@ -50,9 +50,9 @@ class TestClassifier : public Classifier {
             const std::array<uint32_t, 3> cells{site_of_vertex[c.x], site_of_vertex[c.y], site_of_vertex[c.z]};
             const bool certain = ((cells[0] | cells[1] | cells[2]) & uncertain) == 0;
             const bool whole = certain && cells[0] == cells[1] && cells[1] == cells[2];
-            site_of_triangle[t] = whole                               ? cells[0]
+            site_of_triangle[t] = whole                             ? cells[0]
                                   : certain && mood_ == Mood::right ? crossing | pattern(c, cells)
-                                                                      : crossing;
+                                                                    : crossing;
         }
         return mood_ != Mood::fails;
     }

@@ -7,8 +7,8 @@
 
 #include <doctest/doctest.h>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/base/random.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 
@@ -180,8 +180,7 @@ TEST_CASE("exact: touching, overlapping, nested and inside-out solids give close
     TriangleMesh heap;
     Random random(5);
     for (int k = 0; k < 60; ++k) {
-        heap =
-            together(heap, moved(icosphere(2), random.uniform_in({glm::dvec3(-1.0), glm::dvec3(1.0)}), 0.5));
+        heap = together(heap, moved(icosphere(2), random.uniform_in({glm::dvec3(-1.0), glm::dvec3(1.0)}), 0.5));
     }
     check_fracture(heap, sites);
 }

@@ -6,11 +6,11 @@
 
 #include <doctest/doctest.h>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/base/random.h"
+#include "fracture/base/work_log.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "fracture/base/work_log.h"
 
 using namespace brittle::fracture;
 using namespace brittle::fracture::test;
@@ -104,9 +104,8 @@ TEST_CASE("exact: an edge that four triangles share is refused, whether a bisect
     TriangleMesh mesh = together(cube(), moved(cube(), {2.0, 2.0, 0.0}));
     std::vector<uint32_t> same(mesh.positions.size());
     for (uint32_t v = 0; v < same.size(); ++v) {
-        same[v] =
-            static_cast<uint32_t>(std::find(mesh.positions.begin(), mesh.positions.end(), mesh.positions[v])
-                                  - mesh.positions.begin());
+        same[v] = static_cast<uint32_t>(std::find(mesh.positions.begin(), mesh.positions.end(), mesh.positions[v])
+                                        - mesh.positions.begin());
     }
     for (Triangle& t : mesh.triangles) t = {same[t.x], same[t.y], same[t.z]};
     for (const Sites& sites : {Sites{{0.0, 0.0, -0.5}, {0.0, 0.0, 0.5}}, Sites{glm::dvec3(0.0)}}) {
@@ -127,8 +126,7 @@ TEST_CASE("exact: one site leaves the mesh as it is") {
 }
 
 TEST_CASE("exact: of duplicate sites the lowest index gets the piece") {
-    const Fragments f =
-        check_fracture(cube(), {{-0.5, 0.0, 0.0}, {-0.5, -0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}});
+    const Fragments f = check_fracture(cube(), {{-0.5, 0.0, 0.0}, {-0.5, -0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}});
     REQUIRE(f.pieces.size() == 2);
     CHECK(f.pieces[0].site == 0);
     CHECK(f.pieces[1].site == 2);
@@ -191,8 +189,7 @@ TEST_CASE("exact: a cavity belongs to the island around it") {
     CHECK(two.pieces[0].mass.volume == doctest::Approx(two.pieces[1].mass.volume));
     CHECK(two.pieces[1].mass.centre_of_mass.x == doctest::Approx(5.0));
     // A ball in the cavity, a solid of its own.
-    CHECK(check_fracture(together(shell, moved(icosphere(3), {}, 0.3)), {glm::dvec3(0.0)}).pieces.size()
-          == 2);
+    CHECK(check_fracture(together(shell, moved(icosphere(3), {}, 0.3)), {glm::dvec3(0.0)}).pieces.size() == 2);
 }
 
 TEST_CASE("exact: separate components are separate pieces") {

@@ -26,8 +26,7 @@ std::vector<glm::dvec3> lattice_sites(uint32_t n) {
     std::vector<glm::dvec3> sites;
     for (uint32_t z = 0; z < n; ++z)
         for (uint32_t y = 0; y < n; ++y)
-            for (uint32_t x = 0; x < n; ++x)
-                sites.push_back((glm::dvec3(x, y, z) + 0.5) / static_cast<double>(n));
+            for (uint32_t x = 0; x < n; ++x) sites.push_back((glm::dvec3(x, y, z) + 0.5) / static_cast<double>(n));
     return sites;
 }
 
@@ -58,8 +57,8 @@ void check_structure(const VoronoiDiagram& d) {
     for (size_t v = 0; v < d.vertices.size(); ++v) {
         const auto& planes = d.vertices[v].planes;
         REQUIRE(std::is_sorted(planes.begin(), planes.end()));
-        const auto sites = std::count_if(planes.begin(), planes.end(),
-                                         [](uint32_t p) { return p < VoronoiDiagram::first_box_plane; });
+        const auto sites =
+            std::count_if(planes.begin(), planes.end(), [](uint32_t p) { return p < VoronoiDiagram::first_box_plane; });
         REQUIRE(uses[v] == sites * (sites - 1) / 2); // a facet for each pair of cells
     }
     for (uint32_t c = 0; c + 1 < d.cell_begin.size(); ++c) {
@@ -165,8 +164,7 @@ TEST_CASE("collinear, coplanar, cospherical and lattice sites give sound diagram
         for (int y = -3; y <= 3; ++y)
             for (int z = -3; z <= 3; ++z)
                 if (x * x + y * y + z * z == 9) sphere.push_back(glm::dvec3(x, y, z) / 8.0 + 0.5);
-    for (const auto& sites :
-         {collinear, coplanar, sphere, lattice_sites(2), lattice_sites(4), lattice_sites(5)}) {
+    for (const auto& sites : {collinear, coplanar, sphere, lattice_sites(2), lattice_sites(4), lattice_sites(5)}) {
         const auto d = voronoi_diagram(sites, kUnitBox);
         REQUIRE(d);
         check_structure(*d);

@@ -9,8 +9,8 @@
 
 #include <doctest/doctest.h>
 
-#include "fracture/exact/predicates.h"
 #include "fracture/base/random.h"
+#include "fracture/exact/predicates.h"
 
 using namespace brittle::fracture;
 using namespace brittle::fracture::exact;
@@ -84,8 +84,8 @@ TEST_CASE("side1 agrees with rational arithmetic") {
         for (int i = 0; i < scene.cases; ++i) {
             const auto s = draw.sites(2);
             const dvec3 q = draw.point();
-            const Expected e = expect(
-                scene, s, tally, [&](const Oracle& o, Rational& r) { return o.side1(s[0], s[1], q, r); });
+            const Expected e =
+                expect(scene, s, tally, [&](const Oracle& o, Rational& r) { return o.side1(s[0], s[1], q, r); });
             REQUIRE(side1(diagram, s[0], s[1], q, stats) == e.sign);
             REQUIRE(side1_exact(diagram, s[0], s[1], q, stats) == e.sign);
             REQUIRE(side1(diagram, s[1], s[0], q, stats) == -e.sign);
@@ -106,9 +106,8 @@ TEST_CASE("side2 agrees with rational arithmetic from both sites and both ends")
             const auto s = draw.sites(3);
             const dvec3 q0 = draw.point();
             const dvec3 q1 = draw.point();
-            const Expected e = expect(scene, s, tally, [&](const Oracle& o, Rational& r) {
-                return o.side2(s[0], s[1], s[2], q0, q1, r);
-            });
+            const Expected e = expect(
+                scene, s, tally, [&](const Oracle& o, Rational& r) { return o.side2(s[0], s[1], s[2], q0, q1, r); });
             if (!e.exists()) continue;
             REQUIRE(side2(diagram, s[0], s[1], s[2], q0, q1, stats) == e.sign);
             REQUIRE(side2_exact(diagram, s[0], s[1], s[2], q0, q1, stats) == e.sign);
@@ -131,9 +130,8 @@ TEST_CASE("side3 agrees with rational arithmetic from every site and corner orde
         for (int i = 0; i < scene.cases; ++i) {
             auto s = draw.sites(4);
             const Corners q = draw.corners();
-            const Expected e = expect(scene, s, tally, [&](const Oracle& o, Rational& r) {
-                return o.side3(s[0], s[1], s[2], s[3], q, r);
-            });
+            const Expected e = expect(
+                scene, s, tally, [&](const Oracle& o, Rational& r) { return o.side3(s[0], s[1], s[2], s[3], q, r); });
             if (!e.exists()) {
                 REQUIRE(pierce_direction_exact(diagram, s[0], s[1], s[2], q, stats) == 0);
                 continue;
@@ -208,8 +206,7 @@ TEST_CASE("pierces are ordered as rational arithmetic orders them, and tie only 
                 return o.pierce_order(s[0], s[1], s[2], q1, q2, r);
             });
             if (!e.exists()) continue;
-            for (const auto& [c, a, b] :
-                 {std::array{s[0], s[1], s[2]}, {s[1], s[2], s[0]}, {s[2], s[0], s[1]}}) {
+            for (const auto& [c, a, b] : {std::array{s[0], s[1], s[2]}, {s[1], s[2], s[0]}, {s[2], s[0], s[1]}}) {
                 REQUIRE(pierce_order(diagram, c, a, b, q1, q2, stats) == e.sign);
                 REQUIRE(pierce_order_exact(diagram, c, a, b, q1, q2, stats) == e.sign);
                 REQUIRE(pierce_order(diagram, c, b, a, q1, q2, stats) == -e.sign);

@@ -9,8 +9,8 @@
 
 #include <doctest/doctest.h>
 
-#include "fracture/exact/predicates.h"
 #include "fracture/base/random.h"
+#include "fracture/exact/predicates.h"
 
 using namespace brittle::fracture;
 using namespace brittle::fracture::exact;
@@ -52,8 +52,7 @@ TEST_CASE("answers hold at the ends of the documented range of coordinates") {
             oracle.side1(0, 1, q1[0], r), [&] { return side1(diagram, 0, 1, q1[0], stats); },
             [&] { return side1_exact(diagram, 0, 1, q1[0], stats); });
         check(
-            oracle.side2(0, 1, 2, q1[0], q1[1], r),
-            [&] { return side2(diagram, 0, 1, 2, q1[0], q1[1], stats); },
+            oracle.side2(0, 1, 2, q1[0], q1[1], r), [&] { return side2(diagram, 0, 1, 2, q1[0], q1[1], stats); },
             [&] { return side2_exact(diagram, 0, 1, 2, q1[0], q1[1], stats); });
         check(
             oracle.side3(0, 1, 2, 3, q1, r), [&] { return side3(diagram, 0, 1, 2, 3, q1, stats); },
@@ -62,8 +61,7 @@ TEST_CASE("answers hold at the ends of the documented range of coordinates") {
             oracle.side4(0, 1, 2, 3, 4, r), [&] { return side4(diagram, 0, 1, 2, 3, 4, stats); },
             [&] { return side4_exact(diagram, 0, 1, 2, 3, 4, stats); });
         check(
-            oracle.pierce_order(0, 1, 2, q1, q2, r),
-            [&] { return pierce_order(diagram, 0, 1, 2, q1, q2, stats); },
+            oracle.pierce_order(0, 1, 2, q1, q2, r), [&] { return pierce_order(diagram, 0, 1, 2, q1, q2, stats); },
             [&] { return pierce_order_exact(diagram, 0, 1, 2, q1, q2, stats); });
     }
     CHECK(asked > 1000);
@@ -124,12 +122,10 @@ TEST_CASE("on random input the filters decide all but a few questions in ten tho
         const auto s = draw.sites(5);
         const Corners q = draw.corners();
         const Corners r = draw.corners();
-        if (q[0] == q[1] || q[1] == q[2] || q[0] == q[2] || r[0] == r[1] || r[1] == r[2] || r[0] == r[2]
-            || q == r) {
+        if (q[0] == q[1] || q[1] == q[2] || q[0] == q[2] || r[0] == r[1] || r[1] == r[2] || r[0] == r[2] || q == r) {
             continue;
         }
-        int sum = side1(diagram, s[0], s[1], q[0], stats)
-                  + side2(diagram, s[0], s[1], s[2], q[0], q[1], stats)
+        int sum = side1(diagram, s[0], s[1], q[0], stats) + side2(diagram, s[0], s[1], s[2], q[0], q[1], stats)
                   + side3(diagram, s[0], s[1], s[2], s[3], q, stats)
                   + side4(diagram, s[0], s[1], s[2], s[3], s[4], stats);
         (void)sum;
@@ -176,8 +172,7 @@ TEST_CASE("exact constructions are within a few ulp of the true positions, howev
         const Corners q{q0, q1, random.uniform_in(kUnitBox)};
         if (meet(oracle.plane(0, 1), oracle.plane(0, 2), Oracle::plane(q), x)) {
             const dvec3 w = pierce_weights_exact(diagram, 0, 1, 2, q);
-            if (w.x == 0.0 || w.y == 0.0 || w.z == 0.0)
-                continue; // clamped: the pierce is outside the triangle
+            if (w.x == 0.0 || w.y == 0.0 || w.z == 0.0) continue; // clamped: the pierce is outside the triangle
             const Vec p = vec(w.x * q[0] + w.y * q[1] + w.z * q[2]);
             REQUIRE(close(0.0, p.x - x.x, 1));
             REQUIRE(close(0.0, p.y - x.y, 1));

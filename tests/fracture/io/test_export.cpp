@@ -113,8 +113,7 @@ std::vector<glm::vec3> vectors(const Glb& glb, size_t accessor) {
     return result;
 }
 
-fs::path exported(const test::Folder& folder, const Fragments& fragments,
-                  const ExportOptions& options = {}) {
+fs::path exported(const test::Folder& folder, const Fragments& fragments, const ExportOptions& options = {}) {
     const fs::path file = folder.path / "pieces.glb";
     const auto result = export_pieces(file, fragments, certificate(), options);
     if (!result) FAIL(result.error().message);
@@ -194,10 +193,8 @@ TEST_CASE("export: exterior and interior are primitives 0 and 1 with different m
     const Glb glb = read_glb(exported(folder, two_halves()));
     for (const json& mesh : glb.document["meshes"]) {
         REQUIRE(mesh["primitives"].size() == 2);
-        CHECK(glb.document["materials"][mesh["primitives"][0]["material"].get<size_t>()]["name"]
-              == "exterior");
-        CHECK(glb.document["materials"][mesh["primitives"][1]["material"].get<size_t>()]["name"]
-              == "interior");
+        CHECK(glb.document["materials"][mesh["primitives"][0]["material"].get<size_t>()]["name"] == "exterior");
+        CHECK(glb.document["materials"][mesh["primitives"][1]["material"].get<size_t>()]["name"] == "interior");
         CHECK(glb.document["accessors"][mesh["primitives"][0]["indices"].get<size_t>()]["count"] == 30);
         CHECK(glb.document["accessors"][mesh["primitives"][1]["indices"].get<size_t>()]["count"] == 6);
     }
@@ -219,8 +216,7 @@ TEST_CASE("export: normals are those of the faces, coplanar triangles share vert
         for (const json& primitive : mesh["primitives"]) {
             const size_t position = primitive["attributes"]["POSITION"].get<size_t>();
             const std::vector<glm::vec3> positions = vectors(glb, position);
-            const std::vector<glm::vec3> normals =
-                vectors(glb, primitive["attributes"]["NORMAL"].get<size_t>());
+            const std::vector<glm::vec3> normals = vectors(glb, primitive["attributes"]["NORMAL"].get<size_t>());
             CHECK((positions.size() == 20 || positions.size() == 4)); // four a quad
             REQUIRE(positions.size() == normals.size());
             glm::vec3 least(1e9f), greatest(-1e9f);
@@ -378,7 +374,8 @@ TEST_CASE("export: pieces that have become one keep the normals of all their cut
                         glb.binary.data() + view["byteOffset"].get<size_t>() + accessor["byteOffset"].get<size_t>(),
                         indices.size() * 2);
             for (size_t k = 0; k < indices.size(); k += 3) {
-                const glm::vec3 &a = positions[indices[k]], &b = positions[indices[k + 1]], &c = positions[indices[k + 2]];
+                const glm::vec3 &a = positions[indices[k]], &b = positions[indices[k + 1]],
+                                &c = positions[indices[k + 2]];
                 const glm::vec3 own = glm::cross(b - a, c - a);
                 if (glm::length(own) < 1e-4f) continue; // too small for floats to tell
                 CHECK(glm::dot(glm::normalize(own), normals[indices[k]]) > 0.999f);

@@ -12,9 +12,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "fracture/io/readers.h"
 #include "fracture/base/random.h"
 #include "fracture/doctor/repair.h"
+#include "fracture/io/readers.h"
 #include "tests/fracture/mesh_checks.h"
 
 using namespace brittle::fracture;
@@ -123,8 +123,7 @@ TEST_CASE("import: files without usable triangles are named as such") {
 }
 
 TEST_CASE("import: damaged OBJ files are refused with line and value") {
-    check_malformed("nan.obj",
-                    "line 3: vertex 3 needs three finite coordinates, but number 2 of them is 'nan'");
+    check_malformed("nan.obj", "line 3: vertex 3 needs three finite coordinates, but number 2 of them is 'nan'");
     check_malformed("out_of_range.obj", "line 15: a face names vertex 9, but the file has only 8 vertices");
     check_malformed("zero_index.obj", "line 15: a face names vertex '0'");
     check_malformed("too_negative.obj", "line 4: a face names vertex '-4'");
@@ -191,7 +190,8 @@ TEST_CASE("import: one small mesh shown by very many nodes is refused before it 
     for (int k = 0; k < 1000; ++k) bomb += R"(,{"mesh":0})";
     const test::Folder folder;
     write(folder.path / "bomb.gltf", bomb + "]}");
-    check_refused(folder.path / "bomb.gltf", Status::malformed_file, "meshes[0].primitives[0]: with it the file's nodes");
+    check_refused(folder.path / "bomb.gltf", Status::malformed_file,
+                  "meshes[0].primitives[0]: with it the file's nodes");
 }
 
 TEST_CASE("import: glTF indices are unsigned integers") {
@@ -290,8 +290,7 @@ TEST_CASE("import: OBJ coordinates keep double precision") {
     const test::Folder folder;
     write(folder.path / "fine.obj", "v 0.1 0 0\nv 1 0.123456789012345678 0\nv 0 1e-300 1\nf 1 2 3\n");
     const TriangleMesh mesh = import_valid(folder.path / "fine.obj");
-    CHECK(mesh.positions
-          == std::vector<glm::dvec3>{{0.1, 0, 0}, {1, 0.123456789012345678, 0}, {0, 1e-300, 1}});
+    CHECK(mesh.positions == std::vector<glm::dvec3>{{0.1, 0, 0}, {1, 0.123456789012345678, 0}, {0, 1e-300, 1}});
 }
 
 TEST_CASE("import: node transforms apply, and a mirroring one does not turn the mesh inside out") {

@@ -11,13 +11,13 @@
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
 #include "fracture/io/export.h"
 #include "fracture/io/import.h"
+#include "fracture/mesh/topology.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "fracture/mesh/topology.h"
 #include "tests/fracture/mesh_checks.h"
 
 using namespace brittle::fracture;
@@ -84,7 +84,8 @@ Paint lid(const glm::dvec3& p) {
 }
 
 // Checks all corners of a material; returns how many there were.
-uint32_t check_paint(const Model& model, uint32_t material, Paint (*paint)(const glm::dvec3&), double tolerance = 2e-6) {
+uint32_t check_paint(const Model& model, uint32_t material, Paint (*paint)(const glm::dvec3&),
+                     double tolerance = 2e-6) {
     uint32_t corners = 0;
     double worst = 0.0;
     for (size_t t = 0; t < model.mesh.triangles.size(); ++t) {
@@ -229,7 +230,8 @@ TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have
         const Piece& first = pieces.fragments.pieces[0];
         CHECK(back.mesh.triangles.size() == first.triangles.size());
         CHECK(check_topology(back.mesh.positions.size(), back.mesh.triangles).closed());
-        CHECK(signed_volume(back.mesh.positions, back.mesh.triangles) == doctest::Approx(first.mass.volume).epsilon(1e-5));
+        CHECK(signed_volume(back.mesh.positions, back.mesh.triangles)
+              == doctest::Approx(first.mass.volume).epsilon(1e-5));
     }
     Model plain;
     plain.mesh = icosphere(2);
@@ -291,7 +293,10 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     for (const json& node : document["nodes"]) {
         if (node["name"].get<std::string>().ends_with("-convcolonly")) {
             ++hull_nodes;
-            const json& position = document["accessors"][document["meshes"][node["mesh"].get<size_t>()]["primitives"][0]["attributes"]["POSITION"].get<size_t>()];
+            const json& position =
+                document["accessors"]
+                        [document["meshes"][node["mesh"].get<size_t>()]["primitives"][0]["attributes"]["POSITION"]
+                             .get<size_t>()];
             for (size_t k = 0; k < 3; ++k) {
                 CHECK(position["min"][k].get<double>() == doctest::Approx(-0.05).epsilon(1e-5));
                 CHECK(position["max"][k].get<double>() == doctest::Approx(0.05).epsilon(1e-5));
@@ -310,7 +315,9 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
         for (int row = 0; row < 3; ++row)
             for (int column = 0; column < 3; ++column)
                 CHECK(tensor[column][row]
-                      == doctest::Approx(500.0 * extras["inertia"][static_cast<size_t>(3 * row + column)].get<double>()).epsilon(1e-9).scale(0.1));
+                      == doctest::Approx(500.0 * extras["inertia"][static_cast<size_t>(3 * row + column)].get<double>())
+                             .epsilon(1e-9)
+                             .scale(0.1));
         bonds += extras.contains("bonds") ? extras["bonds"].size() : 0;
     }
     CHECK(hull_nodes == pieces.fragments.pieces.size());
@@ -363,11 +370,13 @@ TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates
                 for (const glm::dvec3& e : expected) nearest = std::min(nearest, glm::distance(v, e));
                 CHECK(nearest < 2e-6); // single precision, metres
             }
-            CHECK(signed_volume(back.mesh.positions, back.mesh.triangles) == doctest::Approx(piece.mass.volume).epsilon(1e-5));
+            CHECK(signed_volume(back.mesh.positions, back.mesh.triangles)
+                  == doctest::Approx(piece.mass.volume).epsilon(1e-5));
             double worst = 1.0; // normals look outwards, as their triangles do
             for (size_t t = 0; t < back.mesh.triangles.size() && !back.normals.empty(); ++t) {
                 const Triangle& at = back.mesh.triangles[t];
-                const glm::dvec3 across = glm::cross(back.mesh.positions[at.y] - back.mesh.positions[at.x], back.mesh.positions[at.z] - back.mesh.positions[at.x]);
+                const glm::dvec3 across = glm::cross(back.mesh.positions[at.y] - back.mesh.positions[at.x],
+                                                     back.mesh.positions[at.z] - back.mesh.positions[at.x]);
                 if (glm::length(across) < 1e-4) continue; // a sliver has no plane in single precision
                 worst = std::min(worst, glm::dot(glm::normalize(across), glm::dvec3(back.normals[3 * t])));
             }
@@ -375,9 +384,11 @@ TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates
         }
     }
     poses[2].orientation *= 1.1;
-    CHECK(export_pieces(folder.path / "d.glb", pieces.fragments, pieces.certificate, options).error().status == Status::invalid_setting);
+    CHECK(export_pieces(folder.path / "d.glb", pieces.fragments, pieces.certificate, options).error().status
+          == Status::invalid_setting);
     options.poses = std::span(poses).first(2);
-    CHECK(export_pieces(folder.path / "d.glb", pieces.fragments, pieces.certificate, options).error().status == Status::invalid_setting);
+    CHECK(export_pieces(folder.path / "d.glb", pieces.fragments, pieces.certificate, options).error().status
+          == Status::invalid_setting);
     CHECK_FALSE(fs::exists(folder.path / "d_000.glb"));
 }
 
@@ -396,7 +407,9 @@ TEST_CASE("model: cuts have texture coordinates by their planes where sites are 
         for (int k = 0; k < 3; ++k) { // metres: as long in the texture as in space
             const auto a = 3 * t + static_cast<size_t>(k), b = 3 * t + static_cast<size_t>((k + 1) % 3);
             CHECK(double(glm::distance(back.uv[0][a], back.uv[0][b]))
-                  == doctest::Approx(glm::distance(back.mesh.positions[at[k]], back.mesh.positions[at[(k + 1) % 3]])).epsilon(1e-4).scale(1.0));
+                  == doctest::Approx(glm::distance(back.mesh.positions[at[k]], back.mesh.positions[at[(k + 1) % 3]]))
+                         .epsilon(1e-4)
+                         .scale(1.0));
         }
         ++cuts;
     }

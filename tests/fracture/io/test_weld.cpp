@@ -25,16 +25,14 @@ TEST_CASE("welding drops triangles that come to name a vertex twice, and vertice
 
 TEST_CASE("minus zero welds with zero, and the smallest difference does not weld") {
     const double next = std::nextafter(1.0, 2.0);
-    const TriangleMesh mesh{{{0.0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}, {next, 0, 0}},
-                            {{0, 1, 2}, {3, 2, 4}}};
+    const TriangleMesh mesh{{{0.0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}, {next, 0, 0}}, {{0, 1, 2}, {3, 2, 4}}};
     const TriangleMesh welded = weld(mesh);
     CHECK(welded.positions.size() == 4);
     CHECK(welded.triangles == std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}});
 }
 
 TEST_CASE("coordinates swapped between axes do not weld") {
-    const TriangleMesh mesh{{{1, 2, 3}, {2, 3, 1}, {3, 1, 2}, {3, 2, 1}, {1, 3, 2}, {2, 1, 3}},
-                            {{0, 1, 2}, {3, 4, 5}}};
+    const TriangleMesh mesh{{{1, 2, 3}, {2, 3, 1}, {3, 1, 2}, {3, 2, 1}, {1, 3, 2}, {2, 1, 3}}, {{0, 1, 2}, {3, 4, 5}}};
     CHECK(weld(mesh).positions.size() == 6);
 }
 

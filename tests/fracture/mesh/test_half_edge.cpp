@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "fracture/mesh/half_edge.h"
 #include "fracture/base/random.h"
-#include "fracture/shapes/shapes.h"
+#include "fracture/mesh/half_edge.h"
 #include "fracture/mesh/topology.h"
+#include "fracture/shapes/shapes.h"
 
 using namespace brittle::fracture;
 

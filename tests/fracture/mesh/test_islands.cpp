@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "fracture/sequential/clip.h"
 #include "fracture/mesh/islands.h"
-#include "fracture/shapes/shapes.h"
 #include "fracture/mesh/topology.h"
+#include "fracture/sequential/clip.h"
+#include "fracture/shapes/shapes.h"
 
 using namespace brittle::fracture;
 

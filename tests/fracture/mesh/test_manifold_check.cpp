@@ -7,8 +7,8 @@
 #include <doctest/doctest.h>
 
 #include "fracture/base/random.h"
-#include "fracture/shapes/shapes.h"
 #include "fracture/mesh/topology.h"
+#include "fracture/shapes/shapes.h"
 
 using namespace brittle::fracture;
 
@@ -123,8 +123,7 @@ TEST_CASE("the quick check answers as the full one on random soups and on shuffl
         for (Triangle& t : soup)
             for (int k = 0; k < 3; ++k) t[k] = static_cast<uint32_t>(random.next() % vertices);
         if (round % 2 == 0) // halves back to back are often closed
-            for (size_t t = 1; t < soup.size(); t += 2)
-                soup[t] = {soup[t - 1].x, soup[t - 1].z, soup[t - 1].y};
+            for (size_t t = 1; t < soup.size(); t += 2) soup[t] = {soup[t - 1].x, soup[t - 1].z, soup[t - 1].y};
         const bool manifold = check_topology(vertices, soup).manifold();
         sound += manifold;
         CHECK(check(vertices, soup) == manifold);
@@ -136,8 +135,7 @@ TEST_CASE("the quick check answers as the full one on random soups and on shuffl
         Triangles triangles = shuffled(ball.triangles, vertices, random);
         CHECK(check(vertices, triangles));
         // Two corners change places: nearly always a fault, of any kind.
-        Triangle &a = triangles[random.next() % triangles.size()],
-                 &b = triangles[random.next() % triangles.size()];
+        Triangle &a = triangles[random.next() % triangles.size()], &b = triangles[random.next() % triangles.size()];
         std::swap(a[static_cast<int>(random.next() % 3)], b[static_cast<int>(random.next() % 3)]);
         CHECK(check(vertices, triangles) == check_topology(vertices, triangles).manifold());
     }

@@ -63,13 +63,11 @@ TEST_CASE("an empty mesh has no mass") {
 }
 
 TEST_CASE("a flat mesh has area, no volume, no inertia and its centre in the mean of its corners") {
-    const std::vector<glm::dvec3> positions = {
-        {0.1, 0.2, 0.3}, {1.1, 0.7, 0.9}, {0.3, 1.7, 0.2}, {9e9, 9e9, 9e9}};
+    const std::vector<glm::dvec3> positions = {{0.1, 0.2, 0.3}, {1.1, 0.7, 0.9}, {0.3, 1.7, 0.2}, {9e9, 9e9, 9e9}};
     const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 1}};
     const MassProperties mass = mass_properties(positions, triangles);
     CHECK(mass.volume == doctest::Approx(0.0));
-    CHECK(mass.area
-          == doctest::Approx(length(cross(positions[1] - positions[0], positions[2] - positions[0]))));
+    CHECK(mass.area == doctest::Approx(length(cross(positions[1] - positions[0], positions[2] - positions[0]))));
     check_near(mass.centre_of_mass, (positions[0] + positions[1] + positions[2]) / 3.0, 1e-15);
     CHECK(mass.inertia == glm::dmat3(0.0));
 }
@@ -131,8 +129,7 @@ TEST_CASE("a fine torus has the torus's inertia and area") {
     const MassProperties mass = mass_of(torus(800, 400, 1.0, r));
     CHECK(mass.volume == doctest::Approx(volume).epsilon(1e-4));
     CHECK(mass.area == doctest::Approx(4 * pi * pi * r).epsilon(1e-4));
-    check_near(mass.inertia / volume,
-               diagonal(0.5 + 5.0 / 8 * r * r, 1.0 + 0.75 * r * r, 0.5 + 5.0 / 8 * r * r), 2e-4);
+    check_near(mass.inertia / volume, diagonal(0.5 + 5.0 / 8 * r * r, 1.0 + 0.75 * r * r, 0.5 + 5.0 / 8 * r * r), 2e-4);
 }
 
 TEST_CASE("a cavity subtracts its volume and inertia") {

@@ -46,8 +46,7 @@ TEST_CASE("normals of an icosphere converge to the radius") {
         const TriangleMesh mesh = icosphere(k);
         const std::vector<glm::dvec3> normals = vertex_normals(mesh);
         double worst = 0.0;
-        for (size_t i = 0; i < normals.size(); ++i)
-            worst = std::max(worst, length(normals[i] - mesh.positions[i]));
+        for (size_t i = 0; i < normals.size(); ++i) worst = std::max(worst, length(normals[i] - mesh.positions[i]));
         CHECK(worst < 0.51 * previous);
         previous = worst;
     }

@@ -103,8 +103,7 @@ TEST_CASE("a lone triangle has three open edges and one fan a vertex") {
 }
 
 TEST_CASE("a triangle that names a vertex twice is degenerate and leaves the edges alone") {
-    const TopologyReport report =
-        check_topology(4, tetrahedron + std::vector<Triangle>{{0, 0, 1}, {2, 2, 2}});
+    const TopologyReport report = check_topology(4, tetrahedron + std::vector<Triangle>{{0, 0, 1}, {2, 2, 2}});
     CHECK(report.degenerate_triangles == 2);
     CHECK(report.first_degenerate_triangle == 4u);
     CHECK(report.edges == 6);
@@ -164,8 +163,7 @@ TEST_CASE("Euler characteristics are 2 for a tetrahedron, 0 for a torus and add 
     CHECK(check_topology(4, tetrahedron).euler_characteristic() == 2);
     const std::vector<Triangle> torus = torus_grid(7, 5);
     CHECK(check_topology(35, torus).euler_characteristic() == 0);
-    const TopologyReport both =
-        check_topology(43, torus + shifted(tetrahedron, 35) + shifted(tetrahedron, 39));
+    const TopologyReport both = check_topology(43, torus + shifted(tetrahedron, 35) + shifted(tetrahedron, 39));
     CHECK(both.manifold());
     CHECK(both.euler_characteristic() == 4);
     CHECK(both.components == 3);
@@ -221,8 +219,7 @@ TEST_CASE("counts on random triangle soups equal those of the definitions") {
         CHECK(report.misoriented_edges == naive.misoriented);
         CHECK(report.non_manifold_edges == naive.non_manifold);
         const std::vector<uint32_t> components = triangle_components(vertices, mesh);
-        const uint64_t count =
-            components.empty() ? 0 : *std::max_element(components.begin(), components.end()) + 1;
+        const uint64_t count = components.empty() ? 0 : *std::max_element(components.begin(), components.end()) + 1;
         CHECK(report.components == count);
     }
 }

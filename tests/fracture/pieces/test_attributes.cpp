@@ -104,8 +104,8 @@ TEST_CASE("attributes: pieces that have become one have cuts across several bise
             const auto uv = interior_uv(sites, *fragments, piece, t);
             for (size_t k = 0; k < 3; ++k) {
                 const auto at = [&](size_t c) {
-                    return fragments->positions[piece.vertices.begin
-                                                + fragments->triangles[t][static_cast<int>(c % 3)]];
+                    return fragments
+                        ->positions[piece.vertices.begin + fragments->triangles[t][static_cast<int>(c % 3)]];
                 };
                 const double length = glm::distance(at(k), at(k + 1));
                 CHECK(glm::length(uv[(k + 1) % 3] - uv[k]) == doctest::Approx(length).epsilon(0.01));

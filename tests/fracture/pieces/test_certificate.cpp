@@ -63,8 +63,7 @@ TEST_CASE("ranges and indices that point outside make a piece open, not a crash"
     CHECK(open_after([](Fragments& f) { f.pieces[0].triangles = {4, 2}; }) == 1);
     CHECK(open_after([](Fragments& f) { f.pieces[0].exterior_triangles = 13; }) == 1);
     CHECK(open_after([](Fragments& f) { f.triangles.clear(); }) == 1);
-    CHECK(open_after([](Fragments& f) { f.pieces[0].triangles.end = 0, f.pieces[0].exterior_triangles = 0; })
-          == 1);
+    CHECK(open_after([](Fragments& f) { f.pieces[0].triangles.end = 0, f.pieces[0].exterior_triangles = 0; }) == 1);
 }
 
 TEST_CASE("two halves of a cube certify with exact volumes") {

@@ -10,8 +10,8 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "tests/fracture/lattice.h"
@@ -90,10 +90,11 @@ TEST_CASE("merge: groups are cut from each other and not inside") {
     // The caps that remain are those of the fracture without groups.
     size_t kept = 0;
     std::multiset<Corners> before;
-    for (const Piece& piece : apart.pieces) before.merge(triangles_of(apart.positions_of(piece), apart.triangles_of(piece)));
+    for (const Piece& piece : apart.pieces)
+        before.merge(triangles_of(apart.positions_of(piece), apart.triangles_of(piece)));
     for (const Piece& piece : f.pieces) {
-        for (const Corners& corners : triangles_of(
-                 f.positions_of(piece), f.triangles_of(piece).subspan(piece.exterior_triangles))) {
+        for (const Corners& corners :
+             triangles_of(f.positions_of(piece), f.triangles_of(piece).subspan(piece.exterior_triangles))) {
             CHECK(before.contains(corners));
             ++kept;
         }
@@ -107,7 +108,8 @@ TEST_CASE("merge: groups are cut from each other and not inside") {
             groups_of[f.triangle_source[t]].insert(p);
     }
     CHECK(groups_of.size() == ball.triangles.size());
-    const auto whole = std::count_if(groups_of.begin(), groups_of.end(), [](const auto& g) { return g.second.size() == 1; });
+    const auto whole =
+        std::count_if(groups_of.begin(), groups_of.end(), [](const auto& g) { return g.second.size() == 1; });
     CHECK(whole > 4500); // of 5,120
 }
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "fracture/sequential/bisectors.h"
 #include "fracture/base/random.h"
+#include "fracture/sequential/bisectors.h"
 #include "fracture/sites/sites.h"
 
 using namespace brittle::fracture;
@@ -21,9 +21,9 @@ uint32_t nearest(std::span<const glm::dvec3> sites, const glm::dvec3& point) {
 }
 
 bool inside(const CellBounds& cell, uint32_t site, const glm::dvec3& point) {
-    return !cell.empty
-           && std::all_of(cell.bisectors.begin(), cell.bisectors.end(),
-                          [&](const Bisector& plane) { return plane.keeps(site, plane.value(point)); });
+    return !cell.empty && std::all_of(cell.bisectors.begin(), cell.bisectors.end(), [&](const Bisector& plane) {
+        return plane.keeps(site, plane.value(point));
+    });
 }
 
 } // namespace
@@ -120,12 +120,9 @@ TEST_CASE("few bisectors are left of many sites") {
     for (uint32_t i = 0; i < 50; ++i) {
         const CellBounds cell = cell_bounds(sites, i, unit);
         sum += cell.bisectors.size();
-        const auto distance = [&](const Bisector& plane) {
-            return glm::distance(sites[i], sites[plane.other(i)]);
-        };
-        CHECK(
-            std::is_sorted(cell.bisectors.begin(), cell.bisectors.end(),
-                           [&](const Bisector& a, const Bisector& b) { return distance(a) < distance(b); }));
+        const auto distance = [&](const Bisector& plane) { return glm::distance(sites[i], sites[plane.other(i)]); };
+        CHECK(std::is_sorted(cell.bisectors.begin(), cell.bisectors.end(),
+                             [&](const Bisector& a, const Bisector& b) { return distance(a) < distance(b); }));
     }
     CHECK(sum >= 50 * 10);
     CHECK(sum <= 50 * 20); // the mean of a Poisson-Voronoi cell is 15.5

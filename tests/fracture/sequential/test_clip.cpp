@@ -8,11 +8,11 @@
 #include <tuple>
 #include <vector>
 
-#include "fracture/sequential/clip.h"
-#include "fracture/mesh/mass_properties.h"
 #include "fracture/base/random.h"
-#include "fracture/shapes/shapes.h"
+#include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
+#include "fracture/sequential/clip.h"
+#include "fracture/shapes/shapes.h"
 
 using namespace brittle::fracture;
 
@@ -100,12 +100,11 @@ bool near(const glm::dvec3& p, const glm::dvec3& q) {
 bool has_points(const HalfEdgeMesh& mesh, const std::vector<Triangle>& triangles,
                 const std::vector<glm::dvec3>& expected) {
     const std::set<Point> have = points(mesh, triangles);
-    return have.size() == expected.size()
-           && std::all_of(expected.begin(), expected.end(), [&](const auto& e) {
-                  return std::any_of(have.begin(), have.end(), [&](const Point& p) {
-                      return near(e, {std::get<0>(p), std::get<1>(p), std::get<2>(p)});
-                  });
-              });
+    return have.size() == expected.size() && std::all_of(expected.begin(), expected.end(), [&](const auto& e) {
+               return std::any_of(have.begin(), have.end(), [&](const Point& p) {
+                   return near(e, {std::get<0>(p), std::get<1>(p), std::get<2>(p)});
+               });
+           });
 }
 
 // Clips the tetrahedron by that case's plane and returns what is left of face abc, having checked all else.
@@ -116,9 +115,8 @@ struct FaceAfterCut {
 FaceAfterCut cut_face(CutCase which, double offset) {
     const Bisector cut = plane_for(which, offset);
     const auto& p = tetrahedron.positions;
-    REQUIRE(
-        cut_case(cut.keeps(0, cut.value(p[0])), cut.keeps(0, cut.value(p[1])), cut.keeps(0, cut.value(p[2])))
-        == which);
+    REQUIRE(cut_case(cut.keeps(0, cut.value(p[0])), cut.keeps(0, cut.value(p[1])), cut.keeps(0, cut.value(p[2])))
+            == which);
     FaceAfterCut result{cut_both(tetrahedron, cut)[0], {}};
     result.triangles = with_source(result.mesh, {.index = 0});
     for (const Triangle& t : result.triangles) { // still seen from outside
@@ -262,8 +260,7 @@ TEST_CASE("the border of a torus cut across is walked as two loops") {
         CHECK(component_count(sides[site], cap) == 2);
         CHECK(area(sides[site], cap) == doctest::Approx(2.0 * std::numbers::pi * 0.16).epsilon(0.03));
         // Half a ring is a ball, topologically.
-        CHECK(check_topology(sides[site].positions.size(), triangle_list(sides[site])).euler_characteristic()
-              == 2);
+        CHECK(check_topology(sides[site].positions.size(), triangle_list(sides[site])).euler_characteristic() == 2);
     }
 }
 
@@ -275,8 +272,7 @@ TEST_CASE("a torus cut like a bagel has a cap with a hole in it") {
         CHECK(component_count(sides[site], cap) == 1);
         const double annulus = std::numbers::pi * (1.4 * 1.4 - 0.6 * 0.6);
         CHECK(area(sides[site], cap) == doctest::Approx(annulus).epsilon(0.03));
-        CHECK(check_topology(sides[site].positions.size(), triangle_list(sides[site])).euler_characteristic()
-              == 0);
+        CHECK(check_topology(sides[site].positions.size(), triangle_list(sides[site])).euler_characteristic() == 0);
     }
 }
 

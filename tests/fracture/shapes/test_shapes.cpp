@@ -174,16 +174,14 @@ TEST_CASE("the animal is one smooth solid of genus 0 on four legs") {
         const std::vector<glm::dvec3> normals = vertex_normals(mesh);
         int folded = 0;
         for (const Triangle& t : mesh.triangles) {
-            const glm::dvec3 normal =
-                face_normal(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+            const glm::dvec3 normal = face_normal(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
             for (int k = 0; k < 3; ++k) folded += dot(normal, normals[t[k]]) <= 0.0;
         }
         CHECK(folded == 0);
 
         std::vector<Triangle> below_the_knees;
         for (const Triangle& t : mesh.triangles) {
-            const double top =
-                std::max({mesh.positions[t.x].y, mesh.positions[t.y].y, mesh.positions[t.z].y});
+            const double top = std::max({mesh.positions[t.x].y, mesh.positions[t.y].y, mesh.positions[t.z].y});
             if (top < 0.35) below_the_knees.push_back(t);
         }
         CHECK(check_topology(mesh.positions.size(), below_the_knees).components == 4);

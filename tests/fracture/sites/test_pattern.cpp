@@ -8,20 +8,20 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
+#include "fracture/base/random.h"
 #include "fracture/fracture.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/islands.h"
-#include "fracture/base/random.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 
 using namespace brittle::fracture;
 
 namespace {
 
-constexpr PatternKind all_kinds[] = {PatternKind::uniform, PatternKind::clustered, PatternKind::radial,
-                                     PatternKind::grid,    PatternKind::bricks,    PatternKind::slices,
-                                     PatternKind::splinters, PatternKind::curve,   PatternKind::curvature, PatternKind::thickness};
+constexpr PatternKind all_kinds[] = {
+    PatternKind::uniform, PatternKind::clustered, PatternKind::radial, PatternKind::grid,      PatternKind::bricks,
+    PatternKind::slices,  PatternKind::splinters, PatternKind::curve,  PatternKind::curvature, PatternKind::thickness};
 
 PatternSites make(const Pattern& pattern, const TriangleMesh& mesh) {
     const auto made = make_sites(pattern, mesh);
@@ -94,9 +94,11 @@ TEST_CASE("pattern: where the solid is thin there are more sites for its volume"
 
 TEST_CASE("inside: the same answer as the solid angle of the surface") {
     TriangleMesh two = hollow_sphere(2);
-    for (const Triangle& t : cube(1.0).triangles) two.triangles.push_back(t + Triangle(static_cast<uint32_t>(two.positions.size())));
+    for (const Triangle& t : cube(1.0).triangles)
+        two.triangles.push_back(t + Triangle(static_cast<uint32_t>(two.positions.size())));
     for (const glm::dvec3& p : cube(1.0).positions) two.positions.push_back(p + glm::dvec3(0.9, 0.0, 0.0)); // overlaps
-    for (const TriangleMesh& mesh : {icosphere(3), torus(24, 12), torus_knot(2, 3, 100, 8), lattice_cube(5), two, menger_sponge(2)}) {
+    for (const TriangleMesh& mesh :
+         {icosphere(3), torus(24, 12), torus_knot(2, 3, 100, 8), lattice_cube(5), two, menger_sponge(2)}) {
         CAPTURE(mesh.triangles.size());
         const InsideTest inside(mesh);
         Box box = bounds(mesh);
@@ -144,8 +146,8 @@ TEST_CASE("pattern: every kind breaks every shape, equal seeds equally, and says
 
 TEST_CASE("pattern: counts are as promised, and sites inside are inside") {
     const TriangleMesh ring = torus(32, 16);
-    for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::slices, PatternKind::curvature,
-                                   PatternKind::thickness})
+    for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::slices,
+                                   PatternKind::curvature, PatternKind::thickness})
         CHECK(make({.kind = kind, .count = 37}, ring).sites.size() == 37);
     for (const PatternKind kind : all_kinds) {
         CAPTURE(pattern_names()[static_cast<size_t>(kind)]);

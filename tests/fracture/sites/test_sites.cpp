@@ -32,8 +32,7 @@ class TemporaryFile {
     std::filesystem::path path_;
 };
 
-void check_error(const std::string& content, Status status, const std::string& where,
-                 const std::string& what) {
+void check_error(const std::string& content, Status status, const std::string& where, const std::string& what) {
     CAPTURE(content.substr(0, 80));
     const TemporaryFile file(content);
     const auto sites = read_sites(file.path());
@@ -87,8 +86,7 @@ TEST_CASE("numbers that are not finite or do not fit a double are refused") {
 TEST_CASE("endless lines and binary files end in an error that can be printed") {
     check_error(std::string(100'000, '7'), Status::malformed_file, ":1: ", "longer than 4096 bytes");
     check_error(std::string("glTF\0\x02\x1b[31m\n", 12), Status::malformed_file, ":1: ", "'glTF???[31m'");
-    check_error("0 0 0\n" + std::string(5000, ' ') + "1 2 3\n", Status::malformed_file,
-                ":2: ", "longer than");
+    check_error("0 0 0\n" + std::string(5000, ' ') + "1 2 3\n", Status::malformed_file, ":2: ", "longer than");
 }
 
 TEST_CASE("every accepted spelling gives the same sites") {
@@ -145,6 +143,5 @@ TEST_CASE("the first site of seed 1 is the same on every machine") {
     const auto sites = uniform_sites({{0, 0, 0}, {1, 1, 1}}, 1, 1);
     // SplitMix64 with seed 1 starts 0x910a2dec89025cc1, 0xbeeb8da1658eec67, 0xf893a2eefb32555e.
     const auto unit = [](uint64_t word) { return static_cast<double>(word >> 11) * 0x1.0p-53; };
-    CHECK(sites[0]
-          == glm::dvec3(unit(0x910a2dec89025cc1), unit(0xbeeb8da1658eec67), unit(0xf893a2eefb32555e)));
+    CHECK(sites[0] == glm::dvec3(unit(0x910a2dec89025cc1), unit(0xbeeb8da1658eec67), unit(0xf893a2eefb32555e)));
 }

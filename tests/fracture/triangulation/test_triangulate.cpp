@@ -220,8 +220,7 @@ TEST_CASE("a loop of n points gives n - 2 triangles whatever its geometry") {
 }
 
 TEST_CASE("a loop that crosses itself in a vertex is two loops and needs no force") {
-    const Polygons p{
-        "figure eight", {{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}}, {{0, 1, 2, 4, 3, 2}}, 0.0, false};
+    const Polygons p{"figure eight", {{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}}, {{0, 1, 2, 4, 3, 2}}, 0.0, false};
     const Triangulation t = check(p);
     CHECK(t.triangles.size() == 2);
     CHECK(t.forced_ears == 0);
@@ -238,8 +237,7 @@ TEST_CASE("loops that touch in a shared vertex need no bridge and no force") {
 }
 
 TEST_CASE("points that are not finite still give the promised triangles") {
-    const double nan = std::numeric_limits<double>::quiet_NaN(),
-                 inf = std::numeric_limits<double>::infinity();
+    const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
     const std::vector<glm::dvec2> points = {{0, 0}, {nan, 0}, {1, inf},  {nan, nan}, {-inf, 2},
                                             {0, 1}, {.2, .2}, {.4, nan}, {.3, .3}};
     const std::vector<Loop> loops = {{0, 1, 2, 3, 4, 5}, {6, 7, 8}};

@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "tests/physics/convex_pieces.h"
 #include "fracture/base/random.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -17,7 +17,8 @@ namespace {
 
 // How far a point is from a region, m; 0 within. Of boxes the largest of the three distances, no more than the true one.
 double distance_to(const AnchorRegion& region, const glm::dvec3& p) {
-    if (const Ball* ball = std::get_if<Ball>(&region)) return std::max(0.0, glm::distance(ball->centre, p) - ball->radius);
+    if (const Ball* ball = std::get_if<Ball>(&region))
+        return std::max(0.0, glm::distance(ball->centre, p) - ball->radius);
     const fracture::Box& box = std::get<fracture::Box>(region);
     const glm::dvec3 out = glm::max(box.min - p, p - box.max);
     return std::max({0.0, out.x, out.y, out.z});
@@ -28,12 +29,13 @@ double distance_to(const AnchorRegion& region, const glm::dvec3& p) {
 TEST_CASE("a triangle reaches into a region as a fine sampling of it does") {
     fracture::Random random(11);
     const fracture::Box around{{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}};
-    for (const AnchorRegion& region :
-         {AnchorRegion(fracture::Box{{-0.3, -0.2, -0.1}, {0.3, 0.2, 0.1}}), AnchorRegion(Ball{{0.1, -0.1, 0.0}, 0.25})}) {
+    for (const AnchorRegion& region : {AnchorRegion(fracture::Box{{-0.3, -0.2, -0.1}, {0.3, 0.2, 0.1}}),
+                                       AnchorRegion(Ball{{0.1, -0.1, 0.0}, 0.25})}) {
         CAPTURE(region.index());
         int hits = 0, misses = 0, unsure = 0;
         for (int i = 0; i < 300; ++i) {
-            const glm::dvec3 a = random.uniform_in(around), b = random.uniform_in(around), c = random.uniform_in(around);
+            const glm::dvec3 a = random.uniform_in(around), b = random.uniform_in(around),
+                             c = random.uniform_in(around);
             constexpr int n = 60;
             const double slack = 3.0 / n; // of the triangle's sides, below 3.5 m
             double nearest = 10.0;

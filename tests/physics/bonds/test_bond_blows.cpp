@@ -6,9 +6,9 @@
 
 #include <doctest/doctest.h>
 
+#include "physics/bonds/structure.h"
 #include "tests/physics/bodies.h"
 #include "tests/physics/convex_pieces.h"
-#include "physics/bonds/structure.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -65,8 +65,10 @@ TEST_CASE("a blow is judged once and whole, however it falls on steps") {
         for (const float speed : {0.6f, 4.0f, 50.0f})
             for (int sixteenths = 0; sixteenths < 16; ++sixteenths) {
                 const float left = speed * static_cast<float>(sixteenths) / 16.0f;
-                for (const std::vector<float>& parts :
-                     {std::vector{left, 0.0f}, {left, 0.5f * left, 0.0f}, {left, 0.0f, -0.1f * speed}, {left, 0.9f * left, 0.4f * left, 0.0f}}) {
+                for (const std::vector<float>& parts : {std::vector{left, 0.0f},
+                                                        {left, 0.5f * left, 0.0f},
+                                                        {left, 0.0f, -0.1f * speed},
+                                                        {left, 0.9f * left, 0.4f * left, 0.0f}}) {
                     CAPTURE(left);
                     const Sum sum = judged(mass, speed, parts);
                     CHECK(sum.count == 1);
@@ -123,7 +125,8 @@ fracture::Fragments row_of_blocks(bool foot) {
     fracture::Fragments fragments =
         test::bonded_grid({-2.5 * side, low, -0.5 * side}, {2.5 * side, low + side, 0.5 * side}, 5, 1, 1);
     if (!foot) return fragments;
-    test::append_piece(fragments, test::box_polyhedron({-0.5 * side, 0.0, -0.5 * side}, {0.5 * side, side, 0.5 * side}));
+    test::append_piece(fragments,
+                       test::box_polyhedron({-0.5 * side, 0.0, -0.5 * side}, {0.5 * side, side, 0.5 * side}));
     fragments.bonds.push_back({2, 5, side * side, {0.0, side, 0.0}, {0.0, -1.0, 0.0}});
     return fragments;
 }
@@ -133,11 +136,15 @@ size_t broken_of(const fracture::Fragments& fragments, float speed, double stren
     World world({.gravity = {0.0f, 0.0f, 0.0f}});
     const auto scale = static_cast<float>(strength);
     const float height = 0.02f + speed / 120.0f * static_cast<float>(sixteenths) / 16.0f;
-    Result<Structure> structure = Structure::create(
-        world, fragments,
-        {.material = {.density = 2400.0f, .tensile = 30e6f * scale, .compressive = 30e6f * scale, .shear = 5e6f * scale,
-                      .fracture_energy = 1.0f},
-         .motion = {.placement = {{0.0f, height, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}, .linear_velocity = {0.0f, -speed, 0.0f}}});
+    Result<Structure> structure =
+        Structure::create(world, fragments,
+                          {.material = {.density = 2400.0f,
+                                        .tensile = 30e6f * scale,
+                                        .compressive = 30e6f * scale,
+                                        .shear = 5e6f * scale,
+                                        .fracture_energy = 1.0f},
+                           .motion = {.placement = {{0.0f, height, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}},
+                                      .linear_velocity = {0.0f, -speed, 0.0f}}});
     REQUIRE(structure);
     size_t broken = 0;
     for (int step = 0; step < 30; ++step) {

@@ -14,8 +14,8 @@
 #include "fracture/fracture.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
-#include "tests/physics/lathe.h"
 #include "physics/cutting/solid_piece.h"
+#include "tests/physics/lathe.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -43,7 +43,8 @@ bool stands(const std::vector<uint32_t>& islands) {
 }
 
 // The islands of blocks for which it holds.
-template<class Choice> std::set<uint32_t> islands_of(const HeldBlocks& blocks, const std::vector<uint32_t>& islands, Choice choice) {
+template<class Choice>
+std::set<uint32_t> islands_of(const HeldBlocks& blocks, const std::vector<uint32_t>& islands, Choice choice) {
     std::set<uint32_t> found;
     for (size_t i = 0; i < islands.size(); ++i)
         if (choice(blocks.nodes[i])) found.insert(islands[i]);
@@ -63,7 +64,9 @@ void check_head_is_off(const HeldBlocks& blocks, const std::vector<uint32_t>& is
 } // namespace
 
 TEST_CASE("blocks: what is not held, too small to break or in no way a solid has none") {
-    const auto solid = [](const SolidSettings& settings) { return (*make_solid(fracture::cube(1.0), settings))->blocks; };
+    const auto solid = [](const SolidSettings& settings) {
+        return (*make_solid(fracture::cube(1.0), settings))->blocks;
+    };
     const fracture::Box below{{-1.0, -1.0, -1.0}, {1.0, -0.45, 1.0}};
     CHECK(solid({.min_size = 0.1, .anchors = {below}}));
     CHECK_FALSE(solid({.min_size = 0.1}));
@@ -102,7 +105,8 @@ TEST_CASE("blocks: sites lie inside, closer together where it is thin, masses su
 TEST_CASE("blocks: a stem bears what its section does, and is parted in the stem") {
     const auto section_ratio = [](double stem) { // of compression alone, at the stem's lower end
         const fracture::TriangleMesh mesh = mushroom(stem);
-        const double above = fracture::signed_volume(mesh.positions, mesh.triangles) - std::numbers::pi * 0.3 * 0.3 * 0.1;
+        const double above =
+            fracture::signed_volume(mesh.positions, mesh.triangles) - std::numbers::pi * 0.3 * 0.3 * 0.1;
         const double pressure = above * 2400.0 * 9.81 / (std::numbers::pi * stem * stem);
         return pressure / static_cast<double>(concrete.compressive);
     };
@@ -118,7 +122,8 @@ TEST_CASE("blocks: a stem bears what its section does, and is parted in the stem
 }
 
 // A beam of length l, height h and width b out of a wall: bending stress 6 (rho b h l g) (l / 2) / (b h^2) = 3 rho g l^2 / h.
-TEST_CASE("blocks: a cantilever breaks where Euler and Bernoulli say, within what square sections taken as discs allow") {
+TEST_CASE(
+    "blocks: a cantilever breaks where Euler and Bernoulli say, within what square sections taken as discs allow") {
     const double length = 2.0, height = 0.2;
     const double stress = 3.0 * 2400.0 * 9.81 * length * length / height;
     const auto critical = stress / static_cast<double>(concrete.tensile); // the scale at which it just bears
@@ -132,7 +137,8 @@ TEST_CASE("blocks: a cantilever breaks where Euler and Bernoulli say, within wha
         (stands(overloaded(*blocks, concrete, static_cast<float>(middle), down, {})) ? high : low) = middle;
     }
     MESSAGE("a strength of ", high / critical, " of what the beam needs by the formula is enough");
-    CHECK(high > 0.4 * critical); // expectation set from the disc's I = A^2 / (4 pi) and a first joint away from the wall
+    CHECK(high
+          > 0.4 * critical); // expectation set from the disc's I = A^2 / (4 pi) and a first joint away from the wall
     CHECK(high < 2.0 * critical);
     // What hangs at its end comes on top, and where gravity is none nothing breaks.
     const PointLoad hanging{{0.95, 0.0, 0.0}, {0.0, -2400.0 * 0.08 * 9.81, 0.0}};
@@ -150,7 +156,8 @@ TEST_CASE("blocks: a blow breaks the stem where its energy pays for the section,
     const double energy = std::numbers::pi * stem * stem * static_cast<double>(concrete.fracture_energy);
     const double impulse = std::sqrt(2.0 * head * energy);
     const auto after = [&](double share, double own_energy) {
-        return knocked_loose(*blocks, concrete, 1.0f, down, {{0.5, 1.25, 0.0}, {-share * impulse, 0.0, 0.0}}, own_energy);
+        return knocked_loose(*blocks, concrete, 1.0f, down, {{0.5, 1.25, 0.0}, {-share * impulse, 0.0, 0.0}},
+                             own_energy);
     };
     CHECK(stands(after(0.4, 1e6)));
     CHECK(stands(after(2.5, 0.5 * energy))); // a blow brings no more than it has

@@ -51,8 +51,7 @@ TEST_CASE("the distance to a hull is that to its nearest face, and nothing insid
             const glm::dvec3 half(0.5, flake ? 1e-3 : 0.3, 0.8);
             std::vector<glm::vec3> corners;
             for (int c = 0; c < 8; ++c)
-                corners.push_back(glm::vec3(half)
-                                  * glm::vec3(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
+                corners.push_back(glm::vec3(half) * glm::vec3(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
             for (int k = 0; k < 24; ++k) // in the hull, and no corners of it
                 corners.push_back(glm::vec3(random.uniform_in(box) * half));
             const glm::dvec3 p = 1.5 * random.uniform_in(box);

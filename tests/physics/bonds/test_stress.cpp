@@ -7,10 +7,10 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/physics/convex_pieces.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -31,7 +31,8 @@ struct Model {
     }
 };
 
-template<class Fixed> Model model_of(const fracture::Fragments& fragments, const Fixed& fixed) {
+template<class Fixed>
+Model model_of(const fracture::Fragments& fragments, const Fixed& fixed) {
     Model model;
     for (const fracture::Piece& piece : fragments.pieces) {
         const glm::dvec3 centre = piece.mass.centre_of_mass;
@@ -134,8 +135,11 @@ TEST_CASE("the legs of a table share its weight, and a load nearer to one of the
         const uint32_t leg = add({x - thin, 0.0, z - thin}, {x + thin, 2.0, z + thin});
         legs.push_back(leg);
         bonds[static_cast<size_t>(corner)] = static_cast<uint32_t>(table.bonds.size());
-        table.bonds.push_back({leg, tops[static_cast<size_t>((corner % 2) * 6 + (corner / 2) * 2)],
-                               4.0 * thin * thin, {x, 2.0, z}, {0, 1, 0}});
+        table.bonds.push_back({leg,
+                               tops[static_cast<size_t>((corner % 2) * 6 + (corner / 2) * 2)],
+                               4.0 * thin * thin,
+                               {x, 2.0, z},
+                               {0, 1, 0}});
     }
     Model model = model_of(table, [](const glm::dvec3& at) { return at.y < 1.5; });
     StressSolver solver = solved(model);

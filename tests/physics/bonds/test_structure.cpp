@@ -12,12 +12,12 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "physics/bonds/anchor.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
 #include "tests/physics/run_log.h"
 
 using namespace brittle;
@@ -123,8 +123,8 @@ TEST_CASE("bonded pieces are one body with the mass and inertia of the whole") {
     for (size_t i = 0; i < poses.size(); ++i) {
         CHECK(glm::length(poses[i].position - expected[i].position) < 1e-6f);
         CHECK(std::abs(glm::dot(poses[i].orientation, expected[i].orientation)) > 0.999999f);
-        const glm::vec3 in_body = world.pose(body).position
-                                  + world.pose(body).orientation * structure.offset(static_cast<uint32_t>(i));
+        const glm::vec3 in_body =
+            world.pose(body).position + world.pose(body).orientation * structure.offset(static_cast<uint32_t>(i));
         CHECK(glm::length(poses[i].position - in_body) < 1e-6f);
     }
 }
@@ -149,11 +149,11 @@ TEST_CASE("a thousand fresh bonded pieces in empty space do not move, nor when a
     CHECK(changes.removed.size() == 1);
     for (int step = 0; step < 5; ++step) world.step(), structure.update(world);
     structure.write_piece_transforms(world, after);
-    for (size_t i = 0; i < before.size(); ++i)
-        CHECK(glm::length(after[i].position - before[i].position) < 1e-6f);
+    for (size_t i = 0; i < before.size(); ++i) CHECK(glm::length(after[i].position - before[i].position) < 1e-6f);
 }
 
-TEST_CASE("pieces of what comes apart in the air have no contacts with each other while they fly as one, on the ground they do") {
+TEST_CASE("pieces of what comes apart in the air have no contacts with each other while they fly as one, on the ground "
+          "they do") {
     const fracture::Fragments fragments = broken_box(200, 3);
     for (const bool flies : {true, false}) {
         CAPTURE(flies);
@@ -224,15 +224,16 @@ TEST_CASE("momentum and angular momentum are kept across a hundred random sequen
         INFO(log);
         World world(empty_space);
         const fracture::Fragments fragments = broken_box(20, seed);
-        const PlacedMotion motion{
-            .placement = {glm::vec3(random.point(glm::dvec3(-2.0), glm::dvec3(2.0))), glm::quat(0.6f, 0.0f, 0.8f, 0.0f)},
-            .linear_velocity = glm::vec3(random.point(glm::dvec3(-5.0), glm::dvec3(5.0))),
-            .angular_velocity = glm::vec3(random.direction() * 8.0)};
+        const PlacedMotion motion{.placement = {glm::vec3(random.point(glm::dvec3(-2.0), glm::dvec3(2.0))),
+                                                glm::quat(0.6f, 0.0f, 0.8f, 0.0f)},
+                                  .linear_velocity = glm::vec3(random.point(glm::dvec3(-5.0), glm::dvec3(5.0))),
+                                  .angular_velocity = glm::vec3(random.direction() * 8.0)};
         Structure structure = must_create(world, fragments, {.motion = motion});
         for (int round = 0; round < 4; ++round) {
             std::vector<uint32_t> bonds(40);
             for (uint32_t& bond : bonds)
-                bond = static_cast<uint32_t>(random.uniform(0.0, 0.999) * static_cast<double>(structure.graph().bonds().size()));
+                bond = static_cast<uint32_t>(random.uniform(0.0, 0.999)
+                                             * static_cast<double>(structure.graph().bonds().size()));
             for (const uint32_t bond : bonds) structure.break_bonds(std::array{bond});
             log.did("these bonds are broken:", bonds);
             const Mechanics before = world.mechanics();
@@ -330,11 +331,13 @@ TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it
 
 TEST_CASE("no more bonds break of a blow than its energy pays for, and weak ones that cost much hold longer") {
     // Each blow has 800 J, as of a kilogram, and impulse for the whole bar. A bond costs 0.01 m^2 * the fracture energy.
-    for (const auto& [fracture_energy, broken, left] : {std::tuple(1e3f, 6u, 0.0), {1.9e4f, 4u, 0.0}, {5e4f, 0u, 0.2}, {5e5f, 0u, 0.92}}) {
+    for (const auto& [fracture_energy, broken, left] :
+         {std::tuple(1e3f, 6u, 0.0), {1.9e4f, 4u, 0.0}, {5e4f, 0u, 0.2}, {5e5f, 0u, 0.92}}) {
         CAPTURE(fracture_energy);
         World world(empty_space);
         Structure structure = must_create(
-            world, bar(7), {.material = {.tensile = 1e5f, .compressive = 1e6f, .shear = 1e5f, .fracture_energy = fracture_energy}});
+            world, bar(7),
+            {.material = {.tensile = 1e5f, .compressive = 1e6f, .shear = 1e5f, .fracture_energy = fracture_energy}});
         structure.blow(world, 3, {0.0f, 40.0f, 0.0f});
         double spent = 0.0;
         for (const BondGraph::Bond& bond : structure.graph().bonds())
@@ -376,8 +379,7 @@ TEST_CASE("a ball breaks a piece out of a pane and flies on, momentum is kept") 
         StructureDesc desc{.material = {.density = 2500.0f, .tensile = 1e6f, .fracture_energy = 500.0f}};
         if (anchored) desc.anchored = {0, 4, 20, 24};
         Structure structure = must_create(world, pane, desc);
-        const BodyId flying =
-            *world.add_body(ball(0.05f, 4.0f, {0.02f, 0.01f, 0.5f}, {0.0f, 0.0f, -10.0f}));
+        const BodyId flying = *world.add_body(ball(0.05f, 4.0f, {0.02f, 0.01f, 0.5f}, {0.0f, 0.0f, -10.0f}));
         const Mechanics before = world.mechanics();
         size_t broken = 0, impacts = 0;
         for (int step = 0; step < 60; ++step) {
@@ -415,9 +417,9 @@ TEST_CASE("a ball breaks a piece out of a pane and flies on, momentum is kept") 
 TEST_CASE("a fresh structure that falls flat breaks, one that rests does not wear away") {
     World world;
     const Material weak{.tensile = 2e5f};
-    Structure resting = must_create(world, bar(8), {.material = weak,
-                                                    .motion = {.placement = {{0, 0, 1}, {1, 0, 0, 0}}},
-                                                    .wear = {.strength_scale = 1.0f}});
+    Structure resting = must_create(
+        world, bar(8),
+        {.material = weak, .motion = {.placement = {{0, 0, 1}, {1, 0, 0, 0}}}, .wear = {.strength_scale = 1.0f}});
     const glm::quat tilted = glm::angleAxis(0.3f, glm::vec3(0.0f, 0.0f, 1.0f));
     Structure falling = must_create(world, bar(8), {.material = weak, .motion = {.placement = {{0, 2, -1}, tilted}}});
     for (int step = 0; step < 240; ++step) world.step(), resting.update(world), falling.update(world);
@@ -472,8 +474,7 @@ TEST_CASE("a table stands for ten seconds, and comes down within one when two of
     const Table table;
     World world;
     Structure structure = must_create(
-        world, table.fragments,
-        {.anchored = anchor_to_ground(table.fragments), .wear = {.strength_scale = 0.02f}});
+        world, table.fragments, {.anchored = anchor_to_ground(table.fragments), .wear = {.strength_scale = 0.02f}});
     for (int step = 0; step < 1200; ++step) {
         world.step();
         REQUIRE(structure.update(world).broken.empty());
@@ -505,9 +506,10 @@ TEST_CASE("a load that is set down breaks a cantilever, and a lighter one does n
     for (const float mass : {20.0f, 1000.0f}) {
         World world;
         const fracture::Fragments fragments = bar(6);
-        Structure structure = must_create(world, fragments, {.motion = {.placement = {{0, 1, 0}, {1, 0, 0, 0}}},
-                                                             .anchored = {0},
-                                                             .wear = {.strength_scale = 1.0f / 3.0f}});
+        Structure structure = must_create(world, fragments,
+                                          {.motion = {.placement = {{0, 1, 0}, {1, 0, 0, 0}}},
+                                           .anchored = {0},
+                                           .wear = {.strength_scale = 1.0f / 3.0f}});
         REQUIRE(world.add_body(ball(0.05f, mass, {0.45f, 1.1501f, 0.05f}, {})).has_value());
         size_t broken = 0;
         for (int i = 0; i < 360; ++i) {
@@ -564,7 +566,8 @@ TEST_CASE("two cubes that break on each other and on the ground gain no energy f
 
 TEST_CASE("a body that came off can be taken out with all its pieces, and what holds goes on") {
     World world;
-    Structure structure = must_create(world, bar(7), {.motion = {.placement = {{0.0f, 0.3f, 0.0f}}}, .anchored = {0, 6}});
+    Structure structure =
+        must_create(world, bar(7), {.motion = {.placement = {{0.0f, 0.3f, 0.0f}}}, .anchored = {0, 6}});
     CHECK_FALSE(structure.came_off(1));
     CHECK(structure.together_with(3).size() == 7);
     structure.break_bonds(std::array{2u, 5u});

@@ -48,11 +48,13 @@ static std::shared_ptr<const int> watched(std::atomic<std::thread::id>& freed_by
             }};
 }
 
-TEST_CASE("what is thrown away goes on another thread: what is discarded, what a job held, and what one made that is called off") {
+TEST_CASE("what is thrown away goes on another thread: what is discarded, what a job held, and what one made that is "
+          "called off") {
     const std::thread::id nobody;
     std::atomic<std::thread::id> discarded, held, made;
     const auto wait = [&](const std::atomic<std::thread::id>& freed_by) {
-        for (int i = 0; i < 10'000 && freed_by.load() == nobody; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        for (int i = 0; i < 10'000 && freed_by.load() == nobody; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         REQUIRE(freed_by.load() != nobody);
         return freed_by.load();
     };

@@ -32,8 +32,7 @@ struct Hit {
         block = test_bodies::must_add(world, desc);
     }
     void take_up() {
-        for (const BodyBlow& blow :
-             book.take_up(world, least_speed, [&](BodyId body) { return body == block; }))
+        for (const BodyBlow& blow : book.take_up(world, least_speed, [&](BodyId body) { return body == block; }))
             blows.push_back(blow);
     }
     void run(int steps) {
@@ -103,8 +102,7 @@ TEST_CASE("a blow is one, with all that it gave, wherever in a step the two touc
                 CHECK(blow.impulse == doctest::Approx(gained).epsilon(1e-3));
                 CHECK(blow.energy == doctest::Approx(0.5f * blow.impulse * speed).epsilon(1e-3));
                 CHECK(glm::distance(blow.normal, velocity / speed) < 1e-3f);
-                CHECK(glm::distance(glm::vec2(blow.point), glm::vec2(0.05f, 0.0f))
-                      < (block ? 0.5f : 0.03f)); // facets
+                CHECK(glm::distance(glm::vec2(blow.point), glm::vec2(0.05f, 0.0f)) < (block ? 0.5f : 0.03f)); // facets
                 CHECK(std::abs(blow.point.z - 0.5f) < speed / 120.0f + 0.01f);
                 CHECK(glm::length(blow.arm) < 2.0f * half);
                 if (block) continue; // it may turn and come back
@@ -156,9 +154,8 @@ TEST_CASE("what goes on pressing in is a blow every four steps") {
     REQUIRE(hit.blows.size() >= 7);
     float sum = 0.0f;
     for (const BodyBlow& blow : hit.blows) {
-        CHECK(
-            blow.impulse
-            == doctest::Approx(160.0f).epsilon(0.35)); // four times 20 kg at 2 m/s; less while a gap was left
+        CHECK(blow.impulse
+              == doctest::Approx(160.0f).epsilon(0.35)); // four times 20 kg at 2 m/s; less while a gap was left
         sum += blow.impulse;
     }
     CHECK(sum <= pressed * 1.0001f);

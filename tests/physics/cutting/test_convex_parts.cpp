@@ -6,9 +6,9 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "fracture/base/random.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/mass_properties.h"
-#include "fracture/base/random.h"
 #include "fracture/shapes/shapes.h"
 
 using namespace brittle;
@@ -88,7 +88,8 @@ TEST_CASE("a ring's parts leave its hole free and cover its body") {
         if (inside(p) && hull) ++covered;
         if (!inside(p) && hull) ++wrong;
     }
-    MESSAGE(made.parts.size(), " parts cover ", covered, " of ", solid, " points, and ", wrong, " of ", empty, " empty ones");
+    MESSAGE(made.parts.size(), " parts cover ", covered, " of ", solid, " points, and ", wrong, " of ", empty,
+            " empty ones");
     CHECK(covered > solid * 8 / 10);
     CHECK(wrong < solid * 3 / 10);
 }
@@ -107,6 +108,5 @@ TEST_CASE("few points stay for a hull of many, and they span nearly all of it") 
     const std::vector<glm::dvec3> corners = hull_candidates(lattice.positions);
     for (const double x : {-1.0, 1.0})
         for (const double y : {-1.0, 1.0})
-            for (const double z : {-1.0, 1.0})
-                CHECK(std::ranges::find(corners, glm::dvec3(x, y, z)) != corners.end());
+            for (const double z : {-1.0, 1.0}) CHECK(std::ranges::find(corners, glm::dvec3(x, y, z)) != corners.end());
 }

@@ -14,10 +14,10 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/destruction_fixture.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes/shapes.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/destruction_fixture.h"
 #include "tests/physics/run_log.h"
 
 using namespace brittle;
@@ -121,7 +121,8 @@ TEST_CASE("blows at a corner, on an edge, beside and inside a solid, and to need
 }
 
 TEST_CASE("in empty space fresh pieces do not move, of whatever shape they are") {
-    for (const PatternKind kind : {PatternKind::uniform, PatternKind::radial, PatternKind::clustered, PatternKind::splinters})
+    for (const PatternKind kind :
+         {PatternKind::uniform, PatternKind::radial, PatternKind::clustered, PatternKind::splinters})
         for (const char* name : {"cube", "pane", "torus", "animal"}) {
             CAPTURE(name);
             World world(empty_space);
@@ -198,7 +199,8 @@ TEST_CASE("two that break each other keep their momentum, and no energy comes of
     Destruction destruction;
     BreakableDesc desc = desc_of(0.1);
     for (const float side : {-1.0f, 1.0f}) {
-        desc.motion = {.placement = {{side * 1.2f, side * 0.2f, 0.1f}, {1, 0, 0, 0}}, .linear_velocity = {-side * 8.0f, 0, 0}};
+        desc.motion = {.placement = {{side * 1.2f, side * 0.2f, 0.1f}, {1, 0, 0, 0}},
+                       .linear_velocity = {-side * 8.0f, 0, 0}};
         must_add(destruction, world, fracture::cube(1.0), desc);
     }
     const double energy = world.mechanics().kinetic, scale = 2400.0 * 8.0; // of one of them, kg m/s
@@ -229,7 +231,8 @@ TEST_CASE("where a blow cuts is up to the seed, the object and the blows to it b
         BreakableDesc desc = desc_of(0.1);
         desc.pattern.seed = chosen.seed;
         // Sites so far apart that a weak blow has none in reach: such a job leaves the object as it is.
-        desc.pattern.diagram = {{0.0, 0.0, 0.0}, {1.0, 0.9, 0.1}, {0.8, 1.0, 1.0}, {0.1, 0.95, 0.8}, {0.45, 0.9, 0.2}, {0.3, 0.0, 1.0}};
+        desc.pattern.diagram = {{0.0, 0.0, 0.0},  {1.0, 0.9, 0.1},  {0.8, 1.0, 1.0},
+                                {0.1, 0.95, 0.8}, {0.45, 0.9, 0.2}, {0.3, 0.0, 1.0}};
         for (int k = 0; k < chosen.objects_before; ++k)
             destruction.remove(world, must_add(destruction, world, fracture::cube(1.0), desc));
         must_add(destruction, world, fracture::cube(1.0), desc);
@@ -251,7 +254,8 @@ TEST_CASE("where a blow cuts is up to the seed, the object and the blows to it b
     };
     const uint64_t plain = hash_after({});
     CHECK(hash_after({}) == plain);
-    for (const Case& other : {Case{.seed = 2}, Case{.objects_before = 1}, Case{.blows_before = 1}, Case{.blows_before = 2}}) {
+    for (const Case& other :
+         {Case{.seed = 2}, Case{.objects_before = 1}, Case{.blows_before = 1}, Case{.blows_before = 2}}) {
         const uint64_t hash = hash_after(other);
         CHECK(hash != plain);
         CHECK(hash_after(other) == hash);
@@ -265,7 +269,8 @@ TEST_CASE("a diagram made beforehand is what an object breaks along") {
     BreakableDesc desc = desc_of(0.01);
     desc.pattern.diagram = {{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 2.0, 0.0}, {0.0, 3.0, 0.0}};
     must_add(destruction, world, fracture::cube(1.0), desc);
-    REQUIRE(destruction.strike(world, destruction.pieces()[0], {0.0f, 0.5f, 0.0f}, {0.0f, -1.0f, 0.0f}, 1e5)); // all of it
+    REQUIRE(
+        destruction.strike(world, destruction.pieces()[0], {0.0f, 0.5f, 0.0f}, {0.0f, -1.0f, 0.0f}, 1e5)); // all of it
     run(world, destruction, 3);
     // Four sites in a row, fitted to the cube's height: cuts at -1/3, 0 and 1/3 of it.
     std::vector<double> volumes;
@@ -311,7 +316,8 @@ TEST_CASE("pieces break again down to the least size and not beyond, and volumes
         deepest = std::max(deepest, destruction.depth(piece));
         CHECK(std::cbrt(destruction.solid(piece)->mass.volume) >= 0.25 * (1.0 - 1e-9));
     }
-    MESSAGE(destruction.pieces().size(), " pieces, ", deepest, " levels, ", destruction.statistics().withstood, " blows withstood");
+    MESSAGE(destruction.pieces().size(), " pieces, ", deepest, " levels, ", destruction.statistics().withstood,
+            " blows withstood");
     CHECK(deepest >= 3);
     CHECK(destruction.pieces().size() > 50);
     CHECK(destruction.statistics().failed == 0);
@@ -351,9 +357,11 @@ TEST_CASE("a blow withstands only where all that it would take off is smaller th
         desc.pattern.bond.corner = -half;
         must_add(destruction, world, fracture::cuboid(2.0 * half), desc);
         const double least = 0.05 * 0.05 * 0.05;
-        for (const glm::dvec3& at : {glm::dvec3(0.4, 0.3, 1.0), {-0.9, 0.2, 1.0}, {0.3, 0.9, 1.0}, {0.9, 0.8, 1.0}, {0.0, 0.0, 1.0}})
+        for (const glm::dvec3& at :
+             {glm::dvec3(0.4, 0.3, 1.0), {-0.9, 0.2, 1.0}, {0.3, 0.9, 1.0}, {0.9, 0.8, 1.0}, {0.0, 0.0, 1.0}})
             for (double energy = 1.0; energy < 8.0; energy *= 1.1) {
-                const auto cut = destruction.foresee(world, destruction.pieces()[0], glm::vec3(at * half), {0.0f, 0.0f, -1.0f}, energy);
+                const auto cut = destruction.foresee(world, destruction.pieces()[0], glm::vec3(at * half),
+                                                     {0.0f, 0.0f, -1.0f}, energy);
                 if (!cut) continue;
                 const auto pieces = carry_out(*cut);
                 REQUIRE(pieces);
@@ -397,12 +405,14 @@ Run fall(const DestructionSettings& settings, uint32_t threads, int steps = 70, 
         };
         if (result.steps == 5) shoot_from({0.0f, 2.5f, 2.0f}, {0.0f, 0.0f, -30.0f});
         if (result.steps == 40) shoot_from({2.0f, 2.0f, 0.0f}, {-30.0f, 0.0f, 0.0f});
-        if (live) std::this_thread::sleep_for(std::chrono::milliseconds(1)); // a step's length, so that jobs get somewhere
+        if (live)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1)); // a step's length, so that jobs get somewhere
         world.step();
         destruction.update(world, live ? 1e-5 : 1.0);
         result.commits.insert(result.commits.end(), destruction.commits().begin(), destruction.commits().end());
         result.log.look(world);
-        for (const Commit& commit : destruction.commits()) result.log.did("job ", commit.job, " was committed in this step");
+        for (const Commit& commit : destruction.commits())
+            result.log.did("job ", commit.job, " was committed in this step");
         ++result.steps;
     }
     result.hash = hash_of(world, destruction);
@@ -427,7 +437,8 @@ TEST_CASE("runs are equal bit for bit, whatever the number of threads") {
 }
 
 // The main thread's share of breaking is one job at least a step, whatever the budget: what that is must be bounded.
-TEST_CASE("a step commits no more jobs than it may, a job brings no more bodies than its blow allows, and all are prepared") {
+TEST_CASE(
+    "a step commits no more jobs than it may, a job brings no more bodies than its blow allows, and all are prepared") {
     for (const bool by_clock : {false, true}) {
         CAPTURE(by_clock);
         World world(empty_space);
@@ -459,7 +470,8 @@ TEST_CASE("a step commits no more jobs than it may, a job brings no more bodies 
                 CHECK_FALSE(added.solid->parts.empty()); // made by the job
                 CHECK(added.solid->body.mass > 0.0);
             }
-            CHECK(vertices <= destruction.commits().size() * 4000); // of 162 and those of the cuts; 20 pieces have some 2,000
+            CHECK(vertices
+                  <= destruction.commits().size() * 4000); // of 162 and those of the cuts; 20 pieces have some 2,000
         }
         CHECK(commits == 10);
         CHECK(destruction.pieces().size() > 50);

@@ -13,10 +13,10 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/destruction_fixture.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes/shapes.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/destruction_fixture.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -28,8 +28,8 @@ namespace {
 constexpr double never = std::numeric_limits<double>::infinity();
 
 // Blocks of 0.1 m along x, y and z, from the ground, z first.
-ObjectId must_add_blocks(Destruction& destruction, World& world, const glm::ivec3& count, const StructureDesc& structure = {},
-                         double min_size = 0.02) {
+ObjectId must_add_blocks(Destruction& destruction, World& world, const glm::ivec3& count,
+                         const StructureDesc& structure = {}, double min_size = 0.02) {
     fracture::TriangleMesh box = fracture::cuboid(0.1 * glm::dvec3(count));
     for (glm::dvec3& p : box.positions) p += 0.05 * glm::dvec3(count);
     std::vector<glm::dvec3> sites;
@@ -143,7 +143,8 @@ TEST_CASE("of bonded pieces that all came off no more are left than the limit, a
         CAPTURE(sleep_seconds);
         World world;
         Destruction destruction({.debris = {.most_pieces = 20, .sleep_seconds = sleep_seconds}});
-        const ObjectId wall = must_add_blocks(destruction, world, {10, 10, 2}, {}, 0.2); // the blocks themselves do not break
+        const ObjectId wall =
+            must_add_blocks(destruction, world, {10, 10, 2}, {}, 0.2); // the blocks themselves do not break
         REQUIRE(destruction.pieces().size() == 200);
         for (uint32_t piece = 0; piece < 200; ++piece) destruction.structure(wall)->isolate(piece);
         run(world, destruction, 2 * 120);
@@ -160,7 +161,8 @@ TEST_CASE("what an anchor holds stays however many there are, what came off it g
     World world(empty_space);
     Destruction destruction({.debris = {.most_pieces = 1, .sleep_seconds = 0.0}});
     destruction.set_view(unseen);
-    const ObjectId bar = must_add_blocks(destruction, world, {12, 1, 1}, {.anchored = {0, 7}, .wear = {.enabled = false}});
+    const ObjectId bar =
+        must_add_blocks(destruction, world, {12, 1, 1}, {.anchored = {0, 7}, .wear = {.enabled = false}});
     const std::vector<PieceId> all = destruction.pieces();
     run(world, destruction, 10);
     CHECK(destruction.pieces() == all); // nothing has come off
@@ -183,7 +185,8 @@ TEST_CASE("of what nothing holds the greater part stays, and what was alone from
     Destruction destruction({.debris = {.most_pieces = 1}});
     destruction.set_view(unseen);
     const ObjectId bar = must_add_blocks(destruction, world, {7, 1, 1});
-    const ObjectId block = must_add_blocks(destruction, world, {1, 1, 1}, {.motion = {.placement = {{0.0f, 5.0f, 0.0f}}}});
+    const ObjectId block =
+        must_add_blocks(destruction, world, {1, 1, 1}, {.motion = {.placement = {{0.0f, 5.0f, 0.0f}}}});
     const std::vector<PieceId> all = destruction.pieces();
     REQUIRE(all.size() == 8);
     cut(*destruction.structure(bar), {2});
@@ -202,7 +205,8 @@ TEST_CASE("no more bodies go than must: what is small for the time since it came
         World world(empty_space);
         Destruction destruction({.debris = {.most_pieces = 12, .sleep_seconds = never}});
         destruction.set_view(unseen);
-        const ObjectId bar = must_add_blocks(destruction, world, {12, 1, 1}, {.anchored = {0}, .wear = {.enabled = false}});
+        const ObjectId bar =
+            must_add_blocks(destruction, world, {12, 1, 1}, {.anchored = {0}, .wear = {.enabled = false}});
         const std::vector<PieceId> all = destruction.pieces();
         run(world, destruction, 1200);
         cut(*destruction.structure(bar), {8});
@@ -211,7 +215,8 @@ TEST_CASE("no more bodies go than must: what is small for the time since it came
         run(world, destruction, 1);
         CHECK(destruction.pieces() == all);
         if (more > 0)
-            must_add_blocks(destruction, world, {more, 1, 1}, {.motion = {.placement = {{0.0f, 5.0f, 0.0f}}}, .anchored = {0}});
+            must_add_blocks(destruction, world, {more, 1, 1},
+                            {.motion = {.placement = {{0.0f, 5.0f, 0.0f}}}, .anchored = {0}});
         run(world, destruction, 1);
         for (const uint32_t first : {9u, 10u, 11u}) CHECK(destruction.contains(all[first]) == (more < 1));
         CHECK(destruction.contains(all[6]) == (more < 4));
@@ -268,7 +273,8 @@ TEST_CASE("what has faded does not go a second time where there is too much agai
     for (const bool bonded : {false, true}) {
         CAPTURE(bonded);
         World world(empty_space);
-        Destruction destruction({.latency = 1, .debris = {.most_pieces = 1, .sleep_seconds = never, .fade_seconds = 0.1}});
+        Destruction destruction(
+            {.latency = 1, .debris = {.most_pieces = 1, .sleep_seconds = never, .fade_seconds = 0.1}});
         bool seen = true;
         destruction.set_view([&](const glm::vec3&, float) { return seen; });
         const auto break_one = [&](float height) {
@@ -367,12 +373,14 @@ TEST_CASE("runs in which bonded debris goes are equal bit for bit, whatever the 
         WorldSettings settings;
         settings.threads = threads;
         World world(settings);
-        Destruction destruction({.workers = workers, .debris = {.most_pieces = 60, .sleep_seconds = 0.2, .fade_seconds = 0.2}});
+        Destruction destruction(
+            {.workers = workers, .debris = {.most_pieces = 60, .sleep_seconds = 0.2, .fade_seconds = 0.2}});
         destruction.set_view([](const glm::vec3& centre, float) { return centre.x > 0.4f; });
         must_add_blocks(destruction, world, {8, 8, 2}, {.material = weak, .anchored = {0, 1, 16, 17, 32, 33}});
         std::vector<uint64_t> states;
         for (int step = 0; step < 300; ++step) {
-            if (step % 60 == 5) shoot(world, 0.1f, 20.0f, {0.2f + 0.001f * static_cast<float>(step), 0.4f, 2.0f}, {0.0f, 0.0f, -20.0f});
+            if (step % 60 == 5)
+                shoot(world, 0.1f, 20.0f, {0.2f + 0.001f * static_cast<float>(step), 0.4f, 2.0f}, {0.0f, 0.0f, -20.0f});
             run(world, destruction, 1);
             states.push_back(world.state_hash());
             for (const PieceId piece : destruction.pieces()) states.push_back(piece.value);

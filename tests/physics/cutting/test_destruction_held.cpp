@@ -5,11 +5,11 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "fracture/shapes/shapes.h"
+#include "physics/cutting/destruction.h"
 #include "tests/physics/bodies.h"
 #include "tests/physics/destruction_fixture.h"
-#include "fracture/shapes/shapes.h"
 #include "tests/physics/lathe.h"
-#include "physics/cutting/destruction.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -41,7 +41,9 @@ TEST_CASE("a pane that is held at its rim gets a hole where a ball flies through
         const SolidPiece& solid = *destruction.solid(piece);
         standing += solid.mass.volume;
         // It is where it was: its centre of mass in the pane, moved up by the placement.
-        CHECK(glm::distance(world.pose(body).position, glm::vec3(solid.mass.centre_of_mass) + glm::vec3(0.0f, 0.7f, 0.0f)) < 1e-5f);
+        CHECK(
+            glm::distance(world.pose(body).position, glm::vec3(solid.mass.centre_of_mass) + glm::vec3(0.0f, 0.7f, 0.0f))
+            < 1e-5f);
         for (const glm::vec3& p : solid.positions) {
             const glm::dvec3 at = glm::dvec3(p) + solid.mass.centre_of_mass;
             CHECK(glm::length(glm::dvec2(at.x - 0.1, at.y - 0.1)) > 0.02); // the hole
@@ -62,7 +64,8 @@ struct Mushroom {
     double volume = 0.0;
 
     // The share of the material's strengths that loads may use, none: loads are not looked at; and the stem's radius, m.
-    explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12, const Material& material = weak) {
+    explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12,
+                      const Material& material = weak) {
         const fracture::TriangleMesh mesh =
             test::lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
         desc.solid.anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.01, 1.0}}};
@@ -75,7 +78,8 @@ struct Mushroom {
     }
     [[nodiscard]] float highest() const {
         float most = -1.0f;
-        for (const PieceId piece : destruction.pieces()) most = std::max(most, world.pose(destruction.body(piece)).position.y);
+        for (const PieceId piece : destruction.pieces())
+            most = std::max(most, world.pose(destruction.body(piece)).position.y);
         return most;
     }
     // That fixed bodies are what is held, and nothing was lost.
@@ -162,7 +166,8 @@ TEST_CASE("a ram that would chip off too little where it hits the head breaks th
     // Of 1 kg against 4 kg: the faster is sharp enough to cut, but only into less than the least size.
     for (const auto& [speed, blows] : {std::pair(0.8f, 0u), {1.05f, 1u}}) {
         CAPTURE(speed);
-        Mushroom mushroom(0.05f, 0.06, 0.25, {.density = 10.0f, .tensile = 0.1f * weak.tensile, .fracture_energy = 1.0f});
+        Mushroom mushroom(0.05f, 0.06, 0.25,
+                          {.density = 10.0f, .tensile = 0.1f * weak.tensile, .fracture_energy = 1.0f});
         shoot(mushroom.world, 0.3f, 1.0f, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -speed});
         run(mushroom.world, mushroom.destruction, 40);
         mushroom.check();
@@ -176,7 +181,8 @@ TEST_CASE("a ram that would chip off too little where it hits the head breaks th
 TEST_CASE("a tap that comes while a cut is tried takes nothing from the blow that it is tried for") {
     Mushroom mushroom(0.05f, 0.06, 0.25, {.density = 10.0f, .tensile = 0.1f * weak.tensile, .fracture_energy = 1.0f});
     shoot(mushroom.world, 0.3f, 1.0f, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -1.05f});
-    for (int step = 0; step < 40 && mushroom.destruction.statistics().blows == 0; ++step) run(mushroom.world, mushroom.destruction, 1);
+    for (int step = 0; step < 40 && mushroom.destruction.statistics().blows == 0; ++step)
+        run(mushroom.world, mushroom.destruction, 1);
     REQUIRE(mushroom.destruction.statistics().blows == 1);
     const PieceId whole = mushroom.destruction.pieces()[0];
     mushroom.destruction.strike(mushroom.world, whole, {0.5f, 1.25f, 0.0f}, {-1.0f, 0.0f, 0.0f}, 1e-6);
@@ -209,7 +215,8 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
             BreakableDesc desc = desc_of(0.12, {.tensile = 3e8f, .fracture_energy = 1.0f});
             desc.solid.anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.01, 1.0}}};
             must_add(destruction, world,
-                     test::lathe({{0.3, 0.0}, {0.3, 0.1}, {0.06, 0.15}, {0.06, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24), desc);
+                     test::lathe({{0.3, 0.0}, {0.3, 0.1}, {0.06, 0.15}, {0.06, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24),
+                     desc);
             const double whole = destruction.solid(destruction.pieces()[0])->mass.area;
             const BodyId ball = shoot(world, 0.3f, static_cast<float>(mass), {0.05f, 1.25f, 0.85f},
                                       speed * glm::vec3(aslant, 0.0f, -1.0f));
@@ -230,7 +237,8 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
                     blow += side * glm::dvec3(contact.impulse * contact.normal);
                     rubbed += side * glm::dvec3(contact.friction);
                     pressed += static_cast<double>(contact.impulse);
-                    arm += glm::dvec3(contact.point - world.previous_pose(ball).position) * static_cast<double>(contact.impulse);
+                    arm += glm::dvec3(contact.point - world.previous_pose(ball).position)
+                           * static_cast<double>(contact.impulse);
                 }
                 stepped = world.mechanics();
                 destruction.update(world);
@@ -264,7 +272,8 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
             glm::dvec3 head_momentum(0.0), head_turning(0.0);
             const auto stop = [&](const glm::dvec3& direction, double most) {
                 const glm::dvec3 of_ball = momentum / mass + glm::cross(turning / ball_inertia, arm);
-                const glm::dvec3 of_head = head_momentum / head_mass + glm::cross(glm::inverse(inertia) * head_turning, head_arm);
+                const glm::dvec3 of_head =
+                    head_momentum / head_mass + glm::cross(glm::inverse(inertia) * head_turning, head_arm);
                 const double response = felt(mass, glm::dmat3(ball_inertia), arm, direction)
                                         + felt(head_mass, inertia, head_arm, direction);
                 const double impulse = std::clamp(glm::dot(of_ball - of_head, direction) / response, 0.0, most);
@@ -281,13 +290,16 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
             CHECK(glm::distance(of_head.momentum, head_momentum) < 1e-4 * scale);
             CHECK(glm::distance(of_ball.momentum, momentum) < 1e-4 * scale);
             CHECK(glm::distance(of_head.angular_momentum,
-                                head_turning + glm::cross(glm::dvec3(world.pose(body).position), head_momentum)) < 1e-4 * scale);
+                                head_turning + glm::cross(glm::dvec3(world.pose(body).position), head_momentum))
+                  < 1e-4 * scale);
 
             // So of the ball's momentum the stand got what the cracks took, and nothing else.
             const Mechanics now = world.mechanics();
             const glm::dvec3 lost = blow + rubbed + slow - given;
             CHECK(glm::distance(now.momentum, start.momentum - lost) < 1e-4 * scale);
-            if (aslant == 0.0f) CHECK(glm::length(of_head.momentum) > 0.9 * scale * head_mass / (mass + head_mass) * (1.0 - cracks / energy));
+            if (aslant == 0.0f)
+                CHECK(glm::length(of_head.momentum)
+                      > 0.9 * scale * head_mass / (mass + head_mass) * (1.0 - cracks / energy));
             CHECK(now.kinetic < start.kinetic);
         }
 }

@@ -13,9 +13,9 @@
 
 #include <doctest/doctest.h>
 
+#include "fracture/shapes/shapes.h"
 #include "tests/physics/bodies.h"
 #include "tests/physics/destruction_fixture.h"
-#include "fracture/shapes/shapes.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -23,7 +23,8 @@ using namespace brittle::physics::test_bodies;
 using namespace brittle::physics::test_destruction;
 
 // A frame would wait for it: a million triangles are 50 MB.
-TEST_CASE("large meshes that are needed no more are freed on other threads: what broke, what was taken out, a cut that is not used") {
+TEST_CASE("large meshes that are needed no more are freed on other threads: what broke, what was taken out, a cut that "
+          "is not used") {
     const std::thread::id here = std::this_thread::get_id();
     std::atomic<int> freed = 0, freed_here = 0;
     BreakableDesc desc = desc_of(0.05);
@@ -126,8 +127,9 @@ TEST_CASE("four hundred cycles of breaking while pieces live on leave the heap a
         least = std::min(least, destruction.pieces().size());
         most = std::max(most, destruction.pieces().size());
     }
-    MESSAGE("in use ", mean[0] / 1024.0, ", ", mean[1] / 1024.0, ", ", mean[2] / 1024.0, " and ", mean[3] / 1024.0, " KB by quarter; ",
-            least, " to ", most, " pieces, ", destruction.statistics().retired, " retired of ", destruction.next_piece().value);
+    MESSAGE("in use ", mean[0] / 1024.0, ", ", mean[1] / 1024.0, ", ", mean[2] / 1024.0, " and ", mean[3] / 1024.0,
+            " KB by quarter; ", least, " to ", most, " pieces, ", destruction.statistics().retired, " retired of ",
+            destruction.next_piece().value);
     CHECK(least > 20);
     CHECK(most < 45); // the limit, a blow's pieces and what fades
     CHECK(destruction.statistics().retired > 2000);

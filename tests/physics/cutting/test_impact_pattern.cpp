@@ -60,8 +60,10 @@ TEST_CASE("the energy that reaches so far does") {
                 const double energy = energy_of(radius, material, volume, most);
                 const DamageLimits limits{.most_pieces = most};
                 // Where the number of pieces steps, the radius does: the least energy that reaches it is found.
-                CHECK(damage_of({top.point, top.normal, energy * (1.0 + 1e-9)}, material, volume, limits).radius >= radius * (1.0 - 1e-9));
-                CHECK(damage_of({top.point, top.normal, energy * (1.0 - 1e-6)}, material, volume, limits).radius <= radius * (1.0 + 1e-9));
+                CHECK(damage_of({top.point, top.normal, energy * (1.0 + 1e-9)}, material, volume, limits).radius
+                      >= radius * (1.0 - 1e-9));
+                CHECK(damage_of({top.point, top.normal, energy * (1.0 - 1e-6)}, material, volume, limits).radius
+                      <= radius * (1.0 + 1e-9));
             }
 }
 
@@ -152,7 +154,8 @@ TEST_CASE("shards lie in the plane across the blow, splinters along the grain, i
 
     const fracture::TriangleMesh beam = fracture::cuboid({0.2, 3.0, 0.2}); // its grain is Y
     const Blow side{.point = {0.1, 0.5, 0.0}, .normal = {-1.0, 0.0, 0.0}, .energy = 1.0};
-    const auto splinters = inner(sites_of(beam, side, {0.2, 32}, {.kind = PatternKind::splinters, .slenderness = 27.0}));
+    const auto splinters =
+        inner(sites_of(beam, side, {0.2, 32}, {.kind = PatternKind::splinters, .slenderness = 27.0}));
     for (const glm::dvec3& site : splinters) {
         CHECK(std::abs(site.y - 0.5) <= 0.2 * 9.0);
         CHECK(std::hypot(site.x - 0.1, site.z) <= 0.2 / 3.0);

@@ -17,9 +17,9 @@
 #include "fracture/fracture.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
+#include "physics/bonds/nearest.h"
 #include "physics/cutting/destruction.h"
 #include "physics/cutting/impact_pattern.h"
-#include "physics/bonds/nearest.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -45,9 +45,10 @@ fracture::TriangleMesh box_mesh(const fracture::Box& box) {
 fracture::Fragments broken(const fracture::TriangleMesh& mesh, const glm::dvec3& point, const glm::dvec3& normal,
                            const Damage& damage, ImpactSites& cut) {
     const ImpactPattern pattern{.kind = fracture::PatternKind::bricks, .bond = laid};
-    cut = impact_sites(mesh, fracture::mass_properties(mesh.positions, mesh.triangles), {point, normal, 1.0}, damage, pattern);
-    const ImpactSites again =
-        impact_sites(mesh, fracture::mass_properties(mesh.positions, mesh.triangles), {point, normal, 1.0}, damage, pattern);
+    cut = impact_sites(mesh, fracture::mass_properties(mesh.positions, mesh.triangles), {point, normal, 1.0}, damage,
+                       pattern);
+    const ImpactSites again = impact_sites(mesh, fracture::mass_properties(mesh.positions, mesh.triangles),
+                                           {point, normal, 1.0}, damage, pattern);
     CHECK(again.sites == cut.sites);
     CHECK(again.groups == cut.groups);
     fracture::Settings settings;
@@ -63,8 +64,10 @@ bool is_brick(const fracture::Box& box) {
     const double course = std::round(low.y), layer = std::round(low.z);
     const double shift = 0.5 * std::fmod(course + layer, 2.0), length = high.x - low.x;
     const auto whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
-    const bool across = whole(low.y) && whole(low.z) && std::abs(high.y - low.y - 1.0) < 1e-9 && std::abs(high.z - low.z - 1.0) < 1e-9;
-    const bool at_end = shift > 0.0 && std::abs(length - 0.5) < 1e-9 && (std::abs(low.x) < 1e-9 || std::abs(high.x - 8.0) < 1e-9);
+    const bool across =
+        whole(low.y) && whole(low.z) && std::abs(high.y - low.y - 1.0) < 1e-9 && std::abs(high.z - low.z - 1.0) < 1e-9;
+    const bool at_end =
+        shift > 0.0 && std::abs(length - 0.5) < 1e-9 && (std::abs(low.x) < 1e-9 || std::abs(high.x - 8.0) < 1e-9);
     return across && (at_end || (std::abs(length - 1.0) < 1e-9 && whole(low.x + shift)));
 }
 
@@ -97,7 +100,8 @@ TEST_CASE("bricks without size, or of what is no wall, are none") {
 }
 
 TEST_CASE("the nearest bricks are taken, by all of them looked at, also of very many") {
-    for (const auto& [size, radius, most] : {std::tuple(1.0, 0.3, 40u), {1.0, 0.3, 5u}, {1.0, 10.0, 1000u}, {0.25, 0.5, 40u}, {0.01, 5.0, 100u}}) {
+    for (const auto& [size, radius, most] :
+         {std::tuple(1.0, 0.3, 40u), {1.0, 0.3, 5u}, {1.0, 10.0, 1000u}, {0.25, 0.5, 40u}, {0.01, 5.0, 100u}}) {
         CAPTURE(size);
         CAPTURE(most);
         const RunningBond bond{size * laid.brick, laid.corner};
@@ -130,19 +134,22 @@ TEST_CASE("the nearest bricks are taken, by all of them looked at, also of very 
         for (const auto& [brick, distance] : within) nearest.push_back(distance);
         std::ranges::sort(nearest);
         REQUIRE(taken.bricks.size() == std::min<size_t>(nearest.size(), most));
-        for (size_t i = 0; i < taken.bricks.size(); ++i) CHECK(distance_of(taken.bricks[i]) == doctest::Approx(nearest[i]));
+        for (size_t i = 0; i < taken.bricks.size(); ++i)
+            CHECK(distance_of(taken.bricks[i]) == doctest::Approx(nearest[i]));
         std::set<std::pair<double, double>> middles; // none twice
         for (const auto& brick : taken.bricks) middles.insert({brick[0].x + 1e3 * brick[0].y, brick[0].z});
         CHECK(middles.size() == taken.bricks.size());
     }
 }
 
-TEST_CASE("a wall that is hit loses whole bricks as they are laid, the one that was hit among them, and so with the next blow") {
+TEST_CASE("a wall that is hit loses whole bricks as they are laid, the one that was hit among them, and so with the "
+          "next blow") {
     const fracture::TriangleMesh wall = box_mesh(wall_box);
     const Damage damage{.radius = 0.2, .pieces = 40};
     const glm::dvec3 into(0.0, 0.0, -1.0);
     fracture::TriangleMesh solid = wall;
-    for (const glm::dvec3& point : {glm::dvec3(0.03, 0.61, 0.12), glm::dvec3(0.52, 0.61, 0.12), glm::dvec3(-0.97, 0.02, 0.12)}) {
+    for (const glm::dvec3& point :
+         {glm::dvec3(0.03, 0.61, 0.12), glm::dvec3(0.52, 0.61, 0.12), glm::dvec3(-0.97, 0.02, 0.12)}) {
         ImpactSites cut;
         const fracture::Fragments pieces = broken(solid, point, into, damage, cut);
         CHECK(cut.rest >= 4);
@@ -154,14 +161,18 @@ TEST_CASE("a wall that is hit loses whole bricks as they are laid, the one that 
             volume += pieces.pieces[i].mass.volume;
             if (pieces.pieces[i].mass.volume > pieces.pieces[largest].mass.volume) largest = i;
         }
-        CHECK(volume == doctest::Approx(fracture::mass_properties(solid.positions, solid.triangles).volume).epsilon(1e-12));
+        CHECK(volume
+              == doctest::Approx(fracture::mass_properties(solid.positions, solid.triangles).volume).epsilon(1e-12));
         for (size_t i = 0; i < pieces.pieces.size(); ++i) {
             if (i == largest) continue;
             const auto positions = pieces.positions_of(pieces.pieces[i]);
             const fracture::Box box = fracture::bounds(positions);
             CHECK(is_brick(box));
-            CHECK(pieces.pieces[i].mass.volume == doctest::Approx(box.size().x * box.size().y * box.size().z).epsilon(1e-9));
-            hit = hit || (glm::all(glm::lessThanEqual(box.min, point + 1e-9)) && glm::all(glm::greaterThanEqual(box.max, point - 1e-9)));
+            CHECK(pieces.pieces[i].mass.volume
+                  == doctest::Approx(box.size().x * box.size().y * box.size().z).epsilon(1e-9));
+            hit = hit
+                  || (glm::all(glm::lessThanEqual(box.min, point + 1e-9))
+                      && glm::all(glm::greaterThanEqual(box.max, point - 1e-9)));
         }
         CHECK(hit);
         const auto positions = pieces.positions_of(pieces.pieces[largest]);
@@ -180,7 +191,8 @@ TEST_CASE("beside a hole the bricks that are left are taken, not those that have
     ImpactSites cut;
     const fracture::Fragments first =
         broken(box_mesh(wall_box), {0.03, 0.61, 0.12}, {0.0, 0.0, -1.0}, {.radius = 0.2, .pieces = 40}, cut);
-    const auto rest = std::ranges::max_element(first.pieces, {}, [](const fracture::Piece& piece) { return piece.mass.volume; });
+    const auto rest =
+        std::ranges::max_element(first.pieces, {}, [](const fracture::Piece& piece) { return piece.mass.volume; });
     const auto positions = first.positions_of(*rest);
     const auto triangles = first.triangles_of(*rest);
     const fracture::TriangleMesh holed{{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
@@ -205,8 +217,10 @@ TEST_CASE("where corners of the solid are near, bricks are whole all the same") 
 TEST_CASE("a brick by itself crumbles, and a wall that is hit lightly chips") {
     ImpactSites cut;
     const fracture::Box one{{-1.0, 0.0, -0.12}, {-0.75, 0.075, 0.0}};
-    CHECK(broken(box_mesh(one), {-0.8, 0.05, 0.0}, {0.0, 0.0, -1.0}, {.radius = 0.08, .pieces = 8}, cut).pieces.size() > 4);
-    const fracture::Fragments chips = broken(box_mesh(wall_box), {0.03, 0.61, 0.12}, {0.0, 0.0, -1.0}, {.radius = 0.02, .pieces = 4}, cut);
+    CHECK(broken(box_mesh(one), {-0.8, 0.05, 0.0}, {0.0, 0.0, -1.0}, {.radius = 0.08, .pieces = 8}, cut).pieces.size()
+          > 4);
+    const fracture::Fragments chips =
+        broken(box_mesh(wall_box), {0.03, 0.61, 0.12}, {0.0, 0.0, -1.0}, {.radius = 0.02, .pieces = 4}, cut);
     CHECK(chips.pieces.size() > 2);
     std::vector<double> volumes;
     for (const fracture::Piece& piece : chips.pieces) volumes.push_back(piece.mass.volume);
@@ -224,7 +238,10 @@ TEST_CASE("a brick with crumbs of others on it, and a wall of bricks that are sm
         const auto solid = make_solid(mesh, desc.solid);
         REQUIRE(solid);
         const Blow blow{{box.min.x + 0.1, box.min.y + 0.03, box.max.z}, {0.0, 0.0, -1.0}, 1.0};
-        const auto pieces = carry_out({.solid = *solid, .desc = std::make_shared<const BreakableDesc>(desc), .blow = blow, .damage = {.radius = 0.15, .pieces = 8}});
+        const auto pieces = carry_out({.solid = *solid,
+                                       .desc = std::make_shared<const BreakableDesc>(desc),
+                                       .blow = blow,
+                                       .damage = {.radius = 0.15, .pieces = 8}});
         REQUIRE(pieces);
         CHECK(pieces->size() > 3);
         desc.pattern.bond.brick *= 0.1;
@@ -237,7 +254,8 @@ TEST_CASE("bricks are taken from the wall that was hit, not from one behind it t
     for (glm::dvec3& p : back.positions) room.positions.push_back(p - glm::dvec3(0.0, 0.0, 3.0));
     for (const fracture::Triangle& t : back.triangles) room.triangles.push_back(t + first);
     ImpactSites cut;
-    const fracture::Fragments pieces = broken(room, {0.03, 0.61, 0.12}, {0.0, 0.0, -1.0}, {.radius = 0.2, .pieces = 40}, cut);
+    const fracture::Fragments pieces =
+        broken(room, {0.03, 0.61, 0.12}, {0.0, 0.0, -1.0}, {.radius = 0.2, .pieces = 40}, cut);
     CHECK(pieces.pieces.size() > 6);
     for (const fracture::Piece& piece : pieces.pieces) {
         const auto positions = pieces.positions_of(piece);
@@ -248,7 +266,8 @@ TEST_CASE("bricks are taken from the wall that was hit, not from one behind it t
     }
 }
 
-TEST_CASE("bricks that lie end to end along another axis are the same ones, turned, and along a fourth there are none") {
+TEST_CASE(
+    "bricks that lie end to end along another axis are the same ones, turned, and along a fourth there are none") {
     const glm::dvec3 point(0.11, 0.63, 0.12);
     const BricksTaken straight = bricks_near(laid, wall_box, point, 0.3, 40, anywhere);
     for (const int axis : {1, 2}) {

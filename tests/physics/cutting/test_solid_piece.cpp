@@ -7,11 +7,11 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/fracture.h"
 #include "fracture/base/random.h"
+#include "fracture/fracture.h"
+#include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "fracture/mesh/topology.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -24,7 +24,8 @@ SolidPtr must_make(const fracture::TriangleMesh& mesh, const SolidSettings& sett
     return *solid;
 }
 
-std::vector<SolidPtr> must_break(const SolidPiece& solid, uint32_t count, uint64_t seed, const SolidSettings& settings) {
+std::vector<SolidPtr> must_break(const SolidPiece& solid, uint32_t count, uint64_t seed,
+                                 const SolidSettings& settings) {
     const auto sites = fracture::uniform_sites(fracture::bounds(solid.mesh), count, seed);
     std::vector<uint32_t> groups;
     for (uint32_t i = 0; i < count; ++i) groups.push_back(i);
@@ -56,13 +57,16 @@ TEST_CASE("after three levels pieces are closed, their volumes sum to the whole,
     const double volume = fracture::signed_volume(mesh.positions, mesh.triangles);
     double area = 0.0;
     for (const fracture::Triangle& t : mesh.triangles)
-        area += 0.5 * glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
+        area += 0.5
+                * glm::length(
+                    glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
     const SolidSettings settings{.min_size = 1e-6};
     std::vector<SolidPtr> pieces{must_make(mesh, settings)};
     for (int level = 1; level <= 3; ++level) {
         std::vector<SolidPtr> next;
         for (size_t i = 0; i < pieces.size(); ++i)
-            for (const SolidPtr& piece : must_break(*pieces[i], level == 3 ? 4 : 6, 10 * i + static_cast<size_t>(level), settings))
+            for (const SolidPtr& piece :
+                 must_break(*pieces[i], level == 3 ? 4 : 6, 10 * i + static_cast<size_t>(level), settings))
                 next.push_back(piece);
         pieces = std::move(next);
         double sum = 0.0, exterior = 0.0;
@@ -76,7 +80,8 @@ TEST_CASE("after three levels pieces are closed, their volumes sum to the whole,
             CHECK(piece->positions.size() == m.positions.size());
             CHECK_FALSE(piece->parts.empty());
             for (uint32_t k = 0; k < piece->exterior_triangles; ++k) {
-                const glm::dvec3 a = m.positions[m.triangles[k].x], b = m.positions[m.triangles[k].y], c = m.positions[m.triangles[k].z];
+                const glm::dvec3 a = m.positions[m.triangles[k].x], b = m.positions[m.triangles[k].y],
+                                 c = m.positions[m.triangles[k].z];
                 exterior += 0.5 * glm::length(glm::cross(b - a, c - a));
                 // The exterior triangle lies in the plane of the one of the mesh that it says it is of.
                 const fracture::Triangle& from = mesh.triangles[piece->source[k]];
@@ -140,7 +145,8 @@ TEST_CASE("a group stays one piece with a hull for each of its cells, no hull re
 }
 
 TEST_CASE("a piece that reaches into an anchor is anchored, whether a vertex lies there or not") {
-    const SolidSettings settings{.min_size = 0.01, .anchors = {fracture::Box{{-0.05, -0.6, -0.05}, {0.05, -0.45, 0.05}}}};
+    const SolidSettings settings{.min_size = 0.01,
+                                 .anchors = {fracture::Box{{-0.05, -0.6, -0.05}, {0.05, -0.45, 0.05}}}};
     const SolidPtr cube = must_make(fracture::cube(1.0), settings);
     CHECK(cube->anchored); // the box pierces the middle of its floor
     const glm::dvec3 sites[] = {{0.0, -0.25, 0.0}, {0.0, 0.25, 0.0}};

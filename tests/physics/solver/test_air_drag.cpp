@@ -11,12 +11,12 @@
 #include <doctest/doctest.h>
 #include <glm/gtc/quaternion.hpp>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
 #include "fracture/shapes/shapes.h"
 #include "physics/world/hull.h"
 #include "physics/world/pieces.h"
 #include "physics/world/world.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -113,16 +113,20 @@ TEST_CASE("boxes have their exact shadow from any side, however they are turned"
         const glm::dquat frame = glm::angleAxis(random.uniform(0.0, 3.0), random.direction());
         const glm::dmat3 axes = glm::mat3_cast(frame);
         std::vector<glm::vec3> corners;
-        for (const glm::vec3& point : box_hull(glm::vec3(half)).points) corners.push_back(glm::vec3(frame * glm::dvec3(point)));
+        for (const glm::vec3& point : box_hull(glm::vec3(half)).points)
+            corners.push_back(glm::vec3(frame * glm::dvec3(point)));
         // The hull's points are inside the box by its margin.
         glm::dvec3 inner(0.0);
-        for (const glm::vec3& corner : corners) inner = glm::max(inner, glm::abs(glm::transpose(axes) * glm::dvec3(corner)));
+        for (const glm::vec3& corner : corners)
+            inner = glm::max(inner, glm::abs(glm::transpose(axes) * glm::dvec3(corner)));
         const CrossSection section = cross_section(corners);
         for (int i = 0; i < 20; ++i) {
             const glm::dvec3 u = random.direction(), own = glm::abs(glm::transpose(axes) * u);
-            const double exact = 4.0 * (inner.y * inner.z * own.x + inner.z * inner.x * own.y + inner.x * inner.y * own.z);
+            const double exact =
+                4.0 * (inner.y * inner.z * own.x + inner.z * inner.x * own.y + inner.x * inner.y * own.z);
             CHECK(static_cast<double>(section.along(glm::vec3(u))) == doctest::Approx(exact).epsilon(1e-3).scale(0.0));
-            CHECK(static_cast<double>(bundled(section.sides).along(glm::vec3(u))) == doctest::Approx(exact).epsilon(1e-3).scale(0.0));
+            CHECK(static_cast<double>(bundled(section.sides).along(glm::vec3(u)))
+                  == doctest::Approx(exact).epsilon(1e-3).scale(0.0));
         }
     }
 }
@@ -156,14 +160,17 @@ TEST_CASE("a plate and a ball fall at their terminal speeds") {
     for (const float density : {10.0f, 100.0f, 1000.0f}) {
         const float mass = density * 8.0f * half.x * half.y * half.z;
         BodyDesc plate = box(half, mass, {});
-        const auto terminal = [&](double area) { return std::sqrt(2.0 * static_cast<double>(mass) * gravity / (air * coefficient * area)); };
+        const auto terminal = [&](double area) {
+            return std::sqrt(2.0 * static_cast<double>(mass) * gravity / (air * coefficient * area));
+        };
         CHECK(static_cast<double>(falls_at(plate, 60.0f)) == doctest::Approx(terminal(0.25)).epsilon(2e-3));
         plate.pose.orientation = glm::angleAxis(std::numbers::pi_v<float> / 2.0f, glm::vec3(1.0f, 0.0f, 0.0f));
         CHECK(static_cast<double>(falls_at(plate, 200.0f)) == doctest::Approx(terminal(0.005)).epsilon(2e-3));
         const Sphere ball(0.25, mass);
         const double outline = shadow(ball.points, {0, 1, 0});
         CHECK(static_cast<double>(falls_at(ball.body, 60.0f)) == doctest::Approx(terminal(outline)).epsilon(2e-2));
-        CHECK(static_cast<double>(falls_at(ball.body, 60.0f)) == doctest::Approx(terminal(std::numbers::pi * 0.0625)).epsilon(3e-2));
+        CHECK(static_cast<double>(falls_at(ball.body, 60.0f))
+              == doctest::Approx(terminal(std::numbers::pi * 0.0625)).epsilon(3e-2));
     }
 }
 
@@ -181,14 +188,17 @@ TEST_CASE("what flies through air follows the closed form at any speed, density 
                 desc.linear_velocity = {speed, 0.0f, 0.0f};
                 const BodyId id = must_add(world, desc);
                 run(world, 2.0f);
-                const double k = 0.5 * static_cast<double>(density) * coefficient * 0.24 / 5.0, kv = k * static_cast<double>(speed);
+                const double k = 0.5 * static_cast<double>(density) * coefficient * 0.24 / 5.0,
+                             kv = k * static_cast<double>(speed);
                 CHECK(static_cast<double>(world.linear_velocity(id).x)
                       == doctest::Approx(static_cast<double>(speed) / (1.0 + kv * 2.0)).epsilon(1e-4).scale(0.0));
                 CHECK(world.linear_velocity(id).y == 0.0f);
                 // A step moves by the velocity of its end.
                 const double behind = std::log1p(kv * 2.0) / k - static_cast<double>(world.pose(id).position.x);
                 CHECK(behind > -1e-4 * static_cast<double>(speed));
-                CHECK(behind < static_cast<double>(step) * (static_cast<double>(speed) - static_cast<double>(world.linear_velocity(id).x)) + 1e-4 * static_cast<double>(speed));
+                CHECK(behind < static_cast<double>(step)
+                                       * (static_cast<double>(speed) - static_cast<double>(world.linear_velocity(id).x))
+                                   + 1e-4 * static_cast<double>(speed));
             }
 }
 
@@ -199,13 +209,16 @@ TEST_CASE("the shadow is that across the way, in the body's axes") {
         World world(air_without_gravity());
         const glm::vec3 half(0.05f, 0.1f, 0.4f);
         BodyDesc desc = box(half, 1.0f, {});
-        const glm::quat turn = glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(random.direction()));
+        const glm::quat turn =
+            glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(random.direction()));
         const glm::mat3 axes = glm::mat3_cast(turn);
         std::vector<glm::dvec3> corners;
-        for (const glm::vec3& p : desc.hull.points) corners.emplace_back(turn * (p / (glm::vec3(1.0f) - desc.hull.margin / half)));
+        for (const glm::vec3& p : desc.hull.points)
+            corners.emplace_back(turn * (p / (glm::vec3(1.0f) - desc.hull.margin / half)));
         desc.hull = collision_hull(corners, glm::dvec3(0.0));
         desc.inertia = axes * desc.inertia * glm::transpose(axes);
-        desc.pose.orientation = glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(random.direction()));
+        desc.pose.orientation =
+            glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(random.direction()));
         const glm::dvec3 way = random.direction();
         desc.linear_velocity = glm::vec3(50.0 * way);
         std::vector<glm::dvec3> in_world;
@@ -213,7 +226,8 @@ TEST_CASE("the shadow is that across the way, in the body's axes") {
         const double k = 0.5 * air * coefficient * shadow(in_world, way);
         const BodyId id = must_add(world, desc);
         run(world, 1.0f);
-        CHECK(static_cast<double>(glm::length(world.linear_velocity(id))) == doctest::Approx(50.0 / (1.0 + k * 50.0)).epsilon(5e-3));
+        CHECK(static_cast<double>(glm::length(world.linear_velocity(id)))
+              == doctest::Approx(50.0 / (1.0 + k * 50.0)).epsilon(5e-3));
         CHECK(glm::length(glm::cross(world.linear_velocity(id), glm::vec3(way))) < 1e-4f);
     }
 }
@@ -231,7 +245,8 @@ TEST_CASE("spin about a principal axis dies away as the closed form says") {
         const double shadow_across = 2.0 / std::numbers::pi * (area[(axis + 1) % 3] + area[(axis + 2) % 3]);
         const double gyration = std::sqrt(static_cast<double>(desc.inertia[axis][axis]) / 4.0);
         const double k = 0.5 * 100.0 * coefficient * shadow_across * gyration / 4.0;
-        CHECK(static_cast<double>(world.angular_velocity(id)[axis]) == doctest::Approx(40.0 / (1.0 + k * 40.0)).epsilon(1e-3));
+        CHECK(static_cast<double>(world.angular_velocity(id)[axis])
+              == doctest::Approx(40.0 / (1.0 + k * 40.0)).epsilon(1e-3));
         CHECK(glm::length(world.linear_velocity(id)) == 0.0f);
     }
 }
@@ -247,7 +262,8 @@ TEST_CASE("nothing is turned round, however light, fast and dense the air, and e
             std::vector<glm::vec3> ways;
             for (int i = 0; i < 20; ++i) {
                 BodyDesc leaf = box({0.05f, 0.0003f, 0.08f}, 1e-3f, {0.0f, static_cast<float>(i) * 10.0f, 0.0f});
-                leaf.pose.orientation = glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(random.direction()));
+                leaf.pose.orientation =
+                    glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(random.direction()));
                 leaf.linear_velocity = glm::vec3(400.0 * random.direction());
                 leaf.linear_velocity.y = 0.0f; // each in a storey of its own
                 leaf.angular_velocity = glm::vec3(1000.0 * random.direction());
@@ -282,7 +298,8 @@ TEST_CASE("a shard that slides comes as far as friction and air let it") {
         run(world, 12.0f);
         REQUIRE_FALSE(world.awake(id));
         const double k = 0.5 * static_cast<double>(density) * coefficient * 4.0 * 0.01 * 0.1 / 0.6;
-        const double way = density > 0.0f ? way_to_rest(speed, k, friction) : speed * speed / (2.0 * friction * gravity);
+        const double way =
+            density > 0.0f ? way_to_rest(speed, k, friction) : speed * speed / (2.0 * friction * gravity);
         CHECK(static_cast<double>(world.pose(id).position.x) == doctest::Approx(way).epsilon(0.02));
     }
 }
@@ -305,7 +322,8 @@ TEST_CASE("bodies of several hulls meet the air like the box around them, or lik
     for (const float x : {-0.35f, 0.35f}) dumbbell.parts.push_back({cube, {x, 0.0f, 0.0f}});
     for (const glm::vec3 way : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0.6f, 0.8f)}) {
         CHECK(slowed(row, way) == doctest::Approx(slowed(whole, way)).epsilon(5e-3));
-        const double two = 2.0 * 0.5 * air * coefficient * 0.01 * static_cast<double>(std::abs(way.x) + std::abs(way.y) + std::abs(way.z)) / 3.0 * 100.0;
+        const double two = 2.0 * 0.5 * air * coefficient * 0.01
+                           * static_cast<double>(std::abs(way.x) + std::abs(way.y) + std::abs(way.z)) / 3.0 * 100.0;
         CHECK(static_cast<double>(slowed(dumbbell, way)) == doctest::Approx(two).epsilon(5e-3));
     }
     // A hull that does not know its shadow has that of its points, which lie inside by the margin.

@@ -24,7 +24,8 @@ std::vector<uint32_t> groups_of(uint32_t movers, const std::vector<Touch>& touch
     std::vector<uint32_t> lowest(movers);
     for (uint32_t i = 0; i < movers; ++i) lowest[i] = i;
     for (uint32_t round = 0; round < movers; ++round)
-        for (const Touch& touch : touches) lowest[touch.a] = lowest[touch.b] = std::min(lowest[touch.a], lowest[touch.b]);
+        for (const Touch& touch : touches)
+            lowest[touch.a] = lowest[touch.b] = std::min(lowest[touch.a], lowest[touch.b]);
     return lowest;
 }
 
@@ -72,11 +73,14 @@ TEST_CASE("contacts come in bundles that have no body in common") {
     check(6, {{5, 3, 1}, {3, 1, 9}, {1, 5, 1}, {0, 2, 4}}, 4);
     for (uint64_t seed = 1; seed < 60; ++seed) {
         test::Random random(seed);
-        const auto below = [&](uint32_t end) { return std::min(static_cast<uint32_t>(random.uniform(0.0, end)), end - 1); };
+        const auto below = [&](uint32_t end) {
+            return std::min(static_cast<uint32_t>(random.uniform(0.0, end)), end - 1);
+        };
         const uint32_t movers = 2 + below(60);
         std::vector<Touch> touches;
         for (uint32_t i = below(80); i > 0; --i)
-            if (const Touch touch{below(movers), below(movers), 1 + below(12)}; touch.a != touch.b) touches.push_back(touch);
+            if (const Touch touch{below(movers), below(movers), 1 + below(12)}; touch.a != touch.b)
+                touches.push_back(touch);
         check(movers, touches, 1 + below(40));
     }
 }

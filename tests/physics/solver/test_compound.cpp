@@ -222,7 +222,8 @@ TEST_CASE("compounds give the same state again, in a new world and in a cleared 
     const auto play = [](World& world) {
         test::Random random(11);
         for (int i = 0; i < 12; ++i) {
-            BodyDesc desc = slabs({0.2f, 0.1f, 0.05f}, 1 + i % 4, 2.0f, glm::vec3(random.point({-1, 1, -1}, {1, 3, 1})));
+            BodyDesc desc =
+                slabs({0.2f, 0.1f, 0.05f}, 1 + i % 4, 2.0f, glm::vec3(random.point({-1, 1, -1}, {1, 3, 1})));
             desc.angular_velocity = glm::vec3(random.point(glm::dvec3(-3.0), glm::dvec3(3.0)));
             must_add(world, desc);
         }

@@ -24,7 +24,8 @@ constexpr float half = block_half;
 
 } // namespace
 
-TEST_CASE("debris: of any size it falls through debris, but lies on the ground, on what is fixed and on what collides") {
+TEST_CASE(
+    "debris: of any size it falls through debris, but lies on the ground, on what is fixed and on what collides") {
     World world;
     for (const auto& [x, fixed] : {std::pair(2.0f, true), std::pair(4.0f, false)}) {
         BodyDesc floor = box({0.3f, 0.05f, 0.3f}, 50.0f, {x, 0.05f, 0.0f});
@@ -34,7 +35,8 @@ TEST_CASE("debris: of any size it falls through debris, but lies on the ground, 
     }
     std::vector<BodyId> blocks;
     for (const auto& [x, floor] : {std::pair(0.0f, 0.0f), std::pair(2.0f, 0.1f), std::pair(4.0f, 0.1f)})
-        for (const float gap : {0.001f, 0.4f}) blocks.push_back(must_add(world, block({x, floor + half + gap, 0.0f}, true)));
+        for (const float gap : {0.001f, 0.4f})
+            blocks.push_back(must_add(world, block({x, floor + half + gap, 0.0f}, true)));
     CHECK(world.colliding_count() == 1);
     run(world, 3.0f);
     for (size_t i = 0; i < blocks.size(); ++i) {
@@ -50,7 +52,8 @@ TEST_CASE("debris: it falls through what is not twice as long, and lies on what 
     for (const bool debris_first : {false, true}) {
         World world;
         std::vector<BodyId> plates, blocks;
-        const std::pair<float, bool> lengths[] = {{0.05f, false}, {0.1f, false}, {0.199f, false}, {0.201f, true}, {0.5f, true}};
+        const std::pair<float, bool> lengths[] = {
+            {0.05f, false}, {0.1f, false}, {0.199f, false}, {0.201f, true}, {0.5f, true}};
         float x = 0.0f;
         for (const auto& [length, carries] : lengths) {
             BodyDesc plate = box({length / 2.0f, 0.02f, 0.45f * length}, 5.0f, {x, 0.02f, 0.0f});
@@ -110,7 +113,8 @@ TEST_CASE("debris: what moves drives debris if it is twice as long, and does not
         CHECK(contacts == 0);
         for (size_t i = 0; i < rows.size(); ++i) {
             CAPTURE(i);
-            const glm::vec3 flies = world.linear_velocity(rows[i].first), struck = world.linear_velocity(rows[i].second);
+            const glm::vec3 flies = world.linear_velocity(rows[i].first),
+                            struck = world.linear_velocity(rows[i].second);
             if (i < 2) {
                 CHECK(flies == glm::vec3(0.0f, 0.0f, -speed));
                 CHECK(struck == glm::vec3(0.0f));
@@ -131,11 +135,12 @@ TEST_CASE("debris: what comes into a crowd of debris falls through what carried 
         float length;
         bool large, fixed;
     };
-    const Plate plates[] = {{0.25f, false, false}, {0.39f, false, false}, {0.41f, false, false},
-                            {0.79f, false, false}, {0.81f, false, false}, {0.12f, true, false}, {0.3f, false, true}};
+    const Plate plates[] = {{0.25f, false, false}, {0.39f, false, false}, {0.41f, false, false}, {0.79f, false, false},
+                            {0.81f, false, false}, {0.12f, true, false},  {0.3f, false, true}};
     // Debris far away, and the longest plate that a block falls through then: with the blocks that lie there and those that come it is 14
     // more.
-    for (const auto& [others, longest] : {std::pair(0, 0.2f), std::pair(6, 0.2f), std::pair(16, 0.4f), std::pair(36, 0.8f)}) {
+    for (const auto& [others, longest] :
+         {std::pair(0, 0.2f), std::pair(6, 0.2f), std::pair(16, 0.4f), std::pair(36, 0.8f)}) {
         for (const bool sleeping : {false, true}) { // the others, before the blocks come
             CAPTURE(others);
             CAPTURE(sleeping);
@@ -143,11 +148,13 @@ TEST_CASE("debris: what comes into a crowd of debris falls through what carried 
             std::vector<BodyId> lie;
             for (size_t i = 0; i < std::size(plates); ++i) {
                 const auto& [length, large, fixed] = plates[i];
-                BodyDesc plate = box({length / 2.0f, 0.02f, length / 2.0f}, 20.0f, {static_cast<float>(2 * i), 0.02f, 0.0f});
+                BodyDesc plate =
+                    box({length / 2.0f, 0.02f, length / 2.0f}, 20.0f, {static_cast<float>(2 * i), 0.02f, 0.0f});
                 plate.large = large;
                 plate.fixed = fixed;
                 must_add(world, plate);
-                lie.push_back(must_add(world, block({static_cast<float>(2 * i), 0.04f + half, 0.0f}, true))); // before there is a crowd
+                lie.push_back(must_add(
+                    world, block({static_cast<float>(2 * i), 0.04f + half, 0.0f}, true))); // before there is a crowd
             }
             std::vector<BodyDesc> crowd, blocks;
             for (int i = 0; i < others; ++i) crowd.push_back(block({static_cast<float>(i), half, 9.0f}, true));
@@ -194,7 +201,8 @@ TEST_CASE("debris: what is called large carries debris however small it is, unle
 TEST_CASE("debris: on a body that goes falls, and through its like on to the ground") {
     World world;
     const BodyId table = must_add(world, box({0.3f, 0.05f, 0.3f}, 50.0f, {0.0f, 0.25f, 0.0f}));
-    for (const float x : {-0.2f, 0.2f}) must_add(world, box({0.02f, 0.1f, 0.3f}, 5.0f, {x, 0.1f, 0.0f})); // what it stands on
+    for (const float x : {-0.2f, 0.2f})
+        must_add(world, box({0.02f, 0.1f, 0.3f}, 5.0f, {x, 0.1f, 0.0f})); // what it stands on
     const BodyId like = must_add(world, block({0.0f, half, 0.0f}));
     const BodyId debris = must_add(world, block({0.02f, 0.3f + half + 0.01f, 0.01f}, true));
     run(world, 3.0f);
@@ -210,7 +218,8 @@ TEST_CASE("debris: on a body that goes falls, and through its like on to the gro
     CHECK(world.awake_count() == 0);
 }
 
-TEST_CASE("debris: among its like and what is larger comes to rest where something carries it, on any number of threads") {
+TEST_CASE(
+    "debris: among its like and what is larger comes to rest where something carries it, on any number of threads") {
     struct End {
         std::vector<uint64_t> hashes;
         float seconds = 0.0f;
@@ -219,7 +228,8 @@ TEST_CASE("debris: among its like and what is larger comes to rest where somethi
         World world({.threads = threads});
         test::Random random(21);
         for (int i = 0; i < 240; ++i) {
-            const glm::vec3 sides(random.point(glm::dvec3(i % 12 == 0 ? 0.1 : 0.02), glm::dvec3(i % 12 == 0 ? 0.2 : 0.06)));
+            const glm::vec3 sides(
+                random.point(glm::dvec3(i % 12 == 0 ? 0.1 : 0.02), glm::dvec3(i % 12 == 0 ? 0.2 : 0.06)));
             BodyDesc one = box(sides, 2000.0f * 8.0f * sides.x * sides.y * sides.z,
                                glm::vec3(random.point({-0.6, 0.1, -0.6}, {0.6, 2.0, 0.6})));
             one.debris = i % 12 != 0 && i % 2 == 1;
@@ -247,8 +257,9 @@ TEST_CASE("debris: a ball that is shot at debris drives all of it that is in its
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
                 for (int z = -1; z <= 1; ++z)
-                    heap.emplace_back(must_add(world, block(0.2f * glm::vec3(x, y, z) + 0.02f * static_cast<float>(twice), true)),
-                                      x == 0 && y == 0);
+                    heap.emplace_back(
+                        must_add(world, block(0.2f * glm::vec3(x, y, z) + 0.02f * static_cast<float>(twice), true)),
+                        x == 0 && y == 0);
     const BodyId ball = shoot(world, 0.04f, 20.0f, {0.01f, 0.01f, 1.5f}, {0.0f, 0.0f, -12.0f});
     CHECK(world.colliding_count() == 1);
     const Mechanics before = world.mechanics();

@@ -14,9 +14,9 @@
 #include <btBulletDynamicsCommon.h>
 #include <doctest/doctest.h>
 
-#include "tests/physics/convex_pieces.h"
 #include "physics/solver/hull_shape.h"
 #include "physics/solver/narrow_phase.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -29,8 +29,9 @@ constexpr float step_seconds = 1.0f / 120.0f;
 class OnGround {
   public:
     OnGround(HullShape& hull, float ground_height, btCompoundShape* compound = nullptr)
-        : body(1.0f, nullptr, compound ? static_cast<btCollisionShape*>(compound) : &hull, {1, 1, 1}), hull_(hull), index_(compound ? 0 : -1),
-          plane_({0, 1, 0}, ground_height), dispatcher_(&configuration_), contacts_(dispatcher_) {
+        : body(1.0f, nullptr, compound ? static_cast<btCollisionShape*>(compound) : &hull, {1, 1, 1}), hull_(hull),
+          index_(compound ? 0 : -1), plane_({0, 1, 0}, ground_height), dispatcher_(&configuration_),
+          contacts_(dispatcher_) {
         ground_.setCollisionShape(&plane_);
     }
     ~OnGround() {
@@ -43,7 +44,9 @@ class OnGround {
         const btTransform frame = body.getWorldTransform();
         const btCollisionObjectWrapper hull(nullptr, &hull_, &body, frame, -1, index_);
         const btCollisionObjectWrapper below(nullptr, &plane_, &ground_, ground_.getWorldTransform(), -1, -1);
-        if (!pair_) pair_ = static_cast<FollowedContacts*>(dispatcher_.findAlgorithm(&hull, &below, nullptr, BT_CONTACT_POINT_ALGORITHMS));
+        if (!pair_)
+            pair_ = static_cast<FollowedContacts*>(
+                dispatcher_.findAlgorithm(&hull, &below, nullptr, BT_CONTACT_POINT_ALGORITHMS));
         btManifoldResult result(&hull, &below);
         btDispatcherInfo step;
         step.m_timeStep = step_seconds;
@@ -79,7 +82,7 @@ class OnGround {
 
 // A corner of a hull, by itself and in double precision.
 struct Corner {
-    glm::dvec3 position; // margin included
+    glm::dvec3 position;             // margin included
     double distance, ahead, reached; // contacts are made below that
     int index;
 };
@@ -93,7 +96,8 @@ std::vector<Corner> corners_of(const OnGround& on_ground, const HullShape& hull,
     for (int i = 0; i < hull.getNumPoints(); ++i) {
         glm::dvec3 arm(0.0); // from the centre of mass, which is the frame's origin
         for (int axis = 0; axis < 3; ++axis)
-            arm[axis] = glm::dot(vector(body.getWorldTransform().getBasis()[axis]), vector(hull.getUnscaledPoints()[i]));
+            arm[axis] =
+                glm::dot(vector(body.getWorldTransform().getBasis()[axis]), vector(hull.getUnscaledPoints()[i]));
         glm::dvec3 position = arm + vector(body.getWorldTransform().getOrigin());
         position.y -= static_cast<double>(hull.getMargin());
         const double approach = -(falling + glm::cross(spin, arm).y), distance = position.y - ground_height;
@@ -142,7 +146,8 @@ TEST_CASE("a body is out of the ground's reach only if no corner can come to it 
         const auto number = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
         const btVector3 sides(number(0.01, 2.0), number(0.01, 2.0), number(0.01, 2.0)); // needles and plates, too
         HullShape hull;
-        for (int i = 0; i < 12; ++i) hull.addPoint(btVector3(number(-1, 1), number(-1, 1), number(-1, 1)) * sides, false);
+        for (int i = 0; i < 12; ++i)
+            hull.addPoint(btVector3(number(-1, 1), number(-1, 1), number(-1, 1)) * sides, false);
         hull.setMargin(number(0.0, 0.05));
         hull.finish();
         btRigidBody body(1.0f, nullptr, &hull, {1, 1, 1});
@@ -164,7 +169,8 @@ TEST_CASE("a body is out of the ground's reach only if no corner can come to it 
             const btVector3 arm = frame.getBasis() * hull.getUnscaledPoints()[i];
             const float turning = body.getAngularVelocity().length() * (arm.length() + hull.getMargin()) * step_seconds;
             const float falling = std::min(0.0f, (body.getLinearVelocity().y() - 98.1f * step_seconds) * step_seconds);
-            lowest = std::min(lowest, frame.getOrigin().y() + arm.y() - hull.getMargin() - turning + falling - ground_height);
+            lowest = std::min(lowest,
+                              frame.getOrigin().y() + arm.y() - hull.getMargin() - turning + falling - ground_height);
         }
         if (is_out) CHECK(lowest > 0.0f);
         frame.getOrigin().setY(ground_height + 1000.0f);
@@ -175,9 +181,11 @@ TEST_CASE("a body is out of the ground's reach only if no corner can come to it 
     CHECK(within > 500);
 }
 
-TEST_CASE("contacts of a compound's hull with the ground follow it while it moves little, and go when it has gone far or up") {
+TEST_CASE("contacts of a compound's hull with the ground follow it while it moves little, and go when it has gone far "
+          "or up") {
     HullShape cube;
-    for (int i = 0; i < 8; ++i) cube.addPoint({i & 1 ? 5.0f : -5.0f, i & 2 ? 5.0f : -5.0f, i & 4 ? 5.0f : -5.0f}, false);
+    for (int i = 0; i < 8; ++i)
+        cube.addPoint({i & 1 ? 5.0f : -5.0f, i & 2 ? 5.0f : -5.0f, i & 4 ? 5.0f : -5.0f}, false);
     cube.setMargin(0.0f);
     cube.finish();
     btCompoundShape compound;
@@ -215,13 +223,15 @@ TEST_CASE("corners that touch the ground or may come to it have contacts: four t
         HullShape hull;
         const int count = 4 + static_cast<int>(random.uniform(0.0, 30.0));
         const btVector3 sides(number(0.2, 4.0), number(0.05, 1.0), number(0.2, 4.0)); // rods and plates, too
-        for (int i = 0; i < count; ++i) hull.addPoint(btVector3(number(-1, 1), number(-1, 1), number(-1, 1)) * sides, false);
+        for (int i = 0; i < count; ++i)
+            hull.addPoint(btVector3(number(-1, 1), number(-1, 1), number(-1, 1)) * sides, false);
         hull.setMargin(number(0.0, 0.1));
         hull.finish();
         const float ground_height = number(-3.0, 3.0);
         OnGround on_ground(hull, ground_height);
         btRigidBody& body = on_ground.body;
-        btTransform frame(btQuaternion(btVector3(number(-1, 1), 0.5f, number(-1, 1)).normalized(), number(-3, 3)), {number(-9, 9), 0.0f, number(-9, 9)});
+        btTransform frame(btQuaternion(btVector3(number(-1, 1), 0.5f, number(-1, 1)).normalized(), number(-3, 3)),
+                          {number(-9, 9), 0.0f, number(-9, 9)});
         frame.getOrigin().setY(ground_height + hull.getMargin() + hull.reach(-frame.getBasis()[1]) + number(-1.0, 0.3));
         body.setWorldTransform(frame);
         body.setGravity({0.0f, -98.1f, 0.0f});
@@ -229,9 +239,12 @@ TEST_CASE("corners that touch the ground or may come to it have contacts: four t
         body.setAngularVelocity({number(-20, 20), number(-20, 20), number(-20, 20)});
 
         const std::vector<Corner> all = corners_of(on_ground, hull, static_cast<double>(ground_height));
-        if (std::ranges::any_of(all, [](const Corner& corner) { return std::abs(corner.distance - corner.reached) < 1e-4; })) continue;
+        if (std::ranges::any_of(all,
+                                [](const Corner& corner) { return std::abs(corner.distance - corner.reached) < 1e-4; }))
+            continue;
         std::vector<Corner> low, chosen;
-        std::ranges::copy_if(all, std::back_inserter(low), [](const Corner& corner) { return corner.distance < corner.reached; });
+        std::ranges::copy_if(all, std::back_inserter(low),
+                             [](const Corner& corner) { return corner.distance < corner.reached; });
         const GroundManifold* const found = on_ground.find();
         const std::span<const GroundPoint> points = found ? found->points() : std::span<const GroundPoint>();
         for (const GroundPoint& point : points) {
@@ -240,7 +253,8 @@ TEST_CASE("corners that touch the ground or may come to it have contacts: four t
             CHECK(std::ranges::count(points, point.corner, &GroundPoint::corner) == 1);
             CHECK(std::abs(static_cast<double>(point.distance) - same->distance) < 1e-4);
             for (int axis = 0; axis < 3; ++axis)
-                CHECK(std::abs(static_cast<double>(point.position[static_cast<size_t>(axis)]) - same->position[axis]) < 1e-4);
+                CHECK(std::abs(static_cast<double>(point.position[static_cast<size_t>(axis)]) - same->position[axis])
+                      < 1e-4);
             chosen.push_back(*same);
         }
         ++(low.empty() ? none : low.size() <= 4 ? few : chosen.size() < GroundManifold::most_points ? some : most);

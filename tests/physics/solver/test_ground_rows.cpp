@@ -8,8 +8,8 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/physics/convex_pieces.h"
 #include "physics/solver/convert.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -69,7 +69,8 @@ void check_point(const GroundRows& rows, size_t lane, const Mover& mover, const 
     CHECK(rows.frictions.impulse[lane] == 0.0f);
 }
 
-const GroundStep step{.seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .least_bounce_speed = 2.0f, .kept_impulse = 0.85f};
+const GroundStep step{
+    .seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .least_bounce_speed = 2.0f, .kept_impulse = 0.85f};
 
 // A body and what it touches the ground in; some do not slide, or turn about an axis through one of their points.
 struct Grounded {
@@ -85,7 +86,8 @@ struct Grounded {
                  .linear = random_vector(seed % 3 == 0 ? 1.0 : 60.0),
                  .angular = random_vector(20.0),
                  .light = 0.7f + number(0.2)};
-        const bool upright = seed % 5 == 0; // turns about an axis through its second point, if at all: that one does not slide
+        const bool upright =
+            seed % 5 == 0; // turns about an axis through its second point, if at all: that one does not slide
         if (upright) mover.linear = {0.0f, -0.8f, 0.0f};
         if (upright) mover.angular = {0.0f, seed % 2 == 0 ? 3.0f : 0.0f, 0.0f};
         ground.count = 1 + static_cast<uint32_t>(seed % GroundManifold::most_points);
@@ -113,11 +115,15 @@ TEST_CASE("rows of contacts with the ground are those of one point at a time, bi
     }
 }
 
-TEST_CASE("rows of four bodies on the ground are those of one point at a time, bit for bit, and who has fewer has none") {
+TEST_CASE(
+    "rows of four bodies on the ground are those of one point at a time, bit for bit, and who has fewer has none") {
     for (uint64_t seed = 0; seed < 200; ++seed) {
         INFO("seed ", seed);
-        const std::array<Grounded, 4> bodies{Grounded(seed), Grounded(3 * seed + 1), Grounded(seed + 7), Grounded(5 * seed + 2)};
-        const auto each = [&](const auto& of) { return std::array{of(bodies[0]), of(bodies[1]), of(bodies[2]), of(bodies[3])}; };
+        const std::array<Grounded, 4> bodies{Grounded(seed), Grounded(3 * seed + 1), Grounded(seed + 7),
+                                             Grounded(5 * seed + 2)};
+        const auto each = [&](const auto& of) {
+            return std::array{of(bodies[0]), of(bodies[1]), of(bodies[2]), of(bodies[3])};
+        };
         const FourGrounded four(each([](const Grounded& body) { return &body.mover; }),
                                 each([](const Grounded& body) { return &body.ground; }));
         for (size_t index = 0; index < GroundManifold::most_points; ++index) {

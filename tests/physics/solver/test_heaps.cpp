@@ -9,12 +9,12 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
 #include "fracture/fracture.h"
 #include "fracture/io/import.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
 #include "tests/physics/run_log.h"
 
 using namespace brittle;
@@ -68,10 +68,11 @@ void drop(const std::string& name, const fracture::TriangleMesh& mesh, uint32_t 
     }
     MESSAGE(bodies->size() << " pieces asleep after " << steps / 120.0 << " s; lowest hull " << hull << " m, vertex "
                            << vertex << " m, centre " << centre << " m; energy rose by " << energy.risen / energy.start
-                           << " of the start in all, above the least before by " << energy.most_above_least / energy.start);
+                           << " of the start in all, above the least before by "
+                           << energy.most_above_least / energy.start);
     CHECK(world.awake_count() == 0);
     CHECK(energy.steepest < 1e-4 * energy.start);
-    CHECK(energy.risen < 5e-4 * energy.start); // set after seeing 1.2e-4, and 3.4e-4 in 75 heaps
+    CHECK(energy.risen < 5e-4 * energy.start);            // set after seeing 1.2e-4, and 3.4e-4 in 75 heaps
     CHECK(energy.most_above_least < 2e-4 * energy.start); // and 5e-5, and 1.7e-4
     CHECK(hull > -2e-3f);
     // What hulls of 32 points leave out of pieces a fifth of a metre long, and what their margins round off: 1 to 6 mm.
@@ -120,5 +121,6 @@ TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, non
     const auto bunny = fracture::import_mesh(bunny_file);
     REQUIRE(bunny);
     for (uint64_t seed = 1; seed <= last_seed(); ++seed) drop("bunny", lifted(*bunny), 570, seed);
-    if (last_seed() < 6) drop("bunny", lifted(*bunny), 570, 6); // a repair of overlap moved a piece 2 mm down as all fell asleep
+    if (last_seed() < 6)
+        drop("bunny", lifted(*bunny), 570, 6); // a repair of overlap moved a piece 2 mm down as all fell asleep
 }

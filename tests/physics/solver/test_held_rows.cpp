@@ -36,8 +36,8 @@ Row random_row(test::Random& random, uint32_t mover, float light) {
 
 // Every so many movers have rows elsewhere, the others are solved at once; 0: none of them has.
 void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t coupled_step, uint32_t bundle_points) {
-    INFO("seed ", seed, ", ", mover_count, " movers, ", contact_count, " contacts, rows elsewhere ", coupled_step, ", bundles of ",
-         bundle_points);
+    INFO("seed ", seed, ", ", mover_count, " movers, ", contact_count, " contacts, rows elsewhere ", coupled_step,
+         ", bundles of ", bundle_points);
     test::Random random(seed);
     std::vector<float> lights;
     for (uint32_t i = 0; i < mover_count; ++i) // some rest
@@ -48,7 +48,8 @@ void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t c
         const double u = random.uniform(0.0, 1.0);
         movers.push_back(std::min(static_cast<uint32_t>(u * u * mover_count), mover_count - 1));
         contacts.push_back({random_row(random, movers[i], lights[movers[i]]),
-                            random_row(random, movers[i], lights[movers[i]]), static_cast<float>(random.uniform(0.0, 1.0))});
+                            random_row(random, movers[i], lights[movers[i]]),
+                            static_cast<float>(random.uniform(0.0, 1.0))});
     }
     Bundles bundles; // of two bodies that touch, but for the last one
     bundles.start(mover_count);
@@ -58,7 +59,8 @@ void check(uint64_t seed, uint32_t mover_count, size_t contact_count, uint32_t c
     bundles.finish(bundle_points);
     HeldRows rows;
     rows.arrange(movers, lights, bundles);
-    for (size_t i = contact_count; i-- > 0;) rows.put(i, contacts[i].row, contacts[i].friction, contacts[i].coefficient);
+    for (size_t i = contact_count; i-- > 0;)
+        rows.put(i, contacts[i].row, contacts[i].friction, contacts[i].coefficient);
 
     std::vector<Motion> expected(mover_count), found(mover_count);
     for (const Contact& contact : contacts) test::push(contact.row, contact.row.impulse, expected[contact.row.a]);

@@ -20,9 +20,7 @@ constexpr float far_away = 1e6f; // a limit beyond everything here
 
 struct Random {
     std::mt19937 engine{11};
-    float number(float low, float high) {
-        return low + (high - low) * static_cast<float>(engine() >> 8) / 16777216.0f;
-    }
+    float number(float low, float high) { return low + (high - low) * static_cast<float>(engine() >> 8) / 16777216.0f; }
     btVector3 direction() {
         btVector3 v(0, 0, 0);
         do
@@ -80,8 +78,7 @@ void check_certificate(const HullShape& a, const HullShape& b, const btTransform
     for (int i = 0; i < 60; ++i) {
         const btVector3 direction = random.direction();
         CHECK(static_cast<double>(found.point.dot(direction)) < reach(b, b_in_a, direction) + bound);
-        CHECK(static_cast<double>(on_first.dot(direction))
-              < reach(a, btTransform::getIdentity(), direction) + bound);
+        CHECK(static_cast<double>(on_first.dot(direction)) < reach(a, btTransform::getIdentity(), direction) + bound);
     }
     if (found.distance >= 0.0f) return;
     // No direction overlaps less. Sampled, then walked downhill from the best sample.
@@ -132,7 +129,8 @@ TEST_CASE("needles, plates and hulls of four points") {
             for (int i = 0; i < 40; ++i) {
                 const btTransform frame = random.frame(2.0f);
                 NearCorners corners;
-                check_certificate(*first, *second, frame, hull_distance(*first, *second, frame, far_away, corners), random);
+                check_certificate(*first, *second, frame, hull_distance(*first, *second, frame, far_away, corners),
+                                  random);
             }
 }
 
@@ -148,7 +146,8 @@ TEST_CASE("a flat hull and a point have a result") {
     CHECK(hull_distance(*point, *point, in, far_away, corners).distance == doctest::Approx(0.0f));
 }
 
-TEST_CASE("distance and depth of random hulls are certified by their normal and points, and are those that Bullet finds") {
+TEST_CASE(
+    "distance and depth of random hulls are certified by their normal and points, and are those that Bullet finds") {
     Random random;
     btVoronoiSimplexSolver simplex;
     btGjkEpaPenetrationDepthSolver penetration;

@@ -10,16 +10,17 @@
 
 #include <doctest/doctest.h>
 
+#include "physics/solver/convert.h"
 #include "tests/physics/convex_pieces.h"
 #include "tests/physics/one_row.h"
-#include "physics/solver/convert.h"
 
 using namespace brittle;
 using namespace brittle::physics;
 
 namespace {
 
-const GroundStep step{.seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .least_bounce_speed = 2.0f, .kept_impulse = 0.85f};
+const GroundStep step{
+    .seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .least_bounce_speed = 2.0f, .kept_impulse = 0.85f};
 constexpr int sweeps = 7;
 constexpr float no_limit = std::numeric_limits<float>::max();
 
@@ -145,9 +146,9 @@ void check(uint64_t seed, size_t count, double deep, double high) {
 
 TEST_CASE("bodies that touch only the ground are solved side by side as each by itself, bit for bit") {
     check(1, 0, 0.1, 0.1);
-    check(2, 1, 0.1, 0.0); // one in a block
-    check(3, 7, 0.1, 0.1); // a block and one left over
-    check(4, 24, 0.0, 0.1); // nothing to part
-    check(5, 25, 0.1, 0.0); // all
+    check(2, 1, 0.1, 0.0);                                                   // one in a block
+    check(3, 7, 0.1, 0.1);                                                   // a block and one left over
+    check(4, 24, 0.0, 0.1);                                                  // nothing to part
+    check(5, 25, 0.1, 0.0);                                                  // all
     for (uint64_t seed = 10; seed < 30; ++seed) check(seed, 150, 0.02, 0.1); // some
 }

@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "tests/physics/bodies.h"
 #include "physics/world/world.h"
+#include "tests/physics/bodies.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -47,7 +47,8 @@ TEST_CASE("who rests beside what does not stays where it is to the bit, and pres
         double on_ground = 0.0, between = 0.0;
         for (const Contact& contact : three.world.contacts()) {
             if (contact.a == three.lower && contact.b == BodyId{}) on_ground += static_cast<double>(contact.impulse);
-            if ((contact.a == three.lower && contact.b == three.upper) || (contact.a == three.upper && contact.b == three.lower))
+            if ((contact.a == three.lower && contact.b == three.upper)
+                || (contact.a == three.upper && contact.b == three.lower))
                 between += static_cast<double>(contact.impulse);
         }
         CHECK(on_ground == doctest::Approx(2.0 * weight).epsilon(0.05));
@@ -60,7 +61,8 @@ TEST_CASE("who rests beside what does not stays where it is to the bit, and pres
 TEST_CASE("who rests by itself, near what does not, stays where it is to the bit, and presses by its weight") {
     World world;
     const BodyId rests = must_add(world, box(glm::vec3(0.1f), 8.0f, {0.0f, 0.1f, 0.0f}));
-    const BodyId restless = must_add(world, box(glm::vec3(0.1f), 8.0f, {0.2035f, 0.1f, 0.0f})); // boxes overlap, bodies do not touch
+    const BodyId restless =
+        must_add(world, box(glm::vec3(0.1f), 8.0f, {0.2035f, 0.1f, 0.0f})); // boxes overlap, bodies do not touch
     const auto step = [&] {
         world.set_velocity(restless, {}, {});
         world.step();
@@ -89,7 +91,8 @@ TEST_CASE("who rests falls when what carries it is pushed away, fast or slowly")
         const int steps = static_cast<int>(0.5f / speed * 120.0f) + 60;
         for (int i = 0; i < steps; ++i) {
             // Away from both others, as though drawn.
-            if (three.world.pose(three.lower).position.z < 0.4f) three.world.set_velocity(three.lower, {0.0f, 0.0f, speed}, {});
+            if (three.world.pose(three.lower).position.z < 0.4f)
+                three.world.set_velocity(three.lower, {0.0f, 0.0f, speed}, {});
             three.step();
         }
         for (int i = 0; i < 120; ++i) three.step();

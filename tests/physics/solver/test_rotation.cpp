@@ -59,8 +59,7 @@ TEST_CASE("axes and moments give back any symmetric tensor, however small") {
                                      * diagonal(principal.moments.x, principal.moments.y, principal.moments.z)
                                      * glm::transpose(principal.axes);
             CHECK(largest_difference(again, tensor) < 1e-13 * scale);
-            CHECK(largest_difference(glm::transpose(principal.axes) * principal.axes, glm::dmat3(1.0))
-                  < 1e-14);
+            CHECK(largest_difference(glm::transpose(principal.axes) * principal.axes, glm::dmat3(1.0)) < 1e-14);
             CHECK(glm::determinant(principal.axes) == doctest::Approx(1.0));
         }
     }
@@ -124,8 +123,7 @@ TEST_CASE("tumbling about the middle axis keeps angular momentum and energy for 
         flipped = flipped || before * (glm::conjugate(spin.orientation) * spin.velocity).y < 0.0;
     }
     CHECK(glm::length(angular_momentum(spin, moments) - momentum) < 1e-9 * glm::length(momentum));
-    CHECK(glm::dot(angular_momentum(spin, moments), spin.velocity)
-          == doctest::Approx(energy).epsilon(1e-9).scale(0.0));
+    CHECK(glm::dot(angular_momentum(spin, moments), spin.velocity) == doctest::Approx(energy).epsilon(1e-9).scale(0.0));
     CHECK(flipped); // the tennis racket effect: damped away where it is missing
 }
 

@@ -6,10 +6,10 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
 #include "physics/world/pieces.h"
 #include "physics/world/world.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -57,9 +57,11 @@ TEST_CASE("pieces of one cut that are thrown fly as the whole would, and press o
         CHECK(world.contacts().empty());
     }
     // Each step has the velocity of its end.
-    const glm::dvec3 way = glm::dvec3(speed) * (steps * step) + glm::dvec3(0.0, -9.81, 0.0) * (step * step * steps * (steps + 1) / 2);
+    const glm::dvec3 way =
+        glm::dvec3(speed) * (steps * step) + glm::dvec3(0.0, -9.81, 0.0) * (step * step * steps * (steps + 1) / 2);
     for (size_t i = 0; i < bodies->size(); ++i) {
-        const glm::dvec3 flown = glm::dvec3(world.pose((*bodies)[i]).position) - fragments.pieces[i].mass.centre_of_mass;
+        const glm::dvec3 flown =
+            glm::dvec3(world.pose((*bodies)[i]).position) - fragments.pieces[i].mass.centre_of_mass;
         CHECK(glm::length(flown - way) < 1e-5);
     }
 }
@@ -82,7 +84,8 @@ TEST_CASE("siblings that turn against each other collide as strangers do") {
 
 TEST_CASE("siblings that stand on the ground or touch a stranger press as strangers do") {
     std::vector<BodyDesc> column = row_of_boxes(4);
-    for (size_t i = 0; i < column.size(); ++i) column[i].pose.position = {0.0f, 0.1f + 0.2f * static_cast<float>(i), 0.0f};
+    for (size_t i = 0; i < column.size(); ++i)
+        column[i].pose.position = {0.0f, 0.1f + 0.2f * static_cast<float>(i), 0.0f};
     CHECK(after_a_second(column, true).hash == after_a_second(column, false).hash);
 
     // In the air, with a body on its way that hits the row in the first step.

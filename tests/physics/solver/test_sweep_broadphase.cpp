@@ -31,9 +31,7 @@ struct Boxes {
     ~Boxes() {
         while (!boxes.empty()) remove(0);
     }
-    float number(float low, float high) {
-        return low + (high - low) * static_cast<float>(random() >> 8) / 16777216.0f;
-    }
+    float number(float low, float high) { return low + (high - low) * static_cast<float>(random() >> 8) / 16777216.0f; }
     btVector3 corner(float low, float high) {
         btVector3 point(0, 0, 0);
         for (int axis = 0; axis < 3; ++axis) point[axis] = number(low, high);
@@ -84,7 +82,8 @@ struct Boxes {
                 CHECK(sweep.may_meet(a, b) == overlap);
                 CHECK(sweep.may_meet(b, a) == overlap);
                 for (int axis = 0; axis < 3; ++axis)
-                    overlap = overlap && a.m_aabbMin[axis] <= b.m_aabbMax[axis] && b.m_aabbMin[axis] <= a.m_aabbMax[axis];
+                    overlap =
+                        overlap && a.m_aabbMin[axis] <= b.m_aabbMax[axis] && b.m_aabbMin[axis] <= a.m_aabbMax[axis];
                 if (overlap) pairs[{a.m_uniqueId, b.m_uniqueId}] = 0;
             }
         return pairs;
@@ -207,7 +206,8 @@ TEST_CASE("debris meets all but debris, whoever of them moves, rests, comes or g
     for (int i = 0; i < 5; ++i) boxes.add_random(2.0f, 1.5f, group); // that meets its like
     for (int round = 0; round < 30; ++round) {
         for (size_t i = 1; i < boxes.boxes.size(); ++i) // all, only debris, only the others, some
-            if (round % 4 == 0 || (round % 4 == 3 ? boxes.random() % 5 == 0 : (boxes.boxes[i].group == group) == (round % 4 == 1)))
+            if (round % 4 == 0
+                || (round % 4 == 3 ? boxes.random() % 5 == 0 : (boxes.boxes[i].group == group) == (round % 4 == 1)))
                 boxes.move(i, 0.3f);
         if (round % 3 == 1)
             for (int i = 0; i < 4; ++i) boxes.remove(1 + boxes.random() % (boxes.boxes.size() - 1));
@@ -226,7 +226,8 @@ TEST_CASE("boxes that say so meet only what is as large as they ask for, whoever
     for (size_t i = 1; i < boxes.boxes.size(); i += 2)
         for (size_t j = 2; j < boxes.boxes.size(); j += 2) {
             const btBroadphaseProxy &a = *boxes.boxes[i].proxy, &b = *boxes.boxes[j].proxy;
-            left_out += !boxes.sweep.may_meet(a, b) && TestAabbAgainstAabb2(a.m_aabbMin, a.m_aabbMax, b.m_aabbMin, b.m_aabbMax);
+            left_out +=
+                !boxes.sweep.may_meet(a, b) && TestAabbAgainstAabb2(a.m_aabbMin, a.m_aabbMax, b.m_aabbMin, b.m_aabbMax);
         }
     CHECK(left_out > 100);
     for (int round = 0; round < 30; ++round) {
@@ -300,7 +301,8 @@ TEST_CASE("what boxes reach over others that pass is what hops from pair to pair
         Boxes boxes;
         for (int i = 0; i < 300; ++i) boxes.add_random(4.0f, size);
         boxes.check();
-        for (int i = 0; i < 30; ++i) boxes.remove(static_cast<size_t>(7 * i)); // ranks are not the order in which they came
+        for (int i = 0; i < 30; ++i)
+            boxes.remove(static_cast<size_t>(7 * i)); // ranks are not the order in which they came
         boxes.check();
         const auto rank_of = [](const btBroadphaseProxy* proxy) { return static_cast<const SweptProxy*>(proxy)->rank; };
         const auto passes = [](const btBroadphaseProxy& proxy) { return proxy.m_uniqueId % 5 != 0; };

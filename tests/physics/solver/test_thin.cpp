@@ -11,10 +11,10 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
 #include "physics/solver/first_touch.h"
 #include "physics/world/pieces.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -55,7 +55,8 @@ bool passes(const Shot& shot) {
     BodyDesc fly = made_of(0.5f * shot.size * glm::vec3(1.0f, 0.7f, 0.8f), shot.parts);
     const float above = shot.slab + 2.0f * shot.size;
     const glm::vec3 aim = shot.place % 3 == 2 ? glm::vec3(0.7f, -1.0f, 0.0f) : glm::vec3(0.0f, -1.0f, 0.0f);
-    glm::vec3 start = glm::vec3(0.0f, above, 0.0f) - aim * (shot.speed / 120.0f * (1.0f + std::abs(any(random, 1.0f).x)));
+    glm::vec3 start =
+        glm::vec3(0.0f, above, 0.0f) - aim * (shot.speed / 120.0f * (1.0f + std::abs(any(random, 1.0f).x)));
     start += glm::vec3(0.15f, 0.0f, 0.15f) * any(random, 1.0f) - above * glm::vec3(aim.x, 0.0f, 0.0f);
     fly.pose.position = slab.pose.orientation * start;
     fly.pose.orientation = shot.place >= 3 ? any_turn(random) : slab.pose.orientation;
@@ -87,13 +88,14 @@ TEST_CASE("hulls that meet touch when their distance says so, and what parts, pa
         Flight still;
         flying.find_end();
         still.find_end();
-        return first_touch({&hull, btTransform::getIdentity(), &flying}, {&hull, btTransform::getIdentity(), &still}, 0.0f, end);
+        return first_touch({&hull, btTransform::getIdentity(), &flying}, {&hull, btTransform::getIdentity(), &still},
+                           0.0f, end);
     };
     for (const btScalar speed : {1.0f, 10.0f, 1000.0f}) {
         const auto time = touch({0.1f, 5.0f, 0.2f}, {0, -speed, 0}, {0, 0, 0}, 8.0f / speed);
         REQUIRE(time);
         CHECK(*time >= 3.0f / speed);
-        CHECK(*time <= (3.0f + 1.01f * bearable) / speed); // positions are rounded
+        CHECK(*time <= (3.0f + 1.01f * bearable) / speed);                               // positions are rounded
         CHECK_FALSE(touch({0.1f, 5.0f, 0.2f}, {0, -speed, 0}, {0, 0, 0}, 2.9f / speed)); // not yet
         CHECK_FALSE(touch({0.1f, 5.0f, 0.2f}, {0, speed, 0}, {0, 0, 0}, 8.0f / speed));
         CHECK_FALSE(touch({2.001f, 5.0f, 0.2f}, {0, -speed, 0}, {0, 0, 0}, 8.0f / speed)); // by a thousandth
@@ -125,7 +127,8 @@ TEST_CASE("boxes of 1 to 5 cm do not pass through fixed slabs of 2 and 10 cm, no
     }
 }
 
-TEST_CASE("a fast ball does not pass through a thin wall, of one hull or several, fixed or not, and its blow is whole") {
+TEST_CASE(
+    "a fast ball does not pass through a thin wall, of one hull or several, fixed or not, and its blow is whole") {
     for (const float speed : {20.0f, 80.0f, 200.0f}) // up to 1.67 m a step
         for (const bool fixed : {false, true})
             for (const int parts : {1, 2})
@@ -275,7 +278,8 @@ struct Driven {
                 BodyDesc tile = made_of({0.024f, 0.024f, 0.01f}, 1);
                 tile.mass = 0.1f;
                 tile.inertia = box_inertia({0.024f, 0.024f, 0.01f}, 0.1f);
-                tile.pose.position = (tilted ? 0.065f : 0.05f) * glm::vec3(static_cast<float>(x), static_cast<float>(y), 0.0f);
+                tile.pose.position =
+                    (tilted ? 0.065f : 0.05f) * glm::vec3(static_cast<float>(x), static_cast<float>(y), 0.0f);
                 if (tilted) tile.pose.orientation = glm::normalize(glm::quat(1.0f, any(random, 0.15f)));
                 const BodyId id = must_add(world, tile);
                 if (std::abs(x) <= 1 && std::abs(y) <= 1) hit.push_back(id);

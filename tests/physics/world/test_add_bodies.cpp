@@ -11,11 +11,11 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
 #include "physics/solver/body_record.h"
 #include "physics/world/pieces.h"
 #include "physics/world/world.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -45,7 +45,8 @@ std::vector<BodyDesc> all_kinds(uint32_t siblings) {
     const auto shared = std::make_shared<const CollisionHull>(box_hull(glm::vec3(0.05f)));
     std::vector<BodyDesc> bodies;
     for (int i = 0; i < 330; ++i) {
-        const glm::vec3 half(random.point(glm::dvec3(i % 5 == 0 ? 0.004 : 0.03), glm::dvec3(i % 5 == 0 ? 0.009 : 0.09)));
+        const glm::vec3 half(
+            random.point(glm::dvec3(i % 5 == 0 ? 0.004 : 0.03), glm::dvec3(i % 5 == 0 ? 0.009 : 0.09)));
         const glm::vec3 at(random.point({-1.0, 0.1, -1.0}, {1.0, 2.5, 1.0}));
         BodyDesc body = askew(box(half, static_cast<float>(random.uniform(0.1, 5.0)), at), random);
         if (i % 7 == 1) body.hull.section = {};
@@ -230,7 +231,8 @@ TEST_CASE("of bodies of which some are refused none comes, and the error is that
             for (World* one : {&world, &untried}) must_add(*one, box(glm::vec3(0.1f), 1.0f, {0.0f, 1.0f, 0.0f}));
             const Result<std::vector<BodyId>> added = world.add_bodies(bodies);
             REQUIRE_FALSE(added.has_value());
-            const Result<std::vector<BodyId>> told = world.add_bodies(bodies.size(), [&](size_t i) { return bodies[i]; });
+            const Result<std::vector<BodyId>> told =
+                world.add_bodies(bodies.size(), [&](size_t i) { return bodies[i]; });
             REQUIRE_FALSE(told.has_value());
             CHECK(told.error().message == added.error().message);
             CHECK(added.error().status == expected.status);
@@ -251,10 +253,10 @@ TEST_CASE("of bodies of which some are refused none comes, and the error is that
 TEST_CASE("pieces whose masses no body has get those of a box, and all others their own") {
     fracture::Fragments pieces = test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 150, 4);
     const std::vector<fracture::Piece> sound = pieces.pieces;
-    pieces.pieces[3].mass.volume = -1e-9;                    // as a sliver's may round to
+    pieces.pieces[3].mass.volume = -1e-9; // as a sliver's may round to
     pieces.pieces[70].mass.volume = 0.0;
     pieces.pieces[71].mass.inertia = glm::dmat3(0.0);
-    pieces.pieces[149].mass.inertia[1][1] *= 9.0;            // more than the sum of the others
+    pieces.pieces[149].mass.inertia[1][1] *= 9.0; // more than the sum of the others
     const float density = 2000.0f;
     for (const uint32_t threads : {1u, 2u}) {
         World world({.threads = threads});
@@ -265,10 +267,12 @@ TEST_CASE("pieces whose masses no body has get those of a box, and all others th
             INFO("piece: ", i);
             const bool boxed = i == 3 || i == 70 || i == 71 || i == 149;
             glm::dvec3 low(1.0), high(-1.0);
-            for (const glm::dvec3& p : pieces.positions_of(pieces.pieces[i])) low = glm::min(low, p), high = glm::max(high, p);
+            for (const glm::dvec3& p : pieces.positions_of(pieces.pieces[i]))
+                low = glm::min(low, p), high = glm::max(high, p);
             const glm::dvec3 size = high - low;
             const double volume = boxed ? size.x * size.y * size.z : sound[i].mass.volume;
-            CHECK(static_cast<double>(world.mass((*bodies)[i])) == doctest::Approx(density * volume).epsilon(1e-6).scale(0.0));
+            CHECK(static_cast<double>(world.mass((*bodies)[i]))
+                  == doctest::Approx(density * volume).epsilon(1e-6).scale(0.0));
         }
         run(world, 0.25f);
         CHECK(all_finite(world));
@@ -278,7 +282,8 @@ TEST_CASE("pieces whose masses no body has get those of a box, and all others th
 TEST_CASE("a piece that is none even with the mass of a box is named, and no piece comes") {
     fracture::Fragments pieces = test::grid_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 4, 4, 4);
     pieces.pieces[7].mass.volume = 0.0; // would get a box
-    for (uint32_t v = pieces.pieces[40].vertices.begin; v < pieces.pieces[40].vertices.end; ++v) pieces.positions[v] *= 1e7;
+    for (uint32_t v = pieces.pieces[40].vertices.begin; v < pieces.pieces[40].vertices.end; ++v)
+        pieces.positions[v] *= 1e7;
     pieces.pieces[40].mass.volume *= 1e21; // a planetoid
     World world;
     const Result<std::vector<BodyId>> bodies = add_pieces(world, pieces);
@@ -330,10 +335,9 @@ TEST_CASE("no form is made of what is no body, and a form does not excuse a plac
     BodyDesc body = box(glm::vec3(0.1f), 2.0f, {});
     const auto form = make_form(body);
     REQUIRE(form);
-    for (const auto& spoil : std::vector<std::function<void(BodyDesc&)>>{[](BodyDesc& b) { b.mass = 0.0f; },
-                                                                         [](BodyDesc& b) { b.hull.points.resize(3); },
-                                                                         [](BodyDesc& b) { b.inertia[0][0] = no_number; },
-                                                                         [](BodyDesc& b) { b.inertia = glm::mat3(0.0f); }}) {
+    for (const auto& spoil : std::vector<std::function<void(BodyDesc&)>>{
+             [](BodyDesc& b) { b.mass = 0.0f; }, [](BodyDesc& b) { b.hull.points.resize(3); },
+             [](BodyDesc& b) { b.inertia[0][0] = no_number; }, [](BodyDesc& b) { b.inertia = glm::mat3(0.0f); }}) {
         BodyDesc spoilt = body;
         spoil(spoilt);
         CHECK(!make_form(spoilt));

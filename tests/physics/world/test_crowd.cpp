@@ -12,14 +12,14 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
-#include "tests/physics/destruction_fixture.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "physics/world/pieces.h"
 #include "physics/bonds/structure.h"
+#include "physics/world/pieces.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
+#include "tests/physics/destruction_fixture.h"
 #include "tests/physics/run_log.h"
 
 using namespace brittle;
@@ -59,14 +59,14 @@ std::vector<BodyId> must_add_pieces(World& world, const fracture::Fragments& fra
 std::vector<size_t> by_volume(const fracture::Fragments& fragments) {
     std::vector<size_t> order(fragments.pieces.size());
     std::iota(order.begin(), order.end(), size_t{0});
-    std::ranges::stable_sort(order, [&](size_t a, size_t b) {
-        return fragments.pieces[a].mass.volume > fragments.pieces[b].mass.volume;
-    });
+    std::ranges::stable_sort(
+        order, [&](size_t a, size_t b) { return fragments.pieces[a].mass.volume > fragments.pieces[b].mass.volume; });
     return order;
 }
 
 void strike_top(const World& world, Destruction& destruction, PieceId piece, double energy) {
-    const glm::vec3 top = world.pose(destruction.body(piece)).position + glm::vec3(0.0f, destruction.solid(piece)->radius, 0.0f);
+    const glm::vec3 top =
+        world.pose(destruction.body(piece)).position + glm::vec3(0.0f, destruction.solid(piece)->radius, 0.0f);
     REQUIRE(destruction.strike(world, piece, top, {0.0f, -1.0f, 0.0f}, energy));
 }
 
@@ -105,14 +105,16 @@ TEST_CASE("crowd: what is fixed takes no room, what is bonded takes it first") {
     CHECK(crowded_out(std::vector<Newcomer>(5, {.size = 1.0, .fixed = true}), 0) == Flags(5, 0));
     CHECK(crowded_out(std::vector<Newcomer>(5, {.size = 1.0, .bonded = true}), 0) == Flags(5, 0));
     // The largest is held: all else may be debris.
-    const std::vector<Newcomer> held{{.size = 1.0}, {.size = 9.0, .fixed = true}, {.size = 2.0}, {.size = 1.0, .fixed = true}};
+    const std::vector<Newcomer> held{
+        {.size = 1.0}, {.size = 9.0, .fixed = true}, {.size = 2.0}, {.size = 1.0, .fixed = true}};
     CHECK(crowded_out(held, 0) == Flags{1, 0, 1, 0});
     CHECK(crowded_out(held, 1) == Flags{1, 0, 0, 0});
     CHECK(crowded_out(held, 2) == Flags{0, 0, 0, 0});
     // What is held is smaller than what comes off: that is what is left.
     const std::vector<Newcomer> crumb_held{{.size = 1.0, .fixed = true}, {.size = 9.0}, {.size = 2.0}};
     CHECK(crowded_out(crumb_held, 0) == Flags{0, 0, 1});
-    const std::vector<Newcomer> bonded{{.size = 3.0}, {.size = 1.0, .bonded = true}, {.size = 4.0}, {.size = 2.0, .bonded = true}};
+    const std::vector<Newcomer> bonded{
+        {.size = 3.0}, {.size = 1.0, .bonded = true}, {.size = 4.0}, {.size = 2.0, .bonded = true}};
     CHECK(crowded_out(bonded, 2) == Flags{1, 0, 0, 0});
     CHECK(crowded_out(bonded, 3) == Flags{1, 0, 0, 0});
     CHECK(crowded_out(bonded, 0) == Flags{1, 0, 0, 0});
@@ -244,7 +246,8 @@ TEST_CASE("crowd: what sleeps gives room, and what was debris stays it") {
     REQUIRE(world.awake_count() == 0);
     CHECK(world.colliding_count() == 0);
     CHECK(room_in(world) == 6);
-    Result<std::vector<BodyId>> second = add_pieces(world, row, {}, {.placement = {{0.0f, 0.0f, 3.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}});
+    Result<std::vector<BodyId>> second =
+        add_pieces(world, row, {}, {.placement = {{0.0f, 0.0f, 3.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}});
     REQUIRE(second.has_value());
     for (const std::vector<BodyId>& bodies : {first, *second})
         for (size_t i = 0; i < 8; ++i) CHECK(world.debris(bodies[i]) == (i >= 6));
@@ -361,7 +364,7 @@ TEST_CASE("crowd: single pieces that come off a structure are debris, several th
     cut({3, 4, 5}); // 0-3, 4, 5, 6-11
     CHECK(world.colliding_count() == 3);
     CHECK(debris(4) != debris(5)); // there was room for one, and they are of the same size, up to rounding
-    cut({8}); // 6-8, 9-11: both bonded
+    cut({8});                      // 6-8, 9-11: both bonded
     CHECK(world.colliding_count() == 4);
     cut({0}); // 0, 1-3
     CHECK(debris(0));
@@ -401,9 +404,9 @@ TEST_CASE("crowd: a crowd that breaks repeats on any number of threads, and few 
         BreakableDesc desc = desc_of(0.2);
         desc.motion.placement.position = {0.0f, 0.7f, 0.0f};
         must_add(destruction, world, fracture::cube(1.0), desc);
-        Result<Structure> bar = Structure::create(
-            world, test::bonded_grid({0.0, 0.0, 0.0}, {1.2, 0.1, 0.1}, 12, 1, 1),
-            {.motion = {.placement = {{-0.6f, 1.5f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}}});
+        Result<Structure> bar =
+            Structure::create(world, test::bonded_grid({0.0, 0.0, 0.0}, {1.2, 0.1, 0.1}, 12, 1, 1),
+                              {.motion = {.placement = {{-0.6f, 1.5f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}}});
         REQUIRE(bar.has_value());
         strike_top(world, destruction, destruction.pieces()[0], 400.0);
         std::vector<uint64_t> hashes;
@@ -447,7 +450,8 @@ TEST_CASE("crowd: a heap most of which is debris comes to rest on the ground, an
         CAPTURE(i);
         CHECK(at.y > 0.0f);
         const glm::vec3 local = at - shelf.pose.position;
-        CHECK_FALSE((std::abs(local.x) < 0.6f && std::abs(local.y) < 0.03f && std::abs(local.z) < 0.6f)); // in the shelf
+        CHECK_FALSE(
+            (std::abs(local.x) < 0.6f && std::abs(local.y) < 0.03f && std::abs(local.z) < 0.6f)); // in the shelf
         above += local.y > 0.0f;
     }
     CHECK(above > 30);

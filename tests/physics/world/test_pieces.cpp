@@ -6,12 +6,12 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/physics/bodies.h"
-#include "tests/physics/convex_pieces.h"
 #include "fracture/fracture.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "physics/bonds/structure.h"
+#include "tests/physics/bodies.h"
+#include "tests/physics/convex_pieces.h"
 #include "tests/physics/run_log.h"
 
 using namespace brittle;
@@ -22,8 +22,8 @@ namespace {
 
 constexpr float most_drift = 1e-6f; // m, of bodies that do not overlap; none was seen above 1e-16
 
-std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments,
-                             const Material& material = {}, const PlacedMotion& motion = {}) {
+std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments, const Material& material = {},
+                             const PlacedMotion& motion = {}) {
     Result<std::vector<BodyId>> bodies = add_pieces(world, fragments, material, motion);
     REQUIRE_MESSAGE(bodies.has_value(), (bodies ? std::string() : bodies.error().message));
     REQUIRE(bodies->size() == fragments.pieces.size());
@@ -67,8 +67,7 @@ void check_that_they_stay(const fracture::Fragments& fragments) {
 }
 
 // The lowest vertex of any piece where its body stands now: the true shape, not the hull.
-float lowest_vertex(const World& world, const fracture::Fragments& fragments,
-                    const std::vector<BodyId>& bodies) {
+float lowest_vertex(const World& world, const fracture::Fragments& fragments, const std::vector<BodyId>& bodies) {
     float lowest = std::numeric_limits<float>::infinity();
     for (size_t i = 0; i < bodies.size(); ++i) {
         const Pose pose = world.pose(bodies[i]);
@@ -177,9 +176,7 @@ TEST_CASE("mass and inertia are those of the closed forms") {
     const int rings = 64, segments = 128;
     const auto at = [&](int ring, int segment) {
         const double polar = M_PI * ring / rings, angle = 2.0 * M_PI * (segment % segments) / segments;
-        return glm::dvec3(std::sin(polar) * std::cos(angle), std::cos(polar),
-                          -std::sin(polar) * std::sin(angle))
-               * 0.5;
+        return glm::dvec3(std::sin(polar) * std::cos(angle), std::cos(polar), -std::sin(polar) * std::sin(angle)) * 0.5;
     };
     for (int ring = 0; ring < rings; ++ring)
         for (int s = 0; s < segments; ++s)
@@ -189,16 +186,14 @@ TEST_CASE("mass and inertia are those of the closed forms") {
     const double mass = 1000.0 * 4.0 / 3.0 * M_PI * 0.125;
     CHECK(second.mass(ball[0]) == doctest::Approx(mass).epsilon(2e-3).scale(0.0));
     second.apply_impulse(ball[0], {0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f});
-    CHECK(second.angular_velocity(ball[0]).z
-          == doctest::Approx(1.0 / (0.4 * mass * 0.25)).epsilon(4e-3).scale(0.0));
+    CHECK(second.angular_velocity(ball[0]).z == doctest::Approx(1.0 / (0.4 * mass * 0.25)).epsilon(4e-3).scale(0.0));
 }
 
 TEST_CASE("pieces inherit the motion of the solid that broke") {
     World world(empty_space);
     const auto fragments = test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 20, 3);
     PlacedMotion motion;
-    motion.placement = {{1.0f, 2.0f, 3.0f},
-                        glm::angleAxis(0.7f, glm::normalize(glm::vec3(1.0f, 2.0f, -1.0f)))};
+    motion.placement = {{1.0f, 2.0f, 3.0f}, glm::angleAxis(0.7f, glm::normalize(glm::vec3(1.0f, 2.0f, -1.0f)))};
     motion.linear_velocity = {0.5f, 0.0f, -1.0f};
     motion.angular_velocity = {0.3f, 2.0f, 0.1f};
     const std::vector<BodyId> bodies = must_add(world, fragments, {.density = 1000.0f}, motion);
@@ -212,8 +207,7 @@ TEST_CASE("pieces inherit the motion of the solid that broke") {
     for (size_t i = 0; i < bodies.size(); ++i) {
         const glm::vec3 centre(fragments.pieces[i].mass.centre_of_mass);
         const Pose pose = world.pose(bodies[i]);
-        CHECK(glm::length(pose.position - motion.placement.position - motion.placement.orientation * centre)
-              < 1e-5f);
+        CHECK(glm::length(pose.position - motion.placement.position - motion.placement.orientation * centre) < 1e-5f);
         CHECK(std::abs(glm::dot(pose.orientation, motion.placement.orientation)) == doctest::Approx(1.0f));
     }
 }
@@ -284,13 +278,14 @@ TEST_CASE("a cube of a hundred pieces falls, rests on the ground and falls aslee
         if (step % 10 == 0) lowest = std::min(lowest, lowest_vertex(world, fragments, bodies));
         if (world.awake_count() == 0) asleep_after = static_cast<float>(step) / 120.0f;
     }
-    MESSAGE("asleep after " << asleep_after << " s; lowest vertex " << lowest << " m; energy rose by " << energy.risen / energy.start
-                            << " of the start in all, above the least before by " << energy.most_above_least / energy.start);
+    MESSAGE("asleep after " << asleep_after << " s; lowest vertex " << lowest << " m; energy rose by "
+                            << energy.risen / energy.start << " of the start in all, above the least before by "
+                            << energy.most_above_least / energy.start);
     CHECK(asleep_after > 0.0f);
     CHECK(all_finite(world));
-    CHECK(energy.risen < 1e-4 * energy.start); // set after seeing 1.9e-5
+    CHECK(energy.risen < 1e-4 * energy.start);            // set after seeing 1.9e-5
     CHECK(energy.most_above_least < 5e-5 * energy.start); // and 1.1e-5
-    CHECK(lowest > -0.06f); // one step at the speed of the fall
+    CHECK(lowest > -0.06f);                               // one step at the speed of the fall
     CHECK(lowest_vertex(world, fragments, bodies) > -5e-3f);
     CHECK(lowest_vertex(world, fragments, bodies) < 5e-3f);
 }
@@ -299,8 +294,7 @@ TEST_CASE("pieces of solids that are not convex stay where they are born") {
     for (const char* name : {"animal", "torus_knot", "hollow_sphere"}) {
         CAPTURE(name);
         const fracture::TriangleMesh mesh = *fracture::shape(name);
-        const auto fragments =
-            fracture::fracture(mesh, fracture::uniform_sites(fracture::bounds(mesh), 60, 1));
+        const auto fragments = fracture::fracture(mesh, fracture::uniform_sites(fracture::bounds(mesh), 60, 1));
         REQUIRE(fragments);
         REQUIRE(fragments->pieces.size() > 20);
         check_that_they_stay(*fragments);
@@ -358,7 +352,8 @@ TEST_CASE("forms made ahead give the same world, and a wrong number of them none
     forms->at(7) = nullptr;
     CHECK(fault_of() == "piece 7 has no form");
     forms->pop_back();
-    CHECK(fault_of() == std::to_string(forms->size()) + " forms were given for " + std::to_string(forms->size() + 1) + " pieces");
+    CHECK(fault_of()
+          == std::to_string(forms->size()) + " forms were given for " + std::to_string(forms->size() + 1) + " pieces");
     CHECK(empty.body_count() == 0);
 }
 

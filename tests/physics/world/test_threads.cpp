@@ -6,9 +6,9 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "physics/world/world.h"
 #include "tests/physics/bodies.h"
 #include "tests/physics/convex_pieces.h"
-#include "physics/world/world.h"
 
 using namespace brittle;
 using namespace brittle::physics;

@@ -11,9 +11,9 @@
 
 #include <doctest/doctest.h>
 
+#include "physics/world/pieces.h"
 #include "tests/physics/bodies.h"
 #include "tests/physics/convex_pieces.h"
-#include "physics/world/pieces.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -28,9 +28,8 @@ void add_swarm(World& world, int count) {
     test::Random random(5);
     for (int i = 0; i < count; ++i) {
         const glm::dvec3 place = random.direction() * random.uniform(0.5, 2.0);
-        BodyDesc desc =
-            box(glm::vec3(random.point(glm::dvec3(0.05), glm::dvec3(0.2))),
-                static_cast<float>(random.uniform(0.5, 3.0)), glm::vec3(place + glm::dvec3(0.0, 3.0, 0.0)));
+        BodyDesc desc = box(glm::vec3(random.point(glm::dvec3(0.05), glm::dvec3(0.2))),
+                            static_cast<float>(random.uniform(0.5, 3.0)), glm::vec3(place + glm::dvec3(0.0, 3.0, 0.0)));
         desc.linear_velocity = glm::vec3(-place);
         desc.angular_velocity = glm::vec3(random.point(glm::dvec3(-3.0), glm::dvec3(3.0)));
         must_add(world, desc);
@@ -223,8 +222,7 @@ TEST_CASE("a body with three moments tumbles with a steady angular momentum and 
         }
         const glm::mat3 inertia = desc.inertia;
         const BodyId id = must_add(world, desc);
-        const glm::dvec3 momentum =
-            glm::dvec3(inertia * desc.angular_velocity); // orientation is the identity
+        const glm::dvec3 momentum = glm::dvec3(inertia * desc.angular_velocity); // orientation is the identity
         CHECK(glm::length(world.mechanics().angular_momentum - momentum) < 1e-5 * glm::length(momentum));
         const double energy = world.mechanics().kinetic;
         run(world, 10.0f);
@@ -254,8 +252,7 @@ TEST_CASE("a full inertia tensor leaves the pose in the axes that were given") {
     for (const DebugLine& line : lines) {
         float nearest = 1.0f;
         for (const glm::vec3& point : desc.hull.points)
-            nearest = std::min(nearest,
-                               glm::length(desc.pose.position + desc.pose.orientation * point - line.from));
+            nearest = std::min(nearest, glm::length(desc.pose.position + desc.pose.orientation * point - line.from));
         CHECK(nearest < 1e-5f);
     }
 }
@@ -279,8 +276,7 @@ TEST_CASE("boxes dropped from two metres land on the ground and none goes throug
             BodyDesc desc = box({half, half * 0.7f, half * 1.3f}, 2400.0f * half * half * half * 8.0f,
                                 {static_cast<float>(i) * half * 5.0f, 2.0f + half, 0.0f});
             const glm::dvec3 axis = random.direction();
-            desc.pose.orientation =
-                glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(axis));
+            desc.pose.orientation = glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(axis));
             ids.push_back(must_add(world, desc));
         }
         float lowest = 1.0f;
@@ -310,10 +306,12 @@ TEST_CASE("a box at rest stands on the ground without a gap") {
     for (const DebugLine& line : lines) CHECK(std::abs(line.from.y) < 2e-3f);
 }
 
-TEST_CASE("contacts with the ground are those of who lies on it, awake or asleep, and of nobody who has gone or is in the air") {
+TEST_CASE("contacts with the ground are those of who lies on it, awake or asleep, and of nobody who has gone or is in "
+          "the air") {
     World world;
     std::vector<BodyId> boxes;
-    for (int i = 0; i < 4; ++i) boxes.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {static_cast<float>(i), 0.1f, 0.0f})));
+    for (int i = 0; i < 4; ++i)
+        boxes.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {static_cast<float>(i), 0.1f, 0.0f})));
     run(world, 2.0f);
     REQUIRE(world.awake_count() == 0);
     const auto drawn = [&world] {
@@ -416,8 +414,10 @@ TEST_CASE("a sleeping body wakes when pushed, when hit and when its support goes
 TEST_CASE("what touches wakes as a whole, and what does not sleeps on") {
     World world;
     std::vector<BodyId> row, others;
-    for (int i = 0; i < 5; ++i) row.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.2f * static_cast<float>(i), 0.1f, 0.0f})));
-    for (int i = 0; i < 3; ++i) others.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.2f * static_cast<float>(i), 0.1f, 3.0f})));
+    for (int i = 0; i < 5; ++i)
+        row.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.2f * static_cast<float>(i), 0.1f, 0.0f})));
+    for (int i = 0; i < 3; ++i)
+        others.push_back(must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.2f * static_cast<float>(i), 0.1f, 3.0f})));
     run(world, 3.0f);
     REQUIRE(world.awake_count() == 0);
     const uint64_t before = world.steps_taken();
@@ -497,8 +497,10 @@ TEST_CASE("what sleeps presses as before, while others wake, come and go") {
     const auto carried = [&](BodyId id) {
         float sum = 0.0f;
         for (const Contact& contact : world.contacts())
-            if (contact.normal.y > 0.5f) sum += contact.a == id ? contact.impulse : contact.b == id ? -contact.impulse : 0.0f;
-            else if (contact.normal.y < -0.5f) sum += contact.b == id ? contact.impulse : contact.a == id ? -contact.impulse : 0.0f;
+            if (contact.normal.y > 0.5f)
+                sum += contact.a == id ? contact.impulse : contact.b == id ? -contact.impulse : 0.0f;
+            else if (contact.normal.y < -0.5f)
+                sum += contact.b == id ? contact.impulse : contact.a == id ? -contact.impulse : 0.0f;
         return sum;
     };
     const float weight = 8.0f * 9.81f / 120.0f;

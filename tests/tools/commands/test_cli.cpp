@@ -138,8 +138,9 @@ TEST_CASE("fracture writes pieces and a report that agree, whatever the number o
     const Folder folder;
     std::string hash;
     for (const char* threads : {"1", "4"}) {
-        const Outcome outcome = run_brittle(folder, "fracture shape:torus -n 12 --seed 3 --threads " + std::string(threads)
-                                                    + " -o " + folder / "out.glb" + " --report " + folder / "r.json");
+        const Outcome outcome =
+            run_brittle(folder, "fracture shape:torus -n 12 --seed 3 --threads " + std::string(threads) + " -o "
+                                    + folder / "out.glb" + " --report " + folder / "r.json");
         INFO(outcome.output);
         REQUIRE(outcome.exit_code == 0);
         const auto report = nlohmann::json::parse(read_text(folder / "r.json"));
@@ -196,10 +197,11 @@ TEST_CASE("without a driver, or with a damaged one, commands that draw say so an
         "ICD": {"library_path": "libc.so.6", "api_version": "1.3.0"}})");
     for (const char* name : {"missing.json", "garbage.json", "empty.json", "no_library.json", "other.json"})
         for (const std::string variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) {
-            const std::string environment = "env -u VK_DRIVER_FILES -u VK_ICD_FILENAMES " + variable + "=" + (folder / name);
+            const std::string environment =
+                "env -u VK_DRIVER_FILES -u VK_ICD_FILENAMES " + variable + "=" + (folder / name);
             for (const std::string& command : {"render shape:cube --whole -o " + (folder / "a.png"),
-                                              "inspect shape:cube --picture " + (folder / "a.png"),
-                                              std::string("profile shape:cube -n 3 --repeats 1 --frames 2")}) {
+                                               "inspect shape:cube --picture " + (folder / "a.png"),
+                                               std::string("profile shape:cube -n 3 --repeats 1 --frames 2")}) {
                 const Outcome outcome = run_brittle(folder, command, environment);
                 INFO(variable, " ", name, ": ", outcome.output);
                 CHECK(outcome.exit_code == 6);
@@ -216,8 +218,9 @@ TEST_CASE("what a device fails at is said, with an exit code, and leaves no half
     const Folder folder;
     const std::string picture = folder / "f_%02d.png";
     const auto render = [&](const std::string& faults) {
-        return run_brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 1 --validation -o " + picture,
-                       "BRITTLE_FAULTS=" + faults);
+        return run_brittle(folder,
+                           "render shape:cube -n 5 --size 64x48 --frames 6 --every 1 --validation -o " + picture,
+                           "BRITTLE_FAULTS=" + faults);
     };
     if (no_vulkan(render(""))) return;
     for (const char* i : {"0", "1", "2", "3", "4", "5", "6"}) fs::remove(folder / ("f_0" + std::string(i) + ".png"));
@@ -263,8 +266,8 @@ TEST_CASE("render names the anchor that reaches nothing, and none that holds") {
 
 TEST_CASE("render writes a picture for every so many-th frame") {
     const Folder folder;
-    const Outcome outcome = run_brittle(folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 --validation -o "
-                                                + folder / "f_%02d.png");
+    const Outcome outcome = run_brittle(
+        folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 --validation -o " + folder / "f_%02d.png");
     INFO(outcome.output);
     if (no_vulkan(outcome)) return;
     CHECK(outcome.exit_code == 0);
@@ -324,9 +327,10 @@ TEST_CASE("profile measures frames before and after the fracture") {
 
 TEST_CASE("profile measures lists of meshes and counts, on both sides, and writes CSV and a time line") {
     const Folder folder;
-    const Outcome outcome = run_brittle(folder, "profile --meshes shape:cube,shape:icosphere --counts 3,4 --classify cpu,gpu "
-                                            "--warm-up 0 --repeats 1 --frames 1 --size 64x48 --validation --csv "
-                                                + (folder / "p.csv") + " --trace " + (folder / "t.json"));
+    const Outcome outcome =
+        run_brittle(folder, "profile --meshes shape:cube,shape:icosphere --counts 3,4 --classify cpu,gpu "
+                            "--warm-up 0 --repeats 1 --frames 1 --size 64x48 --validation --csv "
+                                + (folder / "p.csv") + " --trace " + (folder / "t.json"));
     INFO(outcome.output);
     if (no_vulkan(outcome)) return;
     REQUIRE(outcome.exit_code == 0);
@@ -349,7 +353,7 @@ TEST_CASE("profile measures lists of meshes and counts, on both sides, and write
 TEST_CASE("a time line shows what each thread did of a fracture") {
     const Folder folder;
     REQUIRE(run_brittle(folder, "profile shape:torus -n 50 --threads 2 --warm-up 0 --repeats 2 --frames 0 --trace "
-                                + (folder / "t.json"))
+                                    + (folder / "t.json"))
                 .exit_code
             == 0);
     const auto trace = nlohmann::json::parse(read_text(folder / "t.json"));
@@ -474,7 +478,7 @@ TEST_CASE("a minimum volume leaves fewer pieces, and none below it") {
     const auto pieces = [&](const std::string& options) {
         const std::string report = folder / "report.json";
         const Outcome outcome = run_brittle(folder, "fracture shape:icosphere -n 100 " + options + " -o "
-                                                    + (folder / "out.glb") + " --report " + report);
+                                                        + (folder / "out.glb") + " --report " + report);
         REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.output);
         return nlohmann::json::parse(read_text(report));
     };
@@ -495,8 +499,9 @@ TEST_CASE("pieces are written in every format, with materials, hulls and a file 
     }
     CHECK(fs::exists(folder / "a.mtl"));
     CHECK(fs::exists(folder / "a_image0.png"));
-    const Outcome each = run_brittle(folder, "fracture " + crate + " -n 6 --per-piece --hulls unreal --rigid-bodies --material glass -o "
-                                             + (folder / "b.glb"));
+    const Outcome each =
+        run_brittle(folder, "fracture " + crate + " -n 6 --per-piece --hulls unreal --rigid-bodies --material glass -o "
+                                + (folder / "b.glb"));
     CHECK(each.exit_code == 0);
     CHECK(read_text(folder / "b_003.glb").find("UCX_crate_003_00") != std::string::npos);
     CHECK(read_text(folder / "b_003.glb").find("KHR_physics_rigid_bodies") != std::string::npos);
@@ -509,8 +514,9 @@ TEST_CASE("sites of a file are fitted, turned, scaled and moved") {
     const Folder folder;
     write_text(folder / "sites.txt", "0 0 0\n10 0 0\n");
     const auto pieces = [&](const std::string& options) {
-        const Outcome outcome = run_brittle(folder, "fracture shape:cube --sites " + (folder / "sites.txt") + " --report "
-                                                    + (folder / "r.json") + " -o " + (folder / "a.glb") + options);
+        const Outcome outcome =
+            run_brittle(folder, "fracture shape:cube --sites " + (folder / "sites.txt") + " --report "
+                                    + (folder / "r.json") + " -o " + (folder / "a.glb") + options);
         CHECK(outcome.exit_code == 0);
         return nlohmann::json::parse(read_text(folder / "r.json"))["pieces"].get<int>();
     };
@@ -535,12 +541,14 @@ TEST_CASE("repair mends what fracture refuses, says what it did, and keeps what 
     CHECK(repaired.has("1 hole closed with 2 triangles"));
     CHECK(repaired.has("takes it as it is"));
     const std::string glb = read_text(folder / "whole.glb");
-    for (const char* kept : {"planks", "painted lid", "exterior", "image/png"}) CHECK(glb.find(kept) != std::string::npos);
+    for (const char* kept : {"planks", "painted lid", "exterior", "image/png"})
+        CHECK(glb.find(kept) != std::string::npos);
     const Outcome at_once =
         run_brittle(folder, "fracture " + (folder / "open.obj") + " --repair -n 5 -o " + (folder / "pieces.glb"));
     CHECK(at_once.exit_code == 0);
     CHECK(at_once.has("every one closed"));
-    const Outcome left = run_brittle(folder, "repair --close-holes 1 " + (folder / "open.obj") + " -o " + (folder / "left.stl"));
+    const Outcome left =
+        run_brittle(folder, "repair --close-holes 1 " + (folder / "open.obj") + " -o " + (folder / "left.stl"));
     CHECK(left.exit_code == 4);
     CHECK(left.has("1 hole left open: too long"));
     const Outcome sound = run_brittle(folder, "repair shape:torus -o " + (folder / "torus.ply"));
@@ -551,8 +559,8 @@ TEST_CASE("repair mends what fracture refuses, says what it did, and keeps what 
 TEST_CASE("the pieces are the same wherever they are classified, and auto says where") {
     const Folder folder;
     const auto hash = [&](const std::string& where) {
-        const Outcome outcome = run_brittle(folder, "fracture shape:torus -n 40 --classify " + where + " --report " + (folder / "r.json")
-                                                    + " -o " + (folder / "a.glb"));
+        const Outcome outcome = run_brittle(folder, "fracture shape:torus -n 40 --classify " + where + " --report "
+                                                        + (folder / "r.json") + " -o " + (folder / "a.glb"));
         CHECK(outcome.exit_code == 0);
         CHECK(outcome.has("classification on the") == (where != "cpu"));
         if (where == "auto") CHECK(outcome.has("the fracture takes"));
@@ -566,8 +574,8 @@ TEST_CASE("the pieces are the same wherever they are classified, and auto says w
 TEST_CASE("inspect marks what it found in a file and a picture") {
     const Folder folder;
     write_text(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
-    const Outcome outcome = run_brittle(folder, "inspect " + (folder / "open.obj") + " --size 320x240 --marks " + (folder / "m.glb")
-                                                + " --picture " + (folder / "m.png"));
+    const Outcome outcome = run_brittle(folder, "inspect " + (folder / "open.obj") + " --size 320x240 --marks "
+                                                    + (folder / "m.glb") + " --picture " + (folder / "m.png"));
     CHECK(outcome.exit_code == 4);
     CHECK(outcome.output.find("open edges orange") != std::string::npos);
     CHECK(read_text(folder / "m.glb").find("open edges") != std::string::npos);

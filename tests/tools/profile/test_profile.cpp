@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/support.h"
+#include "tools/brittle/base/environment.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/profile/compare.h"
 #include "tools/brittle/profile/csv.h"
-#include "tools/brittle/base/environment.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
 #include "tools/brittle/profile/trace.h"
@@ -53,7 +53,7 @@ std::string plan_message(const std::string& text) {
 }
 
 Json row(double least, double median, int samples = 9) {
-    return {{"min", least},     {"median", median},    {"p95", 2.0 * median},
+    return {{"min", least},        {"median", median},    {"p95", 2.0 * median},
             {"p99", 2.0 * median}, {"max", 2.0 * median}, {"samples", samples}};
 }
 
@@ -161,7 +161,8 @@ TEST_CASE("profile: what is wrong with a plan is said with its place") {
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"counts": [0]}]})"),
         "/scenarios/0/counts: expected a whole");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"counts": 5}]})"), "a list [ ]");
-    has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"classify": ["tpu"]}]})"), "\"auto\", \"cpu\" or \"gpu\"");
+    has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"classify": ["tpu"]}]})"),
+        "\"auto\", \"cpu\" or \"gpu\"");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"meshes": [1]}]})"), "text in quotes");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"mesh": "a"}]})"),
         "unknown key; there are: name, recipe, meshes");
@@ -267,10 +268,14 @@ TEST_CASE("profile: CSV has a line a phase, and quotes what needs it") {
         std::vector<std::string> cells(1);
         bool quoted = false;
         for (size_t i = 0; i < line.size(); ++i) {
-            if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') cells.back() += line[++i];
-            else if (line[i] == '"') quoted = !quoted;
-            else if (line[i] == ',' && !quoted) cells.emplace_back();
-            else cells.back() += line[i];
+            if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
+                cells.back() += line[++i];
+            else if (line[i] == '"')
+                quoted = !quoted;
+            else if (line[i] == ',' && !quoted)
+                cells.emplace_back();
+            else
+                cells.back() += line[i];
         }
         CHECK_FALSE(quoted);
         lines.push_back(cells);
@@ -338,9 +343,9 @@ TEST_CASE("profile: other machines, other work and scenarios without a partner a
     has(comparison.notes[1], "bunny 100 cpu: pieces was 73, is 74");
     has(comparison.notes[2], "cat 10 cpu is new");
     has(compare_profiles(now, old, 1.1).notes.back(), "cat 10 cpu was not measured again");
-    has(message_of(exit_input, [&] {
-            (void)compare_profiles(old, profile_of(row(1.0, 1.0), row(1.0, 1.0), "dog 10 cpu"), 1.1);
-        }), "no scenario in common");
+    has(message_of(exit_input,
+                   [&] { (void)compare_profiles(old, profile_of(row(1.0, 1.0), row(1.0, 1.0), "dog 10 cpu"), 1.1); }),
+        "no scenario in common");
 }
 
 TEST_CASE("profile: a file that is no profile is refused before it is compared with") {

@@ -61,10 +61,32 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
-    options.world = {.bonded = true, .anchored = true, .height = 1.5, .air_density = 0.3, .most_colliding = 700, .strength = 0.25, .breakable = true, .min_size = 0.125, .blow_pieces = 30, .bond = {.brick = {0.3, 0.05, 1.0 / 3.0}, .along = 2}, .piece_limit = 900, .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}}, .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+    options.world = {.bonded = true,
+                     .anchored = true,
+                     .height = 1.5,
+                     .air_density = 0.3,
+                     .most_colliding = 700,
+                     .strength = 0.25,
+                     .breakable = true,
+                     .min_size = 0.125,
+                     .blow_pieces = 30,
+                     .bond = {.brick = {0.3, 0.05, 1.0 / 3.0}, .along = 2},
+                     .piece_limit = 900,
+                     .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}},
+                     .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
     options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
-    options.picture = {.frames = 7, .whole = true, .planes = 2, .explode = 0.5f, .sites = true, .hulls = true, .smooth = true, .wireframe = true, .cells = true,
-                       .azimuth = 90.0f, .elevation = -5.0f, .distance = 2.0f};
+    options.picture = {.frames = 7,
+                       .whole = true,
+                       .planes = 2,
+                       .explode = 0.5f,
+                       .sites = true,
+                       .hulls = true,
+                       .smooth = true,
+                       .wireframe = true,
+                       .cells = true,
+                       .azimuth = 90.0f,
+                       .elevation = -5.0f,
+                       .distance = 2.0f};
     return options;
 }
 
@@ -102,7 +124,8 @@ FractureOptions grouped() {
 
 TEST_CASE("recipe: what is written is read again, to the bit") {
     const Folder folder;
-    for (const FractureOptions& options : {FractureOptions{}, everything(), points(), listed(), weighted(), grouped()}) {
+    for (const FractureOptions& options :
+         {FractureOptions{}, everything(), points(), listed(), weighted(), grouped()}) {
         FractureOptions again;
         read_recipe(folder.write("recipe.json", recipe_json(options)), again);
         CHECK((again.points == options.points || !options.strikes.empty()));
@@ -139,15 +162,18 @@ TEST_CASE("recipe: a material says how it breaks, and the pattern outdoes it") {
     const Folder folder;
     for (const physics::MaterialPreset& preset : physics::material_presets()) {
         FractureOptions options;
-        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "material": ")" + std::string(preset.name) + "\"}"), options);
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "material": ")" + std::string(preset.name) + "\"}"),
+                    options);
         CHECK(options.pattern.kind == preset.pattern.kind);
         CHECK(fracture::make_sites(options.pattern, fracture::cube()));
-        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "grid"}, "material": ")" + std::string(preset.name) + "\"}"),
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "grid"}, "material": ")"
+                                                    + std::string(preset.name) + "\"}"),
                     options);
         CHECK(options.pattern.kind == fracture::PatternKind::grid);
         CHECK(options.material == preset.name);
     }
-    says(R"({"brittle": 1, "material": "cheese"})", "/material: there is no material 'cheese'; there are: glass, stone");
+    says(R"({"brittle": 1, "material": "cheese"})",
+         "/material: there is no material 'cheese'; there are: glass, stone");
 }
 
 TEST_CASE("recipe: listed sites are the sites, and another pattern forgets them") {
@@ -198,7 +224,8 @@ TEST_CASE("recipe: cells of one group are one piece, and a heavy site has more t
         std::map<double, double> at;
         const Broken broken = break_input(load_input(options), options);
         CHECK(broken.certificate.closed);
-        for (const fracture::Piece& piece : broken.fragments.pieces) at[piece.mass.centre_of_mass.x] = piece.mass.volume;
+        for (const fracture::Piece& piece : broken.fragments.pieces)
+            at[piece.mass.centre_of_mass.x] = piece.mass.volume;
         std::vector<double> in_order;
         for (const auto& [x, volume] : at) in_order.push_back(volume);
         return in_order;
@@ -206,7 +233,7 @@ TEST_CASE("recipe: cells of one group are one piece, and a heavy site has more t
     const std::vector<double> plain = volumes();
     REQUIRE(plain.size() == 3);
     const double area = 2.0 * plain[1]; // of a section: the one in the middle is half a metre thick
-    options.points[1].weight = 0.1; // moves both its bisectors by w / 2 d
+    options.points[1].weight = 0.1;     // moves both its bisectors by w / 2 d
     const std::vector<double> heavy = volumes();
     REQUIRE(heavy.size() == 3);
     CHECK(heavy[1] - plain[1] == doctest::Approx(2.0 * area * 0.1 / (2.0 * 0.5)).epsilon(1e-9));
@@ -219,7 +246,8 @@ TEST_CASE("recipe: cells of one group are one piece, and a heavy site has more t
 
 TEST_CASE("recipe: weights and groups that fit no sites are refused") {
     const auto with = [](const std::string& more) {
-        return R"({"brittle": 1, "mesh": "shape:cube", "pattern": {"type": "points", "sites": [[0, 0, 0], [1, 0, 0]], )" + more + "}}";
+        return R"({"brittle": 1, "mesh": "shape:cube", "pattern": {"type": "points", "sites": [[0, 0, 0], [1, 0, 0]], )"
+               + more + "}}";
     };
     says(with(R"("weights": [1])"), "/pattern/weights: expected a list of one for each of the 2 sites");
     says(with(R"("weights": [1, "much"])"), "/pattern/weights/1: expected a number");
@@ -246,21 +274,26 @@ TEST_CASE("recipe: paths count from its folder") {
 TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what was expected") {
     says(R"({"brittle": 1, "pattern": {"cuont": 4}})", "/pattern/cuont: unknown key; there are: type, count");
     says(R"({"brittle": 1, "mseh": ""})", "/mseh: unknown key");
-    says(R"({"brittle": 1, "pattern": {"count": 0}})", "/pattern/count: expected a whole number from 1 to 1000000, found 0");
+    says(R"({"brittle": 1, "pattern": {"count": 0}})",
+         "/pattern/count: expected a whole number from 1 to 1000000, found 0");
     says(R"({"brittle": 1, "pattern": {"count": 2.5}})", "found 2.5");
     says(R"({"brittle": 1, "pattern": {"seed": -1}})", "/pattern/seed: expected a whole number from 0");
-    says(R"({"brittle": 1, "pattern": {"jitter": "lots"}})", "/pattern/jitter: expected a number from 0.0 to 1.0, found \"lots\"");
+    says(R"({"brittle": 1, "pattern": {"jitter": "lots"}})",
+         "/pattern/jitter: expected a number from 0.0 to 1.0, found \"lots\"");
     says(R"({"brittle": 1, "pattern": {"focus": [1, 2]}})", "/pattern/focus: expected three numbers");
     says(R"({"brittle": 1, "pattern": {"line": [[0, 0, 0], [1, "x", 0]]}})", "/pattern/line/1: expected three numbers");
     says(R"({"brittle": 1, "pattern": {"type": "glass"}})", "there is no pattern \"glass\"; there are: uniform");
     says(R"({"brittle": 1, "pattern": {"type": "points"}})", "/pattern/file: a pattern of points needs");
-    says(R"({"brittle": 1, "pattern": {"type": "points", "file": "a", "sites": [[0, 0, 0]]}})", "/pattern/file: a pattern of points needs");
+    says(R"({"brittle": 1, "pattern": {"type": "points", "file": "a", "sites": [[0, 0, 0]]}})",
+         "/pattern/file: a pattern of points needs");
     says(R"({"brittle": 1, "pattern": {"type": "points", "sites": []}})", "/pattern/sites: expected 1 to 10000 points");
-    says(R"({"brittle": 1, "pattern": {"type": "points", "sites": [[0, 0, 0], [0, 1]]}})", "/pattern/sites/1: expected three numbers");
+    says(R"({"brittle": 1, "pattern": {"type": "points", "sites": [[0, 0, 0], [0, 1]]}})",
+         "/pattern/sites/1: expected three numbers");
     says(R"({"brittle": 1, "strikes": [{"at": [0, 0, 0]}, {"radius": -1}]})", "/strikes/1/radius: expected a number");
     says(R"({"brittle": 1, "strikes": [{"where": 1}]})", "/strikes/0/where: unknown key");
     says(R"({"brittle": 1, "strikes": {}})", "/strikes: expected a list");
-    says(R"({"brittle": 1, "world": {"most_colliding": -1}})", "/world/most_colliding: expected a whole number from 0 to 1000000, found -1");
+    says(R"({"brittle": 1, "world": {"most_colliding": -1}})",
+         "/world/most_colliding: expected a whole number from 0 to 1000000, found -1");
     says(R"({"brittle": 1, "world": {"most_colliding": 1000001}})", "/world/most_colliding: expected a whole number");
     says(R"({"brittle": 1, "world": {"anchors": 1}})", "/world/anchors: expected a list");
     says(R"({"brittle": 1, "world": {"anchors": [{"radius": 0}]}})", "/world/anchors/0/radius: expected a number");
@@ -296,15 +329,18 @@ TEST_CASE("recipe: a brick has length, height and thickness, and an axis that it
     CHECK(bond_of(R"({"along": "z"})").brick == glm::dvec3(plain.brick.z, plain.brick.y, plain.brick.x));
     CHECK(bond_of(R"({"along": "z"})").along == 2);
     const auto with = [](const std::string& brick) { return R"({"brittle": 1, "world": {"brick": )" + brick + "}}"; };
-    const std::string sizes = "/world/brick/size: expected length, height and thickness in metres, such as [0.25, 0.075, 0.12], found ";
+    const std::string sizes =
+        "/world/brick/size: expected length, height and thickness in metres, such as [0.25, 0.075, 0.12], found ";
     says(with("0.25"), "/world/brick: expected an object { }, found 0.25");
     says(with(R"({"size": 0.25})"), sizes + "0.25");
     says(with(R"({"size": [0.25, 0.12]})"), sizes + "[0.25,0.12]");
     for (const char* bad : {"0", "-0.1", "0.0009", "10.5", "1e300", "5e-324", "null", "\"long\"", "[1]"}) {
         CAPTURE(bad);
-        says(with(R"({"size": [0.25, )" + std::string(bad) + ", 0.12]}"), "/world/brick/size/1: expected a number from 0.001 to 10.0, found ");
+        says(with(R"({"size": [0.25, )" + std::string(bad) + ", 0.12]}"),
+             "/world/brick/size/1: expected a number from 0.001 to 10.0, found ");
     }
-    for (const char* none : {"nan", "Infinity", "1e999"}) says(with(R"({"size": [0.25, )" + std::string(none) + ", 0.12]}"), "the JSON cannot be read");
+    for (const char* none : {"nan", "Infinity", "1e999"})
+        says(with(R"({"size": [0.25, )" + std::string(none) + ", 0.12]}"), "the JSON cannot be read");
     says(with(R"({"along": "w"})"), "/world/brick/along: expected \"x\", \"y\" or \"z\", found \"w\"");
     says(with(R"({"along": 0})"), "/world/brick/along: expected text in quotes");
     says(with(R"({"length": 0.25})"), "/world/brick/length: unknown key; there are: size, along");
@@ -332,7 +368,8 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
         CHECK(schema["properties"]["pattern"]["properties"].contains(key));
     for (const auto& [key, value] : schema["properties"].items()) CHECK(all.contains(key));
     for (const char* part : {"picture", "world"})
-        for (const auto& [key, value] : schema["properties"][part]["properties"].items()) CHECK(all[part].contains(key));
+        for (const auto& [key, value] : schema["properties"][part]["properties"].items())
+            CHECK(all[part].contains(key));
     for (const auto& [key, value] : all["world"].items())
         CHECK(schema["properties"]["world"]["properties"].contains(key));
     for (const auto& [key, value] : all["picture"].items())
@@ -355,7 +392,8 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
     for (const auto& [key, value] : all["world"]["brick"].items()) CHECK(of_brick.contains(key));
     const auto& materials = schema["properties"]["material"]["enum"];
     REQUIRE(materials.size() == physics::material_presets().size());
-    for (size_t k = 0; k < materials.size(); ++k) CHECK(materials[k] == std::string(physics::material_presets()[k].name));
+    for (size_t k = 0; k < materials.size(); ++k)
+        CHECK(materials[k] == std::string(physics::material_presets()[k].name));
     const auto& types = schema["properties"]["pattern"]["properties"]["type"]["enum"];
     REQUIRE(types.size() == fracture::pattern_names().size() + 1);
     for (size_t k = 0; k + 1 < types.size(); ++k) CHECK(types[k] == std::string(fracture::pattern_names()[k]));

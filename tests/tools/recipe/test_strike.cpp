@@ -8,8 +8,8 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/fracture.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 
 using namespace brittle;
@@ -67,7 +67,8 @@ TEST_CASE("strike: every pattern breaks what is near, and all else stays one pie
                 ++large;
                 continue;
             }
-            for (const glm::dvec3& p : fragments.positions_of(piece)) CHECK(glm::distance(p, strike.at) < 1.6 * strike.radius);
+            for (const glm::dvec3& p : fragments.positions_of(piece))
+                CHECK(glm::distance(p, strike.at) < 1.6 * strike.radius);
         }
         CHECK(large == 1);
     }
@@ -76,7 +77,8 @@ TEST_CASE("strike: every pattern breaks what is near, and all else stays one pie
 TEST_CASE("strike: equal strikes give equal pieces, and a second one breaks another place") {
     const fracture::TriangleMesh mesh = fracture::cube();
     const Strike first{.at = {-1.0, 0.0, 0.0}, .radius = 0.3}, second{.at = {1.0, 0.0, 0.0}, .radius = 0.3};
-    const fracture::Fragments one = broken(mesh, {first}), again = broken(mesh, {first}), two = broken(mesh, {first, second});
+    const fracture::Fragments one = broken(mesh, {first}), again = broken(mesh, {first}),
+                              two = broken(mesh, {first, second});
     CHECK(fracture::hash(one) == fracture::hash(again));
     const auto beyond = [](const fracture::Fragments& fragments) {
         size_t count = 0;

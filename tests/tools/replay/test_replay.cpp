@@ -108,8 +108,7 @@ TEST_CASE("replay: at other frame rates and with other threads the states are eq
         simulation.observe(&player);
         simulation.start(started(log.recipe), log.recipe.world);
         schedule(log, simulation);
-        while (!player.done())
-            simulation.advance(rate > 0.0 ? 1.0 / rate : static_cast<double>(random() % 50) * 1e-3);
+        while (!player.done()) simulation.advance(rate > 0.0 ? 1.0 / rate : static_cast<double>(random() % 50) * 1e-3);
         CHECK_FALSE(player.difference());
     }
 }
@@ -143,8 +142,7 @@ TEST_CASE("replay: what differs is found at its step, with the body") {
     const fracture::Fragments fragments = started(options);
     // Out of the wall first, so that the second push is felt by this piece alone.
     const glm::dvec3 centre = fragments.pieces[7].mass.centre_of_mass;
-    const Push out{7, centre, {0.0, 0.0, 200.0}},
-        push{7, centre + glm::dvec3(0.0, 0.0, 1.0), {0.0, 0.0, 5.0}};
+    const Push out{7, centre, {0.0, 0.0, 200.0}}, push{7, centre + glm::dvec3(0.0, 0.0, 1.0), {0.0, 0.0, 5.0}};
     ReplayLog log = recorded(options, fragments, 40, {{0, out}, {25, push}}, folder.path / "run.log");
     CHECK_FALSE(replayed(log, fragments));
 
@@ -173,8 +171,7 @@ TEST_CASE("replay: what differs is found at its step, with the body") {
         const auto difference = replayed(log, fragments);
         REQUIRE(difference);
         CHECK(difference->step == 31);
-        CHECK(difference->what.find(std::to_string(fragments.pieces.size())
-                                    + " bodies were recorded, there are "
+        CHECK(difference->what.find(std::to_string(fragments.pieces.size()) + " bodies were recorded, there are "
                                     + std::to_string(fragments.pieces.size() + 1))
               != std::string::npos);
     }
@@ -201,7 +198,8 @@ TEST_CASE("replay: what moves nothing yet is missed, too") {
     for (const bool breakable : {false, true}) {
         options.world.bonded = options.world.breakable = breakable;
         const fracture::Fragments fragments = started(options);
-        ReplayLog log = recorded(options, fragments, 20, {{10, Damage{{-0.6, 0.9, 0.0}, 0.3, 0.1}}}, folder.path / "run.log");
+        ReplayLog log =
+            recorded(options, fragments, 20, {{10, Damage{{-0.6, 0.9, 0.0}, 0.3, 0.1}}}, folder.path / "run.log");
         CHECK_FALSE(replayed(log, fragments));
         log.actions.clear();
         const auto difference = replayed(log, fragments);
@@ -276,15 +274,13 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
         const char *from, *to, *message;
     };
     const Case cases[] = {
-        {0, R"("brittle_log":1)", R"("brittle_log":2)",
-         "run.log:1: /brittle_log: expected the log's version"},
+        {0, R"("brittle_log":1)", R"("brittle_log":2)", "run.log:1: /brittle_log: expected the log's version"},
         {0, R"("pieces":)", R"("pebbles":)", "run.log:1: /pieces: is missing"},
         {0, R"("step_seconds":)", R"("step_second":)", "run.log:1: /step_seconds: is missing"},
         {0, R"("pieces_hash":")", R"("pieces_hash":"z)", "run.log:1: /pieces_hash: expected sixteen"},
         {0, R"("build":{)", R"("build":3,"x":{)", "run.log:1: /build: expected an object"},
         {0, R"("recipe":{)", R"("recipes":{)", "run.log:1: /recipe: is missing"},
-        {0, R"("anchored":true)", R"("anchored":1)",
-         "run.log:1: /recipe/world/anchored: expected true or false"},
+        {0, R"("anchored":true)", R"("anchored":1)", "run.log:1: /recipe/world/anchored: expected true or false"},
         {1, R"("step":0)", R"("step":1)", "run.log:2: /step: expected step 0, found 1"},
         {1, R"("hash":")", R"("hash":"0)", "run.log:2: /hash: expected sixteen"},
         {1, R"("bodies":")", R"("bodies":"x)", "run.log:2: /bodies: expected four"},
@@ -309,7 +305,8 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
     }
     CHECK(message_of(folder.write("run.log", lines[0])).find("has no end; it was cut after line 1")
           != std::string::npos);
-    CHECK(message_of(folder.write("run.log", std::string(100'000, '['))).find("nested too deeply") != std::string::npos);
+    CHECK(message_of(folder.write("run.log", std::string(100'000, '['))).find("nested too deeply")
+          != std::string::npos);
 }
 
 TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused") {
@@ -335,9 +332,10 @@ TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused"
 
 namespace {
 
-using Moves = std::tuple<scene::arch_loses_a_column, scene::brick_wall_rammed, scene::bunny_dropped, scene::figure_10_hulls,
-                         scene::figure_11_icosphere_falls_apart, scene::glass_pane_shot_by_a_ball,
-                         scene::pane_hangs_by_its_corners, scene::statue_broken_three_levels_deep, scene::tower_collapses>;
+using Moves =
+    std::tuple<scene::arch_loses_a_column, scene::brick_wall_rammed, scene::bunny_dropped, scene::figure_10_hulls,
+               scene::figure_11_icosphere_falls_apart, scene::glass_pane_shot_by_a_ball,
+               scene::pane_hangs_by_its_corners, scene::statue_broken_three_levels_deep, scene::tower_collapses>;
 
 } // namespace
 

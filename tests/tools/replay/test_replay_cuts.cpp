@@ -127,7 +127,9 @@ TEST_CASE("replay: the recipe says how large bricks are and how they lie, and is
     FractureOptions options;
     options.mesh = "shape:wall";
     use_material("brick", options);
-    options.world = {.anchored = true, .breakable = true, .shots = {{.from = {0.3, 0.5, 2.0}, .velocity = {0.0, 0.0, -25.0}, .radius = 0.15}}};
+    options.world = {.anchored = true,
+                     .breakable = true,
+                     .shots = {{.from = {0.3, 0.5, 2.0}, .velocity = {0.0, 0.0, -25.0}, .radius = 0.15}}};
     const fracture::Fragments whole = started(options);
     const auto states_of = [&](const physics::RunningBond& bond) {
         options.world.bond = bond;
@@ -137,7 +139,8 @@ TEST_CASE("replay: the recipe says how large bricks are and how they lie, and is
         return log.states.back().hash;
     };
     const uint64_t plain = states_of({});
-    const uint64_t large = states_of({.brick = {0.4, 0.15, 0.12}}), upright = states_of({.brick = {0.075, 0.25, 0.12}, .along = 1});
+    const uint64_t large = states_of({.brick = {0.4, 0.15, 0.12}}),
+                   upright = states_of({.brick = {0.075, 0.25, 0.12}, .along = 1});
     CHECK(large != plain);
     CHECK(upright != plain);
     CHECK(upright != large);
@@ -158,7 +161,8 @@ TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log
         simulation.start(started(options), world_of(options));
         for (const auto& [step, action] : blows()) simulation.schedule(step, action);
         // Until all is cut, however long the worker takes: nothing here depends on a clock but the steps of the cuts.
-        while (simulation.steps() < 100 || (simulation.destruction()->jobs_in_flight() > 0 && simulation.steps() < 20'000)) {
+        while (simulation.steps() < 100
+               || (simulation.destruction()->jobs_in_flight() > 0 && simulation.steps() < 20'000)) {
             simulation.step();
             // Steps of a world at rest take no time: twenty thousand are over before a busy machine's worker has begun.
             if (simulation.steps() > 100) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -231,7 +235,8 @@ TEST_CASE("replay: bonded pieces that go as debris, by who looks, are the same a
     CHECK(hashes(away) != hashes(all));
     CHECK(hashes(away) != hashes(front));
     for (const ReplayLog* log : {&front, &away})
-        for (const uint32_t threads : {1u, 3u}) CHECK_FALSE(replayed(*log, started(with_threads(log->recipe, threads))));
+        for (const uint32_t threads : {1u, 3u})
+            CHECK_FALSE(replayed(*log, started(with_threads(log->recipe, threads))));
 }
 
 TEST_CASE("replay: who may collide no more as there are too many is the same again") {
@@ -268,7 +273,9 @@ TEST_CASE("simulation: debris that is seen fades, and so does what throws a shad
     const fracture::Fragments whole = started(options);
     // Straight down at places of the ground. The sun throws the shadow of a cube of 2 m at this height there; nothing is there.
     const glm::dvec3 shadow(2.4, 0.0, -2.4), nothing(-2.4, 0.0, 2.4);
-    const auto down_at = [](const glm::dvec3& place) { return Watch{place + glm::dvec3(0.0, 1.0, 0.0), place, 0.6, 1.0}; };
+    const auto down_at = [](const glm::dvec3& place) {
+        return Watch{place + glm::dvec3(0.0, 1.0, 0.0), place, 0.6, 1.0};
+    };
     struct Case {
         Watch watch;
         bool fades;

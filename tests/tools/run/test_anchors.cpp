@@ -108,8 +108,7 @@ TEST_CASE("anchors: nothing is held where they touch nothing, and with the groun
 }
 
 TEST_CASE("anchors: of a breakable pane that is shot, what still reaches them hangs on, and the rest falls") {
-    FractureOptions options =
-        pane({.height = 0.8, .breakable = true, .min_size = 0.02, .anchors = upper_corners});
+    FractureOptions options = pane({.height = 0.8, .breakable = true, .min_size = 0.02, .anchors = upper_corners});
     options.world.shots = {{.time = 0.1, .from = {0.1, 1.4, -2.0}, .velocity = {0.0, 0.0, 20.0}, .radius = 0.08}};
     const fracture::Fragments whole = started(options);
     REQUIRE(whole.pieces.size() == 1);

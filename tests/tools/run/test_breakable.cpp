@@ -43,16 +43,15 @@ struct Books : SimulationObserver {
 // had on what hit, and all of one blow by no more than its contacts gave. Each blow has two, that along which it pressed
 // and that of its friction. Four lines must do: a cut may give back two blows, that which began it and one that waited.
 struct HeldBooks : SimulationObserver {
-    using Wrench = std::array<double, 6>; // momentum and angular momentum
-    static constexpr uint64_t kept_steps =
-        16; // four of a blow, two to a commit; those that wait take as many again
+    using Wrench = std::array<double, 6>;      // momentum and angular momentum
+    static constexpr uint64_t kept_steps = 16; // four of a blow, two to a commit; those that wait take as many again
 
     struct Line {
         physics::BodyId striker, other;
         bool friction = false; // or what pressed
         uint64_t last = 0;     // step
-        glm::dvec3 gave{0.0}; // N s, the world to the striker
-        glm::dvec3 arm{0.0};  // m, from its centre of mass, weighed by impulse
+        glm::dvec3 gave{0.0};  // N s, the world to the striker
+        glm::dvec3 arm{0.0};   // m, from its centre of mass, weighed by impulse
         double pressed = 0.0;
         double taken_back = 0.0;
         Wrench unit{}; // now
@@ -84,8 +83,7 @@ struct HeldBooks : SimulationObserver {
         for (const physics::Contact& contact : world.contacts()) {
             const bool a = moves(world, contact.a), b = moves(world, contact.b);
             const physics::BodyId other = a ? contact.b : contact.a, striker = a ? contact.a : contact.b;
-            if (a == b || !world.contains(other) || !(contact.speed > 0.5f && contact.impulse > 0.0f))
-                continue;
+            if (a == b || !world.contains(other) || !(contact.speed > 0.5f && contact.impulse > 0.0f)) continue;
             for (const bool friction : {false, true}) {
                 auto line = std::ranges::find_if(lines, [&](const Line& known) {
                     return known.striker == striker && known.other == other && known.friction == friction
@@ -95,7 +93,8 @@ struct HeldBooks : SimulationObserver {
                     line = lines.insert(lines.end(), Line{.striker = striker, .other = other, .friction = friction});
                 const auto impulse = static_cast<double>(contact.impulse);
                 line->last = simulation.steps();
-                line->gave += (a ? 1.0 : -1.0) * glm::dvec3(friction ? contact.friction : contact.impulse * contact.normal);
+                line->gave +=
+                    (a ? 1.0 : -1.0) * glm::dvec3(friction ? contact.friction : contact.impulse * contact.normal);
                 line->pressed += impulse;
                 line->arm += (glm::dvec3(contact.point - world.previous_pose(striker).position) - line->arm)
                              * (impulse / line->pressed);
@@ -107,17 +106,17 @@ struct HeldBooks : SimulationObserver {
         });
         for (Line& line : lines) {
             const glm::dvec3 along = glm::normalize(line.gave);
-            const glm::dvec3 about =
-                glm::cross(glm::dvec3(world.pose(line.striker).position) + line.arm, along);
+            const glm::dvec3 about = glm::cross(glm::dvec3(world.pose(line.striker).position) + line.arm, along);
             line.unit = {along.x, along.y, along.z, about.x, about.y, about.z};
         }
     }
 
-    static double dot(const Wrench& a, const Wrench& b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.0); }
+    static double dot(const Wrench& a, const Wrench& b) {
+        return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+    }
 
     // The best that so many lines, from one on, can do, beside those whose orthogonal parts are given.
-    [[nodiscard]] Rest best(const Wrench& change, std::vector<Wrench>& basis, size_t from,
-                            size_t count) const {
+    [[nodiscard]] Rest best(const Wrench& change, std::vector<Wrench>& basis, size_t from, size_t count) const {
         const auto without = [](Wrench from_it, const Wrench& what, double much) {
             for (size_t k = 0; k < from_it.size(); ++k) from_it[k] -= much * what[k];
             return from_it;
@@ -128,8 +127,7 @@ struct HeldBooks : SimulationObserver {
         Rest least;
         for (size_t i = from; i < lines.size(); ++i) {
             Wrench unit = lines[i].unit;
-            for (const Wrench& known : basis)
-                unit = without(unit, known, dot(unit, known) / dot(known, known));
+            for (const Wrench& known : basis) unit = without(unit, known, dot(unit, known) / dot(known, known));
             if (dot(unit, unit) < 1e-6) continue; // as one before
             const double much = dot(change, unit) / dot(unit, unit);
             basis.push_back(unit);
@@ -149,7 +147,8 @@ struct HeldBooks : SimulationObserver {
         for (size_t i = 0; i < of.size(); ++i) {
             const auto row = static_cast<int>(i);
             along[row] = dot(change, lines[of[i]].unit);
-            for (size_t j = 0; j < of.size(); ++j) products[static_cast<int>(j)][row] = dot(lines[of[i]].unit, lines[of[j]].unit);
+            for (size_t j = 0; j < of.size(); ++j)
+                products[static_cast<int>(j)][row] = dot(lines[of[i]].unit, lines[of[j]].unit);
         }
         return glm::inverse(products) * along;
     }
@@ -208,11 +207,13 @@ TEST_CASE("breakable: the statue's pieces' pieces' pieces break, all are closed,
 
 namespace {
 
-using CutAnew = std::tuple<scene::glass_pane_shot_by_a_ball, scene::pane_hangs_by_its_corners, scene::statue_broken_three_levels_deep>;
+using CutAnew = std::tuple<scene::glass_pane_shot_by_a_ball, scene::pane_hangs_by_its_corners,
+                           scene::statue_broken_three_levels_deep>;
 
 } // namespace
 
-TEST_CASE_TEMPLATE_DEFINE("breakable: momentum and angular momentum are kept across every cut, to 1e-4", Scene, momentum_of_cuts) {
+TEST_CASE_TEMPLATE_DEFINE("breakable: momentum and angular momentum are kept across every cut, to 1e-4", Scene,
+                          momentum_of_cuts) {
     FractureOptions options = recipe_of<Scene>();
     options.world.anchored = false; // what is held gives momentum to the ground
     options.world.anchors.clear();
@@ -232,8 +233,9 @@ TEST_CASE("breakable: momentum is looked at wherever things are cut anew") {
     CHECK(names_of<CutAnew>() == scenes_where([](const FractureOptions& options) { return options.world.breakable; }));
 }
 
-TEST_CASE_TEMPLATE_DEFINE("breakable: where things are held, cuts change momentum by what their blows gave the world, to 1e-4", Scene,
-                          momentum_of_held) {
+TEST_CASE_TEMPLATE_DEFINE(
+    "breakable: where things are held, cuts change momentum by what their blows gave the world, to 1e-4", Scene,
+    momentum_of_held) {
     const FractureOptions options = recipe_of<Scene>();
     REQUIRE((options.world.anchored || !options.world.anchors.empty()));
     Simulation simulation(options.material);
@@ -242,9 +244,9 @@ TEST_CASE_TEMPLATE_DEFINE("breakable: where things are held, cuts change momentu
     simulation.start(started(options), options.world);
     while (simulation.steps() < 2 * options.picture.frames) simulation.step();
     MESSAGE(books.cuts, " cuts; ", books.updates[0], " updates that changed nothing, ", books.updates[1],
-            " along one line, ", books.updates[2], " along two, ", books.updates[3],
-            " along three, ", books.updates[4], " along four; worst ", books.worst,
-            ", given back ", books.returned, " N s, beyond what was given ", books.worst_of_blow);
+            " along one line, ", books.updates[2], " along two, ", books.updates[3], " along three, ", books.updates[4],
+            " along four; worst ", books.worst, ", given back ", books.returned, " N s, beyond what was given ",
+            books.worst_of_blow);
     CHECK(books.cuts > 0);
     CHECK(books.worst < 1e-4);
     CHECK(books.worst_of_blow < 1e-4);

@@ -29,8 +29,7 @@ TEST_CASE("breakable: a diagram from a file that is not there, or is none, is re
     CHECK_THROWS_WITH_AS((void)world_of(options), doctest::Contains("none.txt"), Failure);
 }
 
-TEST_CASE(
-    "breakable: blows cut in the manner of the pattern, which the material chooses unless the recipe does") {
+TEST_CASE("breakable: blows cut in the manner of the pattern, which the material chooses unless the recipe does") {
     for (const physics::MaterialPreset& material : physics::material_presets()) {
         FractureOptions options;
         options.world.breakable = true;
@@ -42,7 +41,7 @@ TEST_CASE(
         CHECK(world_of(options).blows->kind == fracture::PatternKind::splinters);
         FractureOptions placed = options, bonded = options;
         placed.points = {{{0.0, 0.0, 0.0}}, {{0.1, 0.0, 0.0}}}; // recipes that hold sites hold no kind
-        bonded.world.bonded = true;                         // the pattern has cut it beforehand
+        bonded.world.bonded = true;                             // the pattern has cut it beforehand
         CHECK_FALSE(world_of(placed).blows);
         CHECK_FALSE(world_of(bonded).blows);
     }
@@ -71,7 +70,8 @@ TEST_CASE("breakable: the recipe's brick is what comes off, and where no bricks 
     const Folder folder;
     const auto recipe = [&](const std::string& material, const std::string& world) {
         return folder.write("wall.json", R"({"brittle": 1, "mesh": "shape:wall", "material": ")" + material
-                                             + R"(", "world": {"brick": {"size": [0.5, 0.3, 0.2], "along": "x"}, )" + world + "}}");
+                                             + R"(", "world": {"brick": {"size": [0.5, 0.3, 0.2], "along": "x"}, )"
+                                             + world + "}}");
     };
     FractureOptions options;
     read_recipe(recipe("brick", R"("breakable": true)"), options);
@@ -84,13 +84,17 @@ TEST_CASE("breakable: the recipe's brick is what comes off, and where no bricks 
     REQUIRE(made);
     const glm::dvec3 size = physics::fitted(options.world.bond, fracture::bounds(whole.positions)).brick;
     CHECK(size.y > 0.2);
-    CHECK(std::ranges::count_if(*made, [&](const physics::SolidPtr& piece) {
-        return std::abs(piece->mass.volume / (size.x * size.y * size.z) - 1.0) < 1e-9;
-    }) > 2);
-    for (const auto& [material, world, said] :
-         {std::tuple("brick", R"("breakable": true)", false), {"concrete", R"("breakable": true)", true}, {"brick", R"("anchored": true)", true}}) {
+    CHECK(std::ranges::count_if(*made,
+                                [&](const physics::SolidPtr& piece) {
+                                    return std::abs(piece->mass.volume / (size.x * size.y * size.z) - 1.0) < 1e-9;
+                                })
+          > 2);
+    for (const auto& [material, world, said] : {std::tuple("brick", R"("breakable": true)", false),
+                                                {"concrete", R"("breakable": true)", true},
+                                                {"brick", R"("anchored": true)", true}}) {
         CAPTURE(material);
-        const Outcome outcome = run_brittle(folder, "render " + recipe(material, world).string() + " --frames 0 --size 64x48 -o " + (folder / "a.png"));
+        const Outcome outcome = run_brittle(folder, "render " + recipe(material, world).string()
+                                                        + " --frames 0 --size 64x48 -o " + (folder / "a.png"));
         CHECK(outcome.has("world/brick does nothing") == said);
     }
 }
@@ -103,11 +107,10 @@ TEST_CASE("breakable: blows cut along a diagram from a file, fitted to what they
     for (int k = 0; k < 30; ++k) line += "5 " + std::to_string(10 * k) + " 5\n";
     options.sites_file = folder.write("line.txt", line).string();
     use_material("concrete", options);
-    options.world = {
-        .height = 0.0,
-        .breakable = true,
-        .shots = {{.from = {0.0, 0.7, 2.0}, .velocity = {0.0, 0.0, -30.0}, .radius = 0.15},
-                  {.time = 0.5, .from = {0.3, 0.4, 2.0}, .velocity = {0.0, 0.0, -30.0}, .radius = 0.15}}};
+    options.world = {.height = 0.0,
+                     .breakable = true,
+                     .shots = {{.from = {0.0, 0.7, 2.0}, .velocity = {0.0, 0.0, -30.0}, .radius = 0.15},
+                               {.time = 0.5, .from = {0.3, 0.4, 2.0}, .velocity = {0.0, 0.0, -30.0}, .radius = 0.15}}};
     for (const bool laid_down : {false, true}) {
         CAPTURE(laid_down);
         options.sites_placement.turn = {laid_down ? 90.0 : 0.0, 0.0, 0.0};
@@ -121,13 +124,10 @@ TEST_CASE("breakable: blows cut along a diagram from a file, fitted to what they
         for (const physics::PieceId id : destruction.pieces()) {
             const physics::SolidPiece& piece = *destruction.solid(id);
             for (size_t k = piece.exterior_triangles; k < piece.mesh.triangles.size(); ++k) {
-                const auto corner = [&](int c) {
-                    return glm::dvec3(piece.positions[piece.mesh.triangles[k][c]]);
-                };
+                const auto corner = [&](int c) { return glm::dvec3(piece.positions[piece.mesh.triangles[k][c]]); };
                 const glm::dvec3 across = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
                 if (glm::length(across) < 1e-5) continue; // m^2; positions for drawing are single precision
-                CHECK(std::abs(across.y / glm::length(across))
-                      == doctest::Approx(laid_down ? 0.0 : 1.0).epsilon(1e-3));
+                CHECK(std::abs(across.y / glm::length(across)) == doctest::Approx(laid_down ? 0.0 : 1.0).epsilon(1e-3));
                 ++cuts;
             }
         }
@@ -140,7 +140,7 @@ TEST_CASE("breakable: the command line shoots as a recipe does, and says what is
     const std::string start = "render shape:pane --breakable --frames 0 --size 64x48 -o " + (folder / "a.png");
     // The recipe is written before a device is looked for.
     (void)run_brittle(folder, start + " --shot -1,0.5,4,0,1.5,-20,0.25 --shot 0,1,2,3,4,5,0.1,0.75 --save-recipe "
-                                        + (folder / "r.json"));
+                                  + (folder / "r.json"));
     FractureOptions options;
     read_recipe(folder / "r.json", options);
     REQUIRE(options.world.shots.size() == 2);

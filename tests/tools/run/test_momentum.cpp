@@ -31,7 +31,7 @@ Wrench wrench(const glm::dvec3& impulse, const glm::dvec3& point) {
 // What all that moves got from what is fixed, as the contacts of a step say.
 struct Books : SimulationObserver {
     physics::Mechanics before;
-    std::vector<Wrench> got; // of each contact; nothing where both sides move
+    std::vector<Wrench> got;    // of each contact; nothing where both sides move
     int kept = 0, answered = 0; // breaks without and with something from what is fixed
     double worst = 0.0;
     uint64_t worst_step = 0;
@@ -39,7 +39,8 @@ struct Books : SimulationObserver {
     static Wrench from_outside(const physics::World& world, const physics::Contact& contact) {
         const auto moves = [&](physics::BodyId body) { return world.contains(body) && !world.fixed(body); };
         const double a = moves(contact.a) ? 1.0 : 0.0, b = moves(contact.b) ? 1.0 : 0.0;
-        return wrench((a - b) * glm::dvec3(contact.impulse * contact.normal + contact.friction), glm::dvec3(contact.point));
+        return wrench((a - b) * glm::dvec3(contact.impulse * contact.normal + contact.friction),
+                      glm::dvec3(contact.point));
     }
     static bool there(const physics::World& world, physics::BodyId body) {
         return body == physics::BodyId{} || world.contains(body);
@@ -82,11 +83,13 @@ struct Books : SimulationObserver {
 
 namespace {
 
-using BondsBreak = std::tuple<scene::arch_loses_a_column, scene::brick_wall_rammed, scene::bunny_dropped, scene::tower_collapses>;
+using BondsBreak =
+    std::tuple<scene::arch_loses_a_column, scene::brick_wall_rammed, scene::bunny_dropped, scene::tower_collapses>;
 
 } // namespace
 
-TEST_CASE_TEMPLATE_DEFINE("scenes: momentum and angular momentum are kept across every break, to 1e-4", Scene, momentum) {
+TEST_CASE_TEMPLATE_DEFINE("scenes: momentum and angular momentum are kept across every break, to 1e-4", Scene,
+                          momentum) {
     const FractureOptions options = recipe_of<Scene>();
     BRITTLE_RUN_OF(options);
     Simulation simulation(options.material);

@@ -52,7 +52,8 @@ std::vector<physics::Pose> poses_of(const Simulation& simulation) {
 }
 
 // Starts and takes so many steps; where the pieces were when it began.
-std::vector<physics::Pose> run(Simulation& simulation, const fracture::Fragments& pieces, const FractureOptions& options, uint64_t steps) {
+std::vector<physics::Pose> run(Simulation& simulation, const fracture::Fragments& pieces,
+                               const FractureOptions& options, uint64_t steps) {
     simulation.start(pieces, world_of(options));
     std::vector<physics::Pose> start = poses_of(simulation);
     while (simulation.steps() < steps) simulation.step();
@@ -98,7 +99,8 @@ TEST_CASE_TEMPLATE("scene: a ball breaks the pane, is slowed by it and does not 
     }
 }
 
-TEST_CASE("scene: the arch stands, and where it has lost a column its half comes down a while later, while the other one stays") {
+TEST_CASE("scene: the arch stands, and where it has lost a column its half comes down a while later, while the other "
+          "one stays") {
     FractureOptions options = recipe_of<scene::arch_loses_a_column>();
     const fracture::Fragments pieces = started(options);
     const std::vector<Shot> shots = std::exchange(options.world.shots, {});
@@ -108,9 +110,13 @@ TEST_CASE("scene: the arch stands, and where it has lost a column its half comes
     // anything of the other column has moved.
     const auto see = [&](double seconds) {
         Simulation simulation(options.material);
-        const std::vector<physics::Pose> start = run(simulation, pieces, options, static_cast<uint64_t>(seconds * 120.0));
+        const std::vector<physics::Pose> start =
+            run(simulation, pieces, options, static_cast<uint64_t>(seconds * 120.0));
         const std::vector<physics::Pose> now = poses_of(simulation);
-        struct { size_t above = 0, fallen = 0; float other = 0.0f; } seen;
+        struct {
+            size_t above = 0, fallen = 0;
+            float other = 0.0f;
+        } seen;
         for (size_t i = 0; i < start.size(); ++i) {
             const glm::vec3 &from = start[i].position, &to = now[i].position;
             if (from.x * shots[0].from.x < 0.0) {
@@ -167,7 +173,8 @@ TEST_CASE("scene: the bunny comes apart where it falls, and lies on the ground")
     const std::vector<physics::Pose> now = poses_of(simulation);
     const auto height = [](const physics::Pose& pose) { return pose.position.y; };
     CHECK(std::ranges::min(now, {}, height).position.y > -0.002f);
-    CHECK(std::ranges::max(now, {}, height).position.y < std::ranges::min(start, {}, height).position.y); // all have come down
+    CHECK(std::ranges::max(now, {}, height).position.y
+          < std::ranges::min(start, {}, height).position.y); // all have come down
     CHECK(all_finite(simulation.world()));
 }
 
@@ -179,7 +186,9 @@ TEST_CASE("materials: one word says what becomes of what falls from 2.5 m, or is
             use_material(std::string(material.name), options);
             options.pattern.count = 120;
             options.world = {.bonded = !shot, .anchored = shot, .height = 2.5};
-            if (shot) options.world.shots = {{.time = 0.1, .from = {0.0, 1.2, 4.0}, .velocity = {0.0, 0.0, -25.0}, .radius = 0.12}};
+            if (shot)
+                options.world.shots = {
+                    {.time = 0.1, .from = {0.0, 1.2, 4.0}, .velocity = {0.0, 0.0, -25.0}, .radius = 0.12}};
             const fracture::Fragments pieces = started(options);
             BRITTLE_RUN_OF(options);
             Simulation simulation(options.material);
@@ -189,7 +198,8 @@ TEST_CASE("materials: one word says what becomes of what falls from 2.5 m, or is
             for (uint32_t piece = 0; piece < structure.piece_count(); ++piece)
                 largest = std::max(largest, structure.together_with(piece).size());
             const size_t bodies = structure.bodies().size(), all = structure.piece_count();
-            MESSAGE(material.name, shot ? " shot at: " : " dropped: ", bodies, " bodies, of the ", all, " pieces ", largest, " in one");
+            MESSAGE(material.name, shot ? " shot at: " : " dropped: ", bodies, " bodies, of the ", all, " pieces ",
+                    largest, " in one");
             const bool tough = material.name == "wood", lumps = material.name == "stone" || material.name == "concrete";
             if (shot || lumps)
                 CHECK(bodies >= 10); // and what is not hit stays one
@@ -232,8 +242,8 @@ TEST_CASE("scene: the tower collapses when its foot is shot away") {
         ++high;
         if (now[i].position.y < start[i].position.y - 0.3f) ++fallen;
     }
-    MESSAGE(fallen, " of ", high, " pieces of the upper half have come down; ", simulation.world().body_count(), " bodies, ",
-            simulation.world().awake_count(), " awake");
+    MESSAGE(fallen, " of ", high, " pieces of the upper half have come down; ", simulation.world().body_count(),
+            " bodies, ", simulation.world().awake_count(), " awake");
     CHECK(fallen > high / 2);
     CHECK(simulation.world().body_count() > 100);
     CHECK(all_finite(simulation.world()));

@@ -23,7 +23,8 @@ namespace {
 
 void render(const std::string& scene, const std::string& options, const Folder& folder) {
     const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene_file(scene).string()
-                                + " --size 480x300 --device cpu --validation " + options + " > " + folder / "log" + " 2>&1";
+                                + " --size 480x300 --device cpu --validation " + options + " > " + folder / "log"
+                                + " 2>&1";
     REQUIRE(std::system(command.c_str()) == 0);
 }
 

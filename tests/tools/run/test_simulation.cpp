@@ -19,8 +19,7 @@ using namespace brittle::tools::test;
 TEST_CASE("simulation: with nothing there, actions and steps do nothing") {
     Simulation simulation;
     CHECK(!simulation.running());
-    for (const Action& action :
-         {Action(Damage{}), Action(Saw{}), Action(Release{}), Action(Drag{}), Action(LetGo{})})
+    for (const Action& action : {Action(Damage{}), Action(Saw{}), Action(Release{}), Action(Drag{}), Action(LetGo{})})
         simulation.apply(action);
     simulation.step();
     CHECK(simulation.steps() == 1);
@@ -94,9 +93,8 @@ TEST_CASE("simulation: poses since a step are those that changed") {
             std::mt19937 random(4);
             for (int frame = 0; frame < 120; ++frame) {
                 const float alpha = simulation.advance(static_cast<double>(random() % 30) * 1e-3);
-                simulation.visit_poses(alpha, written, [&](uint32_t slot, const physics::Pose& pose) {
-                    kept[slot] = pose;
-                });
+                simulation.visit_poses(alpha, written,
+                                       [&](uint32_t slot, const physics::Pose& pose) { kept[slot] = pose; });
                 written = simulation.steps();
                 simulation.visit_poses(alpha, 0, [&](uint32_t slot, const physics::Pose& pose) {
                     CHECK(kept[slot].position == pose.position);
@@ -130,9 +128,7 @@ TEST_CASE("simulation: actions that make no sense are named") {
 TEST_CASE("simulation: what is scheduled takes effect at its step, in the order of calls") {
     struct Diary : SimulationObserver {
         std::string text;
-        void stepped(const Simulation& simulation) override {
-            text += " " + std::to_string(simulation.steps());
-        }
+        void stepped(const Simulation& simulation) override { text += " " + std::to_string(simulation.steps()); }
         void acted(uint64_t step, const Action& action) override {
             text += " @" + std::to_string(step) + "kind" + std::to_string(action.index());
         }

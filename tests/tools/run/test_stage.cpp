@@ -53,7 +53,8 @@ TEST_CASE("stage: what breaks is prepared to where the device reads it, cut befo
     CHECK(look->staged());
 }
 
-TEST_CASE("stage: a batch of the whole mesh is drawn as the mesh is, staged or not, and what stands in its place as well") {
+TEST_CASE(
+    "stage: a batch of the whole mesh is drawn as the mesh is, staged or not, and what stands in its place as well") {
     const Theatre theatre(true);
     if (!theatre.device) return;
     Stage of_mesh(*theatre.renderer, theatre.input.model.mesh);

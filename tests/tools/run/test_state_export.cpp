@@ -119,7 +119,8 @@ TEST_CASE("state export: what was cut live is closed, nothing is lost, each body
         bodies.insert(body);
         const physics::Pose pose = run.simulation.world().pose(body);
         CHECK(glm::distance(placement.to_stage(live.poses[p].position), glm::dvec3(pose.position)) < 1e-6);
-        CHECK(std::abs(glm::dot(live.poses[p].orientation, glm::normalize(glm::dquat(pose.orientation)))) > 1.0 - 1e-12);
+        CHECK(std::abs(glm::dot(live.poses[p].orientation, glm::normalize(glm::dquat(pose.orientation))))
+              > 1.0 - 1e-12);
     }
     CHECK(bodies.size() == state.pieces.size());
     CHECK(sum == doctest::Approx(input_volume(run)).epsilon(1e-6)); // small pieces are kept in single precision
@@ -144,7 +145,8 @@ TEST_CASE("state export: files of every format hold each piece as it lies, or as
             CHECK(closed);
             CHECK(volume_of(made[p]) == doctest::Approx(volume_of(lie[p])).epsilon(1e-4));
             // Both files list the same vertices in the same order: one is the other, moved as the body was.
-            const fracture::TriangleMesh a = must(fracture::import_mesh(made[p])), b = must(fracture::import_mesh(lie[p]));
+            const fracture::TriangleMesh a = must(fracture::import_mesh(made[p])),
+                                         b = must(fracture::import_mesh(lie[p]));
             REQUIRE(a.triangles.size() == b.triangles.size());
             const physics::Pose pose = run.simulation.world().pose(run.simulation.body_of(state.pieces[p].number));
             const glm::dmat3 turn(glm::mat3_cast(pose.orientation));
@@ -173,7 +175,8 @@ TEST_CASE("state export: interiors, looks and hulls, the hulls of what is not co
     run.steps(10);
     const Snapshot state = run.state();
     REQUIRE(state.pieces.size() > 4);
-    const fs::path file = run.write(folder / "crate.glb", PiecesAs::they_lie, {.hulls = "unreal", .rigid_bodies = true}).front();
+    const fs::path file =
+        run.write(folder / "crate.glb", PiecesAs::they_lie, {.hulls = "unreal", .rigid_bodies = true}).front();
     const json document = document_of(file);
     size_t pieces = 0, hulls = 0, cuts = 0;
     double mass = 0.0;
@@ -192,9 +195,11 @@ TEST_CASE("state export: interiors, looks and hulls, the hulls of what is not co
     CHECK(mass == doctest::Approx(double{physics::Material{}.density} * input_volume(run)).epsilon(1e-5));
     CHECK(document["images"].size() >= 1);
     const fracture::Model back = must(fracture::import_model(file));
-    const auto interior = std::find_if(back.materials.begin(), back.materials.end(), [](const auto& m) { return m.name == "interior"; });
+    const auto interior =
+        std::find_if(back.materials.begin(), back.materials.end(), [](const auto& m) { return m.name == "interior"; });
     REQUIRE(interior != back.materials.end());
-    CHECK(std::count(back.material_of.begin(), back.material_of.end(), static_cast<uint32_t>(interior - back.materials.begin()))
+    CHECK(std::count(back.material_of.begin(), back.material_of.end(),
+                     static_cast<uint32_t>(interior - back.materials.begin()))
           == static_cast<std::ptrdiff_t>(cuts));
     REQUIRE(!back.uv[0].empty());
 }
@@ -228,7 +233,8 @@ TEST_CASE("state export: bonds are those that hold, and bonded pieces lie where 
         size_t bonds = 0;
         const json document = document_of(file);
         for (const json& node : document["nodes"])
-            if (node.contains("extras") && node["extras"]["brittle"].contains("bonds")) bonds += node["extras"]["brittle"]["bonds"].size();
+            if (node.contains("extras") && node["extras"]["brittle"].contains("bonds"))
+                bonds += node["extras"]["brittle"]["bonds"].size();
         CHECK(bonds == state.bonds.size());
         CHECK(volume_of(file) == doctest::Approx(input_volume(run)).epsilon(1e-5));
         // The pose of the piece of a body: the offset of its centre, turned.
@@ -238,7 +244,8 @@ TEST_CASE("state export: bonds are those that hold, and bonded pieces lie where 
             const auto bonded = breakable ? run.simulation.destruction()->bonded({number}) : std::optional(number);
             if (!bonded) continue;
             const physics::Pose pose = run.simulation.world().pose(run.simulation.body_of(number));
-            const glm::vec3 at = pose.position + glm::mat3_cast(pose.orientation) * run.simulation.structure()->offset(*bonded);
+            const glm::vec3 at =
+                pose.position + glm::mat3_cast(pose.orientation) * run.simulation.structure()->offset(*bonded);
             CHECK(glm::distance(run.placement().to_stage(live.poses[p].position), glm::dvec3(at)) < 2e-6);
         }
     }

@@ -132,7 +132,8 @@ TEST_CASE("document: anchors are painted, rubbed out by number, undone by stroke
     document.redo();
     document.apply(SetMesh{"shape:torus"});
     CHECK(anchors().empty());
-    for (size_t k = 0; k < most_anchors; ++k) document.apply(AddAnchor{{{0.0, 1.0 * static_cast<double>(k), 0.0}, 0.1}}, stroke);
+    for (size_t k = 0; k < most_anchors; ++k)
+        document.apply(AddAnchor{{{0.0, 1.0 * static_cast<double>(k), 0.0}, 0.1}}, stroke);
     CHECK_THROWS_AS(document.apply(AddAnchor{}), Failure);
     CHECK(anchors().size() == most_anchors);
 }
@@ -231,22 +232,24 @@ TEST_CASE("document: after any edits, undo goes back through every state and red
         fracture::Random random(seed);
         const auto point = [&] { return glm::dvec3(random.uniform(), random.uniform(), random.uniform()); };
         const auto some = [&] {
-            return std::vector{static_cast<uint32_t>(random.uniform() * 8.0), static_cast<uint32_t>(random.uniform() * 8.0)};
+            return std::vector{static_cast<uint32_t>(random.uniform() * 8.0),
+                               static_cast<uint32_t>(random.uniform() * 8.0)};
         };
         Document document = with_sites();
         std::vector<std::string> states{recipe_json(document.recipe())};
         for (int k = 0; k < 60; ++k) {
-            const std::vector<Edit> edits{AddSite{point()},
-                                          MoveSites{some(), point()},
-                                          RemoveSites{some()},
-                                          DuplicateSites{some(), point()},
-                                          MirrorSites{some(), static_cast<int>(random.uniform() * 3.0), random.uniform()},
-                                          SetSiteWeight{some(), random.uniform()},
-                                          SetSiteGroup{some(), static_cast<uint32_t>(random.uniform() * 3.0)},
-                                          AddStrike{{.at = point()}},
-                                          SetPattern{{.count = static_cast<uint32_t>(1.0 + random.uniform() * 9.0)}},
-                                          SetMaterial{random.uniform() < 0.5 ? "glass" : ""},
-                                          SetMesh{random.uniform() < 0.5 ? "shape:torus" : "shape:cube", false}};
+            const std::vector<Edit> edits{
+                AddSite{point()},
+                MoveSites{some(), point()},
+                RemoveSites{some()},
+                DuplicateSites{some(), point()},
+                MirrorSites{some(), static_cast<int>(random.uniform() * 3.0), random.uniform()},
+                SetSiteWeight{some(), random.uniform()},
+                SetSiteGroup{some(), static_cast<uint32_t>(random.uniform() * 3.0)},
+                AddStrike{{.at = point()}},
+                SetPattern{{.count = static_cast<uint32_t>(1.0 + random.uniform() * 9.0)}},
+                SetMaterial{random.uniform() < 0.5 ? "glass" : ""},
+                SetMesh{random.uniform() < 0.5 ? "shape:torus" : "shape:cube", false}};
             if (document.apply(edits[static_cast<size_t>(random.uniform() * static_cast<double>(edits.size()))]))
                 states.push_back(recipe_json(document.recipe()));
         }

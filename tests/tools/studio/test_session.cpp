@@ -12,8 +12,8 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/mesh/mass_properties.h"
+#include "fracture/pieces/certificate.h"
 #include "tests/engine/support.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/base/failure.h"
@@ -44,7 +44,8 @@ class Room {
         session = std::make_unique<Session>(options, Object::load(options), *renderer, nullptr);
     }
     // Frames until the condition holds, for half a minute at most.
-    template<class Condition> bool soon(const Condition& condition, int frames = 3000) {
+    template<class Condition>
+    bool soon(const Condition& condition, int frames = 3000) {
         for (int k = 0; k < frames && !condition(); ++k) {
             session->update(frame);
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -81,9 +82,11 @@ std::multiset<double> volumes_of(const Session& session) {
 uint32_t largest_of(const Session& session) {
     const physics::Destruction& destruction = *session.stage().simulation().destruction();
     const auto all = destruction.pieces();
-    return std::max_element(all.begin(), all.end(), [&](physics::PieceId a, physics::PieceId b) {
-               return destruction.solid(a)->mass.volume < destruction.solid(b)->mass.volume;
-           })->value;
+    return std::max_element(all.begin(), all.end(),
+                            [&](physics::PieceId a, physics::PieceId b) {
+                                return destruction.solid(a)->mass.volume < destruction.solid(b)->mass.volume;
+                            })
+        ->value;
 }
 
 Viewport view_of(const Navigation& navigation) {
@@ -222,7 +225,8 @@ TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and 
     const glm::dvec3 middle = box.centre();
     const double side = box.size().x;
     // Inside, outside but nearest to a part of the surface, and far away: beyond the second one's cell.
-    const std::vector<glm::dvec3> sites{middle, middle + glm::dvec3(0.7 * side, 0.0, 0.0), middle + glm::dvec3(0.0, 9.0 * side, 0.0),
+    const std::vector<glm::dvec3> sites{middle, middle + glm::dvec3(0.7 * side, 0.0, 0.0),
+                                        middle + glm::dvec3(0.0, 9.0 * side, 0.0),
                                         middle + glm::dvec3(-0.2 * side, 0.1 * side, 0.0)};
     session.edit(SetSites{placed_sites({sites, {}, {}})});
     CHECK(session.idle_sites().empty()); // not known
@@ -394,7 +398,8 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
         const auto falls = std::count(session.preview()->stays.begin(), session.preview()->stays.end(), 0);
         REQUIRE(volumes_ahead.size() > 4);
         CHECK(falls == static_cast<std::ptrdiff_t>(volumes_ahead.size()) - 1);
-        for (const engine::LineVertex& v : session.preview()->cracks) CHECK(glm::distance(glm::dvec3(v.position), hit->point) < 1.2); // radii: 4
+        for (const engine::LineVertex& v : session.preview()->cracks)
+            CHECK(glm::distance(glm::dvec3(v.position), hit->point) < 1.2); // radii: 4
         (void)room.picture();
         CHECK(room.renderer->stats().pieces == volumes_ahead.size());
 
@@ -418,7 +423,8 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
         const auto piece = session.first_piece(largest + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
         REQUIRE(piece);
         session.aim(*piece, direction);
-        const bool foreseen = room.soon([&] { return session.preview() && session.preview()->piece == piece->piece; }, 300);
+        const bool foreseen =
+            room.soon([&] { return session.preview() && session.preview()->piece == piece->piece; }, 300);
         if (foreseen) {
             const auto part = volumes_of(session.preview()->fragments);
             std::multiset<double> expected = volumes_of(session);
@@ -470,13 +476,17 @@ TEST_CASE("session: a ball cuts what is breakable where it hits, undo takes a ch
         if (glm::distance(solid.mass.centre_of_mass, glm::dvec3(middle)) < 0.6) ++near; // where it was in the pane
     }
     CHECK(near > destruction.pieces().size() / 2);
-    CHECK(sum == doctest::Approx(fracture::signed_volume(session.object().mesh().positions, session.object().mesh().triangles)).epsilon(1e-6));
+    CHECK(sum
+          == doctest::Approx(
+                 fracture::signed_volume(session.object().mesh().positions, session.object().mesh().triangles))
+                 .epsilon(1e-6));
     session.undo();
     CHECK_FALSE(session.broken());
     session.redo();
     CHECK_FALSE(session.broken());
     CHECK(session.recipe().world.breakable);
-    CHECK(session.first_piece(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0}) == std::nullopt); // nothing but the mesh
+    CHECK(session.first_piece(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0})
+          == std::nullopt); // nothing but the mesh
 }
 
 TEST_CASE("session: exports what is on the stage, as its log repeats it, before the break the recipe's pieces") {
@@ -494,7 +504,8 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     const auto recipe_pieces = [&] {
         const FractureOptions options = session.recipe();
         const Input input = load_input(options, true);
-        (void)write_pieces({.output = (folder.path / "line.glb").string()}, options, input, break_input(input, options));
+        (void)write_pieces({.output = (folder.path / "line.glb").string()}, options, input,
+                           break_input(input, options));
         return read_text(folder.path / "line.glb");
     };
     // What the log of this moment gives without a window.
@@ -536,7 +547,8 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     session.strike(hit->point, {0.0, 0.0, -1.0});
     REQUIRE(room.soon([&] { return session.counts() && session.counts()->pieces > 3; }));
     session.playback.paused = true;
-    for (const PiecesAs as : {PiecesAs::they_lie, PiecesAs::made}) CHECK(exported("cut.ply", as) == replayed(as, ".ply"));
+    for (const PiecesAs as : {PiecesAs::they_lie, PiecesAs::made})
+        CHECK(exported("cut.ply", as) == replayed(as, ".ply"));
     session.playback.paused = false;
     session.reset();
     room.break_it();
@@ -622,12 +634,16 @@ TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out wit
     tools.choose(Tool::anchors, session);
     const auto stroke = [&](glm::vec2 from, glm::vec2 to, bool rub_out) {
         const engine::Modifiers modifiers{.control = rub_out};
-        tools.handle({.buttons = {{.button = engine::Button::left, .down = true, .cursor = from, .modifiers = modifiers}},
-                      .modifiers = modifiers, .cursor = from},
-                     view_of(navigation), true, session, navigation);
-        tools.handle({.buttons = {{.button = engine::Button::left, .down = false, .cursor = to, .modifiers = modifiers}},
-                      .modifiers = modifiers, .cursor = to},
-                     view_of(navigation), true, session, navigation);
+        tools.handle(
+            {.buttons = {{.button = engine::Button::left, .down = true, .cursor = from, .modifiers = modifiers}},
+             .modifiers = modifiers,
+             .cursor = from},
+            view_of(navigation), true, session, navigation);
+        tools.handle(
+            {.buttons = {{.button = engine::Button::left, .down = false, .cursor = to, .modifiers = modifiers}},
+             .modifiers = modifiers,
+             .cursor = to},
+            view_of(navigation), true, session, navigation);
     };
     const auto& anchors = session.recipe().world.anchors;
     stroke({20.0f, 20.0f}, {30.0f, 20.0f}, false); // beside the cube
@@ -655,7 +671,8 @@ TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out wit
     room.break_it();
     for (int k = 0; k < 30; ++k) session.update(frame);
     bool held = false;
-    for (const physics::BodyId body : session.stage().world().bodies()) held = held || session.stage().world().fixed(body);
+    for (const physics::BodyId body : session.stage().world().bodies())
+        held = held || session.stage().world().fixed(body);
     CHECK(held);
     const size_t before = anchors.size();
     stroke({400.0f, 250.0f}, {400.0f, 350.0f}, false); // broken: no paint, but a word why

@@ -44,7 +44,8 @@ engine::Camera camera() {
     return {.eye = {1.0f, 2.0f, 5.0f}, .target = {0.2f, 0.7f, -0.3f}, .vertical_fov = 0.7f};
 }
 
-template<class Condition> bool soon(const Condition& condition) {
+template<class Condition>
+bool soon(const Condition& condition) {
     for (int k = 0; k < 3000 && !condition(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return condition();
 }
@@ -61,7 +62,8 @@ TEST_CASE("studio: no key means two things, and each has a line in the help") {
         CHECK(named == (*binding.what != '\0'));
     }
     CHECK_FALSE(command_for(static_cast<engine::Key>('S'), {.alt = true}));
-    CHECK(command_for(static_cast<engine::Key>('S'), {}) != command_for(static_cast<engine::Key>('S'), {.control = true}));
+    CHECK(command_for(static_cast<engine::Key>('S'), {})
+          != command_for(static_cast<engine::Key>('S'), {.control = true}));
 }
 
 TEST_CASE("studio: a ray through the pixel of a point passes the point, with and without a shift") {
@@ -119,7 +121,9 @@ TEST_CASE("studio: a window without size gives rays all the same") {
 TEST_CASE("studio: zooming keeps in place what is under the cursor") {
     Navigation navigation;
     navigation.frame({}, 1.5f);
-    const auto view_of = [&] { return Viewport(navigation.camera({0.1f, 0.0f}), {900.0f, 600.0f}, {}, {900.0f, 600.0f}); };
+    const auto view_of = [&] {
+        return Viewport(navigation.camera({0.1f, 0.0f}), {900.0f, 600.0f}, {}, {900.0f, 600.0f});
+    };
     const Viewport before = view_of();
     const glm::vec2 cursor(620.0f, 180.0f);
     const Ray ray = before.ray(cursor);
@@ -130,7 +134,8 @@ TEST_CASE("studio: zooming keeps in place what is under the cursor") {
     const auto after = view_of().pixel(glm::vec3(under));
     REQUIRE(after);
     CHECK(glm::distance(*after, cursor) < 0.5f);
-    CHECK(glm::distance(view_of().camera().eye, glm::vec3(under)) < glm::distance(before.camera().eye, glm::vec3(under)));
+    CHECK(glm::distance(view_of().camera().eye, glm::vec3(under))
+          < glm::distance(before.camera().eye, glm::vec3(under)));
 }
 
 TEST_CASE("studio: the recipe's picture is where the camera was") {
@@ -147,7 +152,8 @@ TEST_CASE("studio: the recipe's picture is where the camera was") {
     CHECK(told.elevation == doctest::Approx(40.0f));
     CHECK(told.distance == doctest::Approx(1.7f));
     const engine::Camera expected = picture_camera(picture, home, 1.3f);
-    CHECK(glm::distance(navigation.camera({}).eye, expected.eye) < 0.01f * glm::distance(expected.eye, expected.target));
+    CHECK(glm::distance(navigation.camera({}).eye, expected.eye)
+          < 0.01f * glm::distance(expected.eye, expected.target));
 }
 
 TEST_CASE("studio: a mesh that does not bound a solid is refused when it is opened, and a file that is none") {
@@ -205,7 +211,8 @@ TEST_CASE("studio: a preview shows the pieces of the fracture, cracks on the sur
     CHECK(fracture::hash(made->fragments) == fracture::hash(broken.fragments));
     CHECK(made->batch.pieces().size() == broken.fragments.pieces.size());
     REQUIRE(made->cracks.size() > 100);
-    for (const engine::LineVertex& v : made->cracks) CHECK(glm::distance(v.position, glm::vec3(0.0f, 1.5f, 0.0f)) == doctest::Approx(1.0).epsilon(0.02));
+    for (const engine::LineVertex& v : made->cracks)
+        CHECK(glm::distance(v.position, glm::vec3(0.0f, 1.5f, 0.0f)) == doctest::Approx(1.0).epsilon(0.02));
 
     Strike ghost{.at = object->to_file({0.0, 2.5, 0.0}), .radius = 0.4};
     preview.request({.object = object, .recipe = options, .ghost = ghost, .key = 8});
@@ -213,7 +220,8 @@ TEST_CASE("studio: a preview shows the pieces of the fracture, cracks on the sur
     REQUIRE(soon([&] { return made || (made = preview.take()); }));
     CHECK(made->ghost);
     REQUIRE(made->cracks.size() > 10);
-    for (const engine::LineVertex& v : made->cracks) CHECK(glm::distance(v.position, glm::vec3(0.0f, 2.5f, 0.0f)) < 0.7f);
+    for (const engine::LineVertex& v : made->cracks)
+        CHECK(glm::distance(v.position, glm::vec3(0.0f, 2.5f, 0.0f)) < 0.7f);
 
     options.pattern.jitter = 7.0;
     preview.request({.object = object, .recipe = options, .key = 9});
@@ -275,7 +283,8 @@ TEST_CASE("studio: recent files are kept, newest first, without shapes and doubl
     CHECK(nowhere.files().size() == 1);
 }
 
-TEST_CASE("studio: what rests is not drawn, but for some frames after it was touched, and slowly where a cursor blinks") {
+TEST_CASE(
+    "studio: what rests is not drawn, but for some frames after it was touched, and slowly where a cursor blinks") {
     Idleness idleness;
     int drawn = 0;
     while (idleness.draws(false, false)) REQUIRE(++drawn < 100); // the start

@@ -11,7 +11,8 @@
 
 namespace {
 
-constexpr unsigned patience = 60; // s for each answer: frames are slow under sanitizers; then the alarm ends the program
+constexpr unsigned patience =
+    60; // s for each answer: frames are slow under sanitizers; then the alarm ends the program
 
 void ping(Display* display, Window window, long number) {
     XEvent event{};

@@ -9,7 +9,8 @@ ExitCode exit_code(fracture::Status status) {
     switch (status) {
     case Status::file_not_found:
     case Status::unsupported_format:
-    case Status::malformed_file: return exit_input;
+    case Status::malformed_file:
+        return exit_input;
     case Status::empty_mesh:
     case Status::invalid_mesh:
     case Status::not_closed:
@@ -17,10 +18,14 @@ ExitCode exit_code(fracture::Status status) {
     case Status::not_oriented:
     case Status::inside_out:
     case Status::no_volume:
-    case Status::invalid_sites: return exit_mesh;
-    case Status::invalid_setting: return exit_usage;
-    case Status::cancelled: return exit_interrupted;
-    case Status::write_failed: return exit_output;
+    case Status::invalid_sites:
+        return exit_mesh;
+    case Status::invalid_setting:
+        return exit_usage;
+    case Status::cancelled:
+        return exit_interrupted;
+    case Status::write_failed:
+        return exit_output;
     }
     return exit_failure;
 }
@@ -32,11 +37,15 @@ ExitCode exit_code(engine::Status status) {
     case Status::no_device:
     case Status::missing_feature:
     case Status::no_display:
-    case Status::device_lost: return exit_environment;
-    case Status::invalid_argument: return exit_usage;
-    case Status::file_error: return exit_output;
+    case Status::device_lost:
+        return exit_environment;
+    case Status::invalid_argument:
+        return exit_usage;
+    case Status::file_error:
+        return exit_output;
     case Status::device_failure:
-    case Status::out_of_memory: return exit_failure;
+    case Status::out_of_memory:
+        return exit_failure;
     }
     return exit_failure;
 }

@@ -16,14 +16,14 @@ namespace brittle::tools {
 // What the shell sees. Listed in `brittle --help`; scripts rely on them.
 enum ExitCode {
     exit_success = 0,
-    exit_failure = 1,    // anything not listed below
-    exit_usage = 2,      // a wrong command line
-    exit_input = 3,      // an input file is missing, unreadable or damaged
-    exit_mesh = 4,       // the mesh or the sites cannot be fractured
-    exit_output = 5,     // an output could not be written; an old file is left as it was
-    exit_environment = 6, // no Vulkan device, a lost one, no display
-    exit_slower = 7,      // `profile --compare` found something slower
-    exit_differs = 8,     // `replay` came to another state than the log tells
+    exit_failure = 1,      // anything not listed below
+    exit_usage = 2,        // a wrong command line
+    exit_input = 3,        // an input file is missing, unreadable or damaged
+    exit_mesh = 4,         // the mesh or the sites cannot be fractured
+    exit_output = 5,       // an output could not be written; an old file is left as it was
+    exit_environment = 6,  // no Vulkan device, a lost one, no display
+    exit_slower = 7,       // `profile --compare` found something slower
+    exit_differs = 8,      // `replay` came to another state than the log tells
     exit_interrupted = 130 // by Ctrl+C; nothing half-written is left
 };
 

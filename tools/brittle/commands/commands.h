@@ -5,9 +5,9 @@
 #include <string>
 
 #include "fracture/doctor/repair.h"
+#include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/recipe/input.h"
 #include "tools/brittle/recipe/piece_export.h"
-#include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/recipe/view_options.h"
 
 namespace brittle::tools {
@@ -16,7 +16,7 @@ struct FractureCommand {
     FractureOptions fracture;
     ExportSettings files;
     std::string classify = "cpu"; // auto, cpu or gpu
-    std::string report;      // empty: none
+    std::string report;           // empty: none
 };
 
 // The pieces of the last moment; nowhere without an output.
@@ -29,11 +29,11 @@ struct RenderCommand {
     FractureOptions fracture;
     ViewOptions view;
     std::string output = "frame_%04d.png"; // empty: no pictures
-    uint32_t every = 10; // write each so many-th frame
-    std::string video;   // a file of all frames, by ffmpeg; empty: none
-    std::string record;  // a replay log; empty: none
-    std::string ids;     // where each picture's piece numbers go (id_picture.h), named like output; empty: nowhere
-    std::string graph;   // where the frame graph goes, as DOT; empty: nowhere
+    uint32_t every = 10;                   // write each so many-th frame
+    std::string video;                     // a file of all frames, by ffmpeg; empty: none
+    std::string record;                    // a replay log; empty: none
+    std::string ids;   // where each picture's piece numbers go (id_picture.h), named like output; empty: nowhere
+    std::string graph; // where the frame graph goes, as DOT; empty: nowhere
     std::string classify = "cpu"; // auto, cpu or gpu
     StateExport pieces;
 };
@@ -52,15 +52,15 @@ struct DemoCommand {
     FractureOptions fracture;
     ViewOptions view;
     std::string record;            // a replay log of the last break; empty: none
-    double ui_scale = 0.0; // of text and panels; 0: as the display wants it
+    double ui_scale = 0.0;         // of text and panels; 0: as the display wants it
     std::string classify = "auto"; // auto, cpu or gpu
 };
 
 struct ProfileCommand {
     FractureOptions fracture;
     ViewOptions view;
-    ProfilePlan plan;       // --scenarios, and what of it the command line outdoes
-    ScenarioGroup lists;    // --meshes, --counts, --classify
+    ProfilePlan plan;    // --scenarios, and what of it the command line outdoes
+    ScenarioGroup lists; // --meshes, --counts, --classify
     bool json = false;
     std::string output;     // where the JSON goes besides; empty: nowhere
     std::string csv;        // likewise

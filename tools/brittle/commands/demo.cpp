@@ -1,21 +1,21 @@
 #include <cstdio>
 
 #include "engine/core/window.h"
-#include "tools/brittle/run/classify_choice.h"
-#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/pictures/view.h"
 #include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/classify_choice.h"
 #include "tools/brittle/studio/studio.h"
 #include "tools/brittle/studio/style.h"
-#include "tools/brittle/pictures/view.h"
 
 namespace brittle::tools {
 
 int run_demo(const DemoCommand& command) {
     catch_interrupts();
-    const auto window = must(engine::Window::create(
-        {.title = "Brittle", .width = command.view.width, .height = command.view.height}));
+    const auto window =
+        must(engine::Window::create({.title = "Brittle", .width = command.view.width, .height = command.view.height}));
     const auto object = Object::load(command.fracture);
     if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
     const std::unique_ptr<engine::Device> device = open_device(command.view);

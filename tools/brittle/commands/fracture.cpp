@@ -2,15 +2,15 @@
 #include <span>
 
 #include "fracture/io/atomic_file.h"
-#include "tools/brittle/run/classify_choice.h"
-#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
-#include "tools/brittle/recipe/piece_export.h"
 #include "tools/brittle/base/progress.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/commands/report.h"
 #include "tools/brittle/pictures/view.h"
+#include "tools/brittle/recipe/piece_export.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/classify_choice.h"
 
 namespace brittle::tools {
 
@@ -29,8 +29,8 @@ int run_fracture(const FractureCommand& command) {
     }
     const Broken broken = [&] {
         Progress progress("fracturing " + input.name);
-        return break_input(input, command.fracture, [&](double share) { progress.update(share); },
-                           choice.classifier.get());
+        return break_input(
+            input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
     }();
 
     const auto files = write_pieces(command.files, command.fracture, input, broken);
@@ -44,9 +44,9 @@ int run_fracture(const FractureCommand& command) {
     }
     if (!command.fracture.save_recipe.empty()) std::printf("  recipe     %s\n", command.fracture.save_recipe.c_str());
     if (!broken.certificate.closed) {
-        throw Failure(exit_failure, std::to_string(broken.certificate.open_pieces) + " of " +
-                                        std::to_string(broken.certificate.pieces) +
-                                        " pieces are not closed; please report this mesh with these options");
+        throw Failure(exit_failure, std::to_string(broken.certificate.open_pieces) + " of "
+                                        + std::to_string(broken.certificate.pieces)
+                                        + " pieces are not closed; please report this mesh with these options");
     }
     return exit_success;
 }

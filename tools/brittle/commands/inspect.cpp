@@ -5,11 +5,11 @@
 #include "engine/core/bitmap.h"
 #include "fracture/doctor/inspect.h"
 #include "fracture/io/export.h"
-#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/base/failure.h"
+#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/pictures/marks.h"
-#include "tools/brittle/run/stage.h"
 #include "tools/brittle/pictures/view.h"
+#include "tools/brittle/run/stage.h"
 
 namespace brittle::tools {
 
@@ -26,30 +26,32 @@ Json pair_json(const std::optional<glm::uvec2>& pair) {
 
 Json to_json(const std::string& name, const fracture::Inspection& i) {
     const auto& t = i.topology;
-    Json json{{"mesh", name},
-              {"breakable", !i.refusal},
-              {"refusal", i.refusal ? Json(fracture::to_string(*i.refusal)) : Json()},
-              {"triangles", t.triangles},
-              {"vertices", t.vertices},
-              {"unused_vertices", i.unused_vertices},
-              {"box", {{"min", {i.box.min.x, i.box.min.y, i.box.min.z}}, {"max", {i.box.max.x, i.box.max.y, i.box.max.z}}}},
-              {"area", i.area},
-              {"volume", i.volume},
-              {"closed", t.closed()},
-              {"manifold", t.manifold()},
-              {"open_edges", t.open_edges},
-              {"misoriented_edges", t.misoriented_edges},
-              {"non_manifold_edges", t.non_manifold_edges},
-              {"non_manifold_vertices", t.non_manifold_vertices},
-              {"degenerate_triangles", t.degenerate_triangles},
-              {"flat_triangles", i.flat_triangles},
-              {"duplicate_triangles", i.duplicate_triangles},
-              {"first_duplicate", pair_json(i.first_duplicate)},
-              {"intersections", i.intersections},
-              {"first_intersection", pair_json(i.first_intersection)},
-              {"all_pairs_seen", i.all_pairs_seen}};
+    Json json{
+        {"mesh", name},
+        {"breakable", !i.refusal},
+        {"refusal", i.refusal ? Json(fracture::to_string(*i.refusal)) : Json()},
+        {"triangles", t.triangles},
+        {"vertices", t.vertices},
+        {"unused_vertices", i.unused_vertices},
+        {"box", {{"min", {i.box.min.x, i.box.min.y, i.box.min.z}}, {"max", {i.box.max.x, i.box.max.y, i.box.max.z}}}},
+        {"area", i.area},
+        {"volume", i.volume},
+        {"closed", t.closed()},
+        {"manifold", t.manifold()},
+        {"open_edges", t.open_edges},
+        {"misoriented_edges", t.misoriented_edges},
+        {"non_manifold_edges", t.non_manifold_edges},
+        {"non_manifold_vertices", t.non_manifold_vertices},
+        {"degenerate_triangles", t.degenerate_triangles},
+        {"flat_triangles", i.flat_triangles},
+        {"duplicate_triangles", i.duplicate_triangles},
+        {"first_duplicate", pair_json(i.first_duplicate)},
+        {"intersections", i.intersections},
+        {"first_intersection", pair_json(i.first_intersection)},
+        {"all_pairs_seen", i.all_pairs_seen}};
     if (i.least_thickness)
-        json["thickness"] = {{"least", *i.least_thickness}, {"triangle", i.thinnest_triangle}, {"thin_share", i.thin_share}};
+        json["thickness"] = {
+            {"least", *i.least_thickness}, {"triangle", i.thinnest_triangle}, {"thin_share", i.thin_share}};
     const auto edges = [](const std::vector<glm::uvec2>& list) {
         Json array = Json::array();
         for (const glm::uvec2& edge : list) array.push_back({edge.x, edge.y});

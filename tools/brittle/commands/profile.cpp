@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "fracture/io/atomic_file.h"
-#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/base/environment.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/profile/compare.h"
 #include "tools/brittle/profile/csv.h"
-#include "tools/brittle/base/environment.h"
 #include "tools/brittle/profile/measure.h"
 #include "tools/brittle/profile/table.h"
 #include "tools/brittle/profile/trace.h"
@@ -41,10 +41,7 @@ Json measure(const ProfileCommand& command, const std::vector<Scenario>& scenari
     profiler.check();
     Json machine = environment();
     machine.update(profiler.device());
-    return {{"brittle_profile", 1},
-            {"environment", machine},
-            {"settings", settings(command)},
-            {"scenarios", measured}};
+    return {{"brittle_profile", 1}, {"environment", machine}, {"settings", settings(command)}, {"scenarios", measured}};
 }
 
 // The trace's metadata: on what, and how the device's times came onto the host's clock.

@@ -8,17 +8,17 @@
 #include "fracture/io/atomic_file.h"
 #include "physics/bonds/anchor.h"
 #include "physics/material.h"
-#include "tools/brittle/run/classify_choice.h"
-#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/base/failure.h"
-#include "tools/brittle/pictures/film.h"
 #include "tools/brittle/base/interrupt.h"
-#include "tools/brittle/pictures/picture.h"
 #include "tools/brittle/base/progress.h"
+#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/pictures/film.h"
+#include "tools/brittle/pictures/picture.h"
+#include "tools/brittle/pictures/view.h"
 #include "tools/brittle/replay/recorder.h"
+#include "tools/brittle/run/classify_choice.h"
 #include "tools/brittle/run/stage.h"
 #include "tools/brittle/run/state_export.h"
-#include "tools/brittle/pictures/view.h"
 
 namespace brittle::tools {
 
@@ -38,10 +38,12 @@ void check_run(const RenderCommand& command) {
 // Says on standard error which anchors hold nothing: who gives one in the mesh's own coordinates wonders why it falls.
 void name_idle_anchors(const fracture::TriangleMesh& on_stage, const WorldOptions& world) {
     for (const Anchor& anchor : world.anchors) {
-        const physics::AnchorRegion ball = physics::Ball{anchor.at + glm::dvec3(0.0, foot_height(world), 0.0), anchor.radius};
+        const physics::AnchorRegion ball =
+            physics::Ball{anchor.at + glm::dvec3(0.0, foot_height(world), 0.0), anchor.radius};
         if (physics::reaches({&ball, 1}, on_stage.positions, on_stage.triangles)) continue;
         std::fprintf(stderr,
-                     "brittle: the anchor at (%g, %g, %g), radius %g, reaches nothing of the mesh and holds nothing; it counts in "
+                     "brittle: the anchor at (%g, %g, %g), radius %g, reaches nothing of the mesh and holds nothing; "
+                     "it counts in "
                      "metres from the middle of the mesh's foot, with the mesh 2 m long\n",
                      anchor.at.x, anchor.at.y, anchor.at.z, anchor.radius);
     }
@@ -50,7 +52,9 @@ void name_idle_anchors(const fracture::TriangleMesh& on_stage, const WorldOption
 // The same of a limit on pieces: only what is breakable leaves debris.
 void name_idle_limit(const WorldOptions& world) {
     if (world.breakable || world.piece_limit == WorldOptions{}.piece_limit) return;
-    std::fputs("brittle: nothing is breakable, so none of its pieces go: the limit on pieces (--piece-limit) does nothing\n", stderr);
+    std::fputs(
+        "brittle: nothing is breakable, so none of its pieces go: the limit on pieces (--piece-limit) does nothing\n",
+        stderr);
 }
 
 // The same of bricks: only what starts whole is cut into them.
@@ -59,8 +63,10 @@ void name_idle_brick(const WorldOptions& world, const std::string& material) {
     if (world.bond.brick == plain.brick && world.bond.along == plain.along) return;
     const physics::MaterialPreset* preset = physics::material_preset(material);
     const bool of_material = starts_whole(world) && preset && preset->pattern.kind == fracture::PatternKind::bricks;
-    if (world.blows ? world.blows->kind == fracture::PatternKind::bricks && world.blows->diagram.empty() : of_material) return;
-    std::fputs("brittle: no blow takes out bricks, so the recipe's world/brick does nothing: the world must be breakable and not "
+    if (world.blows ? world.blows->kind == fracture::PatternKind::bricks && world.blows->diagram.empty() : of_material)
+        return;
+    std::fputs("brittle: no blow takes out bricks, so the recipe's world/brick does nothing: the world must be "
+               "breakable and not "
                "bonded, and the material brick or the pattern bricks\n",
                stderr);
 }
@@ -125,7 +131,8 @@ int run_render(const RenderCommand& command) {
     std::string done = film.summary();
     if (exports) {
         const Snapshot state = snapshot(stage.simulation(), fragments);
-        const auto files = write_state(command.pieces.files, pieces_as(command.pieces.as), command.fracture, source, state);
+        const auto files =
+            write_state(command.pieces.files, pieces_as(command.pieces.as), command.fracture, source, state);
         done += (done.empty() ? "" : ", and ") + written_text(state.pieces.size(), files);
     }
     std::printf("%s: %s on %s\n", input.name.c_str(), done.c_str(), device->info().name.c_str());

@@ -1,10 +1,10 @@
 #include <cstdio>
 
 #include "fracture/doctor/inspect.h"
-#include "fracture/io/export.h"
 #include "fracture/doctor/repair.h"
-#include "tools/brittle/commands/commands.h"
+#include "fracture/io/export.h"
 #include "tools/brittle/base/failure.h"
+#include "tools/brittle/commands/commands.h"
 
 namespace brittle::tools {
 
@@ -16,8 +16,9 @@ int run_repair(const RepairCommand& command) {
     const std::string done = fracture::describe(repaired.report);
     std::printf("%s\n%s", input.name.c_str(), done.empty() ? "nothing to repair\n" : done.c_str());
     if (repaired.mesh.triangles.empty())
-        throw Failure(exit_mesh, input.name + ": no triangle is left, so nothing is written. Weld cracks first: "
-                                              "--weld with the width of the widest");
+        throw Failure(exit_mesh, input.name
+                                     + ": no triangle is left, so nothing is written. Weld cracks first: "
+                                       "--weld with the width of the widest");
     fracture::replace_mesh(input.model, std::move(repaired.mesh), repaired.source_triangle);
     must(fracture::export_model(command.output, input.model, input.name));
     const fracture::Inspection inspection = fracture::inspect(input.model.mesh);

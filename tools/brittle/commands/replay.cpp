@@ -2,15 +2,15 @@
 #include <memory>
 #include <optional>
 
-#include "tools/brittle/commands/commands.h"
 #include "tools/brittle/base/failure.h"
-#include "tools/brittle/pictures/film.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/base/progress.h"
+#include "tools/brittle/commands/commands.h"
+#include "tools/brittle/pictures/film.h"
+#include "tools/brittle/pictures/view.h"
 #include "tools/brittle/replay/player.h"
 #include "tools/brittle/run/stage.h"
 #include "tools/brittle/run/state_export.h"
-#include "tools/brittle/pictures/view.h"
 
 namespace brittle::tools {
 
@@ -66,16 +66,15 @@ void draw(const Run& run, Player& player, const Input& input) {
     stage.stand(*run.fragments, world_of(log.recipe));
     if (player.difference()) return;
     schedule(log, stage.simulation());
-    Film film(*renderer, {.output = command.pictures, .every = command.every, .video = command.video}, log.recipe.picture, command.view,
-              stage.home_bounds());
+    Film film(*renderer, {.output = command.pictures, .every = command.every, .video = command.video},
+              log.recipe.picture, command.view, stage.home_bounds());
     Progress progress("rendering");
     for (uint32_t frame = 0;; ++frame) {
         throw_if_interrupted();
         if (frame > 0) stage.advance(film_frame_seconds);
         film.frame(stage, frame, player.done());
         if (player.done()) break;
-        progress.update(static_cast<double>(stage.simulation().steps())
-                        / static_cast<double>(log.states.size()));
+        progress.update(static_cast<double>(stage.simulation().steps()) / static_cast<double>(log.states.size()));
     }
     film.finish();
     std::printf("%s: %s on %s\n", input.name.c_str(), film.summary().c_str(), device->info().name.c_str());
@@ -105,8 +104,7 @@ int run_replay(const ReplayCommand& command) {
         std::fprintf(stderr, "brittle: %s: step %llu of %zu differs: %s\n", command.log.c_str(),
                      static_cast<unsigned long long>(difference->step), steps, difference->what.c_str());
         if (const std::string other = other_build(log); !other.empty())
-            std::fprintf(stderr,
-                         "brittle: it was recorded with %s; states are equal on one build and machine only\n",
+            std::fprintf(stderr, "brittle: it was recorded with %s; states are equal on one build and machine only\n",
                          other.c_str());
         return exit_differs;
     }

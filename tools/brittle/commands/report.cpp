@@ -28,12 +28,12 @@ std::string report_text(const Input& input, const Broken& broken) {
     std::string text;
     text += format("%s: %" PRIu64 " triangles, %zu sites\n", input.name.c_str(), c.triangles_in, input.sites.size());
     text += format("  pieces     %u in %u cells, %s\n", c.pieces, c.cells,
-                   c.closed ? "every one closed and oriented"
-                            : format("%u NOT CLOSED", c.open_pieces).c_str());
-    text += format("  volume     %.9g in, %.9g out, relative error %.1e\n", c.volume_input, c.volume_sum,
-                   c.volume_error);
+                   c.closed ? "every one closed and oriented" : format("%u NOT CLOSED", c.open_pieces).c_str());
+    text +=
+        format("  volume     %.9g in, %.9g out, relative error %.1e\n", c.volume_input, c.volume_sum, c.volume_error);
     text += format("  smallest   %.3g of the volume\n", c.smallest_piece / c.volume_input);
-    text += format("  triangles  %" PRIu64 " out, %" PRIu64 " of them on cut faces\n", c.triangles_out, c.cap_triangles);
+    text +=
+        format("  triangles  %" PRIu64 " out, %" PRIu64 " of them on cut faces\n", c.triangles_out, c.cap_triangles);
     text += format("  time       %.1f ms", broken.milliseconds);
     for (const fracture::Milliseconds& t : broken.fragments.timings) {
         text += format(", %s %.1f", t.phase.c_str(), t.milliseconds);

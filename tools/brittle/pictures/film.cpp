@@ -10,15 +10,15 @@ namespace brittle::tools {
 void check_film(const FilmOptions& options) {
     for (const std::string& name : {options.output, options.ids})
         if (!name.empty() && !is_numbered(name) && !is_plain(name))
-            throw Failure(exit_usage, "'" + name + "' is no file name: put %04d where the frame's number is to go, or no "
-                                                   "% at all for one picture of the end");
+            throw Failure(exit_usage, "'" + name
+                                          + "' is no file name: put %04d where the frame's number is to go, or no "
+                                            "% at all for one picture of the end");
 }
 
 Film::Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture,
            const ViewOptions& view, const engine::Bounds& mesh)
     : renderer_(renderer), options_(options), picture_(picture), view_(view),
-      camera_(
-          picture_camera(picture, mesh, static_cast<float>(view.width) / static_cast<float>(view.height))) {
+      camera_(picture_camera(picture, mesh, static_cast<float>(view.width) / static_cast<float>(view.height))) {
     if (!options_.video.empty()) video_ = std::make_unique<Video>(options_.video, 1.0 / film_frame_seconds);
 }
 

@@ -7,20 +7,20 @@
 #include <string>
 
 #include "engine/render/renderer.h"
-#include "tools/brittle/recipe/view_options.h"
 #include "tools/brittle/pictures/picture.h"
-#include "tools/brittle/run/stage.h"
 #include "tools/brittle/pictures/video.h"
+#include "tools/brittle/recipe/view_options.h"
+#include "tools/brittle/run/stage.h"
 
 namespace brittle::tools {
 
 constexpr double film_frame_seconds = 1.0 / 60.0;
 
 struct FilmOptions {
-    std::string output{};  // of pictures, with %04d for the frame's number or without; empty: none
-    std::string ids{};     // of each picture's piece numbers (id_picture.h), named like output; empty: none
-    uint32_t every = 10; // so many-th frame becomes a picture
-    std::string video{};   // a file of all frames; empty: none
+    std::string output{}; // of pictures, with %04d for the frame's number or without; empty: none
+    std::string ids{};    // of each picture's piece numbers (id_picture.h), named like output; empty: none
+    uint32_t every = 10;  // so many-th frame becomes a picture
+    std::string video{};  // a file of all frames; empty: none
 };
 
 // Throws a Failure with exit_usage for what is no name of a picture.
@@ -29,8 +29,8 @@ void check_film(const FilmOptions& options);
 class Film {
   public:
     // The renderer must outlive it.
-    Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture,
-         const ViewOptions& view, const engine::Bounds& mesh);
+    Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture, const ViewOptions& view,
+         const engine::Bounds& mesh);
 
     // Tells the stage what its pictures show, before it advances.
     void watch(Stage& stage) const;

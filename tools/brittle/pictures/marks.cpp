@@ -52,7 +52,8 @@ double diagonal_of(const fracture::TriangleMesh& mesh) {
 std::vector<Marks> marks_of(const fracture::TriangleMesh& mesh, const fracture::Inspection& inspection) {
     const fracture::Places& places = inspection.places;
     std::vector<Marks> all;
-    const auto begin = [&](const char* kind, const char* colour_name, const glm::uvec3& colour) -> std::vector<Segment>& {
+    const auto begin = [&](const char* kind, const char* colour_name,
+                           const glm::uvec3& colour) -> std::vector<Segment>& {
         all.push_back({kind, colour, colour_name, {}});
         return all.back().segments;
     };

@@ -5,13 +5,13 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "fracture/sequential/bisectors.h"
-#include "fracture/mesh/half_edge.h"
-#include "fracture/sequential/sequential.h"
 #include "fracture/exact/voronoi.h"
+#include "fracture/mesh/half_edge.h"
+#include "fracture/sequential/bisectors.h"
+#include "fracture/sequential/sequential.h"
 #include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/input.h"
 #include "tools/brittle/pictures/view.h"
+#include "tools/brittle/recipe/input.h"
 
 namespace brittle::tools {
 
@@ -31,8 +31,7 @@ std::vector<engine::LineVertex> cell_lines(const fracture::TriangleMesh& mesh, s
     fracture::Box box = fracture::bounds(mesh);
     const glm::dvec3 margin(cell_margin * glm::length(box.size()));
     box = {box.min - margin, box.max + margin};
-    const fracture::VoronoiDiagram diagram =
-        must(fracture::voronoi_diagram(sites, box, 0, weights));
+    const fracture::VoronoiDiagram diagram = must(fracture::voronoi_diagram(sites, box, 0, weights));
     std::vector<engine::LineVertex> lines;
     for (const fracture::VoronoiDiagram::Edge& edge : diagram.edges) {
         lines.push_back({glm::vec3(diagram.vertices[edge.start].position), cell_colour});
@@ -70,8 +69,8 @@ fracture::Fragments partly_cut(const Input& input, uint32_t planes) {
 }
 
 engine::Camera picture_camera(const PictureOptions& options, const engine::Bounds& mesh, float aspect) {
-    return engine::look_at_bounds(stage_view(mesh), glm::radians(options.azimuth), glm::radians(options.elevation), aspect,
-                                  0.6f, 1.05f * options.distance);
+    return engine::look_at_bounds(stage_view(mesh), glm::radians(options.azimuth), glm::radians(options.elevation),
+                                  aspect, 0.6f, 1.05f * options.distance);
 }
 
 } // namespace brittle::tools

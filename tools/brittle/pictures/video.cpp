@@ -42,12 +42,12 @@ void Video::start(const engine::Bitmap& first) {
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         throw Failure(exit_failure, std::string("no channel to ffmpeg: ") + std::strerror(errno));
-    std::vector<std::string> words{
-        "ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgba", "-video_size",
-        std::to_string(width_) + "x" + std::to_string(height_), "-framerate",
-        std::to_string(frames_per_second_), "-i", "-",
-        // Players want half as many colours as pixels, hence even sides.
-        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "file:" + part_.string()};
+    std::vector<std::string> words{"ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgba",
+                                   "-video_size", std::to_string(width_) + "x" + std::to_string(height_), "-framerate",
+                                   std::to_string(frames_per_second_), "-i", "-",
+                                   // Players want half as many colours as pixels, hence even sides.
+                                   "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p",
+                                   "file:" + part_.string()};
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -67,10 +67,9 @@ void Video::start(const engine::Bitmap& first) {
     ::close(stream_);
     process_ = -1;
     if (error == ENOENT)
-        throw Failure(
-            exit_usage,
-            "a video needs the program ffmpeg, which is not installed (Debian: apt install ffmpeg); "
-            "without it write pictures, -o frame_%04d.png");
+        throw Failure(exit_usage,
+                      "a video needs the program ffmpeg, which is not installed (Debian: apt install ffmpeg); "
+                      "without it write pictures, -o frame_%04d.png");
     throw Failure(exit_failure, std::string("ffmpeg does not start: ") + std::strerror(error));
 }
 
@@ -78,8 +77,7 @@ void Video::add(const engine::Bitmap& image) {
     if (process_ < 0) start(image);
     assert(image.width == width_ && image.height == height_);
     for (size_t sent = 0; sent < image.pixels.size();) {
-        const ssize_t count =
-            send(stream_, image.pixels.data() + sent, image.pixels.size() - sent, MSG_NOSIGNAL);
+        const ssize_t count = send(stream_, image.pixels.data() + sent, image.pixels.size() - sent, MSG_NOSIGNAL);
         if (count < 0 && errno == EINTR) continue;
         if (count <= 0) throw Failure(exit_output, file_.string() + ": ffmpeg does not take the frames");
         sent += static_cast<size_t>(count);
@@ -103,8 +101,7 @@ void Video::finish() {
         throw Failure(exit_output, file_.string() + ": ffmpeg could not write the video");
     }
     std::filesystem::rename(part_, file_, error);
-    if (error)
-        throw Failure(exit_output, file_.string() + ": the video cannot be put there: " + error.message());
+    if (error) throw Failure(exit_output, file_.string() + ": the video cannot be put there: " + error.message());
 }
 
 } // namespace brittle::tools

@@ -44,8 +44,8 @@ engine::Bounds stage_view(const engine::Bounds& mesh) {
 void check_validation(const engine::Device& device) {
     const size_t count = device.validation_messages().size();
     if (count > 0) {
-        throw Failure(exit_failure, "the Vulkan validation layer reported " + std::to_string(count) +
-                                        (count == 1 ? " message" : " messages") + ", printed above");
+        throw Failure(exit_failure, "the Vulkan validation layer reported " + std::to_string(count)
+                                        + (count == 1 ? " message" : " messages") + ", printed above");
     }
 }
 

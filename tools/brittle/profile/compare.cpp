@@ -104,11 +104,16 @@ const Json* find_scenario(const Json& profile, const Json& name) {
 
 const char* to_string(Verdict verdict) {
     switch (verdict) {
-    case Verdict::same: return "same";
-    case Verdict::faster: return "faster";
-    case Verdict::slower: return "slower";
-    case Verdict::noise: return "noise";
-    case Verdict::few: return "few";
+    case Verdict::same:
+        return "same";
+    case Verdict::faster:
+        return "faster";
+    case Verdict::slower:
+        return "slower";
+    case Verdict::noise:
+        return "noise";
+    case Verdict::few:
+        return "few";
     }
     return "";
 }

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "tools/brittle/base/failure.h"
-#include "tools/brittle/profile/passes.h"
 #include "tools/brittle/base/progress.h"
+#include "tools/brittle/profile/passes.h"
 
 namespace brittle::tools {
 

@@ -3,10 +3,10 @@
 
 #include "engine/compute/gpu_classifier.h"
 #include "fracture/base/work_log.h"
-#include "tools/brittle/recipe/input.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
 #include "tools/brittle/profile/trace.h"
+#include "tools/brittle/recipe/input.h"
 
 namespace brittle::tools {
 

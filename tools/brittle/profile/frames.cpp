@@ -7,11 +7,11 @@
 #include "engine/render/camera.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/base/progress.h"
+#include "tools/brittle/pictures/view.h"
 #include "tools/brittle/profile/fractures.h"
 #include "tools/brittle/profile/passes.h"
-#include "tools/brittle/base/progress.h"
 #include "tools/brittle/run/stage.h"
-#include "tools/brittle/pictures/view.h"
 
 namespace brittle::tools {
 

@@ -6,11 +6,11 @@
 
 #include "engine/compute/gpu_classifier.h"
 #include "engine/render/renderer.h"
-#include "tools/brittle/recipe/view_options.h"
-#include "tools/brittle/recipe/input.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
 #include "tools/brittle/profile/trace.h"
+#include "tools/brittle/recipe/input.h"
+#include "tools/brittle/recipe/view_options.h"
 
 namespace brittle::tools {
 

@@ -3,11 +3,11 @@
 #include <filesystem>
 
 #include "tools/brittle/base/failure.h"
-#include "tools/brittle/profile/frames.h"
+#include "tools/brittle/pictures/view.h"
 #include "tools/brittle/profile/fractures.h"
+#include "tools/brittle/profile/frames.h"
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/run/stage.h"
-#include "tools/brittle/pictures/view.h"
 
 namespace brittle::tools {
 
@@ -68,8 +68,7 @@ Json Profiler::measure(const Scenario& scenario) {
               {"first", times.first_milliseconds},
               {"fracture", times.series.json()}};
     if (plan_.frames > 0) {
-        const FrameTimes frames =
-            measure_frames(scenario, input, plan_.frames, view_, renderer(), classifier, trace_);
+        const FrameTimes frames = measure_frames(scenario, input, plan_.frames, view_, renderer(), classifier, trace_);
         json["frames"] = {{"whole", frames.whole.json()},
                           {"breaking", frames.breaking.json()},
                           {"taking over", frames.taking_over.json()},

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/render/renderer.h"
-#include "tools/brittle/recipe/view_options.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/trace.h"
+#include "tools/brittle/recipe/view_options.h"
 
 namespace brittle::tools {
 

@@ -66,8 +66,8 @@ std::string sites_name(const FractureOptions& options) {
 Scenario make_scenario(const ScenarioGroup& group, FractureOptions options, const std::string& classify) {
     if (options.mesh.empty())
         throw Failure(exit_usage, "no mesh to profile: give MESH, --meshes A,B or a recipe that names one");
-    const std::string name = (group.name.empty() ? "" : group.name + " ") + stem(options.mesh) + " "
-                             + sites_name(options) + " " + classify;
+    const std::string name =
+        (group.name.empty() ? "" : group.name + " ") + stem(options.mesh) + " " + sites_name(options) + " " + classify;
     return {name, std::move(options), classify_path(classify)};
 }
 
@@ -123,8 +123,9 @@ std::vector<Scenario> make_scenarios(const ProfilePlan& plan, const ScenarioGrou
     for (auto at = scenarios.begin(); at != scenarios.end(); ++at) {
         const auto same = [&](const Scenario& other) { return other.name == at->name; };
         if (std::any_of(scenarios.begin(), at, same))
-            throw Failure(exit_usage, "two scenarios are named '" + at->name + "'; leave out one, or write them into a "
-                                      "file for --scenarios, where a \"name\" tells them apart");
+            throw Failure(exit_usage, "two scenarios are named '" + at->name
+                                          + "'; leave out one, or write them into a "
+                                            "file for --scenarios, where a \"name\" tells them apart");
     }
     if (scenarios.size() > 1 && !base.save_recipe.empty())
         throw Failure(exit_usage, "--save-recipe is for one scenario; these are " + std::to_string(scenarios.size()));

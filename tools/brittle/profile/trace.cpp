@@ -18,11 +18,16 @@ constexpr int most_depth = 8;
 
 std::string name_of(Track track) {
     switch (track) {
-    case Track::main: return "main thread";
-    case Track::worker: return "fracture thread";
-    case Track::device: return "Vulkan device, drawing";
-    case Track::classifier: return "Vulkan device, classifying";
-    case Track::share: break;
+    case Track::main:
+        return "main thread";
+    case Track::worker:
+        return "fracture thread";
+    case Track::device:
+        return "Vulkan device, drawing";
+    case Track::classifier:
+        return "Vulkan device, classifying";
+    case Track::share:
+        break;
     }
     return "worker " + std::to_string(static_cast<int>(track) - static_cast<int>(Track::share));
 }
@@ -64,8 +69,7 @@ void Trace::mark(const std::string& name, int64_t at) {
 Json Trace::json(const Json& metadata) const {
     std::vector<Slice> slices = slices_;
     const auto order = [](const Slice& s) { return std::tuple(s.track, s.begin, s.depth); };
-    std::stable_sort(slices.begin(), slices.end(),
-                     [&](const Slice& a, const Slice& b) { return order(a) < order(b); });
+    std::stable_sort(slices.begin(), slices.end(), [&](const Slice& a, const Slice& b) { return order(a) < order(b); });
     int64_t origin = std::numeric_limits<int64_t>::max();
     for (const Slice& slice : slices) origin = std::min(origin, slice.begin);
     for (const Mark& mark : marks_) origin = std::min(origin, mark.at);
@@ -82,7 +86,8 @@ Json Trace::json(const Json& metadata) const {
         Slice& slice = slices[i];
         const auto depth = static_cast<size_t>(slice.depth);
         if (i == 0 || slices[i - 1].track != slice.track)
-            last.fill({slice.track, 0, "", std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::min(), {}});
+            last.fill(
+                {slice.track, 0, "", std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::min(), {}});
         const bool has_parent = depth > 0 && slice.begin <= last[depth - 1].end;
         if (has_parent) slice.end = std::min(slice.end, last[depth - 1].end);
         for (size_t d = depth; d < most_depth; ++d) slice.begin = std::max(slice.begin, last[d].end);
@@ -96,8 +101,7 @@ Json Trace::json(const Json& metadata) const {
                           {"dur", microseconds(slice.end - origin) - microseconds(slice.begin - origin)},
                           {"pid", process},
                           {"tid", static_cast<int>(slice.track)}});
-        if (slice.items)
-            events.back()["args"] = {{"from", slice.items->first}, {"to", slice.items->second}};
+        if (slice.items) events.back()["args"] = {{"from", slice.items->first}, {"to", slice.items->second}};
     }
     for (const Mark& mark : marks_)
         events.push_back({{"name", mark.name},

@@ -9,18 +9,18 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/pieces/certificate.h"
+#include "fracture/doctor/repair.h"
 #include "fracture/io/import.h"
 #include "fracture/io/text_cursor.h"
-#include "fracture/doctor/repair.h"
+#include "fracture/mesh/topology.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "fracture/mesh/topology.h"
 #include "physics/material.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
-#include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/base/stopwatch.h"
+#include "tools/brittle/recipe/recipe.h"
 
 namespace brittle::tools {
 
@@ -54,7 +54,8 @@ std::string mesh_name(const std::string& mesh) {
 void repair(fracture::Model& model, const std::string& name) {
     fracture::Repaired repaired = fracture::repair(model.mesh);
     const std::string report = fracture::describe(repaired.report);
-    std::fprintf(stderr, "brittle: %s: %s", name.c_str(), report.empty() ? "nothing to repair\n" : ("repaired\n" + report).c_str());
+    std::fprintf(stderr, "brittle: %s: %s", name.c_str(),
+                 report.empty() ? "nothing to repair\n" : ("repaired\n" + report).c_str());
     if (repaired.report.changed()) fracture::replace_mesh(model, std::move(repaired.mesh), repaired.source_triangle);
 }
 
@@ -65,8 +66,8 @@ void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name)
     const fracture::Repaired repaired = fracture::repair(mesh);
     const auto after = fracture::check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles);
     if (!after.closed() || repaired.mesh.triangles.empty()) return;
-    throw Failure(exit_mesh, name + ": " + fracture::describe(report) + ". Add --repair, and this is done:\n" +
-                                 fracture::describe(repaired.report) + "The mesh is then closed");
+    throw Failure(exit_mesh, name + ": " + fracture::describe(report) + ". Add --repair, and this is done:\n"
+                                 + fracture::describe(repaired.report) + "The mesh is then closed");
 }
 
 } // namespace
@@ -166,7 +167,8 @@ void use_material(const std::string& name, FractureOptions& options) {
     if (!preset) {
         std::string known;
         for (const auto& p : physics::material_presets()) known.append(known.empty() ? "" : ", ").append(p.name);
-        throw Failure(exit_usage, "there is no material " + fracture::quoted(std::string_view(name)) + "; there are: " + known);
+        throw Failure(exit_usage,
+                      "there is no material " + fracture::quoted(std::string_view(name)) + "; there are: " + known);
     }
     options.material = name;
     options.pattern.kind = preset->pattern.kind;
@@ -209,9 +211,9 @@ fracture::Result<fracture::Fragments> uncut(const Input& input, fracture::Settin
 
 } // namespace
 
-Broken break_input(const Input& input, const FractureOptions& options,
-                   const std::function<void(double)>& progress, fracture::Classifier* classifier,
-                   const std::function<bool()>& cancelled, fracture::WorkLog* work_log) {
+Broken break_input(const Input& input, const FractureOptions& options, const std::function<void(double)>& progress,
+                   fracture::Classifier* classifier, const std::function<bool()>& cancelled,
+                   fracture::WorkLog* work_log) {
     const fracture::Settings settings{.algorithm = options.algorithm,
                                       .threads = options.threads,
                                       .groups = input.groups,
@@ -223,9 +225,8 @@ Broken break_input(const Input& input, const FractureOptions& options,
                                       .cancelled = [&] { return is_interrupted() || (cancelled && cancelled()); }};
     const Stopwatch stopwatch;
     Broken broken;
-    broken.fragments = must(starts_whole(options.world)
-                                ? uncut(input, settings)
-                                : fracture::fracture(input.model.mesh, input.sites, settings));
+    broken.fragments = must(starts_whole(options.world) ? uncut(input, settings)
+                                                        : fracture::fracture(input.model.mesh, input.sites, settings));
     broken.milliseconds = stopwatch.milliseconds();
     broken.certificate = fracture::certify(input.model.mesh, broken.fragments);
     return broken;

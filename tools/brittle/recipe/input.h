@@ -25,21 +25,21 @@ struct PlacedSite {
 };
 
 struct FractureOptions {
-    std::string mesh;       // a file, or shape:NAME
-    std::string material; // --material: the name of a preset, or empty; its pattern is in `pattern` already
-    fracture::Pattern pattern; // --pattern, -n, --seed and more: makes the sites
-    std::string sites_file;    // --sites: takes the place of the pattern
+    std::string mesh;               // a file, or shape:NAME
+    std::string material;           // --material: the name of a preset, or empty; its pattern is in `pattern` already
+    fracture::Pattern pattern;      // --pattern, -n, --seed and more: makes the sites
+    std::string sites_file;         // --sites: takes the place of the pattern
     std::vector<PlacedSite> points; // outdo the file and the pattern
     std::vector<Strike> strikes;    // --strike: only what they hit breaks; outdo all sites, the pattern says how
-    bool fit_sites = false;    // --fit-sites: moves and scales them onto the mesh's box, before the placement
+    bool fit_sites = false;         // --fit-sites: moves and scales them onto the mesh's box, before the placement
     fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
-    std::string save_recipe;   // --save-recipe: where load_input() writes all this; or empty
-    bool repair = false;    // --repair: fracture::repair() first, and say what it did
+    std::string save_recipe;             // --save-recipe: where load_input() writes all this; or empty
+    bool repair = false;                 // --repair: fracture::repair() first, and say what it did
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
     double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
     uint32_t threads = 0;    // 0: one a core
     PictureOptions picture;  // what `brittle render` shows
-    WorldOptions world;     // its seed and blows are not looked at: world_of()
+    WorldOptions world;      // its seed and blows are not looked at: world_of()
 };
 
 // The world, in which blows cut by the pattern's seed: equal seeds, equal cuts. What starts whole is cut in the manner of the
@@ -49,7 +49,7 @@ struct FractureOptions {
 
 // A mesh and the sites to break it by.
 struct Input {
-    std::string name; // the file's stem or the shape's name
+    std::string name;      // the file's stem or the shape's name
     fracture::Model model; // without looks for shapes, and unless they are asked for
     std::vector<glm::dvec3> sites;
     std::vector<uint32_t> groups; // of the sites; or none
@@ -94,7 +94,6 @@ void prepare_mesh(const FractureOptions& options, Input& input);
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
                                  const std::function<void(double)>& progress = {},
                                  fracture::Classifier* classifier = nullptr,
-                                 const std::function<bool()>& cancelled = {},
-                                 fracture::WorkLog* work_log = nullptr);
+                                 const std::function<bool()>& cancelled = {}, fracture::WorkLog* work_log = nullptr);
 
 } // namespace brittle::tools

@@ -50,7 +50,8 @@ class JsonReader {
     void vector(const std::string& key, glm::dvec3& target);
     [[nodiscard]] glm::dvec3 vector_of(const std::string& key, const nlohmann::ordered_json& value) const;
 
-    [[nodiscard]] double number_of(const std::string& key, const nlohmann::ordered_json& value, double low, double high) const;
+    [[nodiscard]] double number_of(const std::string& key, const nlohmann::ordered_json& value, double low,
+                                   double high) const;
 
     template<class Whole>
     void whole(const std::string& key, Whole& target, uint64_t low, uint64_t high) {

@@ -1,8 +1,8 @@
 #include "tools/brittle/recipe/piece_export.h"
 
 #include "fracture/io/import.h"
-#include "physics/world/hull.h"
 #include "physics/material.h"
+#include "physics/world/hull.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/recipe.h"
 
@@ -14,7 +14,8 @@ namespace {
 constexpr float least_margin = 0.001f;
 
 double density_of(const ExportSettings& settings, const physics::MaterialPreset* preset) {
-    return settings.density > 0.0 ? settings.density : double{(preset ? preset->material : physics::Material{}).density};
+    return settings.density > 0.0 ? settings.density
+                                  : double{(preset ? preset->material : physics::Material{}).density};
 }
 
 } // namespace
@@ -32,7 +33,8 @@ bool wants_hulls(const ExportSettings& settings) {
     return !settings.hulls.empty() || settings.rigid_bodies;
 }
 
-fracture::ExportOptions export_options(const ExportSettings& settings, const FractureOptions& recipe, const Input& source) {
+fracture::ExportOptions export_options(const ExportSettings& settings, const FractureOptions& recipe,
+                                       const Input& source) {
     fracture::ExportOptions options{.name = source.name, .recipe = recipe_json(recipe), .source = &source.model};
     options.per_piece = settings.per_piece;
     const physics::MaterialPreset* preset = physics::material_preset(recipe.material);
@@ -45,7 +47,8 @@ fracture::ExportOptions export_options(const ExportSettings& settings, const Fra
     options.hull_names = settings.hulls == "unreal" ? fracture::HullNames::unreal : fracture::HullNames::godot;
     options.rigid_bodies = settings.rigid_bodies;
     options.density = density_of(settings, preset);
-    if (!settings.interior_texture.empty()) options.interior_image = must(fracture::read_image(settings.interior_texture));
+    if (!settings.interior_texture.empty())
+        options.interior_image = must(fracture::read_image(settings.interior_texture));
     return options;
 }
 

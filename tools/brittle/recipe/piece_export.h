@@ -11,11 +11,11 @@
 namespace brittle::tools {
 
 struct ExportSettings {
-    std::string output{};        // its ending says the format; empty: nothing is written
-    bool per_piece = false;      // a file for each
-    std::string hulls{};         // "godot" or "unreal": how collision hulls are named; empty: none
+    std::string output{};   // its ending says the format; empty: nothing is written
+    bool per_piece = false; // a file for each
+    std::string hulls{};    // "godot" or "unreal": how collision hulls are named; empty: none
     bool rigid_bodies = false;
-    double density = 0.0;        // kg/m^3, of rigid_bodies; 0: the material's
+    double density = 0.0;           // kg/m^3, of rigid_bodies; 0: the material's
     std::string interior_texture{}; // an image for the cuts; empty: none
 };
 

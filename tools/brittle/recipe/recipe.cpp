@@ -108,7 +108,8 @@ Json world_json(const WorldOptions& world) {
     if (world.breakable) json["breakable"] = true;
     if (world.min_size != plain.min_size) json["min_size"] = world.min_size;
     if (world.blow_pieces != plain.blow_pieces) json["blow_pieces"] = world.blow_pieces;
-    if (world.bond.brick != plain.bond.brick || world.bond.along != plain.bond.along) json["brick"] = brick_json(world.bond);
+    if (world.bond.brick != plain.bond.brick || world.bond.along != plain.bond.along)
+        json["brick"] = brick_json(world.bond);
     if (world.piece_limit != plain.piece_limit) json["piece_limit"] = world.piece_limit;
     for (const Anchor& anchor : world.anchors)
         json["anchors"].push_back({{"at", vector_json(anchor.at)}, {"radius", anchor.radius}});
@@ -178,7 +179,8 @@ std::vector<PlacedSite> read_points(JsonReader& reader) {
     for (size_t k = 0; k < points.size(); ++k) {
         const std::string at = "/" + std::to_string(k);
         if (weights) points[k].weight = reader.number_of("weights" + at, (*weights)[k], -most_weight, most_weight);
-        if (groups) points[k].group = static_cast<uint32_t>(reader.whole_of("groups" + at, (*groups)[k], 0, most_group));
+        if (groups)
+            points[k].group = static_cast<uint32_t>(reader.whole_of("groups" + at, (*groups)[k], 0, most_group));
     }
     return points;
 }
@@ -210,7 +212,8 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
         options.points = read_points(reader);
         reader.whole("seed", options.pattern.seed, 0, UINT64_MAX);
         if (options.sites_file.empty() == options.points.empty())
-            throw reader.failure("file", "a pattern of points needs the file that they are in, or a list \"sites\" of them");
+            throw reader.failure("file",
+                                 "a pattern of points needs the file that they are in, or a list \"sites\" of them");
         reader.flag("fit", options.fit_sites);
         reader.vector("turn", options.sites_placement.turn);
         reader.number("scale", options.sites_placement.scale, 1e-9, 1e9);
@@ -268,7 +271,8 @@ void read_brick(JsonReader& reader, physics::RunningBond& bond) {
         if (!sides->is_array() || sides->size() != 3)
             reader.fail("size", "length, height and thickness in metres, such as [0.25, 0.075, 0.12]", *sides);
         for (int side = 0; side < 3; ++side)
-            size[side] = reader.number_of("size/" + std::to_string(side), (*sides)[static_cast<size_t>(side)], 0.001, 10.0);
+            size[side] =
+                reader.number_of("size/" + std::to_string(side), (*sides)[static_cast<size_t>(side)], 0.001, 10.0);
     }
     std::string along(axes[bond.along]);
     reader.text("along", along);
@@ -342,14 +346,16 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
     read_recipe(file, read_json_file(file, "recipe", longest_recipe), "", options);
 }
 
-void read_recipe(const std::filesystem::path& file, const Json& json, const std::string& path, FractureOptions& options) {
+void read_recipe(const std::filesystem::path& file, const Json& json, const std::string& path,
+                 FractureOptions& options) {
     JsonReader reader(file, json, path);
     int written_for = 0;
     reader.whole("brittle", written_for, 0, INT32_MAX);
     if (written_for != version)
         throw reader.failure("brittle", "expected the recipe's version, which is " + std::to_string(version));
     const auto from_here = [&](std::string& name) {
-        if (!name.empty() && !name.starts_with(shape_prefix)) name = (file.parent_path() / name).lexically_normal().string();
+        if (!name.empty() && !name.starts_with(shape_prefix))
+            name = (file.parent_path() / name).lexically_normal().string();
     };
     if (reader.find("mesh")) {
         reader.text("mesh", options.mesh);

@@ -32,7 +32,8 @@ bool finite(const glm::dvec3& v) {
 
 fracture::Pattern pattern_in_cube(const Strike& strike, const fracture::Pattern& pattern, size_t number) {
     fracture::Pattern inside = pattern;
-    if (inside.kind == PatternKind::curvature || inside.kind == PatternKind::thickness || inside.kind == PatternKind::curve)
+    if (inside.kind == PatternKind::curvature || inside.kind == PatternKind::thickness
+        || inside.kind == PatternKind::curve)
         inside.kind = PatternKind::uniform;
     if (inside.kind == PatternKind::radial) inside.axis = strike.direction;
     inside.count = static_cast<uint32_t>(std::lround(cube_by_ball * strike.pieces));
@@ -45,7 +46,8 @@ fracture::Pattern pattern_in_cube(const Strike& strike, const fracture::Pattern&
 
 } // namespace
 
-fracture::Result<fracture::PatternSites> strike_sites(std::span<const Strike> strikes, const fracture::Pattern& pattern) {
+fracture::Result<fracture::PatternSites> strike_sites(std::span<const Strike> strikes,
+                                                      const fracture::Pattern& pattern) {
     fracture::PatternSites all;
     for (size_t k = 0; k < strikes.size(); ++k) {
         const Strike& strike = strikes[k];
@@ -55,7 +57,8 @@ fracture::Result<fracture::PatternSites> strike_sites(std::span<const Strike> st
         if (!finite(strike.direction) || glm::length(strike.direction) == 0.0)
             return fault(k, "its direction has no length");
         if (strike.pieces < 1 || strike.pieces > most_pieces)
-            return fault(k, "it makes " + std::to_string(strike.pieces) + " pieces; 1 to " + std::to_string(most_pieces) + " can be had");
+            return fault(k, "it makes " + std::to_string(strike.pieces) + " pieces; 1 to " + std::to_string(most_pieces)
+                                + " can be had");
         fracture::TriangleMesh cube = fracture::cuboid(glm::dvec3(2.0 * reach * strike.radius));
         const glm::dvec3 offset = strike.at - fracture::bounds(cube).centre();
         for (glm::dvec3& p : cube.positions) p += offset;

@@ -11,7 +11,7 @@ struct ViewOptions {
     uint32_t width = 1280;
     uint32_t height = 720;
     std::string quality = "auto"; // auto, fast or best
-    bool validation = false; // fail if the Vulkan validation layer finds fault
+    bool validation = false;      // fail if the Vulkan validation layer finds fault
 };
 
 } // namespace brittle::tools

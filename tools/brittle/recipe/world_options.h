@@ -34,27 +34,28 @@ struct Anchor {
 // of each piece that is hit, turned about Y by the blow's seed, and then placed (physics::ImpactPattern).
 struct BlowPattern {
     fracture::PatternKind kind = fracture::PatternKind::uniform;
-    double slenderness = 8.0; // of splinters
+    double slenderness = 8.0;          // of splinters
     std::vector<glm::dvec3> diagram{}; // sites, in coordinates of any kind; or none
     fracture::Placement placement{};   // of the diagram
 };
 
 struct WorldOptions {
-    bool bonded = false;   // pieces hold together until blows, loads or wear break their bonds
-    bool anchored = false; // bonded unless it is breakable, and what stands on the ground is held by it
-    double height = 0.5;   // m, of the mesh above the ground at first; 0 where it is anchored
-    double air_density = 1.2; // kg/m^3; 0 is a vacuum, 1000 water in which nothing floats
+    bool bonded = false;           // pieces hold together until blows, loads or wear break their bonds
+    bool anchored = false;         // bonded unless it is breakable, and what stands on the ground is held by it
+    double height = 0.5;           // m, of the mesh above the ground at first; 0 where it is anchored
+    double air_density = 1.2;      // kg/m^3; 0 is a vacuum, 1000 water in which nothing floats
     uint32_t most_colliding = 500; // awake, with each other; what comes off beyond is debris; 0: no limit
-    double strength = 1.0; // of bonds and pieces, in the material's; 0.075 is stone laid in weak mortar
+    double strength = 1.0;         // of bonds and pieces, in the material's; 0.075 is stone laid in weak mortar
     // Cut anew where it is hit, again and again. Where it is not bonded as well, it starts whole: the pattern says how blows
     // cut, and anchored means that what of it comes near the ground is held.
     bool breakable = false;
-    double min_size = 0.05;        // m, cube root of volume; no smaller piece is made
-    uint32_t blow_pieces = 48;     // at most, of one blow
-    physics::RunningBond bond{};   // of bricks that blows take out, to be fitted: its corner is not looked at
-    uint32_t piece_limit = 2000;   // in the world; beyond it debris goes, what is unseen, then what is small and old first
-    std::vector<Anchor> anchors{}; // bonded unless it is breakable, and held there
-    uint64_t seed = 1;             // of where blows cut: see world_of()
+    double min_size = 0.05;      // m, cube root of volume; no smaller piece is made
+    uint32_t blow_pieces = 48;   // at most, of one blow
+    physics::RunningBond bond{}; // of bricks that blows take out, to be fitted: its corner is not looked at
+    uint32_t piece_limit =
+        2000; // in the world; beyond it debris goes, what is unseen, then what is small and old first
+    std::vector<Anchor> anchors{};      // bonded unless it is breakable, and held there
+    uint64_t seed = 1;                  // of where blows cut: see world_of()
     std::optional<BlowPattern> blows{}; // see world_of(); unset: as the material breaks
     std::vector<Shot> shots{};
 };

@@ -13,8 +13,7 @@ using Json = nlohmann::ordered_json;
 // Each kind's name and fields, written once for both directions: a codec gets name and value of each field.
 template<class Codec>
 void fields(Codec& codec, Shoot& a) {
-    codec("from", a.from), codec("velocity", a.velocity), codec("radius", a.radius),
-        codec("density", a.density);
+    codec("from", a.from), codec("velocity", a.velocity), codec("radius", a.radius), codec("density", a.density);
 }
 template<class Codec>
 void fields(Codec& codec, Damage& a) {
@@ -106,8 +105,7 @@ void write_action(Json& object, const Action& action) {
     object[names[action.index()]] = std::move(writer.json);
 }
 
-std::optional<Action> read_action(const std::filesystem::path& where, JsonReader& reader,
-                                  size_t piece_count) {
+std::optional<Action> read_action(const std::filesystem::path& where, JsonReader& reader, size_t piece_count) {
     std::optional<Action> action;
     for (size_t kind = 0; kind < std::size(names); ++kind) {
         const Json* json = reader.find(names[kind]);

@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/brittle/run/action.h"
 #include "tools/brittle/recipe/json_reader.h"
+#include "tools/brittle/run/action.h"
 
 namespace brittle::tools {
 

@@ -13,8 +13,8 @@ uint16_t check_of(const physics::World& world, physics::BodyId body) {
     const glm::vec3 linear = world.linear_velocity(body), angular = world.angular_velocity(body);
     const glm::quat& q = pose.orientation;
     uint64_t hash = 0xcbf29ce484222325; // FNV-1a on words
-    for (const float value : {pose.position.x, pose.position.y, pose.position.z, q.w, q.x, q.y, q.z, linear.x,
-                              linear.y, linear.z, angular.x, angular.y, angular.z}) {
+    for (const float value : {pose.position.x, pose.position.y, pose.position.z, q.w, q.x, q.y, q.z, linear.x, linear.y,
+                              linear.z, angular.x, angular.y, angular.z}) {
         hash ^= std::bit_cast<uint32_t>(value);
         hash *= 0x100000001b3;
     }

@@ -21,8 +21,7 @@ std::optional<Token> take(std::string_view& text) {
         Token run;
         const char* end = text.data() + text.size();
         const auto [at, error] = std::from_chars(text.data() + 1, end, run.bodies);
-        if (error != std::errc{} || at == end || *at != ')' || run.bodies == 0 || run.bodies > most_bodies)
-            return {};
+        if (error != std::errc{} || at == end || *at != ')' || run.bodies == 0 || run.bodies > most_bodies) return {};
         text.remove_prefix(static_cast<size_t>(at - text.data()) + 1);
         return run;
     }

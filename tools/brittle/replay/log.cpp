@@ -49,8 +49,7 @@ class LogReader {
         if (!first) throw Failure(exit_input, file_.string() + ": the replay log is empty");
         read_header(*first);
         while (const std::optional<std::string> line = next_line()) {
-            if (!log_.end.empty())
-                throw Failure(exit_input, where().string() + ": nothing may follow the end");
+            if (!log_.end.empty()) throw Failure(exit_input, where().string() + ": nothing may follow the end");
             read_entry(*line);
         }
         if (log_.end.empty())
@@ -84,11 +83,9 @@ class LogReader {
         int written_for = 0;
         reader.whole("brittle_log", written_for, 0, INT32_MAX);
         if (written_for != version)
-            throw reader.failure("brittle_log",
-                                 "expected the log's version, which is " + std::to_string(version));
+            throw reader.failure("brittle_log", "expected the log's version, which is " + std::to_string(version));
         if (const Json* build = reader.find("build")) log_.build = *build;
-        if (!log_.build.is_object())
-            throw reader.failure("build", "expected an object { } that says what recorded it");
+        if (!log_.build.is_object()) throw reader.failure("build", "expected an object { } that says what recorded it");
         if (!reader.find("step_seconds")) throw reader.failure("step_seconds", "is missing");
         reader.number("step_seconds", log_.step_seconds, 1e-6, 1.0);
         required_whole(reader, "pieces", log_.pieces, UINT32_MAX);
@@ -107,14 +104,14 @@ class LogReader {
             uint64_t step = 0;
             reader.whole("step", step, 0, most_steps);
             if (step != log_.states.size())
-                throw reader.failure("step", "expected step " + std::to_string(log_.states.size())
-                                                 + ", found " + std::to_string(step));
+                throw reader.failure("step", "expected step " + std::to_string(log_.states.size()) + ", found "
+                                                 + std::to_string(step));
             ReplayLog::State& state = log_.states.emplace_back();
             state.hash = read_hash(reader, "hash");
             reader.text("bodies", state.bodies);
             if (!count_bodies(state.bodies))
-                throw reader.failure(
-                    "bodies", "expected four hexadecimal digits a body, or (N) for N that are as before");
+                throw reader.failure("bodies",
+                                     "expected four hexadecimal digits a body, or (N) for N that are as before");
         } else if (reader.find("commit")) {
             const uint64_t after = step_now(reader, "after");
             JsonReader inner(at, *reader.find("commit"), "/commit");

@@ -13,8 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "physics/cutting/destruction.h"
-#include "tools/brittle/run/action.h"
 #include "tools/brittle/recipe/input.h"
+#include "tools/brittle/run/action.h"
 
 namespace brittle::tools {
 
@@ -30,8 +30,8 @@ struct ReplayLog {
     };
     std::vector<State> states{};                        // [k]: after k steps; [0] before any action
     std::vector<std::pair<uint64_t, Action>> actions{}; // with the steps they take effect after, ascending
-    std::vector<physics::Commit> commits{}; // of cuts, ascending by the step that they are part of
-    std::string end{}; // "finished", or why it was cut short: "interrupted", "failed"
+    std::vector<physics::Commit> commits{};             // of cuts, ascending by the step that they are part of
+    std::string end{};                                  // "finished", or why it was cut short: "interrupted", "failed"
 };
 
 // Throws a Failure with exit_input that names line and field.

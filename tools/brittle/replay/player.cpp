@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "fracture/pieces/certificate.h"
-#include "tools/brittle/recipe/json_reader.h"
 #include "tools/brittle/base/environment.h"
+#include "tools/brittle/recipe/json_reader.h"
 #include "tools/brittle/replay/body_text.h"
 
 namespace brittle::tools {
@@ -38,8 +38,7 @@ std::string describe(const Simulation& simulation, uint64_t index) {
 
 Player::Player(const ReplayLog& log) : log_(log) {}
 
-void Player::started(const Simulation& simulation, const fracture::Fragments& fragments,
-                     const WorldOptions&) {
+void Player::started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions&) {
     compared_ = 0;
     checks_ = {};
     difference_.reset();
@@ -90,8 +89,7 @@ std::string other_build(const ReplayLog& log) {
         const auto recorded = log.build.find(key);
         if (recorded != log.build.end() && *recorded == own[key]) continue;
         text += (text.empty() ? "" : ", ") + std::string(key) + " "
-                + (recorded == log.build.end() ? "unknown" : shown(*recorded)) + " instead of "
-                + shown(own[key]);
+                + (recorded == log.build.end() ? "unknown" : shown(*recorded)) + " instead of " + shown(own[key]);
     }
     return text;
 }

@@ -4,11 +4,11 @@
 #include <span>
 #include <utility>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/io/atomic_file.h"
+#include "fracture/pieces/certificate.h"
+#include "tools/brittle/base/environment.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
-#include "tools/brittle/base/environment.h"
 
 namespace brittle::tools {
 
@@ -41,8 +41,7 @@ std::string Recorder::text(const std::filesystem::path& file, const std::string&
     return header_line(header_, std::filesystem::absolute(file).parent_path()) + text_ + end_line(steps_, end);
 }
 
-void Recorder::started(const Simulation& simulation, const fracture::Fragments& fragments,
-                       const WorldOptions& world) {
+void Recorder::started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions& world) {
     header_ = {.build = environment(),
                .step_seconds = static_cast<double>(simulation.world().settings().step),
                .pieces = fragments.pieces.size(),

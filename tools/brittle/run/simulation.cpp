@@ -35,8 +35,8 @@ constexpr float grab_rate = 10.0f;          // 1/s; higher: stiffer
 constexpr float grab_acceleration = 150.0f; // m/s^2; less would not hold what hangs from it in a fast hand
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
-constexpr double foot = 0.01;  // m: what is anchored and reaches below is held
-constexpr double below = 1.0;  // m, how far down that goes
+constexpr double foot = 0.01;             // m: what is anchored and reaches below is held
+constexpr double below = 1.0;             // m, how far down that goes
 constexpr size_t any_number = UINT32_MAX; // pieces that are not there yet may be named
 
 double hammer_energy(double impulse) {
@@ -142,8 +142,7 @@ void Simulation::clear() {
 }
 
 void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options) {
-    start(fragments, options,
-          prepare_bodies(fragments, options, std::string(material_ ? material_->name : ""), look_));
+    start(fragments, options, prepare_bodies(fragments, options, std::string(material_ ? material_->name : ""), look_));
 }
 
 void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead) {
@@ -170,12 +169,13 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
 
 void Simulation::start_breakable(const fracture::Fragments& fragments, const WorldOptions& options,
                                  PreparedBodies& ahead) {
-    destruction_.emplace(physics::DestructionSettings{.timing = timing_, .debris = {.most_pieces = options.piece_limit}});
+    destruction_.emplace(
+        physics::DestructionSettings{.timing = timing_, .debris = {.most_pieces = options.piece_limit}});
     destruction_->follow(script_);
     const physics::BreakableDesc desc = breakable_desc(fragments, material_, options, look_);
     if (options.bonded) {
-        object_ = must(destruction_->add(world_, fragments, structure_desc(fragments, material_, options), desc,
-                                         ahead.solids));
+        object_ = must(
+            destruction_->add(world_, fragments, structure_desc(fragments, material_, options), desc, ahead.solids));
         return;
     }
     for (const physics::SolidPtr& solid : ahead.solids) (void)must(destruction_->add(world_, solid, desc));
@@ -189,9 +189,8 @@ void Simulation::apply(const Action& action) {
 
 void Simulation::schedule(uint64_t step, const Action& action) {
     if (step <= steps()) return apply(action);
-    const auto later =
-        std::upper_bound(due_.begin(), due_.end(), step,
-                         [](uint64_t value, const auto& entry) { return value < entry.first; });
+    const auto later = std::upper_bound(due_.begin(), due_.end(), step,
+                                        [](uint64_t value, const auto& entry) { return value < entry.first; });
     due_.insert(later, {step, action});
 }
 
@@ -303,14 +302,14 @@ void Simulation::act(const Shoot& shot) {
     const fracture::TriangleMesh ball = fracture::icosphere(1, shot.radius);
     const double mass = shot.density * 4.0 / 3.0 * std::numbers::pi * shot.radius * shot.radius * shot.radius;
     const auto inertia = static_cast<float>(0.4 * mass * shot.radius * shot.radius);
-    balls_.push_back({must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0),
-                                                                            {.max_vertices = 64}),
-                                            .large = true,
-                                            .mass = static_cast<float>(mass),
-                                            .inertia = glm::mat3(inertia),
-                                            .pose = {.position = glm::vec3(shot.from)},
-                                            .linear_velocity = glm::vec3(shot.velocity)})),
-                      static_cast<float>(shot.radius)});
+    balls_.push_back(
+        {must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}),
+                               .large = true,
+                               .mass = static_cast<float>(mass),
+                               .inertia = glm::mat3(inertia),
+                               .pose = {.position = glm::vec3(shot.from)},
+                               .linear_velocity = glm::vec3(shot.velocity)})),
+         static_cast<float>(shot.radius)});
 }
 
 void Simulation::act(const Damage& damage) {
@@ -330,12 +329,14 @@ void Simulation::act(const Hammer& blow) {
     if (is_bonded(blow.piece)) bonded()->blow(world_, blow.piece, glm::vec3(blow.impulse));
     const double impulse = glm::length(blow.impulse);
     if (!destruction_ || !(impulse > destruction_->solid({blow.piece})->bearable)) return;
-    destruction_->strike(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse), hammer_energy(impulse));
+    destruction_->strike(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
+                         hammer_energy(impulse));
 }
 
 std::optional<physics::PlannedCut> Simulation::foresee(const Hammer& blow) const {
     const double impulse = glm::length(blow.impulse);
-    if (!destruction_ || body_of(blow.piece) == BodyId{} || !(impulse > destruction_->solid({blow.piece})->bearable)) return std::nullopt;
+    if (!destruction_ || body_of(blow.piece) == BodyId{} || !(impulse > destruction_->solid({blow.piece})->bearable))
+        return std::nullopt;
     return destruction_->foresee(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
                                  hammer_energy(impulse));
 }
@@ -373,10 +374,9 @@ void Simulation::act(const LetGo&) {
 // A piece is seen where its shadow is, too: on its way to the ground.
 void Simulation::act(const Watch& watch) {
     if (!destruction_) return;
-    const engine::ViewVolume view({.eye = glm::vec3(watch.eye),
-                                   .target = glm::vec3(watch.target),
-                                   .vertical_fov = static_cast<float>(watch.fov)},
-                                  static_cast<float>(watch.aspect));
+    const engine::ViewVolume view(
+        {.eye = glm::vec3(watch.eye), .target = glm::vec3(watch.target), .vertical_fov = static_cast<float>(watch.fov)},
+        static_cast<float>(watch.aspect));
     const glm::vec3 to_light = engine::Look{}.to_light;
     destruction_->set_view([view, to_light](const glm::vec3& centre, float radius) {
         const glm::vec3 shadow = centre - std::max(centre.y, 0.0f) / to_light.y * to_light;
@@ -398,8 +398,7 @@ void Simulation::draw_held() {
     const glm::vec3 arm = pose.orientation * glm::vec3(held_->local);
     const glm::vec3 point = pose.position + arm;
     const glm::vec3 angular = world_.angular_velocity(body);
-    const glm::vec3 now =
-        world_.linear_velocity(body) + glm::cross(angular, point - world_.pose(body).position);
+    const glm::vec3 now = world_.linear_velocity(body) + glm::cross(angular, point - world_.pose(body).position);
     const glm::vec3 change = grab_rate * (glm::vec3(held_->to) - point) - now;
     const float speed = glm::length(change);
     const float step = world_.settings().step;

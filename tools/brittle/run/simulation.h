@@ -27,14 +27,14 @@
 #include <vector>
 
 #include "fracture/pieces/fragments.h"
-#include "physics/cutting/destruction.h"
-#include "physics/world/hull.h"
-#include "physics/material.h"
-#include "physics/cutting/solid_piece.h"
 #include "physics/bonds/structure.h"
+#include "physics/cutting/destruction.h"
+#include "physics/cutting/solid_piece.h"
+#include "physics/material.h"
+#include "physics/world/hull.h"
 #include "physics/world/world.h"
-#include "tools/brittle/run/action.h"
 #include "tools/brittle/recipe/world_options.h"
+#include "tools/brittle/run/action.h"
 
 namespace brittle::tools {
 
@@ -117,7 +117,7 @@ class Simulation {
     // Pieces of breakable things that came and went since the last call; nothing else ever does.
     [[nodiscard]] physics::DestructionEvents take_events();
     [[nodiscard]] std::span<const physics::Commit> commits() const; // of the last step
-    [[nodiscard]] size_t piece_count() const { return pieces_; } // at the start
+    [[nodiscard]] size_t piece_count() const { return pieces_; }    // at the start
     // All pieces have numbers below this, and none twice.
     [[nodiscard]] uint32_t number_count() const;
     [[nodiscard]] physics::BodyId body_of(uint32_t piece) const; // none for a piece that is gone

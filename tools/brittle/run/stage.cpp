@@ -16,7 +16,7 @@ namespace {
 
 constexpr float piece_tint_strength = 0.9f;
 constexpr float material_tint_strength = 0.15f; // a material shows its own colour
-constexpr float site_radius = 0.02f;   // m
+constexpr float site_radius = 0.02f;            // m
 // m, around the unbroken mesh: what goes further casts no shadow. Wider, the texels of its map would be so coarse that
 // shadows near the mesh had teeth, and those of small pieces were lost.
 constexpr float shadow_room = 4.0f;
@@ -95,7 +95,8 @@ PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::
 Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material)
     : Stage(renderer, fracture::bounds(mesh), batch_of(mesh), material) {}
 
-Stage::Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole, const std::string& material)
+Stage::Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole,
+             const std::string& material)
     : renderer_(renderer), simulation_(material, look_for(renderer)), home_{glm::vec3(box.min), glm::vec3(box.max)} {
     draw_anew(std::move(whole));
 }
@@ -135,9 +136,8 @@ void Stage::draw_anew(engine::PieceBatch batch) {
 glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                          const std::map<physics::PieceId, glm::vec3>& before) const {
     const auto volume = [](const physics::PieceAdded& piece) { return piece.solid->mass.volume; };
-    const bool largest = std::ranges::none_of(all, [&](const physics::PieceAdded& other) {
-        return other.of == added.of && volume(other) > volume(added);
-    });
+    const bool largest = std::ranges::none_of(
+        all, [&](const physics::PieceAdded& other) { return other.of == added.of && volume(other) > volume(added); });
     if (const auto old = before.find(added.of); old != before.end() && largest) return old->second;
     return added.depth == 0 && untinted_ ? glm::vec3(1.0f) : engine::piece_tint(added.id.value);
 }
@@ -219,9 +219,7 @@ void Stage::explode(float share) {
 
 // Bounds of what casts a shadow, and poses: of what moved since the slice of the instance buffer was written.
 void Stage::place(engine::Scene& scene) {
-    const auto apart = [this](const glm::vec3& position) {
-        return position + explode_ * (position - home_.centre());
-    };
+    const auto apart = [this](const glm::vec3& position) { return position + explode_ * (position - home_.centre()); };
     engine::Bounds room{home_.min - shadow_room, home_.max + shadow_room};
     room.min.y = std::min(room.min.y, 0.0f); // the ground, onto which it all falls
     scene.bounds = {room.max, room.min};
@@ -229,9 +227,8 @@ void Stage::place(engine::Scene& scene) {
         if (glm::clamp(centre, room.min, room.max) == centre)
             scene.bounds = engine::join(scene.bounds, {centre - radius, centre + radius});
     };
-    simulation_.visit_poses(alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) {
-        include(apart(pose.position), radii_[slot]);
-    });
+    simulation_.visit_poses(
+        alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) { include(apart(pose.position), radii_[slot]); });
     if (!simulation_.balls().empty())
         for (const engine::Sphere& sphere : shown_spheres_) include(sphere.centre, sphere.radius);
     if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // nothing is left there

@@ -19,8 +19,8 @@
 
 #include "engine/render/renderer.h"
 #include "engine/render/scene.h"
-#include "fracture/pieces/fragments.h"
 #include "fracture/mesh/mesh.h"
+#include "fracture/pieces/fragments.h"
 #include "physics/world/world.h"
 #include "tools/brittle/recipe/input.h"
 #include "tools/brittle/run/simulation.h"
@@ -37,20 +37,22 @@ namespace brittle::tools {
 // All that costs milliseconds of putting pieces on the stage.
 struct PreparedPieces {
     PreparedBodies bodies;
-    engine::PieceBatch batch;   // of what is not breakable
-    std::vector<float> radii;   // of each piece in it around its centre of mass, m
+    engine::PieceBatch batch; // of what is not breakable
+    std::vector<float> radii; // of each piece in it around its centre of mass, m
 };
 
 // On any thread, for the stage's renderer and material. threads: 0 is one a core. Throws a Failure.
 [[nodiscard]] PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
-                                            const WorldOptions& world, const std::string& material, uint32_t threads = 0);
+                                            const WorldOptions& world, const std::string& material,
+                                            uint32_t threads = 0);
 
 class Stage {
   public:
     // Shows the unbroken mesh, or what was made of it, in its box. The renderer must outlive the stage.
     // `material` is a preset's name, or empty.
     Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material = {});
-    Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole, const std::string& material = {});
+    Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole,
+          const std::string& material = {});
 
     // Replaces the unbroken mesh by pieces that fall from where they are.
     void shatter(const fracture::Fragments& fragments) { stand(fragments, {}); }
@@ -67,11 +69,12 @@ class Stage {
     // Advances physics by a frame's time; nothing while the mesh is whole.
     void advance(double seconds);
 
-    void show_sites(std::span<const glm::dvec3> sites); // as red spheres seen through the pieces; none for an empty span
+    void
+    show_sites(std::span<const glm::dvec3> sites); // as red spheres seen through the pieces; none for an empty span
     // Draws the pieces moved apart: away from the middle by this share of their distance to it.
     void explode(float share);
     void show_lines(std::vector<engine::LineVertex> lines) { own_lines_ = std::move(lines); } // seen through the pieces
-    void show_hulls(bool show) { hulls_ = show; }       // the physics debug drawer, in red lines
+    void show_hulls(bool show) { hulls_ = show; } // the physics debug drawer, in red lines
 
     // The scene of this moment; valid until the stage changes. The caller sets the camera.
     [[nodiscard]] engine::Scene scene();
@@ -103,13 +106,13 @@ class Stage {
     std::map<physics::PieceId, Drawn> drawn_; // of breakable things
     bool untinted_ = false;                   // they start whole, and so as the unbroken mesh is drawn
     size_t most_pieces_ = 0;                  // beyond it debris goes
-    uint64_t moment_ = 0;      // of the scene: steps, and what came before them
-    uint64_t moment_before_ = 1; // that of the start
-    uint64_t all_moved_ = 0;   // the last moment at which every pose changed
+    uint64_t moment_ = 0;                     // of the scene: steps, and what came before them
+    uint64_t moment_before_ = 1;              // that of the start
+    uint64_t all_moved_ = 0;                  // the last moment at which every pose changed
     std::vector<physics::DebugLine> debug_lines_;
     std::vector<engine::LineVertex> own_lines_, lines_;
     std::vector<engine::Sphere> spheres_, shown_spheres_; // sites; with balls
-    std::optional<Watch> watch_, told_; // of this run
+    std::optional<Watch> watch_, told_;                   // of this run
     float alpha_ = 1.0f;
     float explode_ = 0.0f;
     bool hulls_ = false;

@@ -13,8 +13,12 @@ struct StagePlacement {
     double scale = 1.0;   // metres on the stage by those in the file
     double height = 0.0;  // m, of the foot above the ground
 
-    [[nodiscard]] glm::dvec3 to_stage(const glm::dvec3& p) const { return (p - foot) * scale + glm::dvec3(0.0, height, 0.0); }
-    [[nodiscard]] glm::dvec3 to_file(const glm::dvec3& p) const { return (p - glm::dvec3(0.0, height, 0.0)) / scale + foot; }
+    [[nodiscard]] glm::dvec3 to_stage(const glm::dvec3& p) const {
+        return (p - foot) * scale + glm::dvec3(0.0, height, 0.0);
+    }
+    [[nodiscard]] glm::dvec3 to_file(const glm::dvec3& p) const {
+        return (p - glm::dvec3(0.0, height, 0.0)) / scale + foot;
+    }
 };
 
 // As it is where the mesh has no extent.

@@ -3,8 +3,8 @@
 #include <map>
 #include <utility>
 
-#include "fracture/pieces/certificate.h"
 #include "fracture/io/export.h"
+#include "fracture/pieces/certificate.h"
 #include "physics/cutting/convex_parts.h"
 #include "tools/brittle/base/failure.h"
 
@@ -23,10 +23,12 @@ std::vector<Snapshot::Piece> pieces_there(const Simulation& simulation, size_t w
     simulation.visit_poses(1.0f, 0, [&](uint32_t slot, const physics::Pose& pose) { poses[slot] = pose; });
     std::vector<Snapshot::Piece> pieces;
     const auto add = [&](uint32_t number, uint32_t slot, physics::SolidPtr solid) {
-        if (const auto pose = poses.find(slot); pose != poses.end()) pieces.push_back({number, std::move(solid), pose->second});
+        if (const auto pose = poses.find(slot); pose != poses.end())
+            pieces.push_back({number, std::move(solid), pose->second});
     };
     if (const physics::Destruction* destruction = simulation.destruction()) {
-        for (const physics::PieceId id : destruction->pieces()) add(id.value, destruction->slot(id), destruction->solid(id));
+        for (const physics::PieceId id : destruction->pieces())
+            add(id.value, destruction->slot(id), destruction->solid(id));
     } else {
         for (uint32_t piece = 0; piece < whole_pieces; ++piece) add(piece, piece, nullptr);
     }
@@ -76,12 +78,16 @@ class Builder {
   private:
     void add_solid(uint32_t number, const physics::SolidPiece& solid) {
         fracture::Fragments& to = made_.fragments;
-        fracture::Piece piece{.site = number, .vertices = {vertices(), 0}, .triangles = {triangles(), 0},
-                              .exterior_triangles = solid.exterior_triangles, .mass = in_file(solid.mass)};
+        fracture::Piece piece{.site = number,
+                              .vertices = {vertices(), 0},
+                              .triangles = {triangles(), 0},
+                              .exterior_triangles = solid.exterior_triangles,
+                              .mass = in_file(solid.mass)};
         const glm::dvec3 centre = solid.mass.centre_of_mass;
         for (size_t v = 0; v < solid.positions.size(); ++v) {
             const bool kept = !solid.mesh.positions.empty(); // in double precision
-            to.positions.push_back(placement_.to_file(kept ? solid.mesh.positions[v] : centre + glm::dvec3(solid.positions[v])));
+            to.positions.push_back(
+                placement_.to_file(kept ? solid.mesh.positions[v] : centre + glm::dvec3(solid.positions[v])));
             to.vertex_point.push_back(first_cut_point + vertices() - 1);
         }
         to.triangles.insert(to.triangles.end(), solid.mesh.triangles.begin(), solid.mesh.triangles.end());
@@ -96,7 +102,8 @@ class Builder {
         fracture::Piece piece = from;
         piece.vertices.begin = vertices();
         piece.triangles = fracture::append_range(whole.triangles, from.triangles, to.triangles);
-        for (uint32_t v = from.vertices.begin; v < from.vertices.end; ++v) to.positions.push_back(placement_.to_file(whole.positions[v]));
+        for (uint32_t v = from.vertices.begin; v < from.vertices.end; ++v)
+            to.positions.push_back(placement_.to_file(whole.positions[v]));
         fracture::append_range(whole.vertex_point, from.vertices, to.vertex_point);
         fracture::append_range(whole.triangle_source, from.triangles, to.triangle_source);
         piece.mass = in_file(from.mass);
@@ -143,8 +150,9 @@ std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state,
             continue;
         }
         const glm::dvec3 centre = piece.mass.centre_of_mass;
-        for (const physics::BodyPart& part : physics::convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece),
-                                                                   piece.mass.volume, centre, hull_settings)) {
+        for (const physics::BodyPart& part :
+             physics::convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece), piece.mass.volume,
+                                   centre, hull_settings)) {
             own.push_back(physics::hull_mesh(part.hull->points));
             for (glm::dvec3& v : own.back().positions) v += centre + glm::dvec3(part.offset);
         }
@@ -179,9 +187,9 @@ LivePieces live_pieces(const Snapshot& state, const StagePlacement& placement) {
     return Builder(state, placement).build();
 }
 
-std::vector<std::filesystem::path> write_state(const ExportSettings& settings, PiecesAs as, const FractureOptions& recipe,
-                                               const Input& source, const Snapshot& state,
-                                               const std::function<bool()>& cancelled) {
+std::vector<std::filesystem::path> write_state(const ExportSettings& settings, PiecesAs as,
+                                               const FractureOptions& recipe, const Input& source,
+                                               const Snapshot& state, const std::function<bool()>& cancelled) {
     const LivePieces live = live_pieces(state, placement_on_stage(source.model.mesh, recipe.world));
     check_source(live.fragments, source);
     fracture::ExportOptions options = export_options(settings, recipe, source);

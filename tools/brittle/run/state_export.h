@@ -39,7 +39,7 @@ struct Snapshot {
         physics::Pose pose;      // of its centre of mass, after the last step
     };
     std::shared_ptr<const fracture::Fragments> fragments; // that the simulation was started with
-    std::vector<Piece> pieces;        // by number; those that are gone are not there
+    std::vector<Piece> pieces;                            // by number; those that are gone are not there
     std::vector<fracture::Bond> bonds; // that hold, in the coordinates of the fragments; a and b index `pieces`
 };
 
@@ -56,9 +56,9 @@ struct LivePieces {
 // `source` is the recipe's mesh with its looks, as load_input() gives it; it must be the one that was broken: else a Failure
 // with exit_mesh. The files written, the one to open first. Throws a Failure; with exit_interrupted where `cancelled` says
 // so before writing begins.
-std::vector<std::filesystem::path> write_state(const ExportSettings& settings, PiecesAs as, const FractureOptions& recipe,
-                                               const Input& source, const Snapshot& state,
-                                               const std::function<bool()>& cancelled = {});
+std::vector<std::filesystem::path> write_state(const ExportSettings& settings, PiecesAs as,
+                                               const FractureOptions& recipe, const Input& source,
+                                               const Snapshot& state, const std::function<bool()>& cancelled = {});
 
 // For people: "57 pieces in rubble.glb", "... and 56 more".
 [[nodiscard]] std::string written_text(size_t pieces, const std::vector<std::filesystem::path>& files);

@@ -94,7 +94,8 @@ struct Applier {
         recipe.strikes.clear();
     }
     void operator()(const SetSiteGroup& edit) const {
-        for (const uint32_t s : existing(edit.sites, recipe.points.size())) recipe.points[s].group = std::min(edit.group, most_group);
+        for (const uint32_t s : existing(edit.sites, recipe.points.size()))
+            recipe.points[s].group = std::min(edit.group, most_group);
         recipe.strikes.clear();
     }
     void operator()(const DuplicateSites& edit) const {
@@ -131,10 +132,23 @@ struct Applier {
 } // namespace
 
 std::string_view name_of(const Edit& edit) {
-    static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{
-        "open a mesh",  "change the material", "change the pattern", "change the world", "set the sites",
-        "place a site", "move sites",          "delete sites",       "weigh sites",      "group sites",
-        "duplicate sites", "mirror sites", "anchor",       "rub anchors out",     "strike",             "mend",         "open a recipe"};
+    static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{"open a mesh",
+                                                                                   "change the material",
+                                                                                   "change the pattern",
+                                                                                   "change the world",
+                                                                                   "set the sites",
+                                                                                   "place a site",
+                                                                                   "move sites",
+                                                                                   "delete sites",
+                                                                                   "weigh sites",
+                                                                                   "group sites",
+                                                                                   "duplicate sites",
+                                                                                   "mirror sites",
+                                                                                   "anchor",
+                                                                                   "rub anchors out",
+                                                                                   "strike",
+                                                                                   "mend",
+                                                                                   "open a recipe"};
     return names[edit.index()];
 }
 
@@ -142,9 +156,11 @@ bool Document::apply(const Edit& edit, uint64_t gesture) {
     FractureOptions changed = recipe_;
     std::visit(Applier{changed}, edit);
     if (changed.points.size() > most_points)
-        throw Failure(exit_usage, "a recipe holds " + std::to_string(most_points) + " sites at most; write more into a file (--sites)");
+        throw Failure(exit_usage, "a recipe holds " + std::to_string(most_points)
+                                      + " sites at most; write more into a file (--sites)");
     if (changed.world.anchors.size() > most_anchors)
-        throw Failure(exit_usage, "a recipe holds " + std::to_string(most_anchors) + " anchors at most; paint with a larger radius");
+        throw Failure(exit_usage, "a recipe holds " + std::to_string(most_anchors)
+                                      + " anchors at most; paint with a larger radius");
     if (recipe_json(changed) == recipe_json(recipe_)) return false;
     const bool goes_on = gesture != 0 && !past_.empty() && past_.back().gesture == gesture && future_.empty();
     if (!goes_on) past_.push_back({recipe_, name_of(edit), gesture});

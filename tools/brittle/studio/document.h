@@ -64,7 +64,8 @@ struct DuplicateSites { // the copies come last, in the order of the list
     std::vector<uint32_t> sites;
     glm::dvec3 by; // m
 };
-struct MirrorSites { // adds the images of the listed sites in the plane across the axis at this place, but of those in it
+struct
+    MirrorSites { // adds the images of the listed sites in the plane across the axis at this place, but of those in it
     std::vector<uint32_t> sites;
     int axis = 0;       // 0, 1, 2
     double plane = 0.0; // m
@@ -84,7 +85,8 @@ struct SetRecipe { // as read from a file
 };
 
 using Edit = std::variant<SetMesh, SetMaterial, SetPattern, SetWorld, SetSites, AddSite, MoveSites, RemoveSites,
-                          SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor, RemoveAnchors, AddStrike, ClearStrikes, SetRecipe>;
+                          SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor, RemoveAnchors, AddStrike,
+                          ClearStrikes, SetRecipe>;
 
 // For menus and messages, e.g. "move sites".
 [[nodiscard]] std::string_view name_of(const Edit& edit);

@@ -14,14 +14,16 @@ namespace {
 // As fragments, where they were cut.
 Foreseen as_fragments(std::span<const physics::SolidPtr> solids) {
     Snapshot state;
-    for (const physics::SolidPtr& solid : solids) state.pieces.push_back({static_cast<uint32_t>(state.pieces.size()), solid, {}});
+    for (const physics::SolidPtr& solid : solids)
+        state.pieces.push_back({static_cast<uint32_t>(state.pieces.size()), solid, {}});
     Foreseen foreseen{live_pieces(state, {}).fragments, {}};
     foreseen.falls.assign(solids.size(), 0);
     return foreseen;
 }
 
 void mark_what_falls(std::span<const physics::SolidPtr> cut, std::span<uint8_t> falls) {
-    const auto largest = std::max_element(cut.begin(), cut.end(), [](const auto& a, const auto& b) { return a->mass.volume < b->mass.volume; });
+    const auto largest = std::max_element(cut.begin(), cut.end(),
+                                          [](const auto& a, const auto& b) { return a->mass.volume < b->mass.volume; });
     for (size_t k = 0; k < cut.size(); ++k) falls[k] = cut.begin() + static_cast<std::ptrdiff_t>(k) != largest;
 }
 
@@ -48,8 +50,8 @@ void Foresight::stand(const std::shared_ptr<const Object>& object, const Fractur
     version_ = version;
 }
 
-Foreseen Foresight::of_whole(const std::shared_ptr<const Object>& object, const FractureOptions& recipe, uint64_t version,
-                             const AimedBlow& blow, const std::function<bool()>& cancelled) {
+Foreseen Foresight::of_whole(const std::shared_ptr<const Object>& object, const FractureOptions& recipe,
+                             uint64_t version, const AimedBlow& blow, const std::function<bool()>& cancelled) {
     stand(object, recipe, version, cancelled);
     const std::optional<Hammer> hammer = hammer_at(*simulation_, fragments_, blow, recipe.world.blow_pieces);
     const std::optional<physics::PlannedCut> cut = hammer ? simulation_->foresee(*hammer) : std::nullopt;
@@ -67,8 +69,8 @@ Foreseen Foresight::of_whole(const std::shared_ptr<const Object>& object, const 
     return foreseen;
 }
 
-std::optional<Hammer> hammer_at(const Simulation& simulation, const fracture::Fragments& fragments, const AimedBlow& blow,
-                                uint32_t most_pieces) {
+std::optional<Hammer> hammer_at(const Simulation& simulation, const fracture::Fragments& fragments,
+                                const AimedBlow& blow, uint32_t most_pieces) {
     std::vector<engine::BodyPose> poses(simulation.destruction()->slot_count());
     simulation.visit_poses(1.0f, 0, [&](uint32_t slot, const physics::Pose& pose) {
         poses[slot] = {.rotation = pose.orientation, .position = pose.position};

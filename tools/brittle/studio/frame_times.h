@@ -15,7 +15,7 @@ class FrameTimes {
 
     [[nodiscard]] const std::vector<float>& milliseconds() const { return times_; } // oldest first
     [[nodiscard]] const std::vector<size_t>& marks() const { return marks_; }       // indices into it, ascending
-    [[nodiscard]] double median() const; // ms; 0 without frames
+    [[nodiscard]] double median() const;                                            // ms; 0 without frames
 
   private:
     std::vector<float> times_;

@@ -21,8 +21,10 @@ class Idleness {
     // cursor that blinks does, or a message that will go.
     [[nodiscard]] bool draws(bool lively, bool slow) {
         const bool was_still = left_ == 0;
-        if (lively) left_ = settling;
-        else if (left_ > 0) --left_;
+        if (lively)
+            left_ = settling;
+        else if (left_ > 0)
+            --left_;
         return left_ > 0 || (was_still && slow);
     }
 

@@ -9,10 +9,44 @@
 namespace brittle::tools {
 
 enum class Command {
-    break_all, reset, pause, step, frame, explode, wireframe, smooth, hulls, bonds, cells, sites, help, panels, page_up, page_down,
-    tool_inspect, tool_sites, tool_hammer, tool_shoot, tool_grab, tool_anchors,
-    material_1, material_2, material_3, material_4, material_5, material_6,
-    undo, redo, save, open, export_dialog, screenshot, duplicate, mirror, remove, quit
+    break_all,
+    reset,
+    pause,
+    step,
+    frame,
+    explode,
+    wireframe,
+    smooth,
+    hulls,
+    bonds,
+    cells,
+    sites,
+    help,
+    panels,
+    page_up,
+    page_down,
+    tool_inspect,
+    tool_sites,
+    tool_hammer,
+    tool_shoot,
+    tool_grab,
+    tool_anchors,
+    material_1,
+    material_2,
+    material_3,
+    material_4,
+    material_5,
+    material_6,
+    undo,
+    redo,
+    save,
+    open,
+    export_dialog,
+    screenshot,
+    duplicate,
+    mirror,
+    remove,
+    quit
 };
 
 struct KeyBinding {

@@ -40,7 +40,8 @@ void Navigation::tell(PictureOptions& picture, const engine::Bounds& home, float
 
 void Navigation::frame(const engine::Bounds& bounds, float aspect) {
     orbit_.target = bounds.centre();
-    const engine::Camera camera = engine::look_at_bounds(bounds, orbit_.azimuth, orbit_.elevation, aspect, orbit_.vertical_fov, margin);
+    const engine::Camera camera =
+        engine::look_at_bounds(bounds, orbit_.azimuth, orbit_.elevation, aspect, orbit_.vertical_fov, margin);
     orbit_.distance = glm::distance(camera.eye, camera.target);
 }
 
@@ -60,7 +61,8 @@ void Navigation::fly(const glm::vec3& forward_right_up, double seconds) {
     const engine::Camera now = orbit_.camera();
     const glm::vec3 forward = glm::normalize(now.target - now.eye);
     const glm::vec3 right = glm::normalize(glm::cross(forward, glm::vec3(0.0f, 1.0f, 0.0f)));
-    const glm::vec3 way = forward_right_up.x * forward + forward_right_up.y * right + glm::vec3(0.0f, forward_right_up.z, 0.0f);
+    const glm::vec3 way =
+        forward_right_up.x * forward + forward_right_up.y * right + glm::vec3(0.0f, forward_right_up.z, 0.0f);
     orbit_.target += way * (fly_rate * orbit_.distance * static_cast<float>(seconds));
 }
 

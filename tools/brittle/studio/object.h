@@ -28,7 +28,7 @@ class Object {
     Object& operator=(const Object&) = delete;
 
     [[nodiscard]] const std::string& name() const { return file_.name; }
-    [[nodiscard]] const Input& file() const { return file_; }                             // without sites
+    [[nodiscard]] const Input& file() const { return file_; }                              // without sites
     [[nodiscard]] const fracture::TriangleMesh& mesh() const { return stage_.model.mesh; } // on the stage
     [[nodiscard]] const engine::PieceBatch& batch() const { return batch_; } // the same, ready to be drawn
     [[nodiscard]] double import_milliseconds() const { return file_.import_milliseconds; }

@@ -16,7 +16,7 @@ constexpr float column = 276.0f; // widths and heights in pixels at scale 1
 constexpr float least_column = 220.0f;
 constexpr float bar_height = 42.0f;
 constexpr float line_height = 26.0f;
-constexpr float least_scene = 400.0f; // the width that columns leave, and that the tools need
+constexpr float least_scene = 400.0f;      // the width that columns leave, and that the tools need
 constexpr float two_help_columns = 760.0f; // the width that the help sheet needs for them
 
 // Of the tool that has most: what is below it stays in its place. Where one column holds all, room is worth more.
@@ -24,10 +24,12 @@ constexpr float tool_rows = 4.0f;
 
 constexpr double message_seconds = 5.0; // good news go by themselves
 
-constexpr ImGuiWindowFlags docked = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings
-                                    | ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
-constexpr ImGuiWindowFlags sheet = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove
-                                   | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+constexpr ImGuiWindowFlags docked = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove
+                                    | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus
+                                    | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+constexpr ImGuiWindowFlags sheet = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize
+                                   | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings
+                                   | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 
 ImVec2 at(glm::vec2 p) {
     return {p.x, p.y};
@@ -61,13 +63,14 @@ struct BarPlan {
             ImGui::PushStyleColor(ImGuiCol_Button, look->colour);
             ImGui::PushStyleColor(ImGuiCol_ButtonHovered, look->hovered);
         }
-        const bool pressed = key_button(name, shown, key_button_width(name, shown) + padding, look ? look->text : ImGui::GetColorU32(ImGuiCol_Text));
+        const bool pressed = key_button(name, shown, key_button_width(name, shown) + padding,
+                                        look ? look->text : ImGui::GetColorU32(ImGuiCol_Text));
         if (look) ImGui::PopStyleColor(2);
         return pressed;
     }
 
     static constexpr float least_padding = 12.0f; // pixels at scale 1
-    float gap, between; // buttons; tools and what comes after them
+    float gap, between;                           // buttons; tools and what comes after them
     float padding = 0.0f;
     bool with_keys = false;
 };
@@ -103,7 +106,8 @@ void draw_overlay(const Overlay& overlay, float scale) {
     }
     for (const Overlay::Circle& circle : overlay.circles) {
         list.AddCircle(at(circle.centre), circle.radius, colours.outline, 0, 4.0f * scale);
-        list.AddCircle(at(circle.centre), circle.radius, circle.strong ? colours.accent : colours.accent_soft, 0, 2.0f * scale);
+        list.AddCircle(at(circle.centre), circle.radius, circle.strong ? colours.accent : colours.accent_soft, 0,
+                       2.0f * scale);
     }
     if (overlay.string) {
         list.AddLine(at((*overlay.string)[0]), at((*overlay.string)[1]), colours.accent, 2.0f * scale);
@@ -208,7 +212,8 @@ void Panels::bar(const PanelState& state, const Layout& layout) {
     }
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + plan.between);
     if (plan.button("Break", "Space", &break_look)) actions_.push_back(Command::break_all);
-    tip(state.session.broken() ? "It is broken: Reset makes it whole again" : "Break it by the pattern or the sites (Space)");
+    tip(state.session.broken() ? "It is broken: Reset makes it whole again"
+                               : "Break it by the pattern or the sites (Space)");
     ImGui::SameLine();
     if (plan.button("Reset", "R", nullptr)) actions_.push_back(Command::reset);
     tip("Whole again (R)");
@@ -244,7 +249,8 @@ void Panels::message(const PanelState& state, const Layout& layout) {
         told_at_ = ImGui::GetTime();
     }
     if (!told_.empty() && !message.fault && ImGui::GetTime() - told_at_ > message_seconds) state.session.say({});
-    const bool hints = hint && state.tools.tool() == Tool::inspect && !state.session.broken() && message.text.empty() && layout.top > 0.0f;
+    const bool hints = hint && state.tools.tool() == Tool::inspect && !state.session.broken() && message.text.empty()
+                       && layout.top > 0.0f;
     if (message.text.empty() && !hints) return;
     const float middle = 0.5f * (layout.free_min.x + layout.free_max.x);
     const float width = std::min(0.9f * (layout.free_max.x - layout.free_min.x), 520.0f * state.scale);
@@ -283,8 +289,9 @@ void Panels::progress(const PanelState& state, const Layout& layout) {
     ImGui::SetNextWindowBgAlpha(0.92f);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
     ImGui::Begin("progress", nullptr, sheet);
-    const float share = recording ? static_cast<float>(recording->done) / static_cast<float>(std::max(recording->total, 1u))
-                                  : static_cast<float>(work->share);
+    const float share = recording
+                            ? static_cast<float>(recording->done) / static_cast<float>(std::max(recording->total, 1u))
+                            : static_cast<float>(work->share);
     ImGui::TextUnformatted(recording ? "writing pictures" : work->what.c_str());
     ImGui::ProgressBar(std::max(share, 0.0f), {220.0f * state.scale, 0.0f}, share < 0.0f ? "..." : nullptr);
     ImGui::SameLine();
@@ -307,7 +314,8 @@ void Panels::help_sheet(const PanelState& state) {
     // Two columns of lines, to be read downwards, or one where the window is narrow.
     const size_t columns = state.window.x >= two_help_columns * state.scale ? 2 : 1;
     const size_t half = (lines.size() + columns - 1) / columns;
-    if (ImGui::BeginTable(columns == 2 ? "keys" : "keys below each other", static_cast<int>(2 * columns), ImGuiTableFlags_PadOuterX)) {
+    if (ImGui::BeginTable(columns == 2 ? "keys" : "keys below each other", static_cast<int>(2 * columns),
+                          ImGuiTableFlags_PadOuterX)) {
         for (size_t k = 0; k < columns * half; ++k) {
             const size_t at = k / columns + (k % columns) * half;
             ImGui::TableNextColumn();
@@ -347,26 +355,40 @@ void Panels::export_window(const PanelState& state) {
     ImGui::SetNextWindowSize({330.0f * state.scale, 0.0f});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
-    ImGui::Begin("Export", &export_open, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+    ImGui::Begin("Export", &export_open,
+                 ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove
+                     | ImGuiWindowFlags_NoSavedSettings);
     const auto choice = [this](const char* name, const char* tip_text, ExportKind kind) {
         if (!wide_button(name, tip_text)) return;
         export_ = kind;
         export_open = false;
     };
     const bool broken = state.session.broken();
-    choice("Pieces: GLB, OBJ, PLY or STL ...", broken ? "The pieces on the stage, as all blows have cut them, for other programs" : "The pieces of the recipe for other programs, as `brittle fracture` writes them", ExportKind::pieces);
+    choice("Pieces: GLB, OBJ, PLY or STL ...",
+           broken ? "The pieces on the stage, as all blows have cut them, for other programs"
+                  : "The pieces of the recipe for other programs, as `brittle fracture` writes them",
+           ExportKind::pieces);
     piece_options(state.session);
-    choice("Recipe ...", "Mesh and options, to do it again; `brittle render` and `fracture` take it too", ExportKind::recipe);
-    choice("Screenshot", "What the window shows, without its panels, as PNG in the current folder (F12)", ExportKind::screenshot);
+    choice("Recipe ...", "Mesh and options, to do it again; `brittle render` and `fracture` take it too",
+           ExportKind::recipe);
+    choice("Screenshot", "What the window shows, without its panels, as PNG in the current folder (F12)",
+           ExportKind::screenshot);
     ImGui::BeginDisabled(!state.session.broken());
-    choice("Replay log ...", state.session.broken() ? "All that happened since the break: `brittle replay` repeats it, and makes pictures of it" : "Of what happens once it is broken", ExportKind::replay);
+    choice("Replay log ...",
+           state.session.broken()
+               ? "All that happened since the break: `brittle replay` repeats it, and makes pictures of it"
+               : "Of what happens once it is broken",
+           ExportKind::replay);
     ImGui::EndDisabled();
     ImGui::Separator();
     control("Frames", "Of the sequence; 60 are a second");
     char frames[32];
     std::snprintf(frames, sizeof frames, "%%d (%.1f s)", sequence_frames / 60.0);
     (void)slider("##frames", sequence_frames, 1, 600, frames);
-    choice("Picture sequence or video ...", "What happens from now on: a PNG for each frame, or with a name that ends with .mp4 a video, where ffmpeg is installed", ExportKind::sequence);
+    choice("Picture sequence or video ...",
+           "What happens from now on: a PNG for each frame, or with a name that ends with .mp4 a video, where ffmpeg "
+           "is installed",
+           ExportKind::sequence);
     ImGui::End();
     ImGui::PopStyleVar(2);
 }

@@ -94,7 +94,7 @@ class Panels {
     std::vector<Command> actions_;
     ExportKind export_ = ExportKind::none;
     uint64_t gesture_ = 0;
-    int pages_ = 0; // to be rolled in this frame
+    int pages_ = 0;    // to be rolled in this frame
     std::string told_; // the message that is shown, since when
     double told_at_ = 0.0;
 };

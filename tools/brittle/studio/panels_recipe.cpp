@@ -36,14 +36,16 @@ constexpr std::array kind_tips{
 bool named_slider(const char* name, const char* tip_text, double& value, double low, double high, const char* format) {
     control(name, tip_text);
     auto shown = static_cast<float>(value);
-    const bool changed = slider((std::string("##") + name).c_str(), shown, static_cast<float>(low), static_cast<float>(high), format);
+    const bool changed =
+        slider((std::string("##") + name).c_str(), shown, static_cast<float>(low), static_cast<float>(high), format);
     if (changed) value = shown;
     return changed;
 }
 
 bool vector(const char* name, const char* tip_text, glm::dvec3& value, float low, float high) {
     control(name, tip_text);
-    const float gap = ImGui::GetStyle().ItemInnerSpacing.x, width = (ImGui::GetContentRegionAvail().x - 2.0f * gap) / 3.0f;
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
+                width = (ImGui::GetContentRegionAvail().x - 2.0f * gap) / 3.0f;
     bool changed = false;
     ImGui::PushID(name);
     for (int k = 0; k < 3; ++k) {
@@ -61,7 +63,8 @@ bool vector(const char* name, const char* tip_text, glm::dvec3& value, float low
 }
 
 bool has_axis(PatternKind kind) {
-    return kind == PatternKind::radial || kind == PatternKind::slices || kind == PatternKind::splinters || kind == PatternKind::curve;
+    return kind == PatternKind::radial || kind == PatternKind::slices || kind == PatternKind::splinters
+           || kind == PatternKind::curve;
 }
 
 bool has_focus(PatternKind kind) {
@@ -118,7 +121,8 @@ void Panels::object_panel(const PanelState& state) {
         if (ImGui::Selectable("open a file ...")) actions_.push_back(Command::open);
         if (!state.recent.files().empty()) ImGui::TextDisabled("recent files");
         for (const std::string& file : state.recent.files()) {
-            if (ImGui::Selectable((std::filesystem::path(file).filename().string() + "##" + file).c_str())) session.open(file);
+            if (ImGui::Selectable((std::filesystem::path(file).filename().string() + "##" + file).c_str()))
+                session.open(file);
             tip(file.c_str());
         }
         ImGui::TextDisabled("built-in shapes");
@@ -136,9 +140,11 @@ void Panels::object_panel(const PanelState& state) {
     ImGui::SameLine();
     if (wide_button("Export", "Pieces, recipe, pictures (Ctrl+E)")) actions_.push_back(Command::export_dialog);
     const Document& document = session.document();
-    const auto history = [this](const char* name, const std::string& key, std::string_view what, Command action, float share) {
+    const auto history = [this](const char* name, const std::string& key, std::string_view what, Command action,
+                                float share) {
         ImGui::BeginDisabled(what.empty());
-        if (wide_button(name, (key + (what.empty() ? "" : ": " + std::string(what))).c_str(), share)) actions_.push_back(action);
+        if (wide_button(name, (key + (what.empty() ? "" : ": " + std::string(what))).c_str(), share))
+            actions_.push_back(action);
         ImGui::EndDisabled();
     };
     history("Undo", "Ctrl+Z", document.undo_name(), Command::undo, 0.5f);
@@ -152,26 +158,36 @@ void Panels::pattern_panel(const PanelState& state) {
     Pattern pattern = session.recipe().pattern;
     if (!session.recipe().points.empty()) {
         value("By hand", "%zu sites", session.sites().size());
-        if (wide_button("Back to the pattern", "Forgets the sites that were placed by hand; so does every control below")) edit(session, SetSites{});
+        if (wide_button("Back to the pattern",
+                        "Forgets the sites that were placed by hand; so does every control below"))
+            edit(session, SetSites{});
     }
     bool changed = pattern_kind(pattern);
     changed |= count_and_seed(pattern);
-    if (has_focus(pattern.kind)) changed |= vector("Focus", "Where it is densest, 0 to 1 along each side of the mesh's box", pattern.focus, 0.0f, 1.0f);
+    if (has_focus(pattern.kind))
+        changed |=
+            vector("Focus", "Where it is densest, 0 to 1 along each side of the mesh's box", pattern.focus, 0.0f, 1.0f);
     if (has_axis(pattern.kind)) {
         glm::dvec3 axis = pattern.axis;
-        if (vector("Axis", "The direction of shards, slices and splinters", axis, -1.0f, 1.0f) && axis != glm::dvec3(0.0)) {
+        if (vector("Axis", "The direction of shards, slices and splinters", axis, -1.0f, 1.0f)
+            && axis != glm::dvec3(0.0)) {
             pattern.axis = axis;
             changed = true;
         }
     }
-    if (pattern.kind == PatternKind::clustered) changed |= named_slider("Spread", "Share of the mesh's size", pattern.spread, 0.02, 1.0, "%.2f");
-    if (pattern.kind == PatternKind::splinters) changed |= named_slider("Slenderness", "Length by width", pattern.slenderness, 1.0, 40.0, "%.0f");
+    if (pattern.kind == PatternKind::clustered)
+        changed |= named_slider("Spread", "Share of the mesh's size", pattern.spread, 0.02, 1.0, "%.2f");
+    if (pattern.kind == PatternKind::splinters)
+        changed |= named_slider("Slenderness", "Length by width", pattern.slenderness, 1.0, 40.0, "%.0f");
     double jitter = std::max(pattern.jitter, 0.0);
-    if (named_slider("Jitter", "How irregular it is; automatic: what suits the type", jitter, 0.0, 1.0, pattern.jitter < 0.0 ? "automatic" : "%.2f")) {
+    if (named_slider("Jitter", "How irregular it is; automatic: what suits the type", jitter, 0.0, 1.0,
+                     pattern.jitter < 0.0 ? "automatic" : "%.2f")) {
         pattern.jitter = jitter;
         changed = true;
     }
-    if (pattern.kind != PatternKind::bricks) changed |= named_slider("Grading", "0: pieces of like sizes; 1: from small to large", pattern.grading, 0.0, 1.0, "%.2f");
+    if (pattern.kind != PatternKind::bricks)
+        changed |= named_slider("Grading", "0: pieces of like sizes; 1: from small to large", pattern.grading, 0.0, 1.0,
+                                "%.2f");
     control("Inside only", "Only sites inside the solid, so that each makes a piece");
     changed |= ImGui::Checkbox("##Inside only", &pattern.inside);
     if (!changed) return;
@@ -187,13 +203,15 @@ void Panels::material_panel(const PanelState& state) {
     if (ImGui::BeginCombo("##Material", now.empty() ? "plain" : now.c_str())) {
         if (ImGui::Selectable("plain", now.empty())) edit(session, SetMaterial{});
         for (const physics::MaterialPreset& preset : physics::material_presets())
-            if (ImGui::Selectable(std::string(preset.name).c_str(), preset.name == now)) edit(session, SetMaterial{std::string(preset.name)});
+            if (ImGui::Selectable(std::string(preset.name).c_str(), preset.name == now))
+                edit(session, SetMaterial{std::string(preset.name)});
         ImGui::EndCombo();
     }
     const physics::MaterialPreset* preset = physics::material_preset(session.recipe().material);
     const physics::Material material = preset ? preset->material : physics::Material{};
     char text[64];
-    std::snprintf(text, sizeof text, "%.0f kg/m\xc2\xb3, tensile %.0f MPa", static_cast<double>(material.density), static_cast<double>(material.tensile) * 1e-6);
+    std::snprintf(text, sizeof text, "%.0f kg/m\xc2\xb3, tensile %.0f MPa", static_cast<double>(material.density),
+                  static_cast<double>(material.tensile) * 1e-6);
     explain(text);
 }
 

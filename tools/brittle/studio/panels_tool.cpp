@@ -21,7 +21,8 @@ constexpr float most_weight_shown = 1.0f; // m^2, on the stage, where the mesh i
 
 void selected_piece(const Session& session) {
     if (!session.piece || !session.contains(*session.piece) || !session.counts()) {
-        explain(session.broken() ? "Click a piece to see its volume." : "Drag turns the view. Once it is broken, click a piece to see its volume.");
+        explain(session.broken() ? "Click a piece to see its volume."
+                                 : "Drag turns the view. Once it is broken, click a piece to see its volume.");
         return;
     }
     const double scale = session.object().scale(), volume = session.piece_volume(*session.piece);
@@ -37,14 +38,18 @@ void hammer_settings(Session& session, const std::function<void(const WorldOptio
     control("Radius", "Of what a blow breaks (Shift + wheel); the mesh is 2 m long on the stage");
     (void)slider("##radius", session.tools.hammer_radius, 0.05f, 1.5f, "%.2f m");
     WorldOptions world = session.recipe().world;
-    control("Pieces", world.breakable ? "That a blow makes at most: how many depends on its energy and the material" : "That a blow makes, about");
+    control("Pieces", world.breakable ? "That a blow makes at most: how many depends on its energy and the material"
+                                      : "That a blow makes, about");
     auto pieces = static_cast<int>(world.breakable ? world.blow_pieces : session.tools.hammer_pieces);
     if (slider("##pieces", pieces, 2, 100, world.breakable ? "at most %d" : "%d")) {
         world.blow_pieces = static_cast<uint32_t>(pieces);
-        if (world.breakable) set_world(world);
-        else session.tools.hammer_pieces = world.blow_pieces;
+        if (world.breakable)
+            set_world(world);
+        else
+            session.tools.hammer_pieces = world.blow_pieces;
     }
-    explain(session.broken() && world.breakable ? "Lines: where a click cuts what lies still." : "Orange: what a click breaks off.");
+    explain(session.broken() && world.breakable ? "Lines: where a click cuts what lies still."
+                                                : "Orange: what a click breaks off.");
 }
 
 void ball_settings(Session& session) {
@@ -78,14 +83,24 @@ void Panels::tool_panel(const PanelState& state, float rows) {
     if (!begin_panel((std::string(info_of(state.tools.tool()).name) + "###tool").c_str())) return;
     const float top = ImGui::GetCursorPosY();
     switch (state.tools.tool()) {
-    case Tool::inspect: selected_piece(state.session); break;
-    case Tool::sites: site_tools(state); break;
+    case Tool::inspect:
+        selected_piece(state.session);
+        break;
+    case Tool::sites:
+        site_tools(state);
+        break;
     case Tool::hammer:
         hammer_settings(state.session, [&](const WorldOptions& world) { edit(state.session, SetWorld{world}); });
         break;
-    case Tool::shoot: ball_settings(state.session); break;
-    case Tool::grab: explain("Drag a piece: it hangs on a spring from the mouse, and pulls what is bonded to it."); break;
-    case Tool::anchors: anchor_settings(state.session); break;
+    case Tool::shoot:
+        ball_settings(state.session);
+        break;
+    case Tool::grab:
+        explain("Drag a piece: it hangs on a spring from the mouse, and pulls what is bonded to it.");
+        break;
+    case Tool::anchors:
+        anchor_settings(state.session);
+        break;
     }
     ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top + rows * ImGui::GetFrameHeightWithSpacing()));
 }
@@ -97,12 +112,15 @@ void Panels::site_tools(const PanelState& state) {
     ImGui::BeginDisabled(session.selection.empty() || session.broken());
     if (wide_button("Delete", "The selected sites (Del)", 1.0f / 2.0f)) actions_.push_back(Command::remove);
     ImGui::SameLine();
-    if (wide_button("Duplicate", "The selected sites, a little beside (Ctrl+D)")) actions_.push_back(Command::duplicate);
+    if (wide_button("Duplicate", "The selected sites, a little beside (Ctrl+D)"))
+        actions_.push_back(Command::duplicate);
     ImGui::EndDisabled();
     constexpr const char* mirrors[] = {"Mirror X", "Mirror Y", "Mirror Z"};
     ImGui::BeginDisabled(session.broken());
     for (int axis = 0; axis < 3; ++axis) {
-        if (wide_button(mirrors[axis], "Adds the mirror images of the selected sites, or of all, across the middle of the mesh", 1.0f / static_cast<float>(3 - axis)))
+        if (wide_button(mirrors[axis],
+                        "Adds the mirror images of the selected sites, or of all, across the middle of the mesh",
+                        1.0f / static_cast<float>(3 - axis)))
             state.tools.mirror_selected(session, axis);
         if (axis < 2) ImGui::SameLine();
     }
@@ -118,7 +136,9 @@ void Panels::selected_sites(Session& session) {
     const double scale = session.object().scale();
     const std::vector<PlacedSite> sites = session.selected_sites();
     const PlacedSite first = sites.empty() ? PlacedSite{} : sites.front();
-    const auto alike = [&](auto member) { return std::ranges::all_of(sites, [&](const PlacedSite& s) { return s.*member == first.*member; }); };
+    const auto alike = [&](auto member) {
+        return std::ranges::all_of(sites, [&](const PlacedSite& s) { return s.*member == first.*member; });
+    };
     const auto change = [&](const Edit& to) {
         if (gesture_ == 0) gesture_ = session.begin_gesture();
         session.take_sites(gesture_);
@@ -128,9 +148,11 @@ void Panels::selected_sites(Session& session) {
     ImGui::BeginDisabled(sites.empty() || session.broken());
     auto weight = static_cast<float>(first.weight * scale * scale);
     ImGui::SetNextItemWidth(half);
-    if (slider("##weight", weight, -most_weight_shown, most_weight_shown, alike(&PlacedSite::weight) ? "weight %.2f" : "weights differ"))
+    if (slider("##weight", weight, -most_weight_shown, most_weight_shown,
+               alike(&PlacedSite::weight) ? "weight %.2f" : "weights differ"))
         change(SetSiteWeight{session.selection, double{weight} / (scale * scale)});
-    tip("How far the cells of the selected sites reach, against their neighbours': m\xc2\xb2 on the stage, where the mesh is 2 m long (drag, or Ctrl + click to type)");
+    tip("How far the cells of the selected sites reach, against their neighbours': m\xc2\xb2 on the stage, where the "
+        "mesh is 2 m long (drag, or Ctrl + click to type)");
     ImGui::SameLine(0.0f, gap);
     auto group = static_cast<int>(first.group);
     ImGui::SetNextItemWidth(-1.0f);

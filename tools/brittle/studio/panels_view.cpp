@@ -24,7 +24,8 @@ double resident_memory() {
     unsigned long all = 0, resident = 0;
     const int read = std::fscanf(file, "%lu %lu", &all, &resident);
     std::fclose(file);
-    return read == 2 ? static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0) : 0.0;
+    return read == 2 ? static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0)
+                     : 0.0;
 }
 
 bool toggle(const char* name, const char* tip_text, bool& on) {
@@ -34,7 +35,8 @@ bool toggle(const char* name, const char* tip_text, bool& on) {
 }
 
 void second_column() {
-    ImGui::SameLine(ImGui::GetWindowContentRegionMin().x + 0.5f * (ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x));
+    ImGui::SameLine(ImGui::GetWindowContentRegionMin().x
+                    + 0.5f * (ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x));
 }
 
 void frame_graph(const FrameTimes& times, float scale) {
@@ -50,7 +52,8 @@ void frame_graph(const FrameTimes& times, float scale) {
     const float count = static_cast<float>(std::max<size_t>(ms.size() - 1, 1));
     for (const size_t mark : times.marks()) {
         const float x = corner.x + inset.x + (width - 2.0f * inset.x) * static_cast<float>(mark) / count;
-        ImGui::GetWindowDrawList()->AddLine({x, corner.y + 2.0f}, {x, corner.y + height - 2.0f}, StudioColours{}.accent, 1.5f * scale);
+        ImGui::GetWindowDrawList()->AddLine({x, corner.y + 2.0f}, {x, corner.y + height - 2.0f}, StudioColours{}.accent,
+                                            1.5f * scale);
     }
 }
 
@@ -63,7 +66,9 @@ void Panels::simulation_panel(const PanelState& state) {
     bool changed = toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
     second_column();
     changed |= toggle("Anchored", "Bonded, and what stands on the ground is held by it", world.anchored);
-    changed |= toggle("Breakable", "Cut anew where it is hit, again and again: with the hammer, with balls, by its fall", world.breakable);
+    changed |=
+        toggle("Breakable", "Cut anew where it is hit, again and again: with the hammer, with balls, by its fall",
+               world.breakable);
     if (world.breakable) {
         control("Least piece", "Cube root of the volume of the smallest pieces, on the stage");
         auto least = static_cast<float>(world.min_size);
@@ -83,7 +88,8 @@ void Panels::simulation_panel(const PanelState& state) {
     if (changed) edit(session, SetWorld{world});
     control("Time", "Slow motion: how fast time goes by");
     (void)slider("##Time", session.playback.speed, 0.02f, 1.0f, "%.2f x", ImGuiSliderFlags_Logarithmic);
-    if (wide_button(session.playback.paused ? "Go on" : "Pause", "Or let time go by (P)", 0.5f)) actions_.push_back(Command::pause);
+    if (wide_button(session.playback.paused ? "Go on" : "Pause", "Or let time go by (P)", 0.5f))
+        actions_.push_back(Command::pause);
     ImGui::SameLine();
     if (wide_button("Single step", "Of 1/120 s (full stop)")) actions_.push_back(Command::step);
 }
@@ -130,7 +136,8 @@ void Panels::certificate(const PanelState& state) {
     value("Volume error", "%.1e", proof.volume_error);
     value("Fracture", "%.1f ms", counts->milliseconds);
     if (ImGui::TreeNode("Phases")) {
-        for (const fracture::Milliseconds& phase : counts->phases) value(phase.phase.c_str(), "%.2f ms", phase.milliseconds);
+        for (const fracture::Milliseconds& phase : counts->phases)
+            value(phase.phase.c_str(), "%.2f ms", phase.milliseconds);
         ImGui::TreePop();
     }
 }
@@ -141,11 +148,13 @@ void Panels::statistics_panel(const PanelState& state) {
     value("Frame rate", "%.0f /s, %.1f ms", median > 0.0 ? 1000.0 / median : 0.0, median);
     frame_graph(state.times, state.scale);
     const engine::FrameStats& drawn = state.renderer.stats();
-    value("Triangles", drawn.draws == 1 ? "%s in %u draw" : "%s in %u draws", grouped(drawn.triangles).c_str(), drawn.draws);
+    value("Triangles", drawn.draws == 1 ? "%s in %u draw" : "%s in %u draws", grouped(drawn.triangles).c_str(),
+          drawn.draws);
     value("Memory", "%.0f MiB", resident_memory());
     certificate(state);
     if (ImGui::TreeNode("Passes")) {
-        for (const engine::PassTime& pass : state.renderer.timings()) value(pass.name.c_str(), "%.2f ms", pass.milliseconds);
+        for (const engine::PassTime& pass : state.renderer.timings())
+            value(pass.name.c_str(), "%.2f ms", pass.milliseconds);
         ImGui::TreePop();
     }
     explain(state.device.c_str());

@@ -61,7 +61,8 @@ float PieceView::radius(uint32_t piece) const {
 }
 
 // In the piece's frame: around its centre of mass.
-std::optional<double> PieceView::distance_to(uint32_t piece, const glm::dvec3& from, const glm::dvec3& direction) const {
+std::optional<double> PieceView::distance_to(uint32_t piece, const glm::dvec3& from,
+                                             const glm::dvec3& direction) const {
     if (const physics::SolidPiece* own = solid(piece)) {
         const std::vector<glm::dvec3> positions(own->positions.begin(), own->positions.end());
         return fracture::first_hit(positions, own->mesh.triangles, from, direction);
@@ -84,7 +85,8 @@ std::optional<PieceHit> PieceView::first(const glm::dvec3& from, const glm::dvec
         const glm::dvec3 origin = back * (from - centre), way = back * direction;
         const std::optional<double> distance = distance_to(piece, origin, way);
         if (!distance || (nearest && nearest->distance <= *distance)) continue;
-        nearest = PieceHit{piece, glm::vec3(from + *distance * direction), glm::vec3(origin + *distance * way), *distance};
+        nearest =
+            PieceHit{piece, glm::vec3(from + *distance * direction), glm::vec3(origin + *distance * way), *distance};
     }
     return nearest;
 }
@@ -99,7 +101,8 @@ Hammer hammer_blow(const Simulation& simulation, const PieceHit& hit, const glm:
                    uint32_t most_pieces) {
     const physics::SolidPiece& solid = *simulation.destruction()->solid({hit.piece});
     const physics::MaterialPreset* preset = simulation.material();
-    const double energy = physics::energy_of(radius, preset ? preset->material : physics::Material{}, solid.mass.volume, most_pieces);
+    const double energy =
+        physics::energy_of(radius, preset ? preset->material : physics::Material{}, solid.mass.volume, most_pieces);
     const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy), least_blow * solid.bearable);
     return {hit.piece, place_of(simulation, hit), impulse * direction};
 }

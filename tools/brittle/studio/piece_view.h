@@ -28,15 +28,16 @@ struct PieceHit {
 
 struct PieceView {
     const Simulation& simulation;
-    const fracture::Fragments& fragments;   // that it was started with
-    std::span<const float> radii;           // of their pieces; of what is cut anew none are needed
+    const fracture::Fragments& fragments;    // that it was started with
+    std::span<const float> radii;            // of their pieces; of what is cut anew none are needed
     std::span<const engine::BodyPose> poses; // by slot
 
     [[nodiscard]] std::vector<uint32_t> numbers() const; // ascending
     [[nodiscard]] bool contains(uint32_t piece) const;
     // Of a piece that exists:
     [[nodiscard]] const physics::SolidPiece* solid(uint32_t piece) const; // null where nothing is cut anew
-    [[nodiscard]] std::optional<engine::BodyPose> pose(uint32_t piece) const; // none for one that is too new to be drawn
+    [[nodiscard]] std::optional<engine::BodyPose>
+    pose(uint32_t piece) const;                        // none for one that is too new to be drawn
     [[nodiscard]] double volume(uint32_t piece) const; // m^3
     [[nodiscard]] size_t triangles(uint32_t piece) const;
     [[nodiscard]] float radius(uint32_t piece) const; // m, around the centre of mass
@@ -45,7 +46,8 @@ struct PieceView {
     [[nodiscard]] std::optional<PieceHit> first(const glm::dvec3& from, const glm::dvec3& direction) const;
 
   private:
-    [[nodiscard]] std::optional<double> distance_to(uint32_t piece, const glm::dvec3& from, const glm::dvec3& direction) const;
+    [[nodiscard]] std::optional<double> distance_to(uint32_t piece, const glm::dvec3& from,
+                                                    const glm::dvec3& direction) const;
 };
 
 // Where the hit is in the simulation, which has gone on since it was drawn, or is drawn exploded.

@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 
 #include "tools/brittle/base/failure.h"
-#include "tools/brittle/pictures/picture.h"
 #include "tools/brittle/base/stopwatch.h"
+#include "tools/brittle/pictures/picture.h"
 
 namespace brittle::tools {
 
@@ -21,7 +21,8 @@ constexpr glm::vec3 falling_tint{1.5f, 0.42f, 0.12f};
 // has its twin in another interior triangle or in an exterior one.
 void append_cracks(const Cracked& cracked, const fracture::Piece& piece, std::vector<engine::LineVertex>& lines) {
     const auto triangles = cracked.fragments.triangles_of(piece);
-    const auto exterior = triangles.first(piece.exterior_triangles), interior = triangles.subspan(piece.exterior_triangles);
+    const auto exterior = triangles.first(piece.exterior_triangles),
+               interior = triangles.subspan(piece.exterior_triangles);
     std::vector<uint64_t> edges;
     const auto directed = [](uint32_t a, uint32_t b) { return uint64_t{a} << 32 | b; };
     for (const fracture::Triangle& t : interior)
@@ -48,7 +49,8 @@ void append_cracks(const Cracked& cracked, const fracture::Piece& piece, std::ve
 void mark_what_stays(Cracked& cracked) {
     const auto& pieces = cracked.fragments.pieces;
     cracked.stays.assign(pieces.size(), 0);
-    const auto largest = std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.mass.volume < b.mass.volume; });
+    const auto largest = std::max_element(pieces.begin(), pieces.end(),
+                                          [](const auto& a, const auto& b) { return a.mass.volume < b.mass.volume; });
     if (largest != pieces.end()) cracked.stays[static_cast<size_t>(largest - pieces.begin())] = 1;
 }
 
@@ -65,11 +67,13 @@ engine::PieceBatch batch_of(const Cracked& cracked) {
     std::vector<engine::PieceMesh> meshes;
     for (size_t p = 0; p < cracked.fragments.pieces.size(); ++p) {
         const fracture::Piece& piece = cracked.fragments.pieces[p];
-        const glm::vec3 tint = cracked.stays.empty() ? engine::piece_tint(static_cast<uint32_t>(p)) : (cracked.stays[p] ? glm::vec3(1.0f) : falling_tint);
-        meshes.push_back({.positions = std::span(cracked.positions).subspan(piece.vertices.begin, piece.vertices.size()),
-                          .triangles = cracked.fragments.triangles_of(piece),
-                          .exterior_triangles = piece.exterior_triangles,
-                          .tint = tint});
+        const glm::vec3 tint = cracked.stays.empty() ? engine::piece_tint(static_cast<uint32_t>(p))
+                                                     : (cracked.stays[p] ? glm::vec3(1.0f) : falling_tint);
+        meshes.push_back(
+            {.positions = std::span(cracked.positions).subspan(piece.vertices.begin, piece.vertices.size()),
+             .triangles = cracked.fragments.triangles_of(piece),
+             .exterior_triangles = piece.exterior_triangles,
+             .tint = tint});
     }
     return must(engine::PieceBatch::create(meshes));
 }
@@ -115,15 +119,17 @@ void Preview::fracture(const PreviewRequest& request, const Worker::Cancelled& c
         return;
     }
     // Pieces that become one keep the site of one of them.
-    if (set.groups.empty() && !(recipe.min_volume > 0.0)) made.idle_sites = without_piece(made.fragments, set.sites.size());
+    if (set.groups.empty() && !(recipe.min_volume > 0.0))
+        made.idle_sites = without_piece(made.fragments, set.sites.size());
     made.cells = cell_lines(mesh, set.sites, set.weights);
     made.sites = std::move(set.sites);
 }
 
 void Preview::foresee_blow(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made) {
     const Stopwatch stopwatch;
-    Foreseen foreseen = request.cut ? foresee(*request.cut, cancelled)
-                                    : foresight_.of_whole(request.object, request.recipe, request.version, *request.blow, cancelled);
+    Foreseen foreseen =
+        request.cut ? foresee(*request.cut, cancelled)
+                    : foresight_.of_whole(request.object, request.recipe, request.version, *request.blow, cancelled);
     made.milliseconds = stopwatch.milliseconds();
     made.fragments = std::move(foreseen.fragments);
     for (const uint8_t falls : foreseen.falls) made.stays.push_back(falls ? 0 : 1);
@@ -135,8 +141,10 @@ std::shared_ptr<Cracked> Preview::make(const PreviewRequest& request, const Work
     made->ghost = request.ghost || request.blow || request.cut;
     made->piece = request.piece;
     try {
-        if (request.blow || request.cut) foresee_blow(request, cancelled, *made);
-        else fracture(request, cancelled, *made);
+        if (request.blow || request.cut)
+            foresee_blow(request, cancelled, *made);
+        else
+            fracture(request, cancelled, *made);
         made->pieces = static_cast<uint32_t>(made->fragments.pieces.size());
         made->positions.assign(made->fragments.positions.begin(), made->fragments.positions.end());
         for (size_t p = 0; p < made->fragments.pieces.size(); ++p)

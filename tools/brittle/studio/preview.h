@@ -27,7 +27,8 @@ struct PreviewRequest {
     FractureOptions recipe{};
     std::optional<Strike> ghost{};   // a blow that may come, in the coordinates of the file
     std::optional<AimedBlow> blow{}; // at what is breakable and whole still
-    std::optional<physics::PlannedCut> cut{}; // a blow to one piece, of this number; then object and recipe do not matter
+    std::optional<physics::PlannedCut>
+        cut{}; // a blow to one piece, of this number; then object and recipe do not matter
     std::optional<uint32_t> piece{};
     uint64_t version = 0; // of the recipe: with `blow`, an equal one stands there already
     uint64_t key = 0;     // told apart by whoever asks
@@ -39,7 +40,7 @@ struct Cracked {
     bool ghost = false;            // of a blow
     std::optional<uint32_t> piece; // that it is the ghost of; cracks are in its frame then, about its centre of mass
     std::vector<glm::dvec3> sites;
-    std::vector<uint32_t> idle_sites; // ascending: nothing of the mesh is nearest to them, so they change nothing
+    std::vector<uint32_t> idle_sites;       // ascending: nothing of the mesh is nearest to them, so they change nothing
     std::vector<engine::LineVertex> cracks; // a little above the surface, two a line
     std::vector<engine::LineVertex> cells;  // edges of the Voronoi diagram around the mesh; none for strikes
     uint32_t pieces = 0;
@@ -48,7 +49,7 @@ struct Cracked {
 
     fracture::Fragments fragments;
     std::vector<glm::vec3> positions;
-    engine::PieceBatch batch; // of all pieces, ready to be drawn
+    engine::PieceBatch batch;   // of all pieces, ready to be drawn
     std::vector<uint8_t> stays; // by piece: what does not fall, where only a part breaks
 };
 

@@ -14,8 +14,10 @@ namespace brittle::tools {
 namespace fs = std::filesystem;
 
 fs::path RecentFiles::usual_place() {
-    if (const char* state = std::getenv("XDG_STATE_HOME"); state && *state == '/') return fs::path(state) / "brittle" / "recent";
-    if (const char* home = std::getenv("HOME"); home && *home == '/') return fs::path(home) / ".local/state/brittle/recent";
+    if (const char* state = std::getenv("XDG_STATE_HOME"); state && *state == '/')
+        return fs::path(state) / "brittle" / "recent";
+    if (const char* home = std::getenv("HOME"); home && *home == '/')
+        return fs::path(home) / ".local/state/brittle/recent";
     return {};
 }
 

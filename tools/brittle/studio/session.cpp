@@ -36,7 +36,8 @@ bool same_sites(const FractureOptions& a, const FractureOptions& b) {
 // From grey, idle, through yellow to red, about to break.
 uint32_t bond_colour(double load) {
     const double up = std::min(1.0, 2.0 * load), down = std::max(0.0, 2.0 * load - 1.0);
-    return engine::srgb8(static_cast<uint32_t>(100 + 150 * up), static_cast<uint32_t>(122 + 78 * up - 160 * down), static_cast<uint32_t>(112 - 60 * up));
+    return engine::srgb8(static_cast<uint32_t>(100 + 150 * up), static_cast<uint32_t>(122 + 78 * up - 160 * down),
+                         static_cast<uint32_t>(112 - 60 * up));
 }
 
 bool same_strikes(const FractureOptions& a, const FractureOptions& b) {
@@ -112,7 +113,8 @@ void Session::follow(const FractureOptions& before) {
     const bool sites = !same_sites(now, before), strikes = !same_strikes(now, before);
     const bool anchors = now.world.anchors != before.world.anchors;
     if (placed) object_ = object_->placed_for(now.world);
-    if (placed || now.material != before.material || ((sites || strikes || anchors) && (broken() || worker_.busy()))) make_stage();
+    if (placed || now.material != before.material || ((sites || strikes || anchors) && (broken() || worker_.busy())))
+        make_stage();
     if (placed || sites || strikes) {
         try {
             find_sites();
@@ -208,7 +210,8 @@ void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
 void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
     if (stage_->simulation().destruction()) {
         Simulation& simulation = stage_->simulation();
-        simulation.apply(hammer_blow(simulation, hit, direction, double{tools.hammer_radius}, recipe().world.blow_pieces));
+        simulation.apply(
+            hammer_blow(simulation, hit, direction, double{tools.hammer_radius}, recipe().world.blow_pieces));
     } else { // where the place was when all was whole
         strike(glm::dvec3(hit.grip) + fragments_->pieces[hit.piece].mass.centre_of_mass, direction);
     }
@@ -216,7 +219,9 @@ void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
 
 void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
     if (broken()) {
-        stage_->shoot({.from = glm::dvec3(from), .velocity = glm::dvec3(tools.ball_speed * direction), .radius = tools.ball_radius});
+        stage_->shoot({.from = glm::dvec3(from),
+                       .velocity = glm::dvec3(tools.ball_speed * direction),
+                       .radius = tools.ball_radius});
         return;
     }
     if (worker_.busy()) return;
@@ -249,12 +254,14 @@ void Session::reset() {
 void Session::start_breaking(const WorldOptions& world) {
     FractureOptions options = recipe();
     options.world = world;
-    start("breaking " + object_->name(), [this, object = object_, options, stage = stages_](const Worker::Cancelled& cancelled) {
+    start("breaking " + object_->name(), [this, object = object_, options,
+                                          stage = stages_](const Worker::Cancelled& cancelled) {
         const WorldOptions stands = world_of(options);
         const Input input = object->with_sites(options);
-        auto made = std::make_shared<Broken>(
-            break_input(input, options, [this](double share) { work_share_ = share; }, classifier_, cancelled));
-        auto ahead = std::make_shared<PreparedPieces>(prepare_pieces(renderer_, made->fragments, stands, options.material));
+        auto made = std::make_shared<Broken>(break_input(
+            input, options, [this](double share) { work_share_ = share; }, classifier_, cancelled));
+        auto ahead =
+            std::make_shared<PreparedPieces>(prepare_pieces(renderer_, made->fragments, stands, options.material));
         post([this, made, ahead, stands, stage] {
             if (stages_ == stage) take_pieces(std::move(*made), std::move(*ahead), stands);
         });
@@ -271,16 +278,19 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
     radii_.clear();
     for (const fracture::Piece& p : fragments_->pieces) {
         double radius = 0.0;
-        for (const glm::dvec3& v : fragments_->positions_of(p)) radius = std::max(radius, glm::distance(v, p.mass.centre_of_mass));
+        for (const glm::dvec3& v : fragments_->positions_of(p))
+            radius = std::max(radius, glm::distance(v, p.mass.centre_of_mass));
         radii_.push_back(static_cast<float>(radius));
     }
     poses_.assign(radii_.size(), {});
-    for (size_t k = 0; k < poses_.size(); ++k) poses_[k].position = glm::vec3(fragments_->pieces[k].mass.centre_of_mass);
+    for (size_t k = 0; k < poses_.size(); ++k)
+        poses_[k].position = glm::vec3(fragments_->pieces[k].mass.centre_of_mass);
     fractured_ = true;
     message_ = {};
     if (const auto shot = std::exchange(shot_, std::nullopt)) shoot((*shot)[0], (*shot)[1]);
     if (const auto at = std::exchange(blow_, std::nullopt))
-        if (const auto hammer = hammer_at(stage_->simulation(), *fragments_, *at, recipe().world.blow_pieces)) stage_->simulation().apply(*hammer);
+        if (const auto hammer = hammer_at(stage_->simulation(), *fragments_, *at, recipe().world.blow_pieces))
+            stage_->simulation().apply(*hammer);
 }
 
 void Session::step_once() {
@@ -312,8 +322,10 @@ void Session::post(std::function<void()> completion) {
 void Session::report(const Failure& failure, const std::string& mend) {
     shot_.reset();
     if (failure.code() == exit_environment) throw failure; // the device is gone
-    if (failure.code() == exit_interrupted) say({"cancelled"});
-    else say({failure.what(), true, mend});
+    if (failure.code() == exit_interrupted)
+        say({"cancelled"});
+    else
+        say({failure.what(), true, mend});
 }
 
 std::optional<Session::Work> Session::work() const {
@@ -382,7 +394,8 @@ engine::Scene Session::scene(const engine::Camera& camera) {
         scene.look.tint = preview_tint;
     }
     if (broken() && scene.write_poses) {
-        if (const physics::Destruction* destruction = stage_->simulation().destruction()) poses_.resize(destruction->slot_count());
+        if (const physics::Destruction* destruction = stage_->simulation().destruction())
+            poses_.resize(destruction->slot_count());
         scene.write_poses(poses_, 0);
     }
     scene.camera = camera;

@@ -24,6 +24,7 @@
 
 #include "engine/render/renderer.h"
 #include "tools/brittle/base/failure.h"
+#include "tools/brittle/pictures/video.h"
 #include "tools/brittle/recipe/piece_export.h"
 #include "tools/brittle/recipe/view_options.h"
 #include "tools/brittle/replay/recorder.h"
@@ -34,7 +35,6 @@
 #include "tools/brittle/studio/piece_view.h"
 #include "tools/brittle/studio/preview.h"
 #include "tools/brittle/studio/worker.h"
-#include "tools/brittle/pictures/video.h"
 
 namespace brittle::tools {
 
@@ -109,16 +109,17 @@ class Session {
     [[nodiscard]] std::optional<PieceHit> first_piece(const glm::dvec3& from, const glm::dvec3& direction) const;
     [[nodiscard]] bool contains(uint32_t which) const; // whether there is such a piece
     [[nodiscard]] engine::Bounds piece_bounds(uint32_t of) const;
-    [[nodiscard]] engine::Bounds all_bounds() const; // of all pieces, but for those that rolled far away; or of the whole mesh
+    [[nodiscard]] engine::Bounds
+    all_bounds() const; // of all pieces, but for those that rolled far away; or of the whole mesh
     [[nodiscard]] double piece_volume(uint32_t of) const; // m^3, on the stage
     [[nodiscard]] size_t piece_triangles(uint32_t of) const;
     void step_once(); // a single step of physics
     ToolSettings tools;
     Playback playback;
-    bool bonds = false;                // show bonds and how much they carry
-    bool preview_wanted = false;       // by the tool in use, whatever the view says
-    std::vector<uint32_t> selection;   // sites
-    std::optional<uint32_t> piece;     // that is selected
+    bool bonds = false;              // show bonds and how much they carry
+    bool preview_wanted = false;     // by the tool in use, whatever the view says
+    std::vector<uint32_t> selection; // sites
+    std::optional<uint32_t> piece;   // that is selected
 
     // --- files ---
     void open(const std::string& path, bool repair = false); // a mesh, shape:NAME or a recipe; on a worker
@@ -126,10 +127,10 @@ class Session {
     // On a worker, as `exports` says. Once broken what is on the stage; before, the recipe's pieces as `brittle fracture`
     // writes them, which is also what `made` means where nothing was cut anew.
     void export_pieces(const std::filesystem::path& file, PiecesAs as = PiecesAs::made);
-    ExportSettings exports; // but for the output
-    void save_replay(const std::filesystem::path& file);   // of what happened since the break (docs/replay.md)
+    ExportSettings exports;                              // but for the output
+    void save_replay(const std::filesystem::path& file); // of what happened since the break (docs/replay.md)
     void finish_video(std::shared_ptr<Video> video, const std::string& file); // on a worker
-    std::function<void(const std::string&)> opened;        // told of each mesh and recipe, for the list of recent files
+    std::function<void(const std::string&)> opened; // told of each mesh and recipe, for the list of recent files
 
     // --- work that takes long ---
     struct Work {
@@ -161,10 +162,14 @@ class Session {
     [[nodiscard]] const std::optional<Counts>& counts() const { return counts_; } // of the last fracture
     [[nodiscard]] const Stage& stage() const { return *stage_; }
     [[nodiscard]] uint64_t steps() const { return stage_->simulation().steps(); } // of physics since the break
-    [[nodiscard]] const Cracked* preview() const { return shown_ ? shown_.get() : cracks_ahead_.get(); } // that is shown, or null
+    [[nodiscard]] const Cracked* preview() const {
+        return shown_ ? shown_.get() : cracks_ahead_.get();
+    } // that is shown, or null
     // Sites that change nothing; none known while the preview does not show them.
     [[nodiscard]] std::span<const uint32_t> idle_sites() const {
-        return shown_ && !broken() && shown_->sites.size() == sites_.size() ? std::span<const uint32_t>(shown_->idle_sites) : std::span<const uint32_t>();
+        return shown_ && !broken() && shown_->sites.size() == sites_.size()
+                   ? std::span<const uint32_t>(shown_->idle_sites)
+                   : std::span<const uint32_t>();
     }
     [[nodiscard]] uint32_t preview_pieces() const { return preview() ? preview()->pieces : 0; }
     // Nothing moves, nothing is worked on, nothing is waited for: the next frame would be the same.
@@ -196,9 +201,12 @@ class Session {
     void leave_piece(); // what was selected or aimed at
     void start_breaking(const WorldOptions& world);
     void take_pieces(Broken broken, PreparedPieces ahead, const WorldOptions& world);
-    [[nodiscard]] Strike strike_at(const glm::dvec3& at, const glm::dvec3& direction) const; // in the file's coordinates
+    [[nodiscard]] Strike strike_at(const glm::dvec3& at,
+                                   const glm::dvec3& direction) const; // in the file's coordinates
     [[nodiscard]] AimedBlow blow_at(const glm::dvec3& at, const glm::dvec3& direction) const;
-    [[nodiscard]] PieceView pieces() const { return {stage_->simulation(), *fragments_, radii_, poses_}; } // once broken
+    [[nodiscard]] PieceView pieces() const {
+        return {stage_->simulation(), *fragments_, radii_, poses_};
+    } // once broken
     void start(const std::string& what, Worker::Task task);
     void post(std::function<void()> completion); // from a worker, to the next update()
     void report(const Failure& failure, const std::string& mend = {});
@@ -219,17 +227,17 @@ class Session {
     std::optional<Recorder> recorder_; // always there
     std::unique_ptr<Stage> stage_;
     std::vector<glm::dvec3> sites_;
-    std::vector<PlacedSite> placed_; // the same in the file's coordinates
+    std::vector<PlacedSite> placed_;                       // the same in the file's coordinates
     std::shared_ptr<const fracture::Fragments> fragments_; // that broke off first, once broken
-    WorldOptions world_; // that they were put into
-    std::vector<float> radii_;      // of its pieces
-    std::vector<engine::BodyPose> poses_; // by slot, as drawn
+    WorldOptions world_;                                   // that they were put into
+    std::vector<float> radii_;                             // of its pieces
+    std::vector<engine::BodyPose> poses_;                  // by slot, as drawn
     std::optional<Counts> counts_;
     std::optional<Strike> aimed_strike_; // at the whole mesh, to be shown; at most one of the three
     std::optional<AimedBlow> aimed_blow_;
     std::optional<AimedPiece> aimed_piece_;
     std::optional<std::array<glm::vec3, 2>> shot_; // to be fired when the pieces are there: from, direction
-    std::optional<AimedBlow> blow_; // likewise, of the hammer
+    std::optional<AimedBlow> blow_;                // likewise, of the hammer
     std::vector<engine::LineVertex> lines_;
     std::vector<engine::Sphere> spheres_;
     Message message_;
@@ -239,7 +247,7 @@ class Session {
 
     std::shared_ptr<Cracked> shown_; // uploaded in place of the whole mesh
     std::optional<Shown> asked_;
-    std::shared_ptr<Cracked> cracks_ahead_;    // of the piece that is aimed at
+    std::shared_ptr<Cracked> cracks_ahead_; // of the piece that is aimed at
     std::optional<AimedPiece> asked_ahead_;
     uint64_t preview_key_ = 0;
     Preview preview_{renderer_};

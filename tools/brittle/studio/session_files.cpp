@@ -73,22 +73,24 @@ void Session::export_pieces(const std::filesystem::path& file, PiecesAs as) {
     } else if (broken()) {
         options.world.breakable = false; // it was cut beforehand
     }
-    start("writing " + file.string(), [this, settings, as, options, state, object = object_](const Worker::Cancelled& cancelled) {
-        const Input source = load_input(options, true);
-        size_t pieces = 0;
-        std::vector<std::filesystem::path> files;
-        if (state) {
-            if (!same_mesh(source, object->file()))
-                throw Failure(exit_mesh, source.name + " has changed since it was opened: open it again");
-            pieces = state->pieces.size();
-            files = write_state(settings, as, options, source, *state, cancelled);
-        } else {
-            const Broken made = break_input(source, options, [this](double share) { work_share_ = share; }, nullptr, cancelled);
-            pieces = made.fragments.pieces.size();
-            files = write_pieces(settings, options, source, made);
-        }
-        post([this, text = written_text(pieces, files)] { say({text}); });
-    });
+    start("writing " + file.string(),
+          [this, settings, as, options, state, object = object_](const Worker::Cancelled& cancelled) {
+              const Input source = load_input(options, true);
+              size_t pieces = 0;
+              std::vector<std::filesystem::path> files;
+              if (state) {
+                  if (!same_mesh(source, object->file()))
+                      throw Failure(exit_mesh, source.name + " has changed since it was opened: open it again");
+                  pieces = state->pieces.size();
+                  files = write_state(settings, as, options, source, *state, cancelled);
+              } else {
+                  const Broken made = break_input(
+                      source, options, [this](double share) { work_share_ = share; }, nullptr, cancelled);
+                  pieces = made.fragments.pieces.size();
+                  files = write_pieces(settings, options, source, made);
+              }
+              post([this, text = written_text(pieces, files)] { say({text}); });
+          });
 }
 
 void Session::save_replay(const std::filesystem::path& file) {

@@ -24,8 +24,10 @@ AimedBlow Session::blow_at(const glm::dvec3& at, const glm::dvec3& direction) co
 
 void Session::aim(const glm::dvec3& at, const glm::dvec3& direction) {
     aim_nowhere();
-    if (recipe().world.breakable) aimed_blow_ = blow_at(at, direction);
-    else aimed_strike_ = strike_at(at, direction);
+    if (recipe().world.breakable)
+        aimed_blow_ = blow_at(at, direction);
+    else
+        aimed_strike_ = strike_at(at, direction);
 }
 
 void Session::aim(const PieceHit& hit, const glm::dvec3& direction) {
@@ -55,8 +57,12 @@ void Session::update_preview() {
     const Shown wanted{document_.version(), object_.get(), aimed_strike_, aimed_blow_};
     if (asked_ != wanted) {
         asked_ = wanted;
-        preview_.request({.object = object_, .recipe = recipe(), .ghost = aimed_strike_, .blow = aimed_blow_,
-                          .version = document_.version(), .key = ++preview_key_});
+        preview_.request({.object = object_,
+                          .recipe = recipe(),
+                          .ghost = aimed_strike_,
+                          .blow = aimed_blow_,
+                          .version = document_.version(),
+                          .key = ++preview_key_});
     }
     std::shared_ptr<Cracked> made = preview_.take();
     // A drag asks faster than answers come: the newest answer is shown even if it is not the last word.
@@ -80,7 +86,8 @@ bool Session::rests(uint32_t of) const {
 // Cracks on the piece that the hammer is over. None while it moves: they would be of another place by then.
 void Session::look_ahead() {
     Simulation& simulation = stage_->simulation();
-    const bool wanted = aimed_piece_ && simulation.destruction() && contains(aimed_piece_->hit.piece) && rests(aimed_piece_->hit.piece);
+    const bool wanted =
+        aimed_piece_ && simulation.destruction() && contains(aimed_piece_->hit.piece) && rests(aimed_piece_->hit.piece);
     if (!wanted) {
         asked_ahead_.reset();
         cracks_ahead_.reset();
@@ -89,12 +96,15 @@ void Session::look_ahead() {
     }
     if (asked_ahead_ != aimed_piece_) {
         asked_ahead_ = aimed_piece_;
-        const auto cut = simulation.foresee(hammer_blow(simulation, aimed_piece_->hit, aimed_piece_->direction, aimed_piece_->radius,
-                                                        recipe().world.blow_pieces));
-        if (cut) preview_.request({.object = object_, .cut = cut, .piece = aimed_piece_->hit.piece, .key = ++preview_key_});
-        else cracks_ahead_.reset();
+        const auto cut = simulation.foresee(hammer_blow(simulation, aimed_piece_->hit, aimed_piece_->direction,
+                                                        aimed_piece_->radius, recipe().world.blow_pieces));
+        if (cut)
+            preview_.request({.object = object_, .cut = cut, .piece = aimed_piece_->hit.piece, .key = ++preview_key_});
+        else
+            cracks_ahead_.reset();
     }
-    if (std::shared_ptr<Cracked> made = preview_.take(); made && made->piece && made->fault.empty()) cracks_ahead_ = std::move(made);
+    if (std::shared_ptr<Cracked> made = preview_.take(); made && made->piece && made->fault.empty())
+        cracks_ahead_ = std::move(made);
     if (cracks_ahead_ && cracks_ahead_->piece != aimed_piece_->hit.piece) cracks_ahead_.reset();
 }
 

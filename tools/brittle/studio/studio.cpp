@@ -21,9 +21,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double recorded_frame = 1.0 / 60.0; // s
+constexpr double recorded_frame = 1.0 / 60.0;        // s
 constexpr auto idle = std::chrono::milliseconds(50); // between looks at a minimised window
-constexpr float exploded = 0.3f;                      // what the key X takes pieces apart by
+constexpr float exploded = 0.3f;                     // what the key X takes pieces apart by
 
 constexpr std::array<std::string_view, 4> video_endings{".mp4", ".mkv", ".webm", ".gif"};
 
@@ -41,7 +41,8 @@ bool toggle(bool& on) {
 
 } // namespace
 
-Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer& renderer, Session& session, float scale)
+Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer& renderer, Session& session,
+               float scale)
     : window_(window), device_(device), renderer_(renderer), session_(session), scale_(scale),
       recent_(RecentFiles::usual_place()), recipe_file_(session.recipe().save_recipe) {
     session_.opened = [this](const std::string& file) {
@@ -64,7 +65,8 @@ float Studio::aspect() const {
 Viewport Studio::viewport() const {
     const glm::vec2 size = window_size();
     const Layout layout = layout_of(size, scale_, panels_.shown);
-    return {navigation_.camera(Viewport::shift(size, layout.free_min, layout.free_max)), size, layout.free_min, layout.free_max};
+    return {navigation_.camera(Viewport::shift(size, layout.free_min, layout.free_max)), size, layout.free_min,
+            layout.free_max};
 }
 
 void Studio::run() {
@@ -98,8 +100,10 @@ void Studio::run() {
         engine::Scene scene = session_.scene(view.camera());
         scene.region = {view.free_min() / view.window(), view.free_max() / view.window()};
         if (std::exchange(screenshot_due_, false)) screenshot(scene);
-        if (panels_.recording) record(scene);
-        else video_.reset(); // cancelled
+        if (panels_.recording)
+            record(scene);
+        else
+            video_.reset(); // cancelled
         const bool drawn = must(renderer_.present(scene, [&] { draw(view); }));
         if (!drawn) std::this_thread::sleep_for(idle); // minimised
         take_panels();
@@ -127,7 +131,9 @@ void Studio::handle(const engine::Input& input, double seconds) {
 void Studio::handle_keys(const engine::Input& input) {
     for (size_t k = 0; k < input.keys.size(); ++k) {
         // While the right button is held, letters fly.
-        const bool flies = tools_.right_held() && std::string_view("WASDQE").find(static_cast<char>(input.keys[k])) != std::string_view::npos;
+        const bool flies =
+            tools_.right_held()
+            && std::string_view("WASDQE").find(static_cast<char>(input.keys[k])) != std::string_view::npos;
         if (flies && !input.key_modifiers[k].control) continue;
         if (const auto action = command_for(input.keys[k], input.key_modifiers[k])) perform(*action);
     }
@@ -142,29 +148,50 @@ void Studio::fly(double seconds) {
 // What is about to be shown: beside the panels, or in a recorded picture, which has none.
 void Studio::watch() {
     const Viewport view = viewport();
-    if (panels_.recording) session_.watch(view.camera(), view.window().x / view.window().y);
-    else session_.watch(view.free_camera(), view.free_aspect());
+    if (panels_.recording)
+        session_.watch(view.camera(), view.window().x / view.window().y);
+    else
+        session_.watch(view.free_camera(), view.free_aspect());
 }
 
 bool Studio::perform_view(Command action) {
     PictureOptions& view = session_.picture();
     switch (action) {
-    case Command::explode: view.explode = view.explode > 0.0f ? 0.0f : exploded; return true;
-    case Command::wireframe: return device_.has_line_mode() ? toggle(view.wireframe) : true;
-    case Command::smooth: return toggle(view.smooth);
-    case Command::hulls: return toggle(view.hulls);
-    case Command::cells: return toggle(view.cells);
-    case Command::sites: return toggle(view.sites);
-    case Command::bonds: return toggle(session_.bonds);
-    case Command::help: return toggle(panels_.help);
-    case Command::panels: return toggle(panels_.shown);
-    case Command::page_up: panels_.roll(-1); return true;
-    case Command::page_down: panels_.roll(1); return true;
-    case Command::screenshot: screenshot_due_ = true; return true;
-    case Command::frame:
-        navigation_.frame(session_.piece && session_.broken() ? session_.piece_bounds(*session_.piece) : session_.all_bounds(), aspect());
+    case Command::explode:
+        view.explode = view.explode > 0.0f ? 0.0f : exploded;
         return true;
-    default: return false;
+    case Command::wireframe:
+        return device_.has_line_mode() ? toggle(view.wireframe) : true;
+    case Command::smooth:
+        return toggle(view.smooth);
+    case Command::hulls:
+        return toggle(view.hulls);
+    case Command::cells:
+        return toggle(view.cells);
+    case Command::sites:
+        return toggle(view.sites);
+    case Command::bonds:
+        return toggle(session_.bonds);
+    case Command::help:
+        return toggle(panels_.help);
+    case Command::panels:
+        return toggle(panels_.shown);
+    case Command::page_up:
+        panels_.roll(-1);
+        return true;
+    case Command::page_down:
+        panels_.roll(1);
+        return true;
+    case Command::screenshot:
+        screenshot_due_ = true;
+        return true;
+    case Command::frame:
+        navigation_.frame(session_.piece && session_.broken() ? session_.piece_bounds(*session_.piece)
+                                                              : session_.all_bounds(),
+                          aspect());
+        return true;
+    default:
+        return false;
     }
 }
 
@@ -181,30 +208,60 @@ void Studio::perform(Command action) {
         return;
     }
     switch (action) {
-    case Command::break_all: session_.break_all(); break;
-    case Command::reset: session_.reset(); break;
-    case Command::pause: session_.playback.paused = !session_.playback.paused; break;
-    case Command::step: session_.step_once(); break;
-    case Command::undo: session_.undo(); break;
-    case Command::redo: session_.redo(); break;
-    case Command::remove: tools_.remove_selected(session_); break;
-    case Command::duplicate: tools_.duplicate_selected(session_); break;
-    case Command::mirror: tools_.mirror_selected(session_, 0); break;
-    case Command::open: ask(Asked::open); break;
-    case Command::save:
-        if (recipe_file_.empty()) ask(Asked::recipe);
-        else answer_recipe(recipe_file_);
+    case Command::break_all:
+        session_.break_all();
         break;
-    case Command::export_dialog: panels_.export_open = !panels_.export_open; break;
-    case Command::quit: quit_or_close(); break;
-    default: break;
+    case Command::reset:
+        session_.reset();
+        break;
+    case Command::pause:
+        session_.playback.paused = !session_.playback.paused;
+        break;
+    case Command::step:
+        session_.step_once();
+        break;
+    case Command::undo:
+        session_.undo();
+        break;
+    case Command::redo:
+        session_.redo();
+        break;
+    case Command::remove:
+        tools_.remove_selected(session_);
+        break;
+    case Command::duplicate:
+        tools_.duplicate_selected(session_);
+        break;
+    case Command::mirror:
+        tools_.mirror_selected(session_, 0);
+        break;
+    case Command::open:
+        ask(Asked::open);
+        break;
+    case Command::save:
+        if (recipe_file_.empty())
+            ask(Asked::recipe);
+        else
+            answer_recipe(recipe_file_);
+        break;
+    case Command::export_dialog:
+        panels_.export_open = !panels_.export_open;
+        break;
+    case Command::quit:
+        quit_or_close();
+        break;
+    default:
+        break;
     }
 }
 
 void Studio::quit_or_close() {
-    if (panels_.export_open) panels_.export_open = false;
-    else if (panels_.help) panels_.help = false;
-    else window_.close();
+    if (panels_.export_open)
+        panels_.export_open = false;
+    else if (panels_.help)
+        panels_.help = false;
+    else
+        window_.close();
 }
 
 void Studio::draw(const Viewport& view) {
@@ -224,12 +281,23 @@ void Studio::draw(const Viewport& view) {
 void Studio::take_panels() {
     for (const Command action : panels_.take_actions()) perform(action);
     switch (panels_.take_export()) {
-    case Panels::ExportKind::pieces: ask(Asked::pieces); break;
-    case Panels::ExportKind::recipe: ask(Asked::recipe); break;
-    case Panels::ExportKind::screenshot: screenshot_due_ = true; break;
-    case Panels::ExportKind::replay: ask(Asked::replay); break;
-    case Panels::ExportKind::sequence: ask(Asked::sequence); break;
-    case Panels::ExportKind::none: break;
+    case Panels::ExportKind::pieces:
+        ask(Asked::pieces);
+        break;
+    case Panels::ExportKind::recipe:
+        ask(Asked::recipe);
+        break;
+    case Panels::ExportKind::screenshot:
+        screenshot_due_ = true;
+        break;
+    case Panels::ExportKind::replay:
+        ask(Asked::replay);
+        break;
+    case Panels::ExportKind::sequence:
+        ask(Asked::sequence);
+        break;
+    case Panels::ExportKind::none:
+        break;
     }
 }
 
@@ -240,11 +308,22 @@ void Studio::ask(Asked what) {
     std::vector<std::string> meshes = fracture::importable_extensions();
     meshes.emplace_back(".json");
     switch (what) {
-    case Asked::open: dialog_.open("Open a mesh or a recipe", folder, "", std::move(meshes), false); break;
-    case Asked::recipe: dialog_.open("Save the recipe", folder, name + ".json", {".json"}, true); break;
-    case Asked::pieces: dialog_.open("Export the pieces", folder, name + "_pieces.glb", fracture::exportable_extensions(), true); break;
-    case Asked::replay: dialog_.open("Save the replay log", folder, name + ".log", {".log"}, true); break;
-    case Asked::sequence: dialog_.open("Write pictures or a video", folder, name + "_%04d.png", {".png", ".mp4", ".mkv", ".webm", ".gif"}, true); break;
+    case Asked::open:
+        dialog_.open("Open a mesh or a recipe", folder, "", std::move(meshes), false);
+        break;
+    case Asked::recipe:
+        dialog_.open("Save the recipe", folder, name + ".json", {".json"}, true);
+        break;
+    case Asked::pieces:
+        dialog_.open("Export the pieces", folder, name + "_pieces.glb", fracture::exportable_extensions(), true);
+        break;
+    case Asked::replay:
+        dialog_.open("Save the replay log", folder, name + ".log", {".log"}, true);
+        break;
+    case Asked::sequence:
+        dialog_.open("Write pictures or a video", folder, name + "_%04d.png", {".png", ".mp4", ".mkv", ".webm", ".gif"},
+                     true);
+        break;
     }
 }
 
@@ -256,11 +335,21 @@ void Studio::answer_recipe(const std::string& file) {
 
 void Studio::answer(const std::filesystem::path& file) {
     switch (asked_) {
-    case Asked::open: session_.open(file.string()); break;
-    case Asked::recipe: answer_recipe(file.extension() == ".json" ? file.string() : file.string() + ".json"); break;
-    case Asked::pieces: session_.export_pieces(file, session_.broken() ? panels_.pieces_as : PiecesAs::made); break;
-    case Asked::replay: session_.save_replay(file); break;
-    case Asked::sequence: begin_recording(file.string()); break;
+    case Asked::open:
+        session_.open(file.string());
+        break;
+    case Asked::recipe:
+        answer_recipe(file.extension() == ".json" ? file.string() : file.string() + ".json");
+        break;
+    case Asked::pieces:
+        session_.export_pieces(file, session_.broken() ? panels_.pieces_as : PiecesAs::made);
+        break;
+    case Asked::replay:
+        session_.save_replay(file);
+        break;
+    case Asked::sequence:
+        begin_recording(file.string());
+        break;
     }
 }
 
@@ -270,15 +359,19 @@ void Studio::screenshot(const engine::Scene& scene) {
     const std::string file = unused_name(session_.object().name() + "_%03d.png");
     const auto image = renderer_.render(unshifted(scene), size);
     const auto written = image ? engine::write_png(*image, file) : engine::Result<void>(image.error());
-    if (written) session_.say({"wrote " + file});
-    else session_.say({written.error().message, true});
+    if (written)
+        session_.say({"wrote " + file});
+    else
+        session_.say({written.error().message, true});
 }
 
 void Studio::begin_recording(const std::string& file) {
     const std::string ending = std::filesystem::path(file).extension().string();
     const bool video = std::find(video_endings.begin(), video_endings.end(), ending) != video_endings.end();
     if (!video && !is_numbered(file)) {
-        session_.say({"'" + file + "' needs %04d where the frame's number is to go, or the ending of a video, such as .mp4", true});
+        session_.say(
+            {"'" + file + "' needs %04d where the frame's number is to go, or the ending of a video, such as .mp4",
+             true});
         return;
     }
     sequence_ = file;
@@ -291,8 +384,10 @@ void Studio::record(const engine::Scene& scene) {
     Recording& recording = *panels_.recording;
     try {
         const engine::Bitmap image = must(renderer_.render(unshifted(scene), recorded_size_));
-        if (video_) video_->add(image);
-        else must(engine::write_png(image, picture_name(sequence_, recording.done)));
+        if (video_)
+            video_->add(image);
+        else
+            must(engine::write_png(image, picture_name(sequence_, recording.done)));
     } catch (const Failure& failure) {
         if (failure.code() == exit_environment) throw;
         panels_.recording.reset();
@@ -304,14 +399,19 @@ void Studio::record(const engine::Scene& scene) {
 
 void Studio::end_recording() {
     const Recording recorded = *std::exchange(panels_.recording, std::nullopt);
-    if (video_) session_.finish_video(std::exchange(video_, nullptr), sequence_);
-    else session_.say({std::to_string(recorded.total) + " pictures, the last " + picture_name(sequence_, recorded.total - 1)});
+    if (video_)
+        session_.finish_video(std::exchange(video_, nullptr), sequence_);
+    else
+        session_.say(
+            {std::to_string(recorded.total) + " pictures, the last " + picture_name(sequence_, recorded.total - 1)});
 }
 
 void Studio::show_title() {
     std::string title = "Brittle: " + session_.object().name() + ", ";
-    if (session_.broken() && session_.counts()) title += std::to_string(session_.counts()->pieces) + " pieces";
-    else title += "whole";
+    if (session_.broken() && session_.counts())
+        title += std::to_string(session_.counts()->pieces) + " pieces";
+    else
+        title += "whole";
     if (title == title_) return;
     title_ = std::move(title);
     window_.set_title(title_);

@@ -9,6 +9,7 @@
 #include "engine/core/window.h"
 #include "engine/gpu/device.h"
 #include "engine/render/renderer.h"
+#include "tools/brittle/pictures/video.h"
 #include "tools/brittle/studio/file_dialog.h"
 #include "tools/brittle/studio/frame_times.h"
 #include "tools/brittle/studio/idleness.h"
@@ -17,7 +18,6 @@
 #include "tools/brittle/studio/recent.h"
 #include "tools/brittle/studio/session.h"
 #include "tools/brittle/studio/tools.h"
-#include "tools/brittle/pictures/video.h"
 
 namespace brittle::tools {
 
@@ -67,8 +67,8 @@ class Studio {
     Idleness idleness_;
     FileDialog dialog_;
     Asked asked_ = Asked::open;
-    std::string recipe_file_; // where Ctrl+S saves; empty: asks
-    std::string sequence_;    // the video, or a pattern for names of pictures
+    std::string recipe_file_;      // where Ctrl+S saves; empty: asks
+    std::string sequence_;         // the video, or a pattern for names of pictures
     std::shared_ptr<Video> video_; // in place of pictures, while it is recorded
     glm::uvec2 recorded_size_{0};
     std::string title_;

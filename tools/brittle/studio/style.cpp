@@ -8,11 +8,13 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr std::array font_files{"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
+constexpr std::array font_files{"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                "/usr/share/fonts/TTF/DejaVuSans.ttf",
                                 "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf"};
 
 ImVec4 rgb(int red, int green, int blue, float alpha = 1.0f) {
-    return {static_cast<float>(red) / 255.0f, static_cast<float>(green) / 255.0f, static_cast<float>(blue) / 255.0f, alpha};
+    return {static_cast<float>(red) / 255.0f, static_cast<float>(green) / 255.0f, static_cast<float>(blue) / 255.0f,
+            alpha};
 }
 
 void add_font(float scale) {

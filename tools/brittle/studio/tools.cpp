@@ -11,13 +11,13 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr float site_reach = 8.0f;    // pixels around a site that count as the site
-constexpr float axis_reach = 7.0f;    // pixels beside an axis of the gizmo
-constexpr float axis_length = 64.0f;  // pixels
-constexpr float click_slack = 4.0f;   // pixels that the mouse may move in a click
-constexpr float dab_spacing = 8.0f;   // pixels of the mouse's way between two tries to paint
-constexpr int most_dabs = 100;        // in one frame
-constexpr float radius_step = 1.12f;  // a notch of the wheel
+constexpr float site_reach = 8.0f;   // pixels around a site that count as the site
+constexpr float axis_reach = 7.0f;   // pixels beside an axis of the gizmo
+constexpr float axis_length = 64.0f; // pixels
+constexpr float click_slack = 4.0f;  // pixels that the mouse may move in a click
+constexpr float dab_spacing = 8.0f;  // pixels of the mouse's way between two tries to paint
+constexpr int most_dabs = 100;       // in one frame
+constexpr float radius_step = 1.12f; // a notch of the wheel
 
 constexpr std::array infos{
     ToolInfo{"Inspect", "F1", "drag to look around, click a piece to select it"},
@@ -74,24 +74,31 @@ void Tools::choose(Tool tool, Session& session) {
     session.preview_wanted = tool == Tool::sites;
 }
 
-void Tools::handle(const engine::Input& input, const Viewport& view, bool free, Session& session, Navigation& navigation) {
+void Tools::handle(const engine::Input& input, const Viewport& view, bool free, Session& session,
+                   Navigation& navigation) {
     cursor_ = input.cursor;
     // Press, drag and release may all come in one slow frame.
     bool orbits = drag_ == Drag::orbit, right = right_, middle = middle_;
     for (const engine::ButtonEvent& event : input.buttons) {
         const bool pressed = event.down && free && view.is_free(event.cursor);
-        if (event.button == engine::Button::right) right_ = pressed;
-        else if (event.button == engine::Button::middle) middle_ = pressed;
-        else if (pressed) press(event, view, session);
-        else if (!event.down && left_) release(event, view, session);
+        if (event.button == engine::Button::right)
+            right_ = pressed;
+        else if (event.button == engine::Button::middle)
+            middle_ = pressed;
+        else if (pressed)
+            press(event, view, session);
+        else if (!event.down && left_)
+            release(event, view, session);
         orbits |= drag_ == Drag::orbit;
         right |= right_;
         middle |= middle_;
     }
     if (right) input.modifiers.shift ? navigation.pan(input.drag_right) : navigation.orbit(input.drag_right);
     if (middle) navigation.pan(input.drag_middle);
-    if (orbits) navigation.orbit(input.drag_left);
-    else if (left_) drag_to(input.cursor, view, session);
+    if (orbits)
+        navigation.orbit(input.drag_left);
+    else if (left_)
+        drag_to(input.cursor, view, session);
     if (free && view.is_free(input.cursor)) {
         if (!input.modifiers.shift) {
             navigation.zoom(input.scroll, view, input.cursor);
@@ -116,9 +123,15 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
     }
     const Ray ray = view.ray(event.cursor);
     switch (tool_) {
-    case Tool::inspect: drag_ = Drag::orbit; break;
-    case Tool::sites: press_sites(event, view, session); break;
-    case Tool::anchors: press_anchors(event, view, session); break;
+    case Tool::inspect:
+        drag_ = Drag::orbit;
+        break;
+    case Tool::sites:
+        press_sites(event, view, session);
+        break;
+    case Tool::anchors:
+        press_anchors(event, view, session);
+        break;
     case Tool::hammer:
         if (session.broken()) {
             if (const auto hit = session.first_piece(ray.from, ray.direction)) session.strike(*hit, ray.direction);
@@ -126,7 +139,9 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
             session.strike(hit->point, ray.direction);
         }
         break;
-    case Tool::shoot: session.shoot(glm::vec3(ray.from), glm::vec3(ray.direction)); break;
+    case Tool::shoot:
+        session.shoot(glm::vec3(ray.from), glm::vec3(ray.direction));
+        break;
     case Tool::grab:
         if (const auto hit = session.first_piece(ray.from, ray.direction)) {
             drag_ = Drag::grab;
@@ -225,8 +240,10 @@ void Tools::paint(const Ray& ray, Session& session) {
         const double reach = drag_ == Drag::rub_out ? anchors[k].radius : 0.5 * spot.radius;
         if (glm::distance(anchors[k].at, spot.at) < reach) near.push_back(k);
     }
-    if (drag_ == Drag::rub_out) session.edit(RemoveAnchors{near}, gesture_);
-    else if (near.empty()) session.edit(AddAnchor{spot}, gesture_);
+    if (drag_ == Drag::rub_out)
+        session.edit(RemoveAnchors{near}, gesture_);
+    else if (near.empty())
+        session.edit(AddAnchor{spot}, gesture_);
 }
 
 void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
@@ -241,9 +258,10 @@ void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
         return;
     }
     if (drag_ != Drag::site && drag_ != Drag::axis) return;
-    if (drag_ == Drag::site && glm::distance(cursor, pressed_at_) <= click_slack && session.recipe().points.empty()) return;
-    const glm::dvec3 now =
-        drag_ == Drag::site ? on_view_plane(ray, dragged_, view) : on_axis(ray, dragged_, glm::dvec3(axis_vector(axis_)));
+    if (drag_ == Drag::site && glm::distance(cursor, pressed_at_) <= click_slack && session.recipe().points.empty())
+        return;
+    const glm::dvec3 now = drag_ == Drag::site ? on_view_plane(ray, dragged_, view)
+                                               : on_axis(ray, dragged_, glm::dvec3(axis_vector(axis_)));
     const glm::dvec3 by = (now - dragged_) / session.object().scale();
     if (by == glm::dvec3(0.0)) return;
     session.take_sites(gesture_);
@@ -300,7 +318,8 @@ std::optional<glm::vec3> Tools::gizmo_at(const Session& session) {
 std::optional<int> Tools::axis_at(glm::vec2 pixel, const Viewport& view, const Session& session) const {
     for (const Overlay::Axis& axis : overlay(view, session).axes) {
         // Its first third belongs to the site itself.
-        if (distance_to_segment(pixel, axis.from + (axis.to - axis.from) / 3.0f, axis.to) <= axis_reach) return axis.axis;
+        if (distance_to_segment(pixel, axis.from + (axis.to - axis.from) / 3.0f, axis.to) <= axis_reach)
+            return axis.axis;
     }
     return std::nullopt;
 }
@@ -367,7 +386,8 @@ void Tools::mirror_selected(Session& session, int axis) const {
         for (uint32_t s = 0; s < session.sites().size(); ++s) sites.push_back(s);
     const uint64_t gesture = session.begin_gesture();
     session.take_sites(gesture);
-    session.edit(MirrorSites{sites, axis, fracture::bounds(session.object().file().model.mesh).centre()[axis]}, gesture);
+    session.edit(MirrorSites{sites, axis, fracture::bounds(session.object().file().model.mesh).centre()[axis]},
+                 gesture);
 }
 
 } // namespace brittle::tools

@@ -26,8 +26,7 @@ struct ToolInfo {
     const char* hint; // what the left button does
 };
 [[nodiscard]] const ToolInfo& info_of(Tool tool);
-inline constexpr std::array all_tools{Tool::inspect, Tool::sites, Tool::hammer, Tool::shoot, Tool::grab,
-                                           Tool::anchors};
+inline constexpr std::array all_tools{Tool::inspect, Tool::sites, Tool::hammer, Tool::shoot, Tool::grab, Tool::anchors};
 
 // What to draw over the picture; pixels.
 struct Overlay {
@@ -47,8 +46,8 @@ struct Overlay {
     };
     std::vector<Circle> circles;
     std::vector<Spot> spots;
-    std::vector<Axis> axes; // of the move gizmo
-    std::vector<glm::vec2> idle; // sites that change nothing
+    std::vector<Axis> axes;                         // of the move gizmo
+    std::vector<glm::vec2> idle;                    // sites that change nothing
     std::optional<std::array<glm::vec2, 2>> string; // from what is grabbed to the cursor
 };
 
@@ -63,13 +62,14 @@ class Tools {
     // `free`: the mouse is over the scene and not over a panel.
     void handle(const engine::Input& input, const Viewport& view, bool free, Session& session, Navigation& navigation);
     [[nodiscard]] Overlay overlay(const Viewport& view, const Session& session) const;
-    [[nodiscard]] bool right_held() const { return right_; } // for flying
+    [[nodiscard]] bool right_held() const { return right_; }                // for flying
     [[nodiscard]] bool holds() const { return left_ || right_ || middle_; } // some button that went down over the scene
 
     // Of the selected sites; nothing without a selection.
     void remove_selected(Session& session) const;
     void duplicate_selected(Session& session) const;
-    void mirror_selected(Session& session, int axis) const; // in the middle of the mesh; all sites where none is selected
+    void mirror_selected(Session& session,
+                         int axis) const; // in the middle of the mesh; all sites where none is selected
 
   private:
     enum class Drag { none, orbit, site, axis, grab, paint, rub_out };
@@ -97,7 +97,6 @@ class Tools {
     std::optional<uint32_t> hovered_;
     std::optional<glm::vec3> aimed_; // where the hammer would hit, or the brush
     glm::vec3 target_{0.0f};
-
 };
 
 } // namespace brittle::tools

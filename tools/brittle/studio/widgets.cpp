@@ -25,12 +25,15 @@ class SliderBar {
         const StudioColours colours;
         const ImVec2 low = ImGui::GetCursorScreenPos();
         const ImVec2 high{low.x + ImGui::CalcItemWidth(), low.y + ImGui::GetFrameHeight()};
-        const float rounding = ImGui::GetStyle().FrameRounding, end = low.x + std::clamp(share, 0.0f, 1.0f) * (high.x - low.x);
+        const float rounding = ImGui::GetStyle().FrameRounding,
+                    end = low.x + std::clamp(share, 0.0f, 1.0f) * (high.x - low.x);
         ImDrawList& list = *ImGui::GetWindowDrawList();
         list.AddRectFilled(low, high, ImGui::GetColorU32(ImGuiCol_FrameBg), rounding);
         list.AddRectFilled(low, {std::max(end, low.x + 2.0f), high.y}, colours.bar, rounding);
-        for (const ImGuiCol hidden : {ImGuiCol_FrameBg, ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive}) ImGui::PushStyleColor(hidden, IM_COL32_BLACK_TRANS);
-        for (const ImGuiCol over : {ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive}) ImGui::PushStyleColor(over, IM_COL32(255, 255, 255, 14));
+        for (const ImGuiCol hidden : {ImGuiCol_FrameBg, ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive})
+            ImGui::PushStyleColor(hidden, IM_COL32_BLACK_TRANS);
+        for (const ImGuiCol over : {ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive})
+            ImGui::PushStyleColor(over, IM_COL32(255, 255, 255, 14));
     }
     ~SliderBar() { ImGui::PopStyleColor(5); }
     SliderBar(const SliderBar&) = delete;
@@ -90,11 +93,13 @@ float key_button_width(const std::string& name, const std::string& key) {
 bool key_button(const std::string& name, const std::string& key, float width, ImU32 text_colour) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const bool pressed = ImGui::Button(("##" + name).c_str(), {width, 0.0f});
-    const ImVec2 at{std::round(corner.x + 0.5f * (width - key_button_width(name, key))), corner.y + ImGui::GetStyle().FramePadding.y};
+    const ImVec2 at{std::round(corner.x + 0.5f * (width - key_button_width(name, key))),
+                    corner.y + ImGui::GetStyle().FramePadding.y};
     ImDrawList& list = *ImGui::GetWindowDrawList();
     list.AddText(at, text_colour, name.c_str());
     constexpr ImU32 faint = 0x8cffffffu; // alpha, in Dear ImGui's order of bytes
-    if (!key.empty()) list.AddText({at.x + ImGui::CalcTextSize(name.c_str()).x + key_gap, at.y}, text_colour & faint, key.c_str());
+    if (!key.empty())
+        list.AddText({at.x + ImGui::CalcTextSize(name.c_str()).x + key_gap, at.y}, text_colour & faint, key.c_str());
     return pressed;
 }
 

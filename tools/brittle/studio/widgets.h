@@ -23,8 +23,10 @@ void tip(const char* text); // of the item before
 [[nodiscard]] bool begin_panel(const char* name, bool open = true);
 
 // Whether it was moved. The value stays within its limits. Logarithmic where the flags say so; `low` is positive then.
-[[nodiscard]] bool slider(const char* id, float& value, float low, float high, const char* format, ImGuiSliderFlags flags = 0);
-[[nodiscard]] bool slider(const char* id, int& value, int low, int high, const char* format, ImGuiSliderFlags flags = 0);
+[[nodiscard]] bool slider(const char* id, float& value, float low, float high, const char* format,
+                          ImGuiSliderFlags flags = 0);
+[[nodiscard]] bool slider(const char* id, int& value, int low, int high, const char* format,
+                          ImGuiSliderFlags flags = 0);
 
 // A button with its key beside the name, in a fainter colour; without the key where `key` is empty.
 [[nodiscard]] bool key_button(const std::string& name, const std::string& key, float width, ImU32 text_colour);

@@ -25,7 +25,7 @@ class Worker {
     Worker& operator=(const Worker&) = delete;
 
     void run(Task task);
-    void cancel(); // what runs is asked to end, what waits is dropped
+    void cancel();                                    // what runs is asked to end, what waits is dropped
     [[nodiscard]] bool busy() const { return busy_; } // something runs or waits
 
   private:
