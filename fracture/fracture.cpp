@@ -36,10 +36,10 @@ namespace {
 // Coordinates beyond this overflow in the inertia tensor, of degree five; in metres.
 constexpr double largest_coordinate = 1e50;
 
-constexpr uint32_t most_threads = 1024;
+constexpr uint32_t max_threads = 1024;
 
 // Below this share of area times size of the box a volume is rounding.
-constexpr double least_volume = 1e-15;
+constexpr double min_volume = 1e-15;
 // Most solids fill more than this of their box's diagonal cubed; no closer look is needed then.
 constexpr double ample_volume = 1e-6;
 
@@ -64,9 +64,9 @@ Result<void> check_coordinates(std::span<const glm::dvec3> points, Status status
 // What stops a fracture whatever the triangles are.
 Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
                           const Settings& settings) {
-    if (settings.threads > most_threads)
+    if (settings.threads > max_threads)
         return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; at most "
-                                                  + std::to_string(most_threads) + ", or 0 for one a core"};
+                                                  + std::to_string(max_threads) + ", or 0 for one a core"};
     if (!settings.groups.empty() && settings.groups.size() != sites.size())
         return Error{Status::invalid_setting, "there are " + std::to_string(settings.groups.size()) + " groups for "
                                                   + std::to_string(sites.size()) + " sites; give one each, or none"};
@@ -90,7 +90,7 @@ Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<co
 
 Result<void> check_volume(const TriangleMesh& mesh, const Box& box) {
     const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
-    if (std::abs(mass.volume) <= least_volume * mass.area * glm::length(box.size()))
+    if (std::abs(mass.volume) <= min_volume * mass.area * glm::length(box.size()))
         return Error{Status::no_volume, "the mesh encloses no volume"};
     if (mass.volume > 0.0) return {};
     char text[128];

@@ -155,8 +155,8 @@ struct GpuClassifier::State {
 
 bool GpuClassifier::State::fits(const Problem& problem) const {
     const uint64_t most = device.limits().maxStorageBufferRange;
-    const uint64_t most_items = uint64_t{device.limits().maxComputeWorkGroupCount[0]} * classify_group_size;
-    return problem.positions.size() <= most_items && problem.triangles.size() <= most_items
+    const uint64_t max_items = uint64_t{device.limits().maxComputeWorkGroupCount[0]} * classify_group_size;
+    return problem.positions.size() <= max_items && problem.triangles.size() <= max_items
            && problem.positions.size() * 3 * sizeof(float) <= most
            && problem.triangles.size() * sizeof(fracture::Triangle) <= most
            && problem.sites.size() * sizeof(glm::vec4) <= most;

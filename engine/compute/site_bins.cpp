@@ -11,13 +11,13 @@ namespace brittle::engine {
 namespace {
 
 constexpr double sites_per_bin = 2.0;
-constexpr double most_bins = 64.0; // along an axis
+constexpr double max_bins = 64.0; // along an axis
 
 } // namespace
 
 void SiteBins::build(std::span<const glm::dvec3> positions, const fracture::Box& box) {
     const auto count = static_cast<uint32_t>(positions.size());
-    const auto bins = static_cast<uint32_t>(std::clamp(std::round(std::cbrt(count / sites_per_bin)), 1.0, most_bins));
+    const auto bins = static_cast<uint32_t>(std::clamp(std::round(std::cbrt(count / sites_per_bin)), 1.0, max_bins));
     const glm::dvec3 size = glm::max(box.size() / static_cast<double>(bins), glm::dvec3(1e-9));
     const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
     grid = {.low = glm::vec4(box.min, std::max({furthest.x, furthest.y, furthest.z})),

@@ -19,7 +19,7 @@ glm::vec3 orbit_direction(float azimuth, float elevation) {
     return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)};
 }
 
-constexpr float least_radius = 1e-4f; // metres; keeps a scene that is a point drawable
+constexpr float min_radius = 1e-4f; // metres; keeps a scene that is a point drawable
 
 } // namespace
 
@@ -40,7 +40,7 @@ CameraMatrices matrices(const Camera& camera, float aspect, const Bounds& bounds
     // The far plane also holds the ground out to where it has faded away (a few times the distance to the
     // target). The near plane stays close even to a distant scene, for the ground in front of it: D32 has
     // precision to spare.
-    const float radius = std::max(glm::length(bounds.size()) * 0.5f, least_radius);
+    const float radius = std::max(glm::length(bounds.size()) * 0.5f, min_radius);
     const float distance = glm::length(bounds.centre() - eye);
     result.far_plane = std::max(distance + radius, 8.0f * reach) * 1.01f;
     result.near_plane = std::max((distance - radius) * 0.1f, result.far_plane * 2e-4f);
@@ -63,7 +63,7 @@ Camera look_at_bounds(const Bounds& bounds, float azimuth, float elevation, floa
     const glm::vec3 up = glm::cross(back, right);
     const float tangent_y = std::tan(0.5f * vertical_fov);
     const float tangent_x = tangent_y * aspect;
-    const glm::vec3 half = glm::max(bounds.size() * 0.5f, glm::vec3(least_radius));
+    const glm::vec3 half = glm::max(bounds.size() * 0.5f, glm::vec3(min_radius));
     float distance = 0.0f;
     for (int corner = 0; corner < 8; ++corner) {
         const glm::vec3 p =
@@ -98,7 +98,7 @@ void OrbitCamera::pan(glm::vec2 pixels) {
 }
 
 void OrbitCamera::zoom(float notches) {
-    distance = std::max(distance * std::pow(0.9f, notches), least_radius);
+    distance = std::max(distance * std::pow(0.9f, notches), min_radius);
 }
 
 Camera OrbitCamera::camera() const {

@@ -287,8 +287,8 @@ void draw_pieces(Frame& frame, const PassContext& context, Buffer commands, cons
     const auto draw = [&](const Pipeline& pipeline, uint32_t begin, uint32_t end) {
         if (begin == end) return;
         vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle());
-        for (uint32_t first = begin; first < end; first += frame.most_draws) {
-            const uint32_t count = std::min(frame.most_draws, end - first);
+        for (uint32_t first = begin; first < end; first += frame.max_draws) {
+            const uint32_t count = std::min(frame.max_draws, end - first);
             vkCmdDrawIndexedIndirect(context.commands, context.buffer(commands), uint64_t{first} * stride, count,
                                      stride);
             ++frame.stats.indirect_calls;

@@ -62,7 +62,7 @@ struct Frame {
     External external;
     const Scene& scene;
     const PieceArena& pieces;
-    uint32_t most_draws; // in one multi-draw, by the device's limit
+    uint32_t max_draws; // in one multi-draw, by the device's limit
     const FrameLayout& layout;
     VkDescriptorSet set;                      // set 0
     VkDescriptorSet depth_set, occlusion_set; // for set 1, unused so far

@@ -67,7 +67,7 @@ void write_marks(FrameSlot& slot, const Device& device, const Scene& scene) {
         std::memcpy(slot.lines.mapped(), scene.lines.data(), scene.lines.size_bytes());
     }
     if (!scene.spheres.empty()) {
-        reserve(device, slot.spheres, "spheres", std::max(scene.spheres.size_bytes(), MarksPass::least_spheres_size),
+        reserve(device, slot.spheres, "spheres", std::max(scene.spheres.size_bytes(), MarksPass::min_spheres_size),
                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
         std::memcpy(slot.spheres.mapped(), scene.spheres.data(), scene.spheres.size_bytes());
     }

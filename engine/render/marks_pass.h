@@ -14,7 +14,7 @@ class MarksPass {
   public:
     // Bytes that the buffer of spheres should have at least: validation layer 1.3.239 believes that instances
     // are read once a vertex, and would report what a pass before wrote behind a smaller buffer.
-    static constexpr uint64_t least_spheres_size = 8 * 16 * 3 * sizeof(Sphere);
+    static constexpr uint64_t min_spheres_size = 8 * 16 * 3 * sizeof(Sphere);
 
     // `sphere` outlives it.
     MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, const SphereMesh& sphere);

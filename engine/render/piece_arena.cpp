@@ -17,8 +17,8 @@ namespace {
 
 constexpr uint32_t solid = 255;
 // Vertex offsets are signed 32 bits, first indices unsigned 32 bits.
-constexpr uint32_t most_vertices = std::numeric_limits<int32_t>::max();
-constexpr uint32_t most_indices = std::numeric_limits<uint32_t>::max();
+constexpr uint32_t max_vertices = std::numeric_limits<int32_t>::max();
+constexpr uint32_t max_indices = std::numeric_limits<uint32_t>::max();
 
 struct ArenaKind {
     const char* name;
@@ -78,8 +78,8 @@ const char* PieceArena::name(size_t arena) {
 }
 
 bool PieceArena::Spaces::place(Piece& piece) {
-    const std::optional<uint32_t> vertex = engine::place(vertices, piece.batch.vertices, most_vertices);
-    const std::optional<uint32_t> index = engine::place(indices, piece.batch.indices(), most_indices);
+    const std::optional<uint32_t> vertex = engine::place(vertices, piece.batch.vertices, max_vertices);
+    const std::optional<uint32_t> index = engine::place(indices, piece.batch.indices(), max_indices);
     if (!vertex || !index) return false;
     piece.vertex = *vertex;
     piece.index = *index;
@@ -93,14 +93,14 @@ void PieceArena::Spaces::free(const Piece& piece) {
 
 Result<void> PieceArena::check(std::span<const PieceBatch> batches, size_t others) const {
     const uint64_t storage = device_.limits().maxStorageBufferRange;
-    const uint64_t most_bodies = storage / sizeof(shared::Pose);
+    const uint64_t max_bodies = storage / sizeof(shared::Pose);
     uint64_t added = 0;
     for (const PieceBatch& batch : batches)
         for (const PieceBatch::Piece& piece : batch.pieces()) {
-            if (piece.body >= most_bodies)
+            if (piece.body >= max_bodies)
                 return Error{Status::invalid_argument, "cannot draw piece " + std::to_string(added)
                                                            + ": its body is number " + std::to_string(piece.body)
-                                                           + ", the device takes " + std::to_string(most_bodies)
+                                                           + ", the device takes " + std::to_string(max_bodies)
                                                            + " bodies"};
             ++added;
         }
@@ -131,8 +131,8 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
         indices += batch.indices().size();
         added += batch.pieces().size();
     }
-    make_room_for_all(spaces.vertices, vertices, most_vertices);
-    make_room_for_all(spaces.indices, indices, most_indices);
+    make_room_for_all(spaces.vertices, vertices, max_vertices);
+    make_room_for_all(spaces.indices, indices, max_indices);
     std::vector<PieceHandle> handles;
     handles.reserve(added);
     pieces.reserve(pieces.size() + added);

@@ -30,14 +30,14 @@ namespace brittle::engine {
 namespace {
 
 constexpr uint32_t frames_in_flight = 2;
-constexpr uint32_t least_shadow_size = 64;
-constexpr uint32_t most_shadow_size = 8192;
-constexpr float least_scale = 0.25f; // of pixels a side; with fewer, pictures show little more than colours
+constexpr uint32_t min_shadow_size = 64;
+constexpr uint32_t max_shadow_size = 8192;
+constexpr float min_scale = 0.25f; // of pixels a side; with fewer, pictures show little more than colours
 // Bytes of staging that a slot keeps from frame to frame, so that pieces that trickle in allocate nothing;
 // what a large mesh needed is given back.
-constexpr uint64_t most_staging_kept = 4 << 20;
+constexpr uint64_t max_staging_kept = 4 << 20;
 // Bytes of a batch from which it gets a buffer of its own: an allocation costs as much as copying fewer.
-constexpr uint64_t least_staged = 64 << 10;
+constexpr uint64_t min_staged = 64 << 10;
 
 // Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
 // rates: the frame of a bunny at 1280x720 takes 1.5 to 2 times as long with 4 samples, 1.5 times with 16
@@ -53,15 +53,15 @@ Result<Quality> choose(Quality quality, const Device& device) {
     if (!quality.moving_scale) quality.moving_scale = cpu ? 0.5f : 1.0f;
 
     const uint32_t size = *quality.shadow_size;
-    if (size < least_shadow_size || size > std::min(most_shadow_size, device.limits().maxImageDimension2D))
+    if (size < min_shadow_size || size > std::min(max_shadow_size, device.limits().maxImageDimension2D))
         return Error{Status::invalid_argument,
                      "a shadow map of " + std::to_string(size) + " texels a side is out of range, which is "
-                         + std::to_string(least_shadow_size) + " to " + std::to_string(most_shadow_size)};
+                         + std::to_string(min_shadow_size) + " to " + std::to_string(max_shadow_size)};
     // Other numbers are for some devices and formats only; these two are for all.
     if (*quality.samples != 1 && *quality.samples != 4)
         return Error{Status::invalid_argument,
                      std::to_string(*quality.samples) + " samples a pixel cannot be had: 1 or 4 can"};
-    if (!(*quality.moving_scale >= least_scale && *quality.moving_scale <= 1.0f))
+    if (!(*quality.moving_scale >= min_scale && *quality.moving_scale <= 1.0f))
         return Error{Status::invalid_argument, "a scale of " + std::to_string(*quality.moving_scale)
                                                    + " while things move is out of range, which is 0.25 to 1"};
     return quality;
@@ -190,7 +190,7 @@ FrameSlot& Renderer::State::next_slot() {
     FrameSlot& slot = *slots[frame_number++ % frames_in_flight];
     slot.commands.wait();
     slot.retired.clear();
-    if (slot.staging.size() > most_staging_kept) slot.staging = {};
+    if (slot.staging.size() > max_staging_kept) slot.staging = {};
     collect(slot);
     return slot;
 }
@@ -205,7 +205,7 @@ ShadowMap& Renderer::State::map_for(const Target& target) {
     if (target.scale >= 1.0f) return shadow_map;
     if (!small_shadow_map) {
         const auto size = static_cast<uint32_t>(target.scale * static_cast<float>(shadow_map.size));
-        small_shadow_map.emplace(device, std::max(size, least_shadow_size));
+        small_shadow_map.emplace(device, std::max(size, min_shadow_size));
     }
     return *small_shadow_map;
 }
@@ -219,7 +219,7 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
     write_slot(slot, {device, layout, pieces, quality(), view, map.image.view()}, scene);
     Frame frame{.scene = scene,
                 .pieces = pieces,
-                .most_draws = device.has_multi_draw() ? std::max(device.limits().maxDrawIndirectCount, 1u) : 1,
+                .max_draws = device.has_multi_draw() ? std::max(device.limits().maxDrawIndirectCount, 1u) : 1,
                 .layout = layout,
                 .set = slot.set,
                 .depth_set = slot.depth_set,
@@ -451,7 +451,7 @@ Result<std::vector<PieceHandle>> Renderer::add_pieces(std::vector<PieceBatch> ba
 }
 
 void Renderer::stage(PieceBatch& batch) const {
-    if (batch.staged() || batch.bytes() < least_staged) return;
+    if (batch.staged() || batch.bytes() < min_staged) return;
     (void)guarded([&]() -> Result<void> {
         batch.move_to(state_->staging.take(batch.bytes()));
         return {};

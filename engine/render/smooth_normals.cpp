@@ -7,7 +7,7 @@ namespace brittle::engine {
 namespace {
 
 constexpr float crease_cosine = 0.70710678f; // of 45 degrees: what is meant as round is finer, what as an edge is not
-constexpr uint32_t most_compared = 64;       // triangles around a vertex, each with each
+constexpr uint32_t max_compared = 64;        // triangles around a vertex, each with each
 
 glm::vec3 unit_or_zero(const glm::vec3& v) {
     const float length = glm::length(v);
@@ -53,7 +53,7 @@ SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<con
         for (const uint32_t corner : fan) {
             const uint32_t t = corner / 3;
             glm::vec3 sum = areas[t];
-            if (fan.size() <= most_compared) {
+            if (fan.size() <= max_compared) {
                 sum = glm::vec3(0.0f);
                 for (const uint32_t other : fan)
                     if (glm::dot(units[t], units[other / 3]) >= crease_cosine) sum += areas[other / 3];
@@ -71,7 +71,7 @@ SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<con
                     surface.normals.emplace_back();
                 }
                 surface.normals[vertex] = unit_or_zero(sum);
-                if (i < most_compared) made.push_back({sum, vertex});
+                if (i < max_compared) made.push_back({sum, vertex});
             }
             surface.triangles[t][static_cast<int>(corner % 3)] = vertex;
         }

@@ -42,7 +42,7 @@ std::shared_ptr<DeviceBuffer> StagingPool::take(uint64_t size) {
             taken = std::move(*at);
             buffers.erase(at);
         }
-        while (sum(buffers) > most_idle) {
+        while (sum(buffers) > max_idle) {
             surplus.push_back(std::move(buffers.back()));
             buffers.pop_back();
         }

@@ -16,7 +16,7 @@ class Device;
 
 class StagingPool {
   public:
-    static constexpr uint64_t most_idle = 64 << 20; // bytes that stay when one was taken
+    static constexpr uint64_t max_idle = 64 << 20; // bytes that stay when one was taken
 
     explicit StagingPool(const Device& device) : device_(device), idle_(std::make_shared<Idle>()) {}
 

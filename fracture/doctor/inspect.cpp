@@ -22,7 +22,7 @@ namespace {
 
 // As fracture() asks: coordinates in metres, and a volume above rounding.
 constexpr double largest_coordinate = 1e50;
-constexpr double least_volume = 1e-15;
+constexpr double min_volume = 1e-15;
 
 bool is_readable(const TriangleMesh& mesh) {
     if (mesh.triangles.empty()) return false;
@@ -41,7 +41,7 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& t) {
            && orientation(glm::dvec2(a.z, a.x), {b.z, b.x}, {c.z, c.x}) == 0.0;
 }
 
-void find_duplicates(const TriangleMesh& mesh, size_t most_places, Inspection& out) {
+void find_duplicates(const TriangleMesh& mesh, size_t max_places, Inspection& out) {
     std::vector<std::array<uint32_t, 4>> sorted; // corners in order, then the triangle
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         std::array<uint32_t, 3> c = {mesh.triangles[t].x, mesh.triangles[t].y, mesh.triangles[t].z};
@@ -60,7 +60,7 @@ void find_duplicates(const TriangleMesh& mesh, size_t most_places, Inspection& o
         out.places.duplicate_triangles.push_back(pair.x);
     }
     std::sort(out.places.duplicate_triangles.begin(), out.places.duplicate_triangles.end());
-    if (out.places.duplicate_triangles.size() > most_places) out.places.duplicate_triangles.resize(most_places);
+    if (out.places.duplicate_triangles.size() > max_places) out.places.duplicate_triangles.resize(max_places);
 }
 
 // Undirected edges with how often each direction is used.
@@ -83,7 +83,7 @@ std::vector<Edge> sorted_edges(const TriangleMesh& mesh) {
     return edges;
 }
 
-void find_rims_and_components(const TriangleMesh& mesh, size_t most_places, Inspection& out) {
+void find_rims_and_components(const TriangleMesh& mesh, size_t max_places, Inspection& out) {
     const auto component = triangle_components(mesh.positions.size(), mesh.triangles);
     std::vector<uint32_t> of_vertex(mesh.positions.size(), 0);
     for (uint32_t t = 0; t < component.size(); ++t) {
@@ -105,7 +105,7 @@ void find_rims_and_components(const TriangleMesh& mesh, size_t most_places, Insp
         for (; end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high; ++end)
             forward += edges[end].forward ? 1 : 0;
         const auto list = [&](std::vector<glm::uvec2>& places) {
-            if (places.size() < most_places) places.emplace_back(edges[begin].low, edges[begin].high);
+            if (places.size() < max_places) places.emplace_back(edges[begin].low, edges[begin].high);
         };
         if (end - begin == 1) list(out.places.open_edges);
         if (end - begin == 2 && forward != 1) list(out.places.misoriented_edges);
@@ -145,7 +145,7 @@ void measure_thickness(const TriangleMesh& mesh, const InspectSettings& settings
     const Thickness thickness(mesh);
     const double limit = Inspection::thin_limit * glm::length(out.box.size());
     const auto count = static_cast<uint64_t>(mesh.triangles.size());
-    const uint64_t measured = std::min<uint64_t>(count, settings.most_measured);
+    const uint64_t measured = std::min<uint64_t>(count, settings.max_measured);
     double area = 0.0, thin = 0.0;
     for (uint64_t k = 0; k < measured; ++k) {
         const auto t = static_cast<uint32_t>(k * count / measured);
@@ -155,13 +155,13 @@ void measure_thickness(const TriangleMesh& mesh, const InspectSettings& settings
         if (!through) continue;
         const double own = glm::length(glm::cross(q - p, r - p));
         area += own;
-        if (!out.least_thickness || *through < *out.least_thickness) {
-            out.least_thickness = through;
+        if (!out.min_thickness || *through < *out.min_thickness) {
+            out.min_thickness = through;
             out.thinnest_triangle = t;
         }
         if (!(*through < limit)) continue;
         thin += own;
-        if (out.places.thin_triangles.size() < settings.most_places) out.places.thin_triangles.push_back(t);
+        if (out.places.thin_triangles.size() < settings.max_places) out.places.thin_triangles.push_back(t);
     }
     if (area > 0.0) out.thin_share = thin / area;
 }
@@ -241,15 +241,15 @@ Inspection inspect(const TriangleMesh& mesh, const InspectSettings& settings) {
         if (!is_flat(mesh, mesh.triangles[t])) continue;
         ++out.flat_triangles;
         if (!out.first_flat_triangle) out.first_flat_triangle = t;
-        if (out.places.flat_triangles.size() < settings.most_places) out.places.flat_triangles.push_back(t);
+        if (out.places.flat_triangles.size() < settings.max_places) out.places.flat_triangles.push_back(t);
     }
-    find_duplicates(mesh, settings.most_places, out);
-    find_rims_and_components(mesh, settings.most_places, out);
+    find_duplicates(mesh, settings.max_places, out);
+    find_rims_and_components(mesh, settings.max_places, out);
     measure_thickness(mesh, settings, out);
     out.places.non_manifold_vertices = out.topology.some_non_manifold_vertices;
-    if (out.places.non_manifold_vertices.size() > settings.most_places)
-        out.places.non_manifold_vertices.resize(settings.most_places);
-    Intersections crossing = find_intersections(mesh, settings.most_pairs, settings.most_places);
+    if (out.places.non_manifold_vertices.size() > settings.max_places)
+        out.places.non_manifold_vertices.resize(settings.max_places);
+    Intersections crossing = find_intersections(mesh, settings.max_pairs, settings.max_places);
     out.places.crossings = std::move(crossing.listed);
     out.intersections = crossing.pairs;
     out.first_intersection = crossing.first;
@@ -258,7 +258,7 @@ Inspection inspect(const TriangleMesh& mesh, const InspectSettings& settings) {
     const double diagonal = glm::length(out.box.size());
     if (!out.topology.closed())
         out.refusal = status_of(out.topology);
-    else if (std::abs(out.volume) <= least_volume * out.area * diagonal)
+    else if (std::abs(out.volume) <= min_volume * out.area * diagonal)
         out.refusal = Status::no_volume;
     else if (out.volume < 0.0)
         out.refusal = Status::inside_out;
@@ -303,7 +303,7 @@ std::string describe(const Inspection& i) {
                               + std::to_string(i.first_intersection->y));
     if (i.thin_share > 0.0)
         line("thin", format("%.3g %% of the surface is thinner than %.3g, the thinnest %.3g at triangle ",
-                            100.0 * i.thin_share, Inspection::thin_limit * glm::length(size), *i.least_thickness)
+                            100.0 * i.thin_share, Inspection::thin_limit * glm::length(size), *i.min_thickness)
                          + std::to_string(i.thinnest_triangle));
     if (!i.all_pairs_seen) line("", "not all pairs of triangles were looked at for crossings: too many are close");
     line("fracture", verdict(i));

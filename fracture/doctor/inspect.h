@@ -21,11 +21,11 @@ namespace brittle::fracture {
 struct InspectSettings {
     // Pairs of triangles with overlapping boxes that are looked at for intersections, at most: bounds the time (a
     // second or so) for meshes where everything overlaps.
-    uint64_t most_pairs = 10'000'000;
+    uint64_t max_pairs = 10'000'000;
     // Places of each kind that are listed, at most; the counts are of all.
-    size_t most_places = 1000;
+    size_t max_places = 1000;
     // Triangles whose thickness is measured, at most, spread evenly over the list of triangles.
-    uint32_t most_measured = 20'000;
+    uint32_t max_measured = 20'000;
 };
 
 // Where it is wrong: edges as (smaller, larger) vertex, triangles, pairs of triangles, vertices. The lowest come first.
@@ -49,10 +49,10 @@ struct Inspection {
     // Of triangles: they cross, touch, or lie on each other without sharing all that they touch in. Exact.
     uint64_t intersections = 0;
     std::optional<glm::uvec2> first_intersection;
-    bool all_pairs_seen = true; // false: most_pairs was reached, and there may be more
+    bool all_pairs_seen = true; // false: max_pairs was reached, and there may be more
 
     // Straight through from a triangle to the other side, over those that were measured.
-    std::optional<double> least_thickness; // m
+    std::optional<double> min_thickness; // m
     uint32_t thinnest_triangle = 0;
     double thin_share = 0.0; // of the surface measured, that is thinner than thin_limit of the box's diagonal
     static constexpr double thin_limit = 0.01;

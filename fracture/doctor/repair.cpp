@@ -16,15 +16,15 @@ namespace {
 using mending::Work;
 
 constexpr double largest_coordinate = 1e50; // m, as fracture() asks
-constexpr uint32_t most_triangles = 1u << 30;
+constexpr uint32_t max_triangles = 1u << 30;
 constexpr double weld_part = 1e-6; // of the diagonal, where no distance is given
 
 // One round nearly always does, and a second finds nothing left. Tangles can take more; none may take
 // forever.
-constexpr int most_rounds = 16;
+constexpr int max_rounds = 16;
 
 void check_input(const TriangleMesh& mesh, RepairReport& report) {
-    report.too_large = mesh.triangles.size() > most_triangles || mesh.positions.size() > most_triangles;
+    report.too_large = mesh.triangles.size() > max_triangles || mesh.positions.size() > max_triangles;
     if (report.too_large) return;
     for (uint32_t v = 0; v < mesh.positions.size(); ++v)
         for (int k = 0; k < 3; ++k)
@@ -99,7 +99,7 @@ Repaired repair(const TriangleMesh& mesh, const RepairSettings& settings) {
         const Box box = bounds(mesh);
         const double distance =
             settings.weld_distance >= 0.0 ? settings.weld_distance : weld_part * glm::length(box.size());
-        for (int k = 0; k < most_rounds && round(work, settings, distance); ++k) {
+        for (int k = 0; k < max_rounds && round(work, settings, distance); ++k) {
         }
         count_rest(work, work.report);
     }

@@ -79,8 +79,8 @@ KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3&
         if (cell.begin == cell.end) return {c, q, 0.0};
         const glm::dvec3 y = q - cell.site;
         const uint32_t n = (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
-        const LeastDistance least = least_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
-                                                      static_cast<float>(y.y), static_cast<float>(y.z));
+        const LeastDistance least = min_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
+                                                    static_cast<float>(y.y), static_cast<float>(y.z));
         if (least.distance > cell.float_error) {
             return {c, q, kBallSlack * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
         }

@@ -82,8 +82,8 @@ BRITTLE_SIMD void plane_values_at(const Frames& frames, Frames::Slot begin, uint
     for (uint32_t l = 0; l < n; ++l) values[l] = h[l] - (nx[l] * x + ny[l] * yy + nz[l] * z);
 }
 
-BRITTLE_SIMD LeastDistance least_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
-                                             float z) {
+BRITTLE_SIMD LeastDistance min_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
+                                           float z) {
     constexpr uint32_t lanes = Frames::kLanes;
     const float* nx = frames.fx.data() + begin;
     const float* ny = frames.fy.data() + begin;

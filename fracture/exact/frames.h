@@ -46,7 +46,7 @@ struct LeastDistance {
     float distance;
     Frames::Slot slot;
 };
-[[nodiscard]] LeastDistance least_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
-                                              float z);
+[[nodiscard]] LeastDistance min_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
+                                            float z);
 
 } // namespace brittle::fracture::exact

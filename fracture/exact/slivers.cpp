@@ -150,10 +150,10 @@ void SliverCollapser::add_to_cluster(uint32_t point) {
 
 bool SliverCollapser::mend_all(const Assembler::Input& input) {
     bool any = false;
-    size_t most_faces = 4 * faces_.size();
+    size_t max_faces = 4 * faces_.size();
     for (bool again = true; again;) {
         again = false;
-        for (size_t k = 0; k < work_.size() && faces_.size() < most_faces; ++k) {
+        for (size_t k = 0; k < work_.size() && faces_.size() < max_faces; ++k) {
             if (faces_[work_[k]].alive && mend(input, work_[k])) again = any = true;
         }
     }

@@ -9,7 +9,7 @@ namespace brittle::fracture {
 
 namespace {
 
-constexpr size_t most_notes = 30;
+constexpr size_t max_notes = 30;
 constexpr size_t longest_name = 1000; // bytes, with its folders
 
 } // namespace
@@ -43,8 +43,8 @@ std::string image_type(std::span<const std::byte> bytes) {
 }
 
 void add_note(std::vector<std::string>& notes, std::string note) {
-    if (notes.size() == most_notes) notes.emplace_back("and more of the kind");
-    if (notes.size() < most_notes) notes.push_back(std::move(note));
+    if (notes.size() == max_notes) notes.emplace_back("and more of the kind");
+    if (notes.size() < max_notes) notes.push_back(std::move(note));
 }
 
 } // namespace brittle::fracture

@@ -9,7 +9,7 @@ namespace {
 constexpr int deepest_json = 64; // brackets; libraries recurse over them
 
 // Elements of an accessor without data of its own, which are all zero: nothing is drawn of so many.
-constexpr uint64_t most_empty_elements = 1'000'000;
+constexpr uint64_t max_empty_elements = 1'000'000;
 
 Result<std::vector<std::byte>> decode_base64(std::string_view text) {
     std::vector<std::byte> bytes;
@@ -58,7 +58,7 @@ std::string percent_decoded(const std::string& text) {
 }
 
 // Sparse accessors are written out; several may show the same buffer view.
-constexpr uint64_t most_sparse_bytes = uint64_t{1} << 30;
+constexpr uint64_t max_sparse_bytes = uint64_t{1} << 30;
 constexpr uint64_t free_sparse_bytes = uint64_t{16} << 20; // in a file of any size, and for each byte of it:
 constexpr uint64_t sparse_bytes_per_byte = 50;
 
@@ -174,7 +174,7 @@ Result<Accessor> Document::accessor(std::optional<uint64_t> index, std::string_v
         return malformed(name + " has a damaged count, byteOffset or componentType, or is not of type "
                          + std::string(type));
     }
-    if (*count > most_elements)
+    if (*count > max_elements)
         return malformed(name + " has " + std::to_string(*count) + " elements; over 100 million are not read");
     const Json* normalized = member(json, "normalized");
     const uint64_t element_size = Accessor::size_of(*component_type) * components_of(type);
@@ -193,7 +193,7 @@ Result<Accessor> Document::accessor(std::optional<uint64_t> index, std::string_v
         }
         result.stride = *stride;
         result.data = bytes->subspan(*offset);
-    } else if (*count > most_empty_elements) {
+    } else if (*count > max_empty_elements) {
         return malformed(name + " has " + std::to_string(*count) + " elements but no data");
     }
     const Json* sparse = member(json, "sparse");
@@ -227,7 +227,7 @@ Result<void> Document::apply_sparse(const Json& sparse, const std::string& name,
                          + " elements, for which its buffer views are too short");
 
     sparse_bytes_ += accessor.count * element_size;
-    const uint64_t most = std::min(most_sparse_bytes, free_sparse_bytes + sparse_bytes_per_byte * size());
+    const uint64_t most = std::min(max_sparse_bytes, free_sparse_bytes + sparse_bytes_per_byte * size());
     if (sparse_bytes_ > most)
         return malformed("its sparse accessors take over " + std::to_string(most)
                          + " bytes, the limit for a file of its size");

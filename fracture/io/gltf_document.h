@@ -26,9 +26,9 @@ using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
 // Nodes may show one mesh many times, so a small file could unfold into any number of vertices and triangles.
-inline constexpr uint64_t most_elements = 100'000'000; // vertices, and triangles
-inline constexpr uint64_t free_elements = 1'000'000;   // so many in a file of any size,
-inline constexpr uint64_t elements_per_byte = 50;      // and these for each byte of it; a mesh shown once has at most 1
+inline constexpr uint64_t max_elements = 100'000'000; // vertices, and triangles
+inline constexpr uint64_t free_elements = 1'000'000;  // so many in a file of any size,
+inline constexpr uint64_t elements_per_byte = 50;     // and these for each byte of it; a mesh shown once has at most 1
 
 [[nodiscard]] Error malformed(const std::string& what);
 [[nodiscard]] std::string name_of(const char* list, uint64_t index);

@@ -8,12 +8,12 @@ namespace brittle::fracture::gltf {
 namespace {
 
 // More than any scene has; each takes memory whatever the file says of it.
-constexpr size_t most_entries = 100'000;
+constexpr size_t max_entries = 100'000;
 
 const Json& list_of(const Json& document, const char* name) {
     static const Json nothing = Json::array();
     const Json* list = member(document, name);
-    return list != nullptr && list->is_array() && list->size() <= most_entries ? *list : nothing;
+    return list != nullptr && list->is_array() && list->size() <= max_entries ? *list : nothing;
 }
 
 std::string text_of(const Json& object, const char* key) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double same_plane = 0.99999;
 
 // Triangles below this share of their longest side in height say nothing about their plane.
-constexpr double least_height = 1e-6;
+constexpr double min_height = 1e-6;
 
 // The triangles begin .. end of a piece, by source and plane: each with the number of its plane. A source has one plane,
 // but where pieces have become one, which may have cuts along several bisectors with one neighbour.
@@ -37,7 +37,7 @@ std::vector<std::array<uint32_t, 3>> by_plane(const Fragments& fragments, const 
         const glm::dvec3 normal = glm::cross(ab, ac);
         const double length = glm::length(normal);
         const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
-        if (!(length > least_height * longest)) continue;
+        if (!(length > min_height * longest)) continue;
         const auto plane = std::find_if(planes.begin(), planes.end(),
                                         [&](const glm::dvec3& n) { return glm::dot(n, normal) > same_plane * length; });
         order[k][1] = static_cast<uint32_t>(plane - planes.begin());

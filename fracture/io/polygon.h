@@ -14,12 +14,12 @@
 namespace brittle::fracture {
 
 // Triangulating takes quadratic time at worst, and no exporter writes polygons of this size.
-inline constexpr size_t most_polygon_corners = 4096;
+inline constexpr size_t max_polygon_corners = 4096;
 
 // Splits the polygons of one file.
 class PolygonSplitter {
   public:
-    // The triangles of a polygon of 3 to most_polygon_corners corners, which index positions; each names three corners
+    // The triangles of a polygon of 3 to max_polygon_corners corners, which index positions; each names three corners
     // by their place in the polygon. Concave ones too: quads along the diagonal that gives two triangles on the same
     // side, larger ones by triangulate() in their plane. Valid until the next call.
     //

@@ -190,7 +190,7 @@ class GltfReader {
             corners.resize(positions->count);
             for (uint32_t k = 0; k < corners.size(); ++k) corners[k] = k;
         }
-        const uint64_t most = std::min(most_elements, free_elements + elements_per_byte * document_.size());
+        const uint64_t most = std::min(max_elements, free_elements + elements_per_byte * document_.size());
         if (model_.mesh.positions.size() + positions->count > most
             || model_.mesh.triangles.size() + corners.size() > most) {
             return malformed("with it the file's nodes show over " + std::to_string(most)

@@ -133,9 +133,9 @@ class ObjReader {
             corners_.push_back(corner);
         }
         const size_t size = corners_.size() - begin;
-        if (size < 3 || size > most_polygon_corners) {
+        if (size < 3 || size > max_polygon_corners) {
             return malformed(cursor_.line(), "a face has " + std::to_string(size) + " corners; between 3 and "
-                                                 + std::to_string(most_polygon_corners) + " can be read");
+                                                 + std::to_string(max_polygon_corners) + " can be read");
         }
         faces_.push_back({static_cast<uint32_t>(size), material_});
         return {};

@@ -112,9 +112,9 @@ class OffReader {
 
     Result<void> read_face(uint64_t index) {
         const auto count = whole(next());
-        if (!count || *count < 3 || *count > most_polygon_corners)
+        if (!count || *count < 3 || *count > max_polygon_corners)
             return malformed("face " + std::to_string(index) + " must begin with its number of corners, 3 to "
-                             + std::to_string(most_polygon_corners));
+                             + std::to_string(max_polygon_corners));
         corners_.clear();
         for (uint64_t k = 0; k < *count; ++k) {
             const std::string_view token = next();

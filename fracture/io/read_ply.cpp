@@ -40,7 +40,7 @@ std::optional<Type> type_named(std::string_view name) {
     return std::nullopt;
 }
 
-constexpr size_t most_textures = 1000;
+constexpr size_t max_textures = 1000;
 
 struct Property {
     std::string name;
@@ -297,16 +297,16 @@ class PlyReader {
             element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
         const bool is_uv = element.name == "face" && property.name == "texcoord" && companions_.wants_looks();
         // A face may have more than one such list.
-        const bool is_too_long = count + static_cast<double>(corners_.size()) > most_polygon_corners;
+        const bool is_too_long = count + static_cast<double>(corners_.size()) > max_polygon_corners;
         if (!(count >= 0.0) || (is_face && (count < 3.0 || is_too_long)))
             return numbers.ended
                        ? cut_short(place())
                        : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
-                                                + std::to_string(most_polygon_corners));
+                                                + std::to_string(max_polygon_corners));
         const auto known = static_cast<double>(model_.mesh.positions.size());
         for (double m = 0.0; m < count && !numbers.ended; m += 1.0) {
             const double value = numbers.next(property.type);
-            if (is_uv && uv_of_corners_.size() < 2 * most_polygon_corners)
+            if (is_uv && uv_of_corners_.size() < 2 * max_polygon_corners)
                 uv_of_corners_.push_back(std::isfinite(value) ? static_cast<float>(value) : 0.0f);
             if (!is_face) continue;
             if (!(value >= 0.0) || value != std::floor(value) || value >= known) {
@@ -343,7 +343,7 @@ class PlyReader {
 
     // One material for each texture that a comment names, as MeshLab writes it.
     void read_textures() {
-        if (texture_files_.size() > most_textures) texture_files_.resize(most_textures);
+        if (texture_files_.size() > max_textures) texture_files_.resize(max_textures);
         std::map<const std::byte*, uint32_t> image_at; // the same file may be named again
         for (const std::string& name : texture_files_) {
             Material material{.name = name};

@@ -7,7 +7,7 @@ namespace brittle::fracture {
 
 namespace {
 
-constexpr uint32_t most_bins = 512;
+constexpr uint32_t max_bins = 512;
 
 // On which side of the line ab, seen along X, the point is: 1 or -1. The same bits for ba, negated, so that two
 // triangles agree about their common edge; a point on the line is to the left of an edge that leads up.
@@ -22,7 +22,7 @@ int side(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
 
 InsideTest::InsideTest(const TriangleMesh& mesh) : mesh_(mesh), box_(bounds(mesh)) {
     bins_ =
-        std::clamp(static_cast<uint32_t>(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0)), 1u, most_bins);
+        std::clamp(static_cast<uint32_t>(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0)), 1u, max_bins);
     begin_.assign(size_t{bins_} * bins_ + 1, 0);
     const auto for_bins = [&](const Triangle& t, const auto& visit) {
         const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];

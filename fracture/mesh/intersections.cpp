@@ -89,14 +89,14 @@ bool meets(const glm::dvec3& p, const glm::dvec3& q, const Corners& t, int axis)
 
 class Finder {
   public:
-    Finder(const TriangleMesh& mesh, uint64_t most_pairs, size_t most_listed)
-        : mesh_(mesh), most_pairs_(most_pairs), most_listed_(most_listed), tree_(mesh, find_axes()) {}
+    Finder(const TriangleMesh& mesh, uint64_t max_pairs, size_t max_listed)
+        : mesh_(mesh), max_pairs_(max_pairs), max_listed_(max_listed), tree_(mesh, find_axes()) {}
 
     Intersections run() {
         if (tree_.root() != none) join(tree_.root(), tree_.root());
         std::sort(result_.listed.begin(), result_.listed.end(), before);
         if (!result_.listed.empty()) result_.first = result_.listed.front();
-        if (result_.listed.size() > most_listed_) result_.listed.resize(most_listed_);
+        if (result_.listed.size() > max_listed_) result_.listed.resize(max_listed_);
         return std::move(result_);
     }
 
@@ -148,7 +148,7 @@ class Finder {
             if (std::max({a[0][k], a[1][k], a[2][k]}) < std::min({b[0][k], b[1][k], b[2][k]})
                 || std::max({b[0][k], b[1][k], b[2][k]}) < std::min({a[0][k], a[1][k], a[2][k]}))
                 return;
-        if (seen_++ == most_pairs_) {
+        if (seen_++ == max_pairs_) {
             result_.complete = false;
             return;
         }
@@ -161,7 +161,7 @@ class Finder {
     void list(const glm::uvec2& pair) {
         std::vector<glm::uvec2>& listed = result_.listed;
         listed.push_back(pair);
-        const size_t keep = std::max<size_t>(most_listed_, 1);
+        const size_t keep = std::max<size_t>(max_listed_, 1);
         if (listed.size() < 2 * keep) return;
         std::nth_element(listed.begin(), listed.begin() + static_cast<std::ptrdiff_t>(keep), listed.end(), before);
         listed.resize(keep);
@@ -199,8 +199,8 @@ class Finder {
     }
 
     const TriangleMesh& mesh_;
-    uint64_t most_pairs_, seen_ = 0;
-    size_t most_listed_;
+    uint64_t max_pairs_, seen_ = 0;
+    size_t max_listed_;
     std::vector<int> axis_; // of each triangle, see open_axis()
     TriangleTree tree_;
     Intersections result_;
@@ -208,8 +208,8 @@ class Finder {
 
 } // namespace
 
-Intersections find_intersections(const TriangleMesh& mesh, uint64_t most_pairs, size_t most_listed) {
-    return Finder(mesh, most_pairs, most_listed).run();
+Intersections find_intersections(const TriangleMesh& mesh, uint64_t max_pairs, size_t max_listed) {
+    return Finder(mesh, max_pairs, max_listed).run();
 }
 
 } // namespace brittle::fracture

@@ -15,13 +15,13 @@ struct Intersections {
     uint64_t pairs = 0;              // of triangles
     std::optional<glm::uvec2> first; // the pair with the lowest first triangle, then second
     std::vector<glm::uvec2> listed;  // the lowest of them in that order, at most as many as asked for
-    bool complete = true;            // false: most_pairs was reached
+    bool complete = true;            // false: max_pairs was reached
 };
 
 // Pairs of triangles that have a point in common besides the vertices and edges that they share: they cross, touch, or
-// lie on each other. Triangles without area and pairs with the same three vertices do not count. At most `most_pairs`
+// lie on each other. Triangles without area and pairs with the same three vertices do not count. At most `max_pairs`
 // pairs with overlapping boxes are looked at. Indices are in range, coordinates finite and below 1e50.
-[[nodiscard]] Intersections find_intersections(const TriangleMesh& mesh, uint64_t most_pairs, size_t most_listed = 0);
+[[nodiscard]] Intersections find_intersections(const TriangleMesh& mesh, uint64_t max_pairs, size_t max_listed = 0);
 
 // The sign of the volume of a, b, c, d: positive where d lies on the side from which a, b, c turn clockwise; 0 exactly
 // where they lie in one plane.

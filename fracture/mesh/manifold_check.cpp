@@ -14,8 +14,8 @@ constexpr uint8_t crowded = 9; // the degree of a vertex with more corners than 
 
 // Triangles a run: a thread that fills a range of vertices skips runs that refer to none of them.
 constexpr uint32_t run_length = 512;
-constexpr uint32_t least_runs = 16;
-constexpr uint32_t least_blocks = 256; // a range of vertices
+constexpr uint32_t min_runs = 16;
+constexpr uint32_t min_blocks = 256; // a range of vertices
 
 // A block holds the corners of eight consecutive vertices: the next of corner s of vertex k at s * lanes + k,
 // its prev as far behind as all nexts take.
@@ -76,7 +76,7 @@ BRITTLE_SIMD bool are_rings(const uint32_t* corners, const uint8_t* degrees, siz
 bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads) {
     const auto runs = static_cast<uint32_t>((triangles.size() + run_length - 1) / run_length);
     reach_.resize(runs);
-    threads.for_chunks(runs, least_runs, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads.for_chunks(runs, min_runs, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t r = begin; r < end; ++r) {
             const size_t first = size_t{r} * run_length;
             Reach reach{std::numeric_limits<uint32_t>::max(), 0};
@@ -152,7 +152,7 @@ bool ManifoldCheck::run(size_t vertex_count, std::span<const Triangle> triangles
     corners_.resize(size_t{blocks} * block_size);
     degree_.resize(size_t{blocks} * lanes);
     // One range a thread, not several: each looks at all triangles but for the runs it can skip.
-    const uint32_t ranges = std::clamp(blocks / least_blocks, 1u, threads.count());
+    const uint32_t ranges = std::clamp(blocks / min_blocks, 1u, threads.count());
     if (ranges_.size() < ranges) ranges_.resize(ranges);
     threads.for_each(ranges, [&](uint32_t r) {
         Range& range = ranges_[r];

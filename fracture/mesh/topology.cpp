@@ -148,7 +148,7 @@ class VertexJudge {
         for (uint32_t i = 0; i < parent_.size(); ++i) fans += parent_[i] == i;
         if (fans < 2) return;
         ++report_.non_manifold_vertices;
-        if (report_.some_non_manifold_vertices.size() < TopologyReport::most_listed_vertices)
+        if (report_.some_non_manifold_vertices.size() < TopologyReport::max_listed_vertices)
             report_.some_non_manifold_vertices.push_back(v);
         if (!report_.first_non_manifold_vertex) report_.first_non_manifold_vertex = v;
     }

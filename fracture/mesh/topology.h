@@ -36,8 +36,8 @@ struct TopologyReport {
     std::optional<glm::uvec2> first_non_manifold_edge;
     std::optional<uint32_t> first_non_manifold_vertex;
     std::optional<uint32_t> first_degenerate_triangle;
-    std::vector<uint32_t> some_non_manifold_vertices; // the lowest, at most most_listed_vertices
-    static constexpr size_t most_listed_vertices = 1000;
+    std::vector<uint32_t> some_non_manifold_vertices; // the lowest, at most max_listed_vertices
+    static constexpr size_t max_listed_vertices = 1000;
 
     [[nodiscard]] bool closed() const {
         return open_edges == 0 && misoriented_edges == 0 && non_manifold_edges == 0 && degenerate_triangles == 0;

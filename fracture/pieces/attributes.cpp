@@ -12,7 +12,7 @@ namespace {
 constexpr uint32_t first_cut_point = 1u << 30; // see Fragments::vertex_point
 
 // A weight below this is rounding: the point lies on the side.
-constexpr double least_weight = 1e-12;
+constexpr double min_weight = 1e-12;
 
 // Cosine of the angle between a cut and the bisector of the two sites, above which they are one. Pieces that have
 // become one keep only one of their sites, and have cuts across other bisectors.
@@ -47,7 +47,7 @@ glm::dvec3 weights_at(const glm::dvec3& p, const std::array<glm::dvec3, 3>& corn
     for (int k = 0; k < 3; ++k) {
         const glm::dvec3 &a = corners[static_cast<size_t>((k + 1) % 3)], &b = corners[static_cast<size_t>((k + 2) % 3)];
         const double weight = glm::dot(glm::cross(a - p, b - p), normal) / area2;
-        weights[k] = weight < least_weight ? 0.0 : weight;
+        weights[k] = weight < min_weight ? 0.0 : weight;
     }
     const double sum = weights.x + weights.y + weights.z;
     return std::isfinite(sum) && sum > 0.0 ? weights / sum : along_longest_side(p, corners);

@@ -14,7 +14,7 @@
 namespace brittle::fracture {
 namespace {
 
-constexpr uint32_t least_pieces = 4; // in a run
+constexpr uint32_t min_pieces = 4; // in a run
 
 // What certify() finds out about a piece.
 struct PieceFacts {
@@ -86,7 +86,7 @@ Certificate certify(const TriangleMesh& input, const Fragments& fragments, uint3
     // The hash and the input's volume are tasks beside runs of pieces.
     std::vector<PieceFacts> facts(count);
     Threads threads(thread_count);
-    const uint32_t runs = threads.chunks(count, least_pieces);
+    const uint32_t runs = threads.chunks(count, min_pieces);
     threads.for_each(runs + 2, [&](uint32_t task) {
         if (task == 0) {
             certificate.hash = hash(fragments);

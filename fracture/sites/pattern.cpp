@@ -21,14 +21,14 @@ namespace brittle::fracture {
 
 namespace {
 
-constexpr uint32_t most_sites = 1'000'000;
+constexpr uint32_t max_sites = 1'000'000;
 constexpr double pi = std::numbers::pi;
 
 // Of the mean distance between sites: what a ball of grading 1 may have as radius.
 constexpr double largest_ball = 0.9;
 
 // Points are drawn so often, at most, for each that is to be inside: a solid fills more of its box than this.
-constexpr uint64_t most_draws = 2000;
+constexpr uint64_t max_draws = 2000;
 
 constexpr std::array<std::string_view, 10> names = {"uniform", "clustered", "radial", "grid",      "bricks",
                                                     "slices",  "splinters", "curve",  "curvature", "thickness"};
@@ -43,7 +43,7 @@ bool finite(const glm::dvec3& v) {
 
 Result<void> check(const Pattern& p) {
     const auto number = [](double value) { return std::to_string(value); };
-    if (p.count == 0 || p.count > most_sites) return bad("count", std::to_string(p.count), "1 to 1,000,000");
+    if (p.count == 0 || p.count > max_sites) return bad("count", std::to_string(p.count), "1 to 1,000,000");
     if (!std::isfinite(p.piece_size)) return bad("piece_size", number(p.piece_size), "a length in metres, or 0");
     if (!(p.jitter <= 1.0)) return bad("jitter", number(p.jitter), "0 to 1, or negative for the kind's own");
     if (!finite(p.focus)) return bad("focus", "not finite", "three finite numbers");
@@ -136,7 +136,7 @@ class Maker {
     // count_ points, if they are to be inside each drawn until it is.
     template<class Draw>
     void draw(const Draw& point) {
-        for (uint64_t tries = 0; result_.sites.size() < count_ && tries < most_draws * count_; ++tries) {
+        for (uint64_t tries = 0; result_.sites.size() < count_ && tries < max_draws * count_; ++tries) {
             const glm::dvec3 p = point();
             if (!pattern_.inside || inside_(p)) add(p);
         }
@@ -378,7 +378,7 @@ Result<PatternSites> make_sites(const Pattern& pattern, const TriangleMesh& mesh
     if (pattern.piece_size > 0.0) {
         const double volume = std::abs(signed_volume(mesh.positions, mesh.triangles));
         const double wanted = std::round(volume / std::pow(pattern.piece_size, 3.0));
-        if (!(wanted <= most_sites))
+        if (!(wanted <= max_sites))
             return bad("piece_size", std::to_string(pattern.piece_size),
                        "larger: the solid holds more than a million pieces of that size");
         count = std::max(1u, static_cast<uint32_t>(wanted));

@@ -91,7 +91,7 @@ void Ring::clip() {
     start_clipping();
     while (count_ > 3) {
         if (head_ == queue_.size()) {
-            cut_and_update(least_bad_ear());
+            cut_and_update(min_bad_ear());
             ++forced_;
             continue;
         }
@@ -391,7 +391,7 @@ void Ring::close_off_around(uint32_t t) {
 // For rings without a strict ear: zero-area ones, and such as cross themselves. Prefers, in this order:
 // ends that may be joined, a triangle that is not inside out, a small one (flat ones first, and of them
 // those whose tip lies between its neighbours). Ends of equal id are cut only where nothing else is left.
-uint32_t Ring::least_bad_ear() const {
+uint32_t Ring::min_bad_ear() const {
     using Badness = std::tuple<int, bool, double, bool>;
     uint32_t best = none;
     Badness least;

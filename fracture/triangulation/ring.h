@@ -65,7 +65,7 @@ class Ring {
     void forget(uint32_t i);
     void update(uint32_t i);
     void close_off_around(uint32_t t);
-    uint32_t least_bad_ear() const;
+    uint32_t min_bad_ear() const;
 
     std::span<const glm::dvec2> points_;
     EdgeSet* edges_ = nullptr;

@@ -22,7 +22,7 @@ std::vector<BondBlows::Judged> BondBlows::take_up(std::span<const OfStep> blows)
             now, [&](const Running& running) { return is_of(running, before.sum.blow.piece, before.sum.blow.other); });
         if (next == now.end()) {
             judge(before, before.sum.blow.impulse, judged);
-            if (++before.steps < most_steps && owed(before) > 0.0f) on_their_way.push_back(before);
+            if (++before.steps < max_steps && owed(before) > 0.0f) on_their_way.push_back(before);
             continue;
         }
         const float sum = next->sum.blow.impulse + before.sum.blow.impulse, part = before.sum.blow.impulse / sum;
@@ -36,7 +36,7 @@ std::vector<BondBlows::Judged> BondBlows::take_up(std::span<const OfStep> blows)
     running_ = std::move(on_their_way);
     for (Running& running : now) {
         const float left = std::clamp(running.sum.left, 0.0f, running.speed);
-        const bool known = running.speed - left >= least_part * running.speed, last = running.steps >= most_steps;
+        const bool known = running.speed - left >= min_part * running.speed, last = running.steps >= max_steps;
         const float sum = running.sum.blow.impulse;
         if (known || last) judge(running, known ? sum * running.speed / (running.speed - left) : sum, judged);
         if (left > 0.0f && !last) running_.push_back(running);

@@ -41,10 +41,10 @@ struct Impact {
 
 class BondBlows {
   public:
-    static constexpr int most_steps = 4; // of one blow; a longer push is several
+    static constexpr int max_steps = 4; // of one blow; a longer push is several
     // The part of an approach that must have been stopped before the whole is told from it: the smaller, the more what the
     // solver leaves undone counts.
-    static constexpr float least_part = 0.2f;
+    static constexpr float min_part = 0.2f;
 
     struct OfStep {
         Impact blow;       // what the step gave; its sharpness is not looked at

@@ -12,9 +12,9 @@ namespace brittle::physics {
 
 namespace {
 
-constexpr double least_blow = 0.1; // share of what a piece's bonds bear, below which a blow leaves no trace
-constexpr double passed_on = 0.5;  // of what is left of a blow behind a broken bond
-constexpr int blow_depth = 8;      // pieces that a blow can go through
+constexpr double min_blow = 0.1;  // share of what a piece's bonds bear, below which a blow leaves no trace
+constexpr double passed_on = 0.5; // of what is left of a blow behind a broken bond
+constexpr int blow_depth = 8;     // pieces that a blow can go through
 
 // How far a point is from a bond's area, taken as a disc.
 double distance_to(const BondGraph::Bond& bond, const glm::dvec3& point) {
@@ -99,7 +99,7 @@ double BondGraph::bears(const Bond& bond, uint32_t from, const glm::dvec3& direc
            * bond.area;
 }
 
-double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy, double most_passed) {
+double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy, double max_passed) {
     const double size = glm::length(impulse);
     if (!(size > 0.0) || !(energy > 0.0)) return 0.0;
     const glm::dvec3 direction = impulse / size;
@@ -111,7 +111,7 @@ double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy,
             double borne = 0.0, area = 0.0;
             for (const uint32_t bond : bonds_of(hit))
                 if (bonds_[bond].live()) borne += bears(bonds_[bond], hit, direction);
-            if (!(share > least_blow * borne) || borne == 0.0) continue;
+            if (!(share > min_blow * borne) || borne == 0.0) continue;
             const double loss = share / borne; // the same of each bond
             for (const uint32_t bond : bonds_of(hit)) area += std::min(loss, bonds_[bond].health) * bonds_[bond].area;
             const double costs = area * static_cast<double>(material_.fracture_energy),
@@ -133,8 +133,8 @@ double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy,
         }
         double passed = 0.0;
         for (const auto& [behind, share] : next) passed += share;
-        if (depth == 0 && passed > most_passed)
-            for (auto& [behind, share] : next) share *= most_passed / passed;
+        if (depth == 0 && passed > max_passed)
+            for (auto& [behind, share] : next) share *= max_passed / passed;
     }
     return energy - left;
 }

@@ -60,12 +60,12 @@ class BondGraph {
     // What a bond bears, N s, when the impulse along a unit direction comes from one of its pieces; as if it were intact.
     [[nodiscard]] double bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const;
     // A blow against a piece, N s. Its bonds share it by what they bear. Of what is more than a bond can bear, half goes
-    // on to the piece behind, from the piece that was hit not more than most_passed in all: once it is loose, it can push
+    // on to the piece behind, from the piece that was hit not more than max_passed in all: once it is loose, it can push
     // with its own momentum only. Blows below a tenth of what the piece's bonds bear together leave no trace. Where
     // the energy, J, pays for only a part of what the bonds of a piece would lose, each loses so much less, none breaks, and
     // the blow ends. Returns how much of it was spent.
     double blow(uint32_t piece, const glm::dvec3& impulse, double energy,
-                double most_passed = std::numeric_limits<double>::infinity());
+                double max_passed = std::numeric_limits<double>::infinity());
 
     // Bonds broken since the last call, in the order in which they broke.
     [[nodiscard]] std::vector<uint32_t> take_broken();

@@ -19,10 +19,10 @@ namespace {
 constexpr uint32_t surface_samples = 2048;
 constexpr uint64_t sample_seed = 1; // where they lie; nothing else is random
 // Thicknesses below this share of the box's diagonal count as it: a rim is not cut into crumbs.
-constexpr double least_thickness = 0.01;
-constexpr double dense_enough = 0.5;       // thicknesses between sites
-constexpr double tolerance = 1e-3;         // of the stresses
-constexpr uint32_t most_iterations = 2000; // of one solution; far more than hundreds of blocks need
+constexpr double min_thickness = 0.01;
+constexpr double dense_enough = 0.5;      // thicknesses between sites
+constexpr double tolerance = 1e-3;        // of the stresses
+constexpr uint32_t max_iterations = 2000; // of one solution; far more than hundreds of blocks need
 // Contacts that part at once: those loaded at least so much as the worst. Fewer rounds, nearly the same cracks.
 constexpr double with_worst = 0.8;
 
@@ -34,7 +34,7 @@ struct Middle { // of the solid, halfway through from a place of its surface
 // From places spread evenly over the surface.
 std::vector<Middle> middles(const fracture::TriangleMesh& mesh) {
     const fracture::Thickness through(mesh);
-    const double least = least_thickness * glm::length(fracture::bounds(mesh).size());
+    const double least = min_thickness * glm::length(fracture::bounds(mesh).size());
     std::vector<double> area; // running sum
     double sum = 0.0;
     for (const fracture::Triangle& t : mesh.triangles) {
@@ -89,7 +89,7 @@ class Parting {
     bool part_worst(double limit) {
         for (size_t i = 0; i < loads_.size(); ++i) shown_[i] = held_[island_[i]] ? loads_[i] : NodeLoad{};
         solver_.set_loads(shown_);
-        solver_.solve(most_iterations, tolerance);
+        solver_.solve(max_iterations, tolerance);
         std::vector<double> ratios(live_.size(), 0.0);
         double worst = 0.0;
         for (uint32_t bond = 0; bond < live_.size(); ++bond) {
@@ -177,10 +177,10 @@ held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSe
     for (const fracture::Piece& piece : cut->pieces)
         blocks->nodes.push_back({piece.mass.centre_of_mass, piece.mass.volume * static_cast<double>(density),
                                  piece.mass.inertia * static_cast<double>(density), held(*cut, piece)});
-    blocks->least_area = std::numeric_limits<double>::infinity();
+    blocks->min_area = std::numeric_limits<double>::infinity();
     for (const fracture::Bond& bond : cut->bonds) {
         blocks->bonds.push_back({bond.a, bond.b, bond.area, bond.centroid, bond.normal});
-        blocks->least_area = std::min(blocks->least_area, bond.area);
+        blocks->min_area = std::min(blocks->min_area, bond.area);
     }
     return blocks;
 }

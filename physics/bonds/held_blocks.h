@@ -41,7 +41,7 @@ struct HeldBlocks {
     std::vector<glm::dvec3> sites;
     std::vector<StressNode> nodes; // one a piece of the fracture by the sites, in its order
     std::vector<StressBond> bonds;
-    double least_area = 0.0; // m^2, of a contact
+    double min_area = 0.0; // m^2, of a contact
 };
 
 // Sites for blocks: each is halfway through the solid from a place of its surface, the farthest from all before in

@@ -63,7 +63,7 @@ glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& poin
 }
 
 double distance_to_hull(std::span<const glm::vec3> points, const glm::dvec3& point) {
-    constexpr int most_steps = 200;    // a few dozen do
+    constexpr int max_steps = 200;     // a few dozen do
     constexpr double precision = 1e-3; // of the distance, or of the reach where that is less than a thousandth of it
     double reach = 0.0;
     for (const glm::vec3& corner : points) reach = std::max(reach, glm::distance(glm::dvec3(corner), point));
@@ -71,7 +71,7 @@ double distance_to_hull(std::span<const glm::vec3> points, const glm::dvec3& poi
     std::vector<double> weights(points.size(), 0.0);
     weights[0] = 1.0;
     glm::dvec3 apart = glm::dvec3(points[0]) - point;
-    for (int step = 0; step < most_steps; ++step) {
+    for (int step = 0; step < max_steps; ++step) {
         const auto ahead = [&](size_t i) { return glm::dot(apart, glm::dvec3(points[i]) - point); };
         size_t nearest = 0,
                farthest = points.size(); // along the way to the point; the farthest of those that carry weight

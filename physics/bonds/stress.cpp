@@ -15,9 +15,9 @@ namespace {
 
 constexpr uint32_t none = UINT32_MAX;
 constexpr double shear_ratio = 0.4; // of the shear modulus to Young's: that of stone, glass and steel
-constexpr double least_rest = 1e-9; // of a load whose island falls, N or N m for each N
-constexpr size_t most_groups = 32;  // of the coarse correction, whose factor costs their cube
-constexpr size_t least_group_size = 6;
+constexpr double min_rest = 1e-9;   // of a load whose island falls, N or N m for each N
+constexpr size_t max_groups = 32;   // of the coarse correction, whose factor costs their cube
+constexpr size_t min_group_size = 6;
 constexpr double singular_pivot = 1e-10; // of a Cholesky factor, as a share of the diagonal
 
 double dot(const auto& a, const auto& b) {
@@ -187,7 +187,7 @@ void StressSolver::find_groups() {
         walk(i, island_of_, static_cast<uint32_t>(held_.size()), count, [](uint32_t) { return true; });
         held_.push_back(std::ranges::any_of(queue, [&](uint32_t node) { return nodes_[node].fixed; }));
     }
-    const size_t size = std::max(least_group_size, (count + most_groups - 1) / most_groups);
+    const size_t size = std::max(min_group_size, (count + max_groups - 1) / max_groups);
     group_of_.assign(count, none);
     group_centre_.clear();
     for (uint32_t i = 0; i < count; ++i) {
@@ -269,7 +269,7 @@ void StressSolver::relieve(std::vector<NodeLoad>& loads) const {
         loads[i].force -= nodes_[i].mass * (whole.force / whole.mass + glm::cross(spin, arm));
         loads[i].torque -= nodes_[i].inertia * spin;
         // In a fall nothing but rounding is left.
-        const double rounding = least_rest * glm::length(given_[i].force);
+        const double rounding = min_rest * glm::length(given_[i].force);
         if (glm::length(loads[i].force) <= rounding && glm::length(loads[i].torque) <= rounding) loads[i] = {};
     }
 }

@@ -29,9 +29,9 @@ using fracture::Status;
 
 constexpr int solver_sweeps = 10; // over contacts that are solved anew
 // That many contacts are solved anew at most: half a millisecond.
-constexpr size_t most_anew = 256;
+constexpr size_t max_anew = 256;
 // Fewer pieces than this are not worth waking another thread for.
-constexpr uint32_t least_forms = 64;
+constexpr uint32_t min_forms = 64;
 
 bool moves(const World& world, BodyId body) {
     return world.contains(body) && !world.fixed(body);
@@ -133,7 +133,7 @@ Result<void> Structure::add_islands(World& world, std::span<const std::vector<ui
 // What single pieces take when they come off, made ahead: most of it is how the air meets them.
 void Structure::make_forms(uint32_t threads) {
     const auto count = static_cast<uint32_t>(pieces_.size());
-    fracture::Threads(threads).for_chunks(count, least_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
+    fracture::Threads(threads).for_chunks(count, min_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (PieceState& piece : std::span(pieces_).subspan(begin, end - begin)) {
             BodyDesc alone;
             alone.parts = {{piece.hull, glm::vec3(0.0f)}};
@@ -494,7 +494,7 @@ std::vector<size_t> Structure::contacts_to_take_back(const World& world, const s
     for (size_t i = 0; i < all.size(); ++i) {
         if (touching[i] == none) continue;
         const Group& group = found[group_of(touching[i])];
-        if (group.hit && !group.left && group.contacts <= most_anew) contacts.push_back(i);
+        if (group.hit && !group.left && group.contacts <= max_anew) contacts.push_back(i);
     }
     return contacts;
 }

@@ -34,7 +34,7 @@ std::vector<BodyBlow> BlowBook::take_up(const World& world, float speed, const s
     }
     running_.clear();
     for (const Running& running : now)
-        if (running.steps < most_steps && goes_on(world, running, speed))
+        if (running.steps < max_steps && goes_on(world, running, speed))
             running_.push_back(running);
         else
             over.push_back(ended(running));

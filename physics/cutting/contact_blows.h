@@ -36,7 +36,7 @@ struct BodyBlow {
 
 class BlowBook {
   public:
-    static constexpr int most_steps = 4; // of one blow; a longer push is several
+    static constexpr int max_steps = 4; // of one blow; a longer push is several
 
     // To be called after each step of the world: the blows that are over. Of contacts that came in faster than speed (m/s); a
     // body that `wanted` refuses is hit by none.

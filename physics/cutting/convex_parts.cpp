@@ -130,18 +130,18 @@ std::vector<BodyPart> convex_parts(std::span<const glm::dvec3> positions, std::s
     parts.push_back(part_of(positions, volume, settings.hull));
     fracture::Workspace workspace;
     Fragments scratch;
-    while (parts.size() < settings.most_parts) {
+    while (parts.size() < settings.max_parts) {
         Part* worst = nullptr;
         for (Part& part : parts) {
-            const bool empty = part.excess > settings.most_empty * (part.excess + part.volume)
-                               && part.excess > settings.least_excess * volume;
+            const bool empty = part.excess > settings.max_empty * (part.excess + part.volume)
+                               && part.excess > settings.min_excess * volume;
             if (empty && !part.final && (!worst || part.excess > worst->excess)) worst = &part;
         }
         if (!worst) break;
         if (worst->mesh.positions.empty())
             worst->mesh = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
         std::vector<Part> halves = cut(worst->mesh, settings.hull, workspace, scratch);
-        if (halves.empty() || parts.size() - 1 + halves.size() > settings.most_parts) {
+        if (halves.empty() || parts.size() - 1 + halves.size() > settings.max_parts) {
             worst->final = true;
             continue;
         }

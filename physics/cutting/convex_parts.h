@@ -27,9 +27,9 @@
 namespace brittle::physics {
 
 struct ConvexPartSettings {
-    double most_empty = 0.2;     // share of a hull's volume that the solid need not fill
-    double least_excess = 0.003; // of the solid's volume; emptier space than that in a hull is not looked at
-    uint32_t most_parts = 24;    // at least 1
+    double max_empty = 0.2;    // share of a hull's volume that the solid need not fill
+    double min_excess = 0.003; // of the solid's volume; emptier space than that in a hull is not looked at
+    uint32_t max_parts = 24;   // at least 1
     HullSettings hull{};
 };
 

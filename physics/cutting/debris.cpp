@@ -20,7 +20,7 @@ std::vector<PieceId> retire_debris(std::span<const Debris> candidates, size_t pi
         else
             staying.push_back(&debris);
     }
-    const auto too_many = [&] { return pieces > limits.most_pieces || vertices > limits.most_vertices; };
+    const auto too_many = [&] { return pieces > limits.max_pieces || vertices > limits.max_vertices; };
     if (!too_many()) return gone;
     constexpr double newborn = 0.1; // s; age counts from there, so that at birth size alone does
     std::ranges::sort(staying, [](const Debris* a, const Debris* b) {

@@ -25,8 +25,8 @@ struct PieceId {
 };
 
 struct DebrisLimits {
-    size_t most_pieces = 2000; // in the world, debris or not
-    size_t most_vertices = 4'000'000;
+    size_t max_pieces = 2000; // in the world, debris or not
+    size_t max_vertices = 4'000'000;
     double sleep_seconds = 30.0; // s; infinity: debris may sleep for ever
     double fade_seconds = 1.0;   // s
 };

@@ -246,7 +246,7 @@ void Destruction::update(World& world, double budget) {
 void Destruction::see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const {
     if (!visible_) return;
     const DebrisLimits& limits = settings_.debris;
-    const bool excess = pieces > limits.most_pieces || vertices > limits.most_vertices;
+    const bool excess = pieces > limits.max_pieces || vertices > limits.max_vertices;
     for (Debris& debris : candidates)
         if (excess || debris.slept > limits.sleep_seconds)
             debris.visible = std::ranges::any_of(together_with(debris.id),
@@ -309,7 +309,7 @@ void Destruction::update_debris(World& world) {
         slept_too_long = slept_too_long || static_cast<double>(piece.slept) * step > limits.sleep_seconds;
     }
     take_out(world, faded); // first: what has faded is no candidate
-    if (slept_too_long || count > limits.most_pieces || vertices > limits.most_vertices)
+    if (slept_too_long || count > limits.max_pieces || vertices > limits.max_vertices)
         take_out(world, retire_debris(world, count, vertices));
 }
 

@@ -71,7 +71,7 @@ struct BreakableDesc {
     SolidSettings solid{};
     ImpactPattern pattern{};   // its seed is the object's: that of a blow derives from it, the object's number, the
                                // piece's ancestry and how many blows to the piece were worked on before
-    uint32_t most_pieces = 48; // of one blow
+    uint32_t max_pieces = 48;  // of one blow
     PlacedMotion motion{};     // an anchored object keeps its placement and does not move
     float impact_speed = 0.5f; // m/s
 };

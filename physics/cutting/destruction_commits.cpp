@@ -200,11 +200,11 @@ PieceId Destruction::solve_anew(World& world, std::span<const PieceId> made, Hit
     const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
     const BodyId own = pieces_.at(id).own;
     double lost = 0.0;
-    const auto stop = [&](const glm::vec3& direction, float most_impulse) {
+    const auto stop = [&](const glm::vec3& direction, float max_impulse) {
         const float approach = speed_at(world, hit.striker, point, direction) - speed_at(world, own, point, direction);
         const float response =
             response_at(world, own, point, direction) + response_at(world, hit.striker, point, direction);
-        const float impulse = response > 0.0f ? std::clamp(approach / response, 0.0f, most_impulse) : 0.0f;
+        const float impulse = response > 0.0f ? std::clamp(approach / response, 0.0f, max_impulse) : 0.0f;
         push(world, own, impulse * direction, point);
         push(world, hit.striker, -impulse * direction, point);
         lost += static_cast<double>(impulse * (approach - 0.5f * response * impulse));

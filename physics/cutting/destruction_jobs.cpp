@@ -157,7 +157,7 @@ std::optional<PlannedCut> Destruction::plan(const World& world, const Live& piec
     if (!piece.solid->breakable || piece.unbreakable || piece.fading > 0) return std::nullopt;
     const std::shared_ptr<const BreakableDesc>& desc = objects_.at(piece.object).desc;
     const double least = desc->solid.min_size * desc->solid.min_size * desc->solid.min_size;
-    const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume, {desc->most_pieces, least});
+    const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume, {desc->max_pieces, least});
     if (damage.pieces == 0) return std::nullopt;
     const uint64_t seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, first_blow + piece.blows);
     return PlannedCut{piece.solid, desc, blow, damage, seed, gravity_of(world, piece)};
@@ -225,7 +225,7 @@ void Destruction::knock(const World& world, PieceId id, const Hit& hit) {
     const double impulse = static_cast<double>(glm::length(hit.owed));
     if (!(impulse > 0.0)) return;
     const Material& material = desc_of(piece).solid.material;
-    if (!(hit.blow.energy > piece.solid->blocks->least_area * static_cast<double>(material.fracture_energy))) return;
+    if (!(hit.blow.energy > piece.solid->blocks->min_area * static_cast<double>(material.fracture_energy))) return;
     start_parting(world, id, hit,
                   [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
                       const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {

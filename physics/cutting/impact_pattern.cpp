@@ -22,7 +22,7 @@ using fracture::Random;
 
 constexpr double pi = std::numbers::pi;
 constexpr double pieces_per_size = 24.0; // n = so many sqrt(A) / L
-constexpr uint32_t least_pieces = 4;
+constexpr uint32_t min_pieces = 4;
 constexpr double half_ball = 2.0 / 3.0 * pi;
 // Surface between n cubes that fill a half ball: so much times R^2 n^(1/3). 3 V^(2/3), V = half_ball R^3.
 const double surface_per_radius = 3.0 * std::pow(half_ball, 2.0 / 3.0);
@@ -243,17 +243,17 @@ class Maker {
 
 } // namespace
 
-double energy_of(double radius, const Material& material, double volume, uint32_t most_pieces) {
+double energy_of(double radius, const Material& material, double volume, uint32_t max_pieces) {
     if (!(radius > 0.0) || !(volume > 0.0) || !std::isfinite(radius) || !std::isfinite(volume)) return 0.0;
     // The radius grows with the energy, and does so between the bounds that the numbers of pieces give.
     const auto energy = [&](double pieces) {
         return surface_per_radius * radius * radius * std::cbrt(pieces) * static_cast<double>(material.fracture_energy);
     };
-    double low = energy(1.0), high = energy(std::max<double>(most_pieces, least_pieces));
+    double low = energy(1.0), high = energy(std::max<double>(max_pieces, min_pieces));
     for (int k = 0; k < 60; ++k) {
         const double middle = 0.5 * (low + high);
         const Blow blow{.energy = middle};
-        (damage_of(blow, material, volume, {.most_pieces = most_pieces}).radius < radius ? low : high) = middle;
+        (damage_of(blow, material, volume, {.max_pieces = max_pieces}).radius < radius ? low : high) = middle;
     }
     return high;
 }
@@ -263,14 +263,13 @@ Damage damage_of(const Blow& blow, const Material& material, double volume, cons
         || !std::isfinite(blow.energy) || !(volume > 0.0) || !std::isfinite(volume))
         return {};
     const double surface = blow.energy / static_cast<double>(material.fracture_energy);
-    double pieces =
-        std::max(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)), double{least_pieces});
-    pieces = std::min(pieces, static_cast<double>(std::max(limits.most_pieces, 1u)));
+    double pieces = std::max(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)), double{min_pieces});
+    pieces = std::min(pieces, static_cast<double>(std::max(limits.max_pieces, 1u)));
     const double radius = std::sqrt(surface / (surface_per_radius * std::cbrt(pieces)));
-    if (limits.least_volume > 0.0) {
+    if (limits.min_volume > 0.0) {
         const double damaged = std::min(half_ball * radius * radius * radius, volume);
-        if (volume < 2.0 * limits.least_volume || damaged < limits.least_volume) return {};
-        pieces = std::min(pieces, std::floor(damaged / limits.least_volume));
+        if (volume < 2.0 * limits.min_volume || damaged < limits.min_volume) return {};
+        pieces = std::min(pieces, std::floor(damaged / limits.min_volume));
     }
     return {radius, static_cast<uint32_t>(pieces)};
 }
@@ -284,8 +283,8 @@ ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::Ma
 
 std::vector<glm::dvec3> spread_points(std::span<const glm::dvec3> vertices, uint32_t count,
                                       std::span<const glm::dvec3> given) {
-    constexpr size_t most_looked_at = 4096;
-    const size_t stride = std::max<size_t>(1, vertices.size() / most_looked_at);
+    constexpr size_t max_looked_at = 4096;
+    const size_t stride = std::max<size_t>(1, vertices.size() / max_looked_at);
     std::vector<glm::dvec3> points;
     for (size_t i = 0; i < vertices.size(); i += stride) points.push_back(vertices[i]);
     std::vector<double> gap(points.size(), std::numeric_limits<double>::infinity());

@@ -4,7 +4,7 @@
 // (Settings::groups). A shell of such cells ends the damage where it should end.
 //
 // How far and how fine: a blow of energy E makes the new surface A = E / Material::fracture_energy, m^2. With the size L =
-// cube root of the solid's volume, it makes about n = 24 sqrt(A) / L pieces (4 at least, most_pieces at most). n equal
+// cube root of the solid's volume, it makes about n = 24 sqrt(A) / L pieces (4 at least, max_pieces at most). n equal
 // cubes in a half ball of radius R have 3 V / (V / n)^(1/3) of surface between them, V = 2/3 pi R^3, that is 4.9 R^2 n^(1/3);
 // so R = sqrt(A / (4.9 n^(1/3))). R grows as E^(5/12) and n as E^(1/2). That the energy of a blow goes into new
 // surface is Griffith, "The phenomena of rupture and flow in solids", 1921; for comminution, Rittinger's law.
@@ -36,8 +36,8 @@ struct Blow {
 };
 
 struct DamageLimits {
-    uint32_t most_pieces = 48;
-    double least_volume = 0.0; // m^3; damage is not cut into pieces that are smaller in the mean
+    uint32_t max_pieces = 48;
+    double min_volume = 0.0; // m^3; damage is not cut into pieces that are smaller in the mean
 };
 
 struct Damage {
@@ -50,9 +50,9 @@ struct Damage {
 [[nodiscard]] Damage damage_of(const Blow& blow, const Material& material, double volume,
                                const DamageLimits& limits = {});
 
-// The energy, J, of a blow whose damage reaches that far, without least_volume: what a hammer of a given reach strikes with.
+// The energy, J, of a blow whose damage reaches that far, without min_volume: what a hammer of a given reach strikes with.
 // 0 for a radius or volume that is not positive and finite.
-[[nodiscard]] double energy_of(double radius, const Material& material, double volume, uint32_t most_pieces);
+[[nodiscard]] double energy_of(double radius, const Material& material, double volume, uint32_t max_pieces);
 
 struct ImpactPattern {
     // radial: shards in rings around the contact, through the solid along the normal. uniform: half of the pieces anywhere

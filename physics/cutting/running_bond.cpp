@@ -12,9 +12,9 @@ namespace brittle::physics {
 
 namespace {
 
-constexpr double thinner = 1e-6;           // of a half: what reaches no farther into one is none of it
-constexpr double farthest = 1e9;           // halves from the corner
-constexpr double least_looked_at = 4096.0; // halves, and so many a brick that may be taken:
+constexpr double thinner = 1e-6;         // of a half: what reaches no farther into one is none of it
+constexpr double farthest = 1e9;         // halves from the corner
+constexpr double min_looked_at = 4096.0; // halves, and so many a brick that may be taken:
 constexpr double looked_at = 32.0;
 
 using Half = std::array<int64_t, 3>; // of a brick, by its place in the lattice
@@ -50,7 +50,7 @@ BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const
     if (first_of_brick(integers(low), bond.along) == first_of_brick(integers(high), bond.along)) return {};
 
     glm::dvec3 from = low, to = high;
-    const double bound = std::max(least_looked_at, looked_at * most);
+    const double bound = std::max(min_looked_at, looked_at * most);
     for (;; radius *= 0.8) {
         from = glm::max(low, place_of(point - radius));
         to = glm::min(high, place_of(point + radius));

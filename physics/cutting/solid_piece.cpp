@@ -28,7 +28,7 @@ using fracture::Status;
 using fracture::Triangle;
 
 // Hulls of one cell of a broken solid: a cell is convex, so few parts do.
-constexpr uint32_t most_parts_of_cell = 4;
+constexpr uint32_t max_parts_of_cell = 4;
 
 double cube(double x) {
     return x * x * x;
@@ -92,7 +92,7 @@ SolidPiece mesh_of(const SolidPiece& from, const Fragments& fragments, const Pie
 
 std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const ConvexPartSettings& settings) {
     ConvexPartSettings few = settings;
-    few.most_parts = std::min(settings.most_parts, most_parts_of_cell);
+    few.max_parts = std::min(settings.max_parts, max_parts_of_cell);
     std::vector<std::vector<BodyPart>> parts;
     for (const Piece& piece : cells.pieces)
         parts.push_back(convex_parts(cells.positions_of(piece), cells.triangles_of(piece), piece.mass.volume,
@@ -170,12 +170,12 @@ Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& 
 }
 
 // The first piece of the island of each, where islands that are too small have joined those that they touch most.
-std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uint32_t> islands, double least_volume) {
+std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uint32_t> islands, double min_volume) {
     std::vector<uint32_t> island(islands.begin(), islands.end());
     for (;;) {
         std::map<uint32_t, double> volumes;
         for (size_t i = 0; i < island.size(); ++i) volumes[island[i]] += cut.pieces[i].mass.volume;
-        std::erase_if(volumes, [&](const auto& entry) { return entry.second >= least_volume; });
+        std::erase_if(volumes, [&](const auto& entry) { return entry.second >= min_volume; });
         std::map<std::pair<uint32_t, uint32_t>, double> contacts; // small one, other: area
         for (const fracture::Bond& bond : cut.bonds)
             for (const auto& [from, to] : {std::pair(island[bond.a], island[bond.b]), {island[bond.b], island[bond.a]}})

@@ -69,8 +69,8 @@ void AirDrag::brake(btRigidBody& body, float density, float seconds, float unfel
     }
     const btVector3& spin = body.getAngularVelocity();
     const btVector3 lost = spin_ * (air * spin.length());
-    const float most_lost = lost[lost.maxAxis()];
-    if (most_lost > nothing && most_lost * spin.length() * radius_ > unfelt) {
+    const float max_lost = lost[lost.maxAxis()];
+    if (max_lost > nothing && max_lost * spin.length() * radius_ > unfelt) {
         const btVector3 own = spin * basis;
         body.setAngularVelocity(
             basis * btVector3(own.x() / (1.0f + lost.x()), own.y() / (1.0f + lost.y()), own.z() / (1.0f + lost.z())));

@@ -94,7 +94,7 @@ std::unique_ptr<SweptProxy> proxy_of(BodyRecord& body, bool large) {
     if (body.fixed) body.collision_shape()->getAabb(body.blow_frame, low, high);
     return SweepBroadphase::make_proxy(low, high, &*body.rigid, group_of(body.fixed, body.debris),
                                        partners_of(body.fixed, body.debris),
-                                       body.fixed || large ? BT_LARGE_FLOAT : body.longest, least_partner_of(body));
+                                       body.fixed || large ? BT_LARGE_FLOAT : body.longest, min_partner_of(body));
 }
 
 bool has_one_hull(const BodyDesc& desc) {
@@ -216,7 +216,7 @@ int partners_of(bool fixed, bool debris) {
                            : static_cast<int>(btBroadphaseProxy::AllFilter);
 }
 
-float least_partner_of(const BodyRecord& body) {
+float min_partner_of(const BodyRecord& body) {
     return body.debris ? debris_factor * body.longest : 0.0f;
 }
 

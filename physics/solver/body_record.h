@@ -125,7 +125,7 @@ void make_rigid(NewBody& body, const BodyDesc& desc, const WorldSettings& settin
 [[nodiscard]] int partners_of(bool fixed, bool debris);
 // Of what moves, debris meets what is at least so long (BodyMeasures::longest), others meet all; where it comes into a crowd, so long
 // times crowding(). The same factor for what is debris by its size and by its number: contacts with its like cost as much of either.
-[[nodiscard]] float least_partner_of(const BodyRecord& body);
+[[nodiscard]] float min_partner_of(const BodyRecord& body);
 
 // Sums of one body; see World::mechanics().
 [[nodiscard]] Mechanics mechanics_of(const BodyRecord& body, const glm::vec3& gravity);

@@ -21,7 +21,7 @@ void Bundles::join(uint32_t a, uint32_t b, uint32_t points) {
     fracture::unite(parents_, a, b);
 }
 
-void Bundles::finish(uint32_t least_points) {
+void Bundles::finish(uint32_t min_points) {
     groups_.clear();
     for (uint32_t mover = 0; mover < parents_.size(); ++mover) {
         const uint32_t group = parents_[mover] = fracture::root_of(parents_, mover);
@@ -33,9 +33,9 @@ void Bundles::finish(uint32_t least_points) {
     std::erase_if(groups_, [this](uint32_t group) { return points_[group] == 0; });
     std::ranges::sort(groups_,
                       [this](uint32_t a, uint32_t b) { return std::pair(points_[b], a) < std::pair(points_[a], b); });
-    uint32_t filled = least_points; // of the bundle at hand
+    uint32_t filled = min_points; // of the bundle at hand
     for (const uint32_t group : groups_) {
-        if (filled >= least_points) {
+        if (filled >= min_points) {
             ++count_;
             filled = 0;
         }

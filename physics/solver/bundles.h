@@ -21,7 +21,7 @@ class Bundles {
     // Two of them touch, at so many points.
     void join(uint32_t a, uint32_t b, uint32_t points);
     // The bundle with the largest group comes first; but for the last one all have at least so many points.
-    void finish(uint32_t least_points);
+    void finish(uint32_t min_points);
 
     [[nodiscard]] uint32_t count() const { return count_; }
     // None for a mover that touches no other one.

@@ -13,7 +13,7 @@ namespace {
 
 // Hulls that meet flatly need two or three advances, corners that swing some more. What needs longer spins by several turns
 // in the step; it is stopped where it is then, so that the cost of a pair is bounded.
-constexpr int most_advances = 64;
+constexpr int max_advances = 64;
 // In margins of the thinner hull; a margin is a fiftieth of its thickness.
 constexpr btScalar bearable_margins = 2.0f;
 // Hulls are stopped between this part of the bearable depth and the whole of it: it ends.
@@ -82,7 +82,7 @@ std::optional<btScalar> first_touch(const FlyingHull& first, const FlyingHull& s
         if (last_gap(normal) >= deepest && gap(first, second, now, normal) >= deepest) return std::nullopt;
     }
     NearCorners corners;
-    for (int advance = 0; advance < most_advances; ++advance) {
+    for (int advance = 0; advance < max_advances; ++advance) {
         const HullDistance found =
             hull_distance(*first.shape, *second.shape, now.first.inverseTimes(now.second), BT_LARGE_FLOAT, corners);
         const btScalar distance = found.distance - margins;

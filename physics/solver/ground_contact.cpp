@@ -29,7 +29,7 @@ namespace {
 constexpr btScalar resting_distance = 0.02f;
 
 // Contacts of one hull: so many corners carry it, and so many more may be kept from sinking.
-constexpr size_t most_corners = GroundManifold::most_points;
+constexpr size_t max_corners = GroundManifold::max_points;
 constexpr size_t carrying_corners = 4;
 // A corner that would be deeper than this at the end of the step, in metres, has a contact of its own even where
 // four others carry the body. Left out, it sinks while the body rocks on them.
@@ -86,7 +86,7 @@ void keep_best(std::vector<Corner>& corners) {
             corners[i].apart = std::min(corners[i].apart, (corners[i].position - from).length2());
     };
     for (size_t i = 0; i < carrying_corners; ++i) keep_away(corners[i].position, carrying_corners);
-    const size_t kept = std::min(corners.size(), most_corners);
+    const size_t kept = std::min(corners.size(), max_corners);
     for (size_t place = carrying_corners; place < kept; ++place) {
         take(corners, place, [](const Corner& c) { return c.apart; });
         keep_away(corners[place].position, place + 1);
@@ -246,7 +246,7 @@ class HullOnPlane final : public FollowedContacts {
     // A corner that was a contact before keeps the impulses that the solver starts from.
     void replace_contacts(const std::vector<Corner>& corners, int hull) {
         GroundManifold& manifold = *manifold_;
-        std::array<Memory, most_corners> old;
+        std::array<Memory, max_corners> old;
         const size_t known = manifold.count;
         std::ranges::transform(manifold.points(), old.begin(), [](const GroundPoint& point) {
             return Memory{point.corner, point.kept_impulse(), point.kept_friction(), point.along};

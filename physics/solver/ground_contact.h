@@ -53,14 +53,14 @@ struct alignas(64) GroundPoint {
 
 // All of a hull's contacts with the ground.
 struct GroundManifold {
-    static constexpr uint32_t most_points = 12;
+    static constexpr uint32_t max_points = 12;
 
     const btRigidBody* body = nullptr;
     int hull = -1; // of a compound; -1 for the only one
     uint32_t count = 0;
     float friction = 0.0f, restitution = 0.0f; // combined with the ground's
     uint32_t place = 0;                        // among all manifolds
-    std::array<GroundPoint, most_points> all{};
+    std::array<GroundPoint, max_points> all{};
 
     [[nodiscard]] std::span<GroundPoint> points() { return std::span(all).first(count); }
     [[nodiscard]] std::span<const GroundPoint> points() const { return std::span(all).first(count); }

@@ -89,7 +89,7 @@ GroundRows rows_of(const Movers& movers, const Points& points, const GroundStep&
     Along contact = rows_along(all(up), arms, movers, rows.contacts);
     const Float4 apart = minus(contact.wanted) / contact.gain;
     const Float4 before = apart - Float4::all(up.dot(step.gravity) * step.seconds);
-    const Float4 least = Float4::all(step.least_bounce_speed), faster = max(before, minus(before));
+    const Float4 least = Float4::all(step.min_bounce_speed), faster = max(before, minus(before));
     const Float4 bounce = where_less(faster, least, none, max(minus(before) * movers.restitution, none));
     contact.wanted = contact.wanted + (bounce - max(points.distance, none) / seconds) * contact.gain;
     store(contact, points.kept_impulse * Float4::all(step.kept_impulse), rows.contacts);

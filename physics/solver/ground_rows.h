@@ -26,8 +26,8 @@ struct GroundRows {
 struct GroundStep {
     float seconds;
     btVector3 gravity;
-    float least_bounce_speed; // slower blows do not bounce
-    float kept_impulse;       // the part of the last impulse to start from
+    float min_bounce_speed; // slower blows do not bounce
+    float kept_impulse;     // the part of the last impulse to start from
 };
 
 // Of four points from one on; where there are fewer, the last one again. The body does not rest.

@@ -12,7 +12,7 @@ namespace {
 // Blocks that are solved in all sweeps at once come in groups of so many: each row waits for the one before, and in between those
 // of the other blocks are worked on.
 constexpr uint32_t group_size = 4;
-constexpr uint32_t most_counted = 48; // rows of a body: see sort_movers()
+constexpr uint32_t max_counted = 48; // rows of a body: see sort_movers()
 
 } // namespace
 
@@ -21,10 +21,10 @@ constexpr uint32_t most_counted = 48; // rows of a body: see sort_movers()
 void HeldRows::sort_movers(const Bundles& bundles) {
     const auto key_of = [&](uint32_t mover) {
         const size_t bundle = std::min(bundles.of(mover), bundles.count());
-        return bundle * (most_counted + 1) + (most_counted - std::min(counts_[mover], most_counted));
+        return bundle * (max_counted + 1) + (max_counted - std::min(counts_[mover], max_counted));
     };
     const auto movers = static_cast<uint32_t>(counts_.size());
-    starts_.assign((bundles.count() + 1) * (most_counted + 1) + 1, 0);
+    starts_.assign((bundles.count() + 1) * (max_counted + 1) + 1, 0);
     for (uint32_t mover = 0; mover < movers; ++mover)
         if (counts_[mover] > 0) ++starts_[key_of(mover) + 1];
     for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
@@ -32,7 +32,7 @@ void HeldRows::sort_movers(const Bundles& bundles) {
     next_ = starts_;
     for (uint32_t mover = 0; mover < movers; ++mover)
         if (counts_[mover] > 0) order_[next_[key_of(mover)]++] = mover;
-    for (size_t key = 0; key < starts_.size() - 1; key += most_counted + 1)
+    for (size_t key = 0; key < starts_.size() - 1; key += max_counted + 1)
         std::ranges::stable_sort(std::span(order_).subspan(starts_[key], starts_[key + 1] - starts_[key]),
                                  std::ranges::greater{}, [this](uint32_t mover) { return counts_[mover]; });
 }

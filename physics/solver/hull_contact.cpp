@@ -44,7 +44,7 @@ constexpr btScalar same_part = 0.2f;
 // Contacts whose normals have less than this cosine between them are not of the same two surfaces.
 constexpr btScalar same_way = 0.9f;
 // Hulls that meet on straight ways do so after a few advances.
-constexpr int most_advances = 16;
+constexpr int max_advances = 16;
 
 const HullShape& hull_of(const btCollisionObjectWrapper& object) {
     return static_cast<const HullShape&>(*object.getCollisionShape());
@@ -296,7 +296,7 @@ class HullPair final : public FollowedContacts {
         const HullShape& hull = hull_of(second);
         Touch touch{.first = first.getWorldTransform(), .second = second.getWorldTransform()};
         btScalar part = 0.0f;
-        for (int advance = 0; advance < most_advances; ++advance) {
+        for (int advance = 0; advance < max_advances; ++advance) {
             const HullDistance found =
                 hull_distance(hull_of(first), hull, touch.first.inverseTimes(touch.second), BT_LARGE_FLOAT, corners_);
             touch.distance = found.distance - margins_;

@@ -15,7 +15,7 @@ namespace {
 using glm::dvec3;
 
 // More than any pair of hulls of 32 points has needed (19 and 40): what is found by then is taken.
-constexpr int most_gjk_rounds = 48, most_epa_rounds = 64;
+constexpr int max_gjk_rounds = 48, max_epa_rounds = 64;
 // Nearer than this part of the hulls' size, the direction between two points is rounding: they count as overlapping.
 constexpr double touching_part = 1e-5;
 // GJK ends where no corner can bring the distance down by more than this part of it. As in Bullet: where faces are nearly
@@ -184,21 +184,21 @@ class Polytope {
 
     // The overlap of least depth.
     [[nodiscard]] HullDistance least(NearCorners& near) {
-        double least_depth = std::numeric_limits<double>::infinity();
+        double min_depth = std::numeric_limits<double>::infinity();
         Face found{};
-        for (int round = 0; round < most_epa_rounds; ++round) {
+        for (int round = 0; round < max_epa_rounds; ++round) {
             const auto face =
                 std::ranges::min_element(faces_.begin(), faces_.begin() + face_count_, {}, &Face::distance);
             const Corner corner = difference_.support(face->normal);
             const double depth = glm::dot(face->normal, corner.at);
             const bool last = depth - face->distance <= face_part * size_;
             // Any direction tells how far the hulls must move along it: where this ends early, the best one seen is right.
-            if (last || depth < least_depth) least_depth = depth, found = *face;
+            if (last || depth < min_depth) min_depth = depth, found = *face;
             if (last || !grow(corner)) break;
         }
-        const Simplex at = nearest_to(found.normal * least_depth, found);
+        const Simplex at = nearest_to(found.normal * min_depth, found);
         remember(at, near);
-        return {static_cast<btScalar>(-least_depth), to_single(-found.normal), to_single(at.on_second(difference_))};
+        return {static_cast<btScalar>(-min_depth), to_single(-found.normal), to_single(at.on_second(difference_))};
     }
 
   private:
@@ -310,9 +310,9 @@ class Polytope {
 
     const Difference& difference_;
     double size_;
-    std::array<Corner, 4 + most_epa_rounds> corners_;
-    std::array<Face, 2 * (4 + most_epa_rounds)> faces_;
-    std::array<std::array<uint8_t, 2>, 2 * most_epa_rounds> horizon_;
+    std::array<Corner, 4 + max_epa_rounds> corners_;
+    std::array<Face, 2 * (4 + max_epa_rounds)> faces_;
+    std::array<std::array<uint8_t, 2>, 2 * max_epa_rounds> horizon_;
     size_t corner_count_ = 0, face_count_ = 0, horizon_count_ = 0;
 };
 
@@ -343,7 +343,7 @@ HullDistance hull_distance(const HullShape& first, const HullShape& second, cons
     const double touch = touching_part * size;
     Simplex s = start(difference, corners);
     bool inside = reduce(s);
-    for (int round = 0; !inside && round < most_gjk_rounds; ++round) {
+    for (int round = 0; !inside && round < max_gjk_rounds; ++round) {
         const double square = glm::dot(s.nearest, s.nearest);
         if (square <= touch * touch) {
             inside = true;

@@ -29,17 +29,17 @@ void HullShape::finish() {
 
 void HullShape::getAabb(const btTransform& frame, btVector3& low, btVector3& high) const {
     const btVector3 swollen(getMargin(), getMargin(), getMargin());
-    std::array<Float4, 3> least_of, greatest_of;
+    std::array<Float4, 3> min_of, greatest_of;
     for (size_t axis = 0; axis < 3; ++axis)
-        least_of[axis] = greatest_of[axis] = along(lanes_.data(), frame.getBasis()[static_cast<int>(axis)]);
+        min_of[axis] = greatest_of[axis] = along(lanes_.data(), frame.getBasis()[static_cast<int>(axis)]);
     for (size_t at = group_size; at < lanes_.size(); at += group_size)
         for (size_t axis = 0; axis < 3; ++axis) {
             const Float4 there = along(lanes_.data() + at, frame.getBasis()[static_cast<int>(axis)]);
-            least_of[axis] = min(least_of[axis], there);
+            min_of[axis] = min(min_of[axis], there);
             greatest_of[axis] = max(greatest_of[axis], there);
         }
     for (size_t axis = 0; axis < 3; ++axis) {
-        low[static_cast<int>(axis)] = least(least_of[axis]);
+        low[static_cast<int>(axis)] = least(min_of[axis]);
         high[static_cast<int>(axis)] = greatest(greatest_of[axis]);
     }
     low += frame.getOrigin() - swollen;

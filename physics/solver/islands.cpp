@@ -40,7 +40,7 @@ uint32_t rank_of(const btBroadphaseProxy* proxy) {
 }
 
 // Fewer pairs than this are not worth waking another thread for.
-constexpr uint32_t least_pairs = 512;
+constexpr uint32_t min_pairs = 512;
 
 } // namespace
 
@@ -109,8 +109,8 @@ void Islands::unite(const btBroadphasePair& pair) {
 
 void Islands::collect(const SweptPairs& pairs, std::span<const int> looked_at, fracture::Threads& threads) {
     const auto count = static_cast<uint32_t>(looked_at.size());
-    std::vector<std::vector<AnyManifold>> parts(threads.chunks(count, least_pairs));
-    threads.for_chunks(count, least_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    std::vector<std::vector<AnyManifold>> parts(threads.chunks(count, min_pairs));
+    threads.for_chunks(count, min_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (const int index : looked_at.subspan(begin, end - begin)) {
             const btBroadphasePair& pair = pairs.at(index);
             const btCollisionObject &first = object_of(pair.m_pProxy0), &second = object_of(pair.m_pProxy1);

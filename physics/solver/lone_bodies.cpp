@@ -29,7 +29,7 @@ struct LoneBodies::Block {
     bool deep = false; // one of the rows
     Float4 coefficient;
     FourMotions motions, parting;
-    std::array<Row, GroundManifold::most_points> rows;
+    std::array<Row, GroundManifold::max_points> rows;
 
     void make(std::span<const Lone> bodies, const Movers& all, const GroundStep& step) {
         count = static_cast<uint32_t>(bodies.size());
@@ -79,8 +79,8 @@ struct LoneBodies::Block {
 
 // By counting.
 void LoneBodies::arrange() {
-    std::array<uint32_t, GroundManifold::most_points + 1> places{}; // by how many points are missing
-    const auto missing = [](const Lone& body) { return GroundManifold::most_points - body.ground->count; };
+    std::array<uint32_t, GroundManifold::max_points + 1> places{}; // by how many points are missing
+    const auto missing = [](const Lone& body) { return GroundManifold::max_points - body.ground->count; };
     for (const Lone& body : bodies_)
         if (missing(body) + 1 < places.size()) ++places[missing(body) + 1];
     for (size_t i = 1; i < places.size(); ++i) places[i] += places[i - 1];

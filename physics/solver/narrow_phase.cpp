@@ -15,7 +15,7 @@ namespace brittle::physics {
 namespace {
 
 // Fewer pairs than this are not worth waking another thread for.
-constexpr uint32_t least_pairs = 128;
+constexpr uint32_t min_pairs = 128;
 
 btCollisionObject& object_of(const btBroadphaseProxy* proxy) {
     return *static_cast<btCollisionObject*>(proxy->m_clientObject);
@@ -24,12 +24,12 @@ btCollisionObject& object_of(const btBroadphaseProxy* proxy) {
 // For who follows pairs in turn, at the first one's next: what each keeps and its second body, as the first is that of many in turn,
 // then that body's shape, and its points.
 [[gnu::always_inline]] inline void fetch_next(const btBroadphasePair* array, std::span<const int> next) {
-    constexpr size_t points_ahead = 2, shape_ahead = 4, pair_ahead = 8, most_kept = 320;
+    constexpr size_t points_ahead = 2, shape_ahead = 4, pair_ahead = 8, max_kept = 320;
     const auto shape_of = [&](size_t i) { return object_of(array[next[i]].m_pProxy1).getCollisionShape(); };
     if (next.size() > pair_ahead) {
         const btBroadphasePair& pair = array[next[pair_ahead]];
-        if (pair.m_algorithm) fetch(pair.m_algorithm, most_kept);
-        fetch(pair.m_pProxy1->m_clientObject, most_kept);
+        if (pair.m_algorithm) fetch(pair.m_algorithm, max_kept);
+        fetch(pair.m_pProxy1->m_clientObject, max_kept);
     }
     if (next.size() > shape_ahead) fetch(shape_of(shape_ahead), sizeof(HullShape));
     if (next.size() <= points_ahead || shape_of(points_ahead)->getShapeType() != CONVEX_HULL_SHAPE_PROXYTYPE) return;
@@ -143,8 +143,8 @@ void find_contacts(SweptPairs& pairs, btCollisionDispatcher& dispatcher, const b
     const auto count = static_cast<uint32_t>(set.size());
     for (const int index : set)
         if (!array[index].m_algorithm && !is_with_ground(array[index])) prepare(array[index], dispatcher);
-    std::vector<std::vector<int>> left(threads.chunks(count, least_pairs)); // to be done one by one, in order
-    threads.for_chunks(count, least_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    std::vector<std::vector<int>> left(threads.chunks(count, min_pairs)); // to be done one by one, in order
+    threads.for_chunks(count, min_pairs, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (size_t i = begin; i < end; ++i) {
             fetch_next(array, std::span(set).subspan(i, end - i));
             if (!follow(array[set[i]], info)) left[chunk].push_back(set[i]);

@@ -8,7 +8,7 @@ namespace brittle::physics {
 namespace {
 
 // Slower blows do not bounce, in m/s: Bullet's value.
-constexpr float least_bounce_speed = 0.2f;
+constexpr float min_bounce_speed = 0.2f;
 
 bool rests(const btCollisionObject& object) {
     return object.isStaticObject() || !object.isActive();
@@ -23,7 +23,7 @@ void PieceSolver::solve(std::span<BodyRecord* const> awake, std::span<const AnyM
                  .sweeps = static_cast<int>(settings_.solver_iterations),
                  .gravity = metres_to_bullet(settings_.gravity),
                  .separation_speed = settings_.separation_speed * bullet_units,
-                 .least_bounce_speed = least_bounce_speed * bullet_units},
+                 .min_bounce_speed = min_bounce_speed * bullet_units},
                 threads);
     manifolds_ = manifolds;
     awake_.assign(awake.begin(), awake.end());

@@ -12,7 +12,7 @@ namespace brittle::physics {
 namespace {
 
 // Points of one pair of bodies that are told apart; a hull has up to twelve on the ground, and more only as a compound.
-constexpr uint32_t most_points = 32;
+constexpr uint32_t max_points = 32;
 // Of how hard a contact presses.
 constexpr float no_limit = std::numeric_limits<float>::max();
 // The part of its last impulse from which a contact starts.
@@ -31,9 +31,9 @@ bool never_moves(const btCollisionObject* object) {
     return object->isStaticObject();
 }
 // Fewer than this are not worth waking another thread for.
-constexpr uint32_t least_contacts = 128, least_manifolds = 128, least_bodies = 128, least_groups = 4;
+constexpr uint32_t min_contacts = 128, min_manifolds = 128, min_bodies = 128, min_groups = 4;
 // Contacts of a bundle, likewise: it is a task, and with their friction they are 50 KB.
-constexpr uint32_t least_bundle = 256;
+constexpr uint32_t min_bundle = 256;
 
 } // namespace
 
@@ -52,8 +52,8 @@ void RowSolver::solve_rows(const Step& step, fracture::Threads& threads) {
     const int sweeps = step.sweeps;
     motions_.assign(movers_.size(), {});
     parting_.assign(movers_.size(), {});
-    const bool few = places_.size() + points_of_lone_ < least_contacts;
-    const auto parts_of = [&](uint32_t groups) { return few ? 1 : threads.chunks(groups, least_groups); };
+    const bool few = places_.size() + points_of_lone_ < min_contacts;
+    const auto parts_of = [&](uint32_t groups) { return few ? 1 : threads.chunks(groups, min_groups); };
     const uint32_t held_groups = held_rows_.lone_groups(), held_parts = parts_of(held_groups);
     const uint32_t lone_groups = lone_.groups(), lone_parts = parts_of(lone_groups);
     const uint32_t bundles = bundles_.count(), in_bundles = 2 * bundles;
@@ -94,7 +94,7 @@ void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& ste
     if (!bodies.empty()) indices_.resize(std::max(indices_.size(), user_index(*bodies.back()) + 1));
     movers_.resize(bodies.size());
     lights_.resize(bodies.size());
-    threads.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads.for_chunks(static_cast<uint32_t>(bodies.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
             const btRigidBody& rigid = *bodies[i]->rigid;
@@ -122,19 +122,19 @@ RowSolver::Between RowSolver::between(const AnyManifold& manifold) const {
 // A sort by counting.
 void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads& threads) {
     betweens_.resize(manifolds.size());
-    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds,
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (uint32_t i = begin; i < end; ++i) betweens_[i] = between(manifolds[i]);
                        });
     bundles_.start(movers_.size());
     for (const Between& two : betweens_)
         if (!two.held() && two.count > 0) bundles_.join(two.mover_a, two.mover_b, two.count);
-    bundles_.finish(least_bundle);
+    bundles_.finish(min_bundle);
     take_lone(manifolds);
     keys_.clear();
     firsts_.clear();
     solved_firsts_.clear();
-    starts_.assign((bundles_.count() + 1) * most_points + 1, 0);
+    starts_.assign((bundles_.count() + 1) * max_points + 1, 0);
     uint32_t place = 0; // among the points of the same two bodies
     uint32_t solved = 0;
     for (size_t m = 0; m < manifolds.size(); ++m) {
@@ -144,16 +144,16 @@ void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads&
         solved_firsts_.push_back(solved);
         if (manifolds[m].between) solved += two.count;
         if (two.count == 0) continue;
-        const uint32_t first_key = (two.held() ? bundles_.count() : bundles_.of(two.mover_a)) * most_points;
+        const uint32_t first_key = (two.held() ? bundles_.count() : bundles_.of(two.mover_a)) * max_points;
         for (uint32_t i = 0; i < two.count; ++i, ++place) {
-            keys_.push_back(first_key + std::min(place, most_points - 1));
+            keys_.push_back(first_key + std::min(place, max_points - 1));
             ++starts_[keys_.back() + 1];
         }
     }
     solved_.resize(solved);
     for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     begins_.clear();
-    for (size_t key = 0; key < starts_.size() - 1; key += most_points) begins_.push_back(starts_[key]);
+    for (size_t key = 0; key < starts_.size() - 1; key += max_points) begins_.push_back(starts_[key]);
     held_ = begins_.back();
     places_.resize(keys_.size());
     for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
@@ -194,7 +194,7 @@ void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& st
     frictions_.resize(held_);
     coefficients_.resize(held_);
     depths_.resize(places_.size());
-    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds,
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (uint32_t i = begin; i < end; ++i) {
                                if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0)
@@ -253,7 +253,7 @@ void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32
 GroundStep RowSolver::ground_step(const Step& step) {
     return {.seconds = step.seconds,
             .gravity = step.gravity,
-            .least_bounce_speed = step.least_bounce_speed,
+            .min_bounce_speed = step.min_bounce_speed,
             .kept_impulse = kept_impulse};
 }
 
@@ -338,8 +338,7 @@ inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, con
     const float apart = still ? 0.0f : -row.wanted / row.gain;
     // Before the step's gravity, which is the same for both where both move.
     const float before = b.mover || still ? apart : apart - normal.dot(step.gravity) * step.seconds;
-    const float bounce =
-        std::abs(before) < step.least_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
+    const float bounce = std::abs(before) < step.min_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
     row.wanted += (bounce - std::max(touch.distance, 0.0f) / step.seconds) * row.gain;
     row.impulse = touch.impulse * (still ? 1.0f : kept_impulse);
     depths_[place] = std::max(-touch.distance, 0.0f) * touch.undone_part / step.seconds * row.gain;
@@ -446,13 +445,13 @@ void RowSolver::move_apart(Deep& deep, int sweeps) {
 
 void RowSolver::hand_back(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
                           fracture::Threads& threads) {
-    threads.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads.for_chunks(static_cast<uint32_t>(bodies.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
             hand_back(*bodies[i], i, seconds);
         }
     });
-    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), least_manifolds,
+    threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (uint32_t i = begin; i < end; ++i) {
                                if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0)

@@ -42,8 +42,8 @@ class RowSolver {
         float seconds = 0.0f;
         int sweeps = 0;
         btVector3 gravity{0, 0, 0};
-        float separation_speed = 0.0f;   // at which overlap of bodies that both move is undone, at most
-        float least_bounce_speed = 0.0f; // slower blows do not bounce
+        float separation_speed = 0.0f; // at which overlap of bodies that both move is undone, at most
+        float min_bounce_speed = 0.0f; // slower blows do not bounce
     };
     // What became of one point of a contact of two bodies.
     struct Solved {

@@ -34,18 +34,18 @@ void Siblings::check(const SweptPairs& pairs, std::optional<btScalar> ground_hei
     apart_.clear();
     std::map<int, const btRigidBody*> firsts;
     const btRigidBody* first = nullptr; // of the number that came last, as most have that of the one before
-    uint32_t least_rank = UINT32_MAX;
+    uint32_t min_rank = UINT32_MAX;
     for (const btRigidBody* body : bodies_) {
         const int number = body->getUserIndex2();
         const auto& proxy = static_cast<const SweptProxy&>(*body->getBroadphaseProxy());
         if (!first || first->getUserIndex2() != number) first = firsts.try_emplace(number, body).first->second;
         const bool low = ground_height && proxy.m_aabbMin.y() <= *ground_height;
         if (low || !move_as_one(*first, *body)) apart_.push_back(number);
-        least_rank = std::min(least_rank, proxy.rank);
+        min_rank = std::min(min_rank, proxy.rank);
     }
     const btBroadphasePair* const array = pairs.getOverlappingPairArrayPtr();
     for (const int index : pairs.set()) {
-        if (pairs.higher_rank(index) < least_rank) continue; // both were there
+        if (pairs.higher_rank(index) < min_rank) continue; // both were there
         const btCollisionObject &a = object_of(array[index].m_pProxy0), &b = object_of(array[index].m_pProxy1);
         const bool ground = a.getUserIndex() < 0 || b.getUserIndex() < 0; // its box holds all others
         if (ground || a.getUserIndex2() == b.getUserIndex2()) continue;

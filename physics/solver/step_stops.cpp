@@ -15,11 +15,11 @@ constexpr btScalar fast_part = 0.25f;
 // the wrong side. In a heap that forms, looking at more costs more than all its contacts.
 constexpr btScalar half = 0.5f;
 // And in any case a way must be longer than this, m: what settles in a heap is left alone, however thin. At 120 Hz 0.4 m/s.
-constexpr btScalar least_way = 0.0033f * bullet_units;
+constexpr btScalar min_way = 0.0033f * bullet_units;
 // What reaches no farther than this part of a body's thickness does not stop it.
 constexpr btScalar crumb_part = 0.25f;
 // Fewer pairs than this, that may touch or are only near, and fewer bodies are not worth waking another thread for.
-constexpr uint32_t least_pairs = 8, least_near = 256, least_bodies = 256;
+constexpr uint32_t min_pairs = 8, min_near = 256, min_bodies = 256;
 
 using Box = StepStops::Box;
 
@@ -40,7 +40,7 @@ Box box_of(const btCollisionShape& shape, const btTransform& frame) {
 
 // Whether a way in one step is more than so long, and not only what settles in a heap.
 bool exceeds(btScalar way, btScalar least) {
-    return way > std::max(least, least_way);
+    return way > std::max(least, min_way);
 }
 
 // The longest way of any of its points.
@@ -144,7 +144,7 @@ void StepStops::find_fast(btScalar seconds) {
     slow_way_ = 0.0f;
     const auto count = static_cast<uint32_t>(bodies_.size());
     glances_.resize(count);
-    threads_.for_chunks(count, least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads_.for_chunks(count, min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) glances_[i] = glance_at(*bodies_[i], seconds);
     });
     is_fast_.assign(count, 0);
@@ -168,7 +168,7 @@ void StepStops::find_fast(btScalar seconds) {
 void StepStops::find_flights(btScalar seconds) {
     const auto count = static_cast<uint32_t>(bodies_.size());
     flights_.resize(count);
-    threads_.for_chunks(count, least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads_.for_chunks(count, min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             const BodyRecord& body = *bodies_[i];
             const bool awake = glances_[i].awake;
@@ -190,7 +190,7 @@ StepStops::Glance StepStops::glance_at(const BodyRecord& body, btScalar seconds)
     const bool awake = body.awake();
     return {.linear = awake ? body.rigid->getLinearVelocity() : btVector3(0, 0, 0),
             .way = awake ? way_of(body, seconds) : 0.0f,
-            .wild_way = std::max(half * body.thickness, half * least_way),
+            .wild_way = std::max(half * body.thickness, half * min_way),
             .fixed = body.fixed,
             .awake = awake,
             .debris = body.debris,
@@ -239,8 +239,8 @@ void StepStops::meet_wild() {
     if (wild_.empty()) return;
     const std::span<const SweptPairs::Key> keys = broadphase_.find_set();
     const auto count = static_cast<uint32_t>(keys.size());
-    std::vector<std::vector<Two>> kept(threads_.chunks(count, least_near));
-    threads_.for_chunks(count, least_near, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    std::vector<std::vector<Two>> kept(threads_.chunks(count, min_near));
+    threads_.for_chunks(count, min_near, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (const SweptPairs::Key key : keys.subspan(begin, end - begin)) {
             const btBroadphaseProxy &a = broadphase_.proxy(key >> 32),
                                     &b = broadphase_.proxy(static_cast<uint32_t>(key));
@@ -269,7 +269,7 @@ void StepStops::add_events(btScalar from) {
         flights_[two.second].find_end();
     }
     found_.resize(kept_.size());
-    threads_.for_chunks(static_cast<uint32_t>(kept_.size()), least_pairs, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads_.for_chunks(static_cast<uint32_t>(kept_.size()), min_pairs, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) found_[i] = event_of(kept_[i].first, kept_[i].second, from);
     });
     for (const Event& event : found_) {

@@ -44,7 +44,7 @@ constexpr float longest_way = 1e5f;
 constexpr float unfelt_part = 0.03f;
 
 // Fewer than this are not worth waking another thread for.
-constexpr uint32_t least_bodies = 64, least_manifolds = 128;
+constexpr uint32_t min_bodies = 64, min_manifolds = 128;
 
 // What is deeper than this in the ground, in metres, does not fall asleep before it has come up, or has been where it is for
 // this multiple of the sleeping time: a crumb under what is hundreds of times as heavy never comes up.
@@ -72,25 +72,23 @@ void note(bool& true_now) {
 } // namespace
 
 void SteppedWorld::for_each_body(std::span<BodyRecord* const> bodies, const auto& visit) {
-    threads_.for_chunks(static_cast<uint32_t>(bodies.size()), least_bodies,
-                        [&](uint32_t, uint32_t begin, uint32_t end) {
-                            for (uint32_t i = begin; i < end; ++i) {
-                                if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
-                                visit(*bodies[i]);
-                            }
-                        });
+    threads_.for_chunks(static_cast<uint32_t>(bodies.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
+            visit(*bodies[i]);
+        }
+    });
 }
 
 void SteppedWorld::for_each_contact(const auto& visit) {
     const std::vector<AnyManifold>& all = islands_.manifolds();
-    threads_.for_chunks(static_cast<uint32_t>(all.size()), least_manifolds,
-                        [&](uint32_t, uint32_t begin, uint32_t end) {
-                            for (uint32_t i = begin; i < end; ++i) {
-                                if (i + fetched_ahead + 1 < end) all[i + fetched_ahead + 1].fetch_contacts();
-                                if (i + fetched_ahead < end) all[i + fetched_ahead].fetch_body();
-                                if (all[i].count > 0) visit(all[i]);
-                            }
-                        });
+    threads_.for_chunks(static_cast<uint32_t>(all.size()), min_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t i = begin; i < end; ++i) {
+            if (i + fetched_ahead + 1 < end) all[i + fetched_ahead + 1].fetch_contacts();
+            if (i + fetched_ahead < end) all[i + fetched_ahead].fetch_body();
+            if (all[i].count > 0) visit(all[i]);
+        }
+    });
 }
 
 void SteppedWorld::put_in(NewBody& body) {
@@ -132,7 +130,7 @@ void SteppedWorld::step(btScalar seconds) {
 void SteppedWorld::find_pairs(btScalar seconds) {
     const btScalar linear_kept = std::pow(1.0f - settings_.linear_damping, seconds);
     const btScalar angular_kept = std::pow(1.0f - settings_.angular_damping, seconds);
-    threads_.for_chunks(static_cast<uint32_t>(stepped_.size()), least_bodies,
+    threads_.for_chunks(static_cast<uint32_t>(stepped_.size()), min_bodies,
                         [&](uint32_t, uint32_t begin, uint32_t end) {
                             for (uint32_t i = begin; i < end; ++i) {
                                 fetch_hulls(std::span(stepped_).subspan(i, end - i));
@@ -152,7 +150,7 @@ void SteppedWorld::find_pairs(btScalar seconds) {
     const float unfelt = unfelt_part * glm::length(settings_.gravity) * seconds;
     if (settings_.air_density > 0.0f)
         threads_.for_chunks(
-            static_cast<uint32_t>(stepped_.size()), least_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+            static_cast<uint32_t>(stepped_.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
                 for (uint32_t i = begin; i < end; ++i) {
                     if (i + 2 * fetched_ahead < end) fetch(stepped_[i + 2 * fetched_ahead]);
                     if (i + fetched_ahead < end) fetch(&stepped_[i + fetched_ahead]->form->drag);

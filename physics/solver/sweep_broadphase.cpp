@@ -20,7 +20,7 @@ namespace {
 constexpr float worth_another_axis = 1.25f;
 
 // Fewer boxes than this are not worth waking another thread for.
-constexpr uint32_t least_boxes = 128;
+constexpr uint32_t min_boxes = 128;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
@@ -140,8 +140,8 @@ void SweepBroadphase::Boxes::resize(size_t count) {
         high[axis].resize(count + 3, -infinite);
     }
     size.resize(count + 3);
-    least_partner.resize(count);
-    least_partner.resize(count + 3, infinite); // what has no bounds overlaps what is empty
+    min_partner.resize(count);
+    min_partner.resize(count + 3, infinite); // what has no bounds overlaps what is empty
 }
 
 void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) const {
@@ -150,7 +150,7 @@ void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) cons
         to.high[axis][to_place] = high[axis][place];
     }
     to.size[to_place] = size[place];
-    to.least_partner[to_place] = least_partner[place];
+    to.min_partner[to_place] = min_partner[place];
 }
 
 void SweepBroadphase::Sorted::resize(size_t count) {
@@ -191,8 +191,8 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
 }
 
 uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_least_partner) const {
-    const Float4 sizes = Float4::load(size.data() + first), least_partners = Float4::load(least_partner.data() + first);
-    return all_less_equal(least_partners, own_size, own_least_partner, sizes, own_least_partner,
+    const Float4 sizes = Float4::load(size.data() + first), min_partners = Float4::load(min_partner.data() + first);
+    return all_less_equal(min_partners, own_size, own_least_partner, sizes, own_least_partner,
                           sizes); // the third is the second again
 }
 
@@ -207,7 +207,7 @@ btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVe
 }
 
 std::unique_ptr<SweptProxy> SweepBroadphase::make_proxy(const btVector3& low, const btVector3& high, void* object,
-                                                        int group, int mask, btScalar size, btScalar least_partner) {
+                                                        int group, int mask, btScalar size, btScalar min_partner) {
     auto proxy = std::make_unique<SweptProxy>();
     proxy->m_aabbMin = low;
     proxy->m_aabbMax = high;
@@ -215,7 +215,7 @@ std::unique_ptr<SweptProxy> SweepBroadphase::make_proxy(const btVector3& low, co
     proxy->m_collisionFilterGroup = group;
     proxy->m_collisionFilterMask = mask;
     proxy->size = size;
-    proxy->least_partner = least_partner;
+    proxy->min_partner = min_partner;
     return proxy;
 }
 
@@ -230,17 +230,17 @@ void SweepBroadphase::put_in(std::unique_ptr<SweptProxy> proxy) {
         boxes_.high[axis].push_back(-infinite);
     }
     boxes_.size.push_back(0.0f);
-    boxes_.least_partner.push_back(infinite);
+    boxes_.min_partner.push_back(infinite);
     boxes_.set(proxy->rank, proxy->m_aabbMin, proxy->m_aabbMax);
     boxes_.size[proxy->rank] = proxy->size;
-    boxes_.least_partner[proxy->rank] = proxy->least_partner;
+    boxes_.min_partner[proxy->rank] = proxy->min_partner;
     proxies_.push_back(std::move(proxy));
 }
 
 bool SweepBroadphase::may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const {
     const auto &first = static_cast<const SweptProxy&>(a), &second = static_cast<const SweptProxy&>(b);
-    return filters_[first.rank].meets(filters_[second.rank]) && first.size >= second.least_partner
-           && second.size >= first.least_partner;
+    return filters_[first.rank].meets(filters_[second.rank]) && first.size >= second.min_partner
+           && second.size >= first.min_partner;
 }
 
 // Constant in time, so that many can go at once. The proxy's pairs have been cleaned before.
@@ -508,9 +508,9 @@ void SweepBroadphase::reach_many(std::span<const uint32_t> ranks, const Passes& 
 }
 
 void SweepBroadphase::sweep_parts(size_t count, const auto& sweep) {
-    parts_.resize(std::max<size_t>(parts_.size(), threads_.chunks(static_cast<uint32_t>(count), least_boxes)));
+    parts_.resize(std::max<size_t>(parts_.size(), threads_.chunks(static_cast<uint32_t>(count), min_boxes)));
     for (auto& part : parts_) part.clear();
-    threads_.for_chunks(static_cast<uint32_t>(count), least_boxes,
+    threads_.for_chunks(static_cast<uint32_t>(count), min_boxes,
                         [&](uint32_t chunk, uint32_t begin, uint32_t end) { sweep(begin, end, parts_[chunk]); });
     for (const auto& part : parts_) found_.insert(found_.end(), part.begin(), part.end());
 }
@@ -553,10 +553,10 @@ void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from
     if (from >= others.ranks.size() || begin[from] > end) return;
     const Filter own = filters_[rank];
     const Box4 box = boxes_.four_times(rank);
-    const Float4 size = Float4::all(boxes_.size[rank]), least_partner = Float4::all(boxes_.least_partner[rank]);
+    const Float4 size = Float4::all(boxes_.size[rank]), min_partner = Float4::all(boxes_.min_partner[rank]);
     for (size_t first = from; first < others.ranks.size() && begin[first] <= end; first += 4) {
         uint32_t lanes = others.boxes.overlaps(first, box);
-        if (lanes != 0) lanes &= others.boxes.large_enough(first, size, least_partner);
+        if (lanes != 0) lanes &= others.boxes.large_enough(first, size, min_partner);
         for (; lanes != 0; lanes &= lanes - 1) {
             const uint32_t other = others.ranks[first + static_cast<size_t>(std::countr_zero(lanes))];
             if (own.meets(filters_[other]) && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));

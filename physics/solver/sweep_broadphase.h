@@ -6,7 +6,7 @@
 // last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
 // other and with those that were not, four at a time; pairs of two that were not stay as they are. Debris, which meets no debris,
 // has lists of its own, awake and asleep, compared neither with themselves nor with each other. Of others that it overlaps it has no pair with
-// those that are too small for it (SweptProxy::least_partner).
+// those that are too small for it (SweptProxy::min_partner).
 //
 // - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
 //   on what happened before.
@@ -37,7 +37,7 @@ namespace brittle::physics {
 // Proxies are numbered by rank: their place among all, in the order in which they came.
 struct SweptProxy final : btBroadphaseProxy {
     uint32_t rank = 0;
-    btScalar size = BT_LARGE_FLOAT, least_partner = 0.0f; // see make_proxy()
+    btScalar size = BT_LARGE_FLOAT, min_partner = 0.0f; // see make_proxy()
 };
 
 // Pairs of boxes in the order of their ranks.
@@ -108,7 +108,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     [[nodiscard]] static std::unique_ptr<SweptProxy> make_proxy(const btVector3& low, const btVector3& high,
                                                                 void* object, int group, int mask,
                                                                 btScalar size = BT_LARGE_FLOAT,
-                                                                btScalar least_partner = 0.0f);
+                                                                btScalar min_partner = 0.0f);
     // Behind all others.
     void put_in(std::unique_ptr<SweptProxy> proxy);
     // Whether two meet where they overlap: as their groups and their sizes say.
@@ -149,7 +149,7 @@ class SweepBroadphase final : public btBroadphaseInterface {
     // Boxes side by side; behind the last one three that overlap nothing, so that four can be read anywhere.
     struct Boxes {
         std::array<std::vector<float>, 3> low, high;
-        std::vector<float> size, least_partner; // see make_proxy()
+        std::vector<float> size, min_partner; // see make_proxy()
         void resize(size_t count);
         void set(size_t place, const btVector3& from, const btVector3& to);
         void copy(size_t place, Boxes& to, size_t to_place) const;

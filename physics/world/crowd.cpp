@@ -15,7 +15,7 @@ double size_of(const Newcomer& one) {
 } // namespace
 
 size_t room_in(const World& world) {
-    const size_t most = world.settings().most_colliding, there = world.colliding_count();
+    const size_t most = world.settings().max_colliding, there = world.colliding_count();
     return most == 0 ? std::numeric_limits<size_t>::max() : most - std::min(most, there);
 }
 
@@ -39,9 +39,9 @@ std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, b
     return debris;
 }
 
-float crowding(size_t awake_debris, uint32_t most_colliding) {
-    if (most_colliding == 0) return 1.0f;
-    return std::max(1.0f, static_cast<float>(awake_debris) / static_cast<float>(most_colliding) - 1.0f);
+float crowding(size_t awake_debris, uint32_t max_colliding) {
+    if (max_colliding == 0) return 1.0f;
+    return std::max(1.0f, static_cast<float>(awake_debris) / static_cast<float>(max_colliding) - 1.0f);
 }
 
 } // namespace brittle::physics

@@ -1,4 +1,4 @@
-// Who is debris because there are too many, whatever its size (WorldSettings::most_colliding).
+// Who is debris because there are too many, whatever its size (WorldSettings::max_colliding).
 //
 // Five hundred awake pieces that all meet are what a step has time for as they land; twice as many make it nearly twice as
 // long, as many more as debris a third. So where pieces come, the largest collide with each other as long as there is room, and the
@@ -48,6 +48,6 @@ struct Newcomer {
 // How many times as long as otherwise must be what debris meets of what moves, if it comes when, itself and its batch included, so
 // much debris is awake, small debris too: once, up to twice the limit, then in proportion: twice with three times the limit, thrice
 // with four. So the next thousand cost less than the last one did. 1 without a limit.
-[[nodiscard]] float crowding(size_t awake_debris, uint32_t most_colliding);
+[[nodiscard]] float crowding(size_t awake_debris, uint32_t max_colliding);
 
 } // namespace brittle::physics

@@ -24,7 +24,7 @@ constexpr double flat_ratio = 1e-3;
 constexpr double flat_half_thickness = 5e-5;
 constexpr double point_half_thickness = 5e-5;
 // Range of HullSettings::margin_fraction: something to stand on, and something left in the middle.
-constexpr double least_fraction = 1e-3, greatest_fraction = 0.45;
+constexpr double min_fraction = 1e-3, greatest_fraction = 0.45;
 // Directions in which a piece's points are looked through, 16 degrees apart, and as many again closer to the thin axes.
 constexpr size_t even_directions = 160;
 constexpr double golden_angle = 2.399963229728653; // rad; of Vogel's spiral
@@ -309,7 +309,7 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     const std::optional<FullHull> full = full_hull(supporting_subset(local, directions, max_vertices));
     if (!full || full->inner <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
 
-    const double fraction = std::clamp<double>(settings.margin_fraction, least_fraction, greatest_fraction);
+    const double fraction = std::clamp<double>(settings.margin_fraction, min_fraction, greatest_fraction);
     const double margin = std::min(std::max<double>(settings.max_margin, 1e-6), 2.0 * fraction * full->inner);
     std::optional<InnerHull> inner = planes_moved_in(*full, margin);
     if (!inner) inner = scaled_in(*full, margin);

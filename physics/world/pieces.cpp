@@ -21,7 +21,7 @@ using fracture::Piece;
 using fracture::Status;
 
 // Fewer than this are not worth waking another thread for.
-constexpr uint32_t least_pieces = 64;
+constexpr uint32_t min_pieces = 64;
 
 // Forms lie anywhere in memory: the beginning of one, so many ahead of the one at hand, is fetched. A thousand bodies that come take
 // 0.35 ms with it, 0.39 without.
@@ -75,8 +75,8 @@ Result<PieceForms> piece_forms(const Fragments& fragments, const Material& mater
     if (hulls.size() != count) return wrong_count(hulls.size(), "hulls", fragments);
     PieceForms forms(count);
     fracture::Threads pool(threads);
-    std::vector<std::optional<Error>> faults(pool.chunks(count, least_pieces)); // the first of each chunk
-    pool.for_chunks(count, least_pieces, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    std::vector<std::optional<Error>> faults(pool.chunks(count, min_pieces)); // the first of each chunk
+    pool.for_chunks(count, min_pieces, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end && !faults[chunk]; ++i) {
             Result<std::shared_ptr<const BodyForm>> form = form_of(fragments, fragments.pieces[i], material, hulls[i]);
             if (form)

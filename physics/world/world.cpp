@@ -19,7 +19,7 @@ namespace brittle::physics {
 namespace {
 
 // Fewer bodies than this are not worth waking another thread for.
-constexpr uint32_t least_new_bodies = 32, least_bodies = 256;
+constexpr uint32_t min_new_bodies = 32, min_bodies = 256;
 
 fracture::Error refused(BodyId id, const fracture::Error& fault) {
     return {fault.status, text(id, " cannot be added: ", fault.message)};
@@ -59,8 +59,8 @@ Result<std::vector<BodyId>> World::Impl::add(size_t number, const Describe& desc
     std::vector<NewBody> come(count);
     std::vector<BodyId> added(count);
     std::vector<std::optional<fracture::Error>> faults(
-        threads.chunks(count, least_new_bodies)); // the first of each chunk
-    threads.for_chunks(count, least_new_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        threads.chunks(count, min_new_bodies)); // the first of each chunk
+    threads.for_chunks(count, min_new_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             added[i] = {next_id + i};
             Result<NewBody> body = make_body(describe(i), settings);
@@ -82,9 +82,9 @@ Result<std::vector<BodyId>> World::Impl::add(size_t number, const Describe& desc
         }
         if (come[i].awake) ++awake.of(come[i].debris);
     }
-    const float crowded = crowding(awake.debris, settings.most_colliding);
+    const float crowded = crowding(awake.debris, settings.max_colliding);
     for (uint32_t i = 0; i < count; ++i) {
-        come[i].proxy->least_partner *= crowded;
+        come[i].proxy->min_partner *= crowded;
         engine->world->put_in(come[i]);
         bodies.push_back(std::move(come[i].record));
     }
@@ -163,7 +163,7 @@ uint64_t World::steps_taken() const {
 
 void World::step() {
     fracture::Threads& threads = impl_->engine->threads;
-    threads.for_chunks(static_cast<uint32_t>(impl_->bodies.size()), least_bodies,
+    threads.for_chunks(static_cast<uint32_t>(impl_->bodies.size()), min_bodies,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (size_t i = begin; i < end; ++i)
                                if (impl_->moved_steps[i] >= impl_->steps)
@@ -173,16 +173,15 @@ void World::step() {
     ++impl_->steps;
     const std::span<BodyRecord* const> stepped = impl_->engine->world->stepped(); // nobody else is awake
     std::atomic<size_t> colliding = 0, debris = 0;
-    threads.for_chunks(static_cast<uint32_t>(stepped.size()), least_bodies,
-                       [&](uint32_t, uint32_t begin, uint32_t end) {
-                           AwakeCount count;
-                           for (const BodyRecord* body : stepped.subspan(begin, end - begin)) {
-                               if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
-                               if (body->awake()) ++count.of(body->debris);
-                           }
-                           colliding += count.colliding;
-                           debris += count.debris;
-                       });
+    threads.for_chunks(static_cast<uint32_t>(stepped.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
+        AwakeCount count;
+        for (const BodyRecord* body : stepped.subspan(begin, end - begin)) {
+            if (body->has_moved()) impl_->moved_step(*body) = impl_->steps;
+            if (body->awake()) ++count.of(body->debris);
+        }
+        colliding += count.colliding;
+        debris += count.debris;
+    });
     impl_->awake = {.colliding = colliding, .debris = debris};
 }
 

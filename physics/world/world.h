@@ -79,7 +79,7 @@ struct WorldSettings {
     // is what two cores of 2.3 GHz bear within 8 ms as a bunny of a thousand pieces lands; a thousand take 13. What it
     // costs is that such pieces lie in each other and in their like. Decided when a piece comes, and it stays so; results
     // repeat as ever. 0: no limit, for who bakes what nobody waits for.
-    uint32_t most_colliding = 500;
+    uint32_t max_colliding = 500;
     // Sleeping. A body that touches something and stays below both speeds is coming to rest: after half of
     // the time its remaining jitter is damped away, after the whole time it sleeps, together with all it
     // touches, until something disturbs it. What only rocks in place, or trembles in a heap of which nine tenths of the

@@ -9,10 +9,10 @@ namespace {
 
 // Least ratio of a body's smallest to its largest principal moment. Below it the solver's single-precision
 // rows for spins about the needle's own axis blow up before anything else does.
-constexpr double least_moment_ratio = 1e-4;
+constexpr double min_moment_ratio = 1e-4;
 // What single precision can hold with products and inverses to spare: from a grain of dust to a mountain.
-constexpr float least_mass = 1e-18f, greatest_mass = 1e18f;    // kg
-constexpr double least_moment = 1e-28, greatest_moment = 1e28; // kg m^2
+constexpr float min_mass = 1e-18f, greatest_mass = 1e18f;    // kg
+constexpr double min_moment = 1e-28, greatest_moment = 1e28; // kg m^2
 // Slack for "none above the sum of the other two" when moments were rounded to float.
 constexpr double moment_slack = 1e-3;
 
@@ -46,11 +46,11 @@ std::string settle_moments(glm::dvec3& moments) {
     const double largest = std::max({moments.x, moments.y, moments.z});
     const double smallest = std::min({moments.x, moments.y, moments.z});
     const double sum = moments.x + moments.y + moments.z;
-    if (!(largest >= least_moment && largest <= greatest_moment) || smallest < -moment_slack * largest
+    if (!(largest >= min_moment && largest <= greatest_moment) || smallest < -moment_slack * largest
         || 2.0 * largest > sum * (1.0 + moment_slack))
         return text("no body has the principal moments of inertia ", moments.x, ", ", moments.y, ", ", moments.z,
                     " kg m^2");
-    moments = glm::max(moments, glm::dvec3(largest * least_moment_ratio));
+    moments = glm::max(moments, glm::dvec3(largest * min_moment_ratio));
     return {};
 }
 
@@ -59,8 +59,8 @@ std::string settle_moments(glm::dvec3& moments) {
 std::string fault_of_form(const BodyDesc& desc, fracture::PrincipalAxes& principal) {
     if (std::string fault = desc.parts.empty() ? fault_of(desc.hull) : fault_of(desc.parts); !fault.empty())
         return fault;
-    if (!(desc.mass >= least_mass && desc.mass <= greatest_mass))
-        return text("its mass is ", desc.mass, " kg; it must be between ", least_mass, " and ", greatest_mass, " kg");
+    if (!(desc.mass >= min_mass && desc.mass <= greatest_mass))
+        return text("its mass is ", desc.mass, " kg; it must be between ", min_mass, " and ", greatest_mass, " kg");
     for (int column = 0; column < 3 && !desc.fixed; ++column)
         if (!finite(desc.inertia[column])) return "its inertia tensor is not finite";
     if (desc.fixed) return {};

@@ -28,7 +28,7 @@ void run(GraphExecutor& executor, const Device& device, FrameGraph&& graph, cons
     commands.wait();
 }
 
-constexpr int64_t most_deviation = 1'000'000; // ns, between the clocks of host and device
+constexpr int64_t max_deviation = 1'000'000; // ns, between the clocks of host and device
 
 int64_t now() {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -105,8 +105,8 @@ TEST_CASE("values pass through transients that share memory, in graphs that chan
                 REQUIRE(times.size() == static_cast<size_t>(links) + 1);
                 CHECK(times[0].name == "fill");
                 for (size_t i = 1; i < times.size(); ++i) CHECK(times[i].begin >= times[i - 1].begin);
-                CHECK(times.back().begin <= now() + most_deviation);
-                if (device->has_common_clock()) CHECK(times[0].begin >= before - most_deviation);
+                CHECK(times.back().begin <= now() + max_deviation);
+                if (device->has_common_clock()) CHECK(times[0].begin >= before - max_deviation);
             }
         }
     }

@@ -316,9 +316,9 @@ TEST_CASE("a pool gives out what came back where it fits, and keeps no more than
     std::vector<std::shared_ptr<DeviceBuffer>> many;
     for (int i = 0; i < 12; ++i) many.push_back(pool.take(8 << 20));
     many.clear();
-    CHECK(pool.idle_bytes() > StagingPool::most_idle);
+    CHECK(pool.idle_bytes() > StagingPool::max_idle);
     second = pool.take(1 << 10); // who takes gives back what is too much
-    CHECK(pool.idle_bytes() <= StagingPool::most_idle);
-    CHECK(pool.idle_bytes() > StagingPool::most_idle / 2);
+    CHECK(pool.idle_bytes() <= StagingPool::max_idle);
+    CHECK(pool.idle_bytes() > StagingPool::max_idle / 2);
     CHECK(device->validation_messages().empty());
 }

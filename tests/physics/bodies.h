@@ -106,15 +106,15 @@ struct EnergyBooks {
         const double now = energy_of(world);
         steepest = std::max(steepest, now - last);
         risen += std::max(now - last, 0.0);
-        most_above_least = std::max(most_above_least, now - least);
+        max_above_min = std::max(max_above_min, now - least);
         least = std::min(least, now);
         last = now;
     }
 
-    double start, last, least;     // J
-    double steepest = 0.0;         // J, of one step
-    double risen = 0.0;            // J, the sum of all rises
-    double most_above_least = 0.0; // J, above the least before
+    double start, last, least;  // J
+    double steepest = 0.0;      // J, of one step
+    double risen = 0.0;         // J, the sum of all rises
+    double max_above_min = 0.0; // J, above the least before
 };
 
 // What rests in empty space stays where it is, unless it overlaps another. That moves it without giving it velocity.

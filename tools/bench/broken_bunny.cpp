@@ -34,7 +34,7 @@ void step_until_asleep(physics::World& world) {
 // Where the pieces have come to rest, which takes half a minute: in another world they only have to fall asleep. All meet.
 std::vector<physics::BodyDesc> heap_at_rest() {
     const BrokenBunny broken(sites_for_2000);
-    physics::World world({.debris_size = 0.0f, .most_colliding = 0});
+    physics::World world({.debris_size = 0.0f, .max_colliding = 0});
     if (!broken.add_to(world, {5.0f, 0.0f, 0.0f})) return {};
     step_until_asleep(world);
     std::vector<physics::BodyDesc> heap(broken.forms.size());

@@ -132,7 +132,7 @@ void run_impact(benchmark::State& state, const std::string& name) {
     const fracture::TriangleMesh mesh = mesh_of(name);
     const fracture::Box box = fracture::bounds(mesh);
     const double volume = fracture::mass_properties(mesh.positions, mesh.triangles).volume;
-    const double energy = energy_of(radius, desc.solid.material, volume, desc.most_pieces);
+    const double energy = energy_of(radius, desc.solid.material, volume, desc.max_pieces);
     desc.solid.material.tensile = tensile_for(energy, desc.solid.material, volume, box);
     const Clock::time_point begin = Clock::now();
     const Result<SolidPtr> solid = make_solid(mesh, desc.solid);
@@ -181,7 +181,7 @@ void run_impact(benchmark::State& state, const std::string& name) {
 void run_thousand(benchmark::State& state, bool (*add_others)(World&)) {
     BreakableDesc desc;
     desc.solid = {.material = material_preset("stone")->material, .min_size = 0.01};
-    desc.most_pieces = 34;
+    desc.max_pieces = 34;
     const Result<SolidPtr> ball = make_solid(fracture::icosphere(3, 0.3), desc.solid);
     std::vector<double> before_all, longest_all, share_all, after_all;
     for (auto _ : state) {

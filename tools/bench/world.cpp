@@ -188,7 +188,7 @@ void run_tower(benchmark::State& state) {
         .hull = collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}), .large = true, .mass = 160.5f};
     shot.inertia = glm::mat3(0.4f * shot.mass * 0.17f * 0.17f);
     for (auto _ : state) {
-        World world({.most_colliding = 1000}); // as the scene
+        World world({.max_colliding = 1000}); // as the scene
         auto tower = Structure::create(world, *pieces, {.material = material, .anchored = anchor_to_ground(*pieces)});
         if (!tower) return state.SkipWithError("no bodies");
         std::vector<double> unhit, hit;
@@ -225,10 +225,10 @@ void add_world_benchmarks() {
             ->UseManualTime()
             ->Iterations(runs);
     };
-    static const WorldSettings all_meet{.debris_size = 0.0f, .most_colliding = 0};
+    static const WorldSettings all_meet{.debris_size = 0.0f, .max_colliding = 0};
     const std::pair<const char*, WorldSettings> kinds[] = {
         {"meet", all_meet},
-        {"alone", {.threads = 1, .debris_size = 0.0f, .most_colliding = 0}},
+        {"alone", {.threads = 1, .debris_size = 0.0f, .max_colliding = 0}},
         {"default", {}},
         {"debris", {.debris_size = 1.0f}}};
     for (const auto& [kind, settings] : kinds) {
@@ -243,7 +243,7 @@ void add_world_benchmarks() {
         drop("1000_of_3000", sites_for_1000, 1, true);
     }
     add("world/vacuum/1000", 3, [](benchmark::State& state) {
-        run_drop(state, sites_for_1000, {.air_density = 0.0f, .debris_size = 0.0f, .most_colliding = 0}, false);
+        run_drop(state, sites_for_1000, {.air_density = 0.0f, .debris_size = 0.0f, .max_colliding = 0}, false);
     });
     const auto add_more = [&add](const std::string& name, const WorldSettings& settings, float height,
                                  const glm::vec3& at) {
@@ -255,7 +255,7 @@ void add_world_benchmarks() {
     add_more("meet", all_meet, 1.0f, beside);
     add_more("default", {}, 1.0f, beside);
     add_more("onto", {}, 1.0f, above);
-    add_more("small", {.most_colliding = 0}, little_bunny, beside);
+    add_more("small", {.max_colliding = 0}, little_bunny, beside);
     add("world/add/apart/1000_to_3000", runs_of_add, [=](benchmark::State& state) {
         run_add(state, WorldSettings{}, Apart{BrokenBunny(sites_for_1000), beside});
     });

@@ -3,7 +3,7 @@
 // world/meet/N             about N pieces, all of which meet
 // world/alone/N            the same on one thread
 // world/default/N          the same with the world's defaults: what is smaller than WorldSettings::debris_size is debris, and
-//                          what comes when most_colliding do collide
+//                          what comes when max_colliding do collide
 // world/debris/N           the same as debris: pieces meet the ground only
 // world/vacuum/1000        as meet, without air
 // world/.../1000_of_3000   a thousand pieces fall beside two thousand that lie on the ground and sleep

@@ -297,7 +297,7 @@ void add_world_options(CLI::App& command, WorldOptions& world) {
         ->capture_default_str();
     command
         .add_option(
-            "--most-colliding", world.most_colliding,
+            "--most-colliding", world.max_colliding,
             "Awake pieces that collide with each other, at most; what comes off beyond meets only the ground, what is "
             "held, "
             "balls, and what is at least twice as long, and may lie in its like. Keeps frames short; 0: no limit, for "

@@ -22,7 +22,7 @@ using namespace fracture;
 namespace {
 
 // `sequential` clips all triangles for all pairs of sites.
-constexpr size_t most_sequential_work = 60'000;
+constexpr size_t max_sequential_work = 60'000;
 
 std::string format(const char* text, double a, double b = 0.0) {
     char buffer[200];
@@ -310,7 +310,7 @@ std::string complaint(const Case& c) {
     const Result<Fragments> again = run(threads);
     if (std::string wrong = group_complaint(c, f); !wrong.empty()) return wrong;
     if (!again || hash(*again) != hash(f)) return "differs with " + std::to_string(threads) + " threads";
-    if (c.generic && c.mesh.triangles.size() * c.sites.size() <= most_sequential_work)
+    if (c.generic && c.mesh.triangles.size() * c.sites.size() <= max_sequential_work)
         return difference_from_sequential(c, f);
     return {};
 }

@@ -16,7 +16,7 @@ namespace {
 
 using namespace brittle;
 
-constexpr unsigned most_tries = 600;
+constexpr unsigned max_tries = 600;
 
 struct Options {
     double minutes = 1.0;
@@ -42,7 +42,7 @@ void report_failure(const Options& options, const stress::Case& c, const std::st
         return kept.substr(0, 24);
     };
     const stress::Case small = stress::shrink(
-        c, [&](const stress::Case& candidate) { return words(check(options, candidate)) == words(wrong); }, most_tries);
+        c, [&](const stress::Case& candidate) { return words(check(options, candidate)) == words(wrong); }, max_tries);
     const std::filesystem::path file = std::filesystem::path(options.save) / ("seed_" + std::to_string(seed) + ".txt");
     const std::string text = stress::to_text(small);
     std::error_code ignored;

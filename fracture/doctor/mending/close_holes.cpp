@@ -43,7 +43,7 @@ double pseudo_angle(double x, double y) {
 }
 
 // Of the sides that leave a vertex so many are compared, so that no vertex costs quadratic time.
-constexpr uint32_t most_choices = 16;
+constexpr uint32_t max_choices = 16;
 
 // Takes rim sides apart into loops that visit no vertex twice.
 class LoopFinder {
@@ -99,7 +99,7 @@ class LoopFinder {
     // Uses up a side that leaves the path's end, and returns where it leads. Where there are several, the
     // first one in the hole's sense after the side that the path came by.
     uint32_t take_side(const std::vector<uint32_t>& path) {
-        const uint32_t v = path.back(), first = next_[v], last = std::min(end_[v], first + most_choices);
+        const uint32_t v = path.back(), first = next_[v], last = std::min(end_[v], first + max_choices);
         uint32_t best = first;
         if (path.size() > 1 && last - first > 1) {
             double least = angle_between(path[path.size() - 2], v, sides_[first].to);

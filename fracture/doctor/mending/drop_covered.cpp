@@ -12,8 +12,8 @@ namespace brittle::fracture::mending {
 namespace {
 
 // Each part is held against all triangles of the others.
-constexpr size_t most_parts = 1000;
-constexpr uint64_t most_pairs = 10'000'000; // see InspectSettings
+constexpr size_t max_parts = 1000;
+constexpr uint64_t max_pairs = 10'000'000; // see InspectSettings
 
 struct Part {
     std::vector<Triangle> triangles;
@@ -50,8 +50,8 @@ bool drop_covered(Work& work) {
     if (!check_topology(mesh.positions.size(), mesh.triangles).closed()) return false;
     const std::vector<uint32_t> part_of = triangle_components(mesh.positions.size(), mesh.triangles);
     std::vector<Part> parts = find_parts(mesh, part_of);
-    if (parts.size() < 2 || parts.size() > most_parts) return false;
-    const Intersections crossings = find_intersections(mesh, most_pairs, most_pairs);
+    if (parts.size() < 2 || parts.size() > max_parts) return false;
+    const Intersections crossings = find_intersections(mesh, max_pairs, max_pairs);
     for (const glm::uvec2& pair : crossings.listed) {
         if (part_of[pair.x] == part_of[pair.y]) continue;
         parts[part_of[pair.x]].crosses = parts[part_of[pair.y]].crosses = true;

@@ -17,7 +17,7 @@ namespace brittle::fracture::mending {
 namespace {
 
 // Pairs of sides that are compared for a loop, at most, besides 64 a side.
-constexpr size_t most_pairs = 4'000'000;
+constexpr size_t max_pairs = 4'000'000;
 
 int sign(double x) {
     return x > 0.0 ? 1 : (x < 0.0 ? -1 : 0);
@@ -49,14 +49,14 @@ bool is_simple(const std::vector<glm::dvec2>& points, const std::vector<uint32_t
     }
     std::vector<uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
-    const auto least_x = [&](uint32_t k) { return std::min(points[k].x, end(k).x); };
+    const auto min_x = [&](uint32_t k) { return std::min(points[k].x, end(k).x); };
     std::sort(order.begin(), order.end(),
-              [&](uint32_t i, uint32_t j) { return least_x(i) != least_x(j) ? least_x(i) < least_x(j) : i < j; });
+              [&](uint32_t i, uint32_t j) { return min_x(i) != min_x(j) ? min_x(i) < min_x(j) : i < j; });
     size_t pairs = 0;
     for (size_t i = 0; i < n; ++i) {
         const glm::dvec2 &a = points[order[i]], &b = end(order[i]);
-        for (size_t j = i + 1; j < n && least_x(order[j]) <= std::max(a.x, b.x); ++j) {
-            if (++pairs > most_pairs + 64 * n) return false;
+        for (size_t j = i + 1; j < n && min_x(order[j]) <= std::max(a.x, b.x); ++j) {
+            if (++pairs > max_pairs + 64 * n) return false;
             if (next[order[i]] == order[j] || next[order[j]] == order[i]) continue;
             const glm::dvec2 &c = points[order[j]], &d = end(order[j]);
             if (std::max(c.y, d.y) < std::min(a.y, b.y) || std::max(a.y, b.y) < std::min(c.y, d.y)) continue;
@@ -72,7 +72,7 @@ constexpr double normal_grid = 1e-6; // planes are looked up by normals and offs
 constexpr double offset_grid = 1e-7; // of the box
 
 // Loops in one plane are compared with each other, up to so many.
-constexpr size_t most_loops = 64;
+constexpr size_t max_loops = 64;
 
 bool is_inside(const glm::dvec2& p, const std::vector<glm::dvec2>& polygon) {
     bool inside = false;
@@ -226,7 +226,7 @@ std::vector<std::vector<uint32_t>> find_rings(std::span<const glm::dvec3> positi
     std::vector<std::vector<uint32_t>> rings;
     for (size_t begin = 0, end = 0; begin < flat.size(); begin = end) {
         while (end < flat.size() && flat[end].plane == flat[begin].plane) ++end;
-        if (end - begin < 2 || end - begin > most_loops) continue;
+        if (end - begin < 2 || end - begin > max_loops) continue;
         find_rings_among(
             positions, loops,
             {flat.begin() + static_cast<std::ptrdiff_t>(begin), flat.begin() + static_cast<std::ptrdiff_t>(end)},

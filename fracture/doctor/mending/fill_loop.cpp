@@ -11,8 +11,8 @@
 namespace brittle::fracture::mending {
 namespace {
 
-constexpr size_t most_corners_by_area = 64;
-constexpr size_t most_corners_by_ears = 4096;
+constexpr size_t max_corners_by_area = 64;
+constexpr size_t max_corners_by_ears = 4096;
 
 // How bad a triangulation is: taken edges first, then area or length.
 struct Cost {
@@ -38,13 +38,13 @@ class Filler {
         std::vector<Triangle> flat = fill_in_plane(positions_, std::span(&loop, 1), taken_);
         const uint32_t flat_cost = taken_inside(flat, taken_);
         if (!flat.empty() && flat_cost == 0) return {std::move(flat)};
-        if (n <= most_corners_by_area) {
+        if (n <= max_corners_by_area) {
             uint32_t cost = impossible;
             std::vector<Triangle> least = of_least_area(cost);
             return {!flat.empty() && flat_cost <= cost ? std::move(flat) : std::move(least)};
         }
         if (!flat.empty()) return {std::move(flat)};
-        if (n > most_corners_by_ears) return {{}, true};
+        if (n > max_corners_by_ears) return {{}, true};
         return {by_ears()};
     }
 

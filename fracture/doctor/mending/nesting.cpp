@@ -10,9 +10,9 @@
 namespace brittle::fracture::mending {
 namespace {
 
-constexpr uint32_t most_samples = 8; // of a part
-constexpr uint32_t most_bins = 512;  // along Y and Z each
-constexpr size_t most_members = 16;  // triangles in bins for each triangle, on average
+constexpr uint32_t max_samples = 8; // of a part
+constexpr uint32_t max_bins = 512;  // along Y and Z each
+constexpr size_t max_members = 16;  // triangles in bins for each triangle, on average
 
 // Points are looked at this part of the diagonal before and behind the surface: what is on it is then seen
 // inside and outside.
@@ -32,8 +32,8 @@ class Rays {
     Rays(const TriangleMesh& mesh, std::span<const uint32_t> part_of, std::span<const uint8_t> closed)
         : mesh_(mesh), part_of_(part_of), closed_(closed), box_(bounds(mesh)) {
         bins_ = std::clamp(static_cast<uint32_t>(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0)), 1u,
-                           most_bins);
-        while (bins_ > 1 && member_count() > most_members * mesh.triangles.size()) bins_ /= 2;
+                           max_bins);
+        while (bins_ > 1 && member_count() > max_members * mesh.triangles.size()) bins_ /= 2;
         begin_.assign(size_t{bins_} * bins_ + 1, 0);
         for_members([&](uint32_t, uint32_t bin) { ++begin_[bin + 1]; });
         std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
@@ -126,7 +126,7 @@ std::vector<uint32_t> nesting_depths(const TriangleMesh& mesh, std::span<const u
         // Parts that some point is inside of, and no point outside.
         std::vector<uint32_t> inside, possible;
         const size_t size = triangles[part].size();
-        const size_t samples = std::min<size_t>(size, most_samples);
+        const size_t samples = std::min<size_t>(size, max_samples);
         bool first = true;
         for (size_t k = 0; k < samples; ++k) {
             const Triangle& t = mesh.triangles[triangles[part][k * size / samples]];

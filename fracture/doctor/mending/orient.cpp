@@ -14,7 +14,7 @@ namespace brittle::fracture::mending {
 namespace {
 
 // As fracture() asks: volume above rounding, by area times diagonal.
-constexpr double least_volume = 1e-15;
+constexpr double min_volume = 1e-15;
 
 // A forest of triangles that knows of any two in a tree whether they must both be turned or neither.
 class Agreement {
@@ -157,7 +157,7 @@ bool turn_parts(Work& work, bool cavities) {
     const double diagonal = glm::length(bounds(mesh).size());
     std::vector<uint8_t> has_volume(count, 0);
     for (size_t k = 0; k < count; ++k)
-        has_volume[k] = parts[k].closed && std::abs(parts[k].volume) > least_volume * parts[k].area * diagonal;
+        has_volume[k] = parts[k].closed && std::abs(parts[k].volume) > min_volume * parts[k].area * diagonal;
     const std::vector<uint32_t> depth = nesting_depths(mesh, part_of, has_volume);
 
     bool any = false;

@@ -14,7 +14,7 @@ namespace brittle::fracture::mending {
 namespace {
 
 // Cells are at least this part of the box, so that their numbers stay exact.
-constexpr double least_cell = 0x1.0p-40;
+constexpr double min_cell = 0x1.0p-40;
 
 using Cell = std::array<int64_t, 3>;
 
@@ -62,7 +62,7 @@ class Welder {
             box.min = glm::min(box.min, positions_[v]);
             box.max = glm::max(box.max, positions_[v]);
         }
-        const double cell_size = std::max(distance_, glm::length(box.size()) * least_cell);
+        const double cell_size = std::max(distance_, glm::length(box.size()) * min_cell);
         std::vector<std::pair<Cell, uint32_t>> members;
         for (const uint32_t v : vertices) {
             const glm::dvec3 at = glm::floor((positions_[v] - box.min) / cell_size);

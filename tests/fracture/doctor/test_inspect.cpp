@@ -409,14 +409,14 @@ TEST_CASE("inspect: how thick a solid is") {
     }
     const TriangleMesh shell = hollow_sphere(4, 1.0, 0.9);
     const Inspection found = inspect(shell);
-    REQUIRE(found.least_thickness);
-    CHECK(*found.least_thickness == doctest::Approx(0.1).epsilon(0.05));
+    REQUIRE(found.min_thickness);
+    CHECK(*found.min_thickness == doctest::Approx(0.1).epsilon(0.05));
     CHECK(found.thin_share == 0.0); // a hundredth of the diagonal is 0.035
     const Inspection thin = inspect(hollow_sphere(4, 1.0, 0.99));
     CHECK(thin.thin_share > 0.4); // from outside; from inside one looks across the cavity's wall as well
     CHECK(thin.places.thin_triangles.size() == 1000);
     CHECK(describe(thin).find("thinner than") != std::string::npos);
-    CHECK_FALSE(inspect({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}).least_thickness);
+    CHECK_FALSE(inspect({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}).min_thickness);
 }
 
 TEST_CASE("inspect: models from elsewhere") {

@@ -67,9 +67,9 @@ void forget_peak_memory() {
 
 // Sanitizers keep what is freed for a while.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr uint64_t most_memory_growth = UINT64_MAX;
+constexpr uint64_t max_memory_growth = UINT64_MAX;
 #else
-constexpr uint64_t most_memory_growth = uint64_t{16} << 20; // bytes, over all the damaged files of a kind
+constexpr uint64_t max_memory_growth = uint64_t{16} << 20; // bytes, over all the damaged files of a kind
 #endif
 constexpr double longest_reading = 2.0; // seconds of processor time, as other tests may run too
 
@@ -421,7 +421,7 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
         CHECK(read_well > 0); // else the damage is too coarse to reach the insides
         CHECK(slowest < longest_reading);
         const uint64_t growth = peak_memory() - memory_before;
-        CHECK(growth < most_memory_growth);
+        CHECK(growth < max_memory_growth);
         if (wanted)
             MESSAGE(name, ": ", rounds, " files, ", read_well, " read, slowest ", slowest * 1e3, " ms, memory grew by ",
                     growth / 1024, " KiB");

@@ -111,7 +111,7 @@ TEST_CASE("what a blow has yet to give is no load when it comes slowly, what is 
     // Nothing is owed for ever.
     BondBlows late;
     CHECK(late.take_up(blows).size() == 1);
-    for (int step = 0; step < BondBlows::most_steps; ++step) CHECK(late.take_up({}).empty());
+    for (int step = 0; step < BondBlows::max_steps; ++step) CHECK(late.take_up({}).empty());
     CHECK(late.load_of(7, {3}, 3.0f) == 3.0f);
 }
 

@@ -131,7 +131,7 @@ TEST_CASE("bonded pieces are one body with the mass and inertia of the whole") {
 
 TEST_CASE("a thousand fresh bonded pieces in empty space do not move, nor when all their bonds are cut") {
     WorldSettings settings = empty_space;
-    settings.most_colliding = 0;
+    settings.max_colliding = 0;
     World world(settings);
     const fracture::Fragments fragments = broken_box(1000, 5);
     Structure structure = must_create(world, fragments);
@@ -553,11 +553,11 @@ TEST_CASE("two cubes that break on each other and on the ground gain no energy f
             rise_of_break = std::max(rise_of_break, energy.last - std::max(moved, before));
         }
         MESSAGE("energy rose by ", energy.risen / energy.start, " of the start in all, above the least before by ",
-                energy.most_above_least / energy.start, ", where something breaks by ", rise_of_break / energy.start);
+                energy.max_above_min / energy.start, ", where something breaks by ", rise_of_break / energy.start);
         CHECK(rise_of_break < 1e-6 * energy.start);
         // What the solver's sweeps leave over; set after seeing 4.5e-4 above the least, 9.5e-4 in all.
         CHECK(energy.steepest < 1e-3 * energy.start);
-        CHECK(energy.most_above_least < 2e-3 * energy.start);
+        CHECK(energy.max_above_min < 2e-3 * energy.start);
         CHECK(energy.risen < 4e-3 * energy.start);
         CHECK(energy.last < 0.5 * energy.start);
         CHECK(world.body_count() > 4);

@@ -17,7 +17,7 @@ using test_destruction::shoot;
 
 namespace {
 
-constexpr float least_speed = 0.5f;
+constexpr float min_speed = 0.5f;
 
 // A fixed block whose front is at z = 0, and what hits it.
 struct Hit {
@@ -32,7 +32,7 @@ struct Hit {
         block = test_bodies::must_add(world, desc);
     }
     void take_up() {
-        for (const BodyBlow& blow : book.take_up(world, least_speed, [&](BodyId body) { return body == block; }))
+        for (const BodyBlow& blow : book.take_up(world, min_speed, [&](BodyId body) { return body == block; }))
             blows.push_back(blow);
     }
     void run(int steps) {
@@ -46,7 +46,7 @@ TEST_CASE("nothing, what is far away and what comes slowly give no blows") {
     World empty;
     BlowBook book;
     empty.step();
-    CHECK(book.take_up(empty, least_speed, [](BodyId) { return true; }).empty());
+    CHECK(book.take_up(empty, min_speed, [](BodyId) { return true; }).empty());
     for (const float speed : {0.0f, 0.4f}) {
         Hit slow;
         shoot(slow.world, 0.1f, 20.0f, {0.0f, 0.0f, 0.105f}, {0.0f, 0.0f, -speed});
@@ -106,7 +106,7 @@ TEST_CASE("a blow is one, with all that it gave, wherever in a step the two touc
                 CHECK(std::abs(blow.point.z - 0.5f) < speed / 120.0f + 0.01f);
                 CHECK(glm::length(blow.arm) < 2.0f * half);
                 if (block) continue; // it may turn and come back
-                CHECK(gained >= mass * (speed - least_speed));
+                CHECK(gained >= mass * (speed - min_speed));
                 hit.run(20);
                 CHECK(hit.blows.size() == 1);
             }
@@ -125,7 +125,7 @@ TEST_CASE("a slab that lands flat is one blow of all its energy") {
         REQUIRE(hit.blows.size() == 1);
         // It weighs on the block while it is stopped; below half a metre a second it no longer counts.
         const float energy = 400.0f * 9.81f * height, steps = 3.0f * 400.0f * 9.81f / 120.0f;
-        CHECK(hit.blows[0].impulse >= std::sqrt(2.0f * 400.0f * energy) - 400.0f * least_speed);
+        CHECK(hit.blows[0].impulse >= std::sqrt(2.0f * 400.0f * energy) - 400.0f * min_speed);
         CHECK(hit.blows[0].impulse <= std::sqrt(2.0f * 400.0f * energy) + steps);
         CHECK(hit.blows[0].energy > 0.75f * energy);
     }

@@ -58,12 +58,12 @@ TEST_CASE("what is not convex is cut until its hulls are full, within bounds") {
     for (const char* name : {"torus", "arch", "torus_knot", "animal", "menger_sponge"}) {
         CAPTURE(name);
         const fracture::TriangleMesh mesh = *fracture::shape(name);
-        const Parts one = parts_of(mesh, {.most_parts = 1}), many = parts_of(mesh);
+        const Parts one = parts_of(mesh, {.max_parts = 1}), many = parts_of(mesh);
         CHECK(one.parts.size() == 1);
         CHECK(many.parts.size() > 1);
         CHECK(many.parts.size() <= 24);
         CHECK(many.hulls < one.hulls);
-        CHECK(parts_of(mesh, {.most_parts = 8}).parts.size() <= 8);
+        CHECK(parts_of(mesh, {.max_parts = 8}).parts.size() <= 8);
         const Parts again = parts_of(mesh);
         REQUIRE(again.parts.size() == many.parts.size());
         for (size_t i = 0; i < many.parts.size(); ++i) {

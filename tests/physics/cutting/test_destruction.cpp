@@ -445,7 +445,7 @@ TEST_CASE(
         Destruction destruction(by_clock ? DestructionSettings{.timing = Timing::when_ready, .workers = 2}
                                          : DestructionSettings{.latency = 1, .commits_a_step = 1, .workers = 2});
         BreakableDesc desc = desc_of(0.05);
-        desc.most_pieces = 20;
+        desc.max_pieces = 20;
         const SolidPtr ball = *make_solid(fracture::icosphere(2, 0.5), desc.solid);
         for (int k = 0; k < 10; ++k) {
             desc.motion.placement.position = {3.0f * static_cast<float>(k), 0.0f, 0.0f};
@@ -463,7 +463,7 @@ TEST_CASE(
             CHECK(destruction.commits().size() <= 1);
             commits += destruction.commits().size();
             // The damage's cells and what is left, in more than one part only where a cell falls apart: a ball's do not.
-            CHECK(world.body_count() <= bodies + destruction.commits().size() * desc.most_pieces);
+            CHECK(world.body_count() <= bodies + destruction.commits().size() * desc.max_pieces);
             size_t vertices = 0;
             for (const PieceAdded& added : destruction.take_events().added) {
                 vertices += added.solid->positions.size();

@@ -57,7 +57,7 @@ bool unseen(const glm::vec3&, float) {
 } // namespace
 
 TEST_CASE("too much debris goes: what is unseen first, then what is small and old, what is seen fades") {
-    const DebrisLimits limits{.most_pieces = 4, .most_vertices = 1000, .sleep_seconds = 10.0};
+    const DebrisLimits limits{.max_pieces = 4, .max_vertices = 1000, .sleep_seconds = 10.0};
     CHECK(retire_debris({}, 100, 100, limits).empty());
     std::vector<Debris> debris;
     for (uint32_t i = 0; i < 4; ++i)
@@ -76,7 +76,7 @@ TEST_CASE("too much debris goes: what is unseen first, then what is small and ol
 TEST_CASE("debris beyond the limit fades in view and goes at once out of it, the unbroken and the held stay") {
     for (const bool seen : {true, false}) {
         World world(empty_space);
-        Destruction destruction({.debris = {.most_pieces = 10, .fade_seconds = 0.1}});
+        Destruction destruction({.debris = {.max_pieces = 10, .fade_seconds = 0.1}});
         destruction.set_view([=](const glm::vec3&, float) { return seen; });
         must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
         REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 500.0));
@@ -106,7 +106,7 @@ TEST_CASE("debris beyond the limit fades in view and goes at once out of it, the
 TEST_CASE("of debris in excess what is out of view goes at once, and what is in view stays as long as that is enough") {
     const auto to_the_right = [](const glm::vec3& centre, float) { return centre.x > 0.0f; };
     const auto broken_cube = [&](World& world, size_t most) {
-        auto destruction = std::make_unique<Destruction>(DestructionSettings{.debris = {.most_pieces = most}});
+        auto destruction = std::make_unique<Destruction>(DestructionSettings{.debris = {.max_pieces = most}});
         destruction->set_view(to_the_right);
         must_add(*destruction, world, fracture::cube(1.0), desc_of(0.05));
         REQUIRE(strike_from_above(world, *destruction, destruction->pieces()[0], 500.0));
@@ -128,7 +128,7 @@ TEST_CASE("of debris in excess what is out of view goes at once, and what is in 
 
 TEST_CASE("a view is asked only where debris is to go") {
     World world(empty_space);
-    Destruction destruction({.debris = {.most_pieces = 1000}});
+    Destruction destruction({.debris = {.max_pieces = 1000}});
     must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
     REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 500.0));
     int asked = 0;
@@ -142,7 +142,7 @@ TEST_CASE("of bonded pieces that all came off no more are left than the limit, a
     for (const double sleep_seconds : {never, 1.0}) {
         CAPTURE(sleep_seconds);
         World world;
-        Destruction destruction({.debris = {.most_pieces = 20, .sleep_seconds = sleep_seconds}});
+        Destruction destruction({.debris = {.max_pieces = 20, .sleep_seconds = sleep_seconds}});
         const ObjectId wall =
             must_add_blocks(destruction, world, {10, 10, 2}, {}, 0.2); // the blocks themselves do not break
         REQUIRE(destruction.pieces().size() == 200);
@@ -159,7 +159,7 @@ TEST_CASE("of bonded pieces that all came off no more are left than the limit, a
 
 TEST_CASE("what an anchor holds stays however many there are, what came off it goes, bonded or not, the small first") {
     World world(empty_space);
-    Destruction destruction({.debris = {.most_pieces = 1, .sleep_seconds = 0.0}});
+    Destruction destruction({.debris = {.max_pieces = 1, .sleep_seconds = 0.0}});
     destruction.set_view(unseen);
     const ObjectId bar =
         must_add_blocks(destruction, world, {12, 1, 1}, {.anchored = {0, 7}, .wear = {.enabled = false}});
@@ -182,7 +182,7 @@ TEST_CASE("what an anchor holds stays however many there are, what came off it g
 
 TEST_CASE("of what nothing holds the greater part stays, and what was alone from the first") {
     World world(empty_space);
-    Destruction destruction({.debris = {.most_pieces = 1}});
+    Destruction destruction({.debris = {.max_pieces = 1}});
     destruction.set_view(unseen);
     const ObjectId bar = must_add_blocks(destruction, world, {7, 1, 1});
     const ObjectId block =
@@ -203,7 +203,7 @@ TEST_CASE("no more bodies go than must: what is small for the time since it came
     for (const int more : {0, 1, 3, 4, 5, 6, 9}) {
         CAPTURE(more);
         World world(empty_space);
-        Destruction destruction({.debris = {.most_pieces = 12, .sleep_seconds = never}});
+        Destruction destruction({.debris = {.max_pieces = 12, .sleep_seconds = never}});
         destruction.set_view(unseen);
         const ObjectId bar =
             must_add_blocks(destruction, world, {12, 1, 1}, {.anchored = {0}, .wear = {.enabled = false}});
@@ -227,7 +227,7 @@ TEST_CASE("no more bodies go than must: what is small for the time since it came
 
 TEST_CASE("bonded pieces that are seen fade together, and their slots are used again") {
     World world(empty_space);
-    Destruction destruction({.debris = {.most_pieces = 1, .fade_seconds = 0.1}});
+    Destruction destruction({.debris = {.max_pieces = 1, .fade_seconds = 0.1}});
     glm::vec3 eye(0.55f, 0.05f, 0.05f); // in the last block but one
     destruction.set_view([&](const glm::vec3& centre, float radius) { return glm::distance(eye, centre) <= radius; });
     const ObjectId bar = must_add_blocks(destruction, world, {7, 1, 1}, {.anchored = {0}, .wear = {.enabled = false}});
@@ -274,7 +274,7 @@ TEST_CASE("what has faded does not go a second time where there is too much agai
         CAPTURE(bonded);
         World world(empty_space);
         Destruction destruction(
-            {.latency = 1, .debris = {.most_pieces = 1, .sleep_seconds = never, .fade_seconds = 0.1}});
+            {.latency = 1, .debris = {.max_pieces = 1, .sleep_seconds = never, .fade_seconds = 0.1}});
         bool seen = true;
         destruction.set_view([&](const glm::vec3&, float) { return seen; });
         const auto break_one = [&](float height) {
@@ -303,7 +303,7 @@ TEST_CASE("what has faded does not go a second time where there is too much agai
 
 TEST_CASE("what is being cut, and what is bonded to it, does not go before the cut is done") {
     World world(empty_space);
-    Destruction destruction({.latency = 6, .debris = {.most_pieces = 3, .sleep_seconds = never}});
+    Destruction destruction({.latency = 6, .debris = {.max_pieces = 3, .sleep_seconds = never}});
     destruction.set_view(unseen);
     const ObjectId bar = must_add_blocks(destruction, world, {8, 1, 1}, {.anchored = {0}, .wear = {.enabled = false}});
     const std::vector<PieceId> all = destruction.pieces();
@@ -330,7 +330,7 @@ TEST_CASE("what is being cut, and what is bonded to it, does not go before the c
 
 TEST_CASE("an object of bonded pieces that is taken out while some fade leaves nothing") {
     World world(empty_space);
-    Destruction destruction({.debris = {.most_pieces = 1}});
+    Destruction destruction({.debris = {.max_pieces = 1}});
     const ObjectId bar = must_add_blocks(destruction, world, {8, 1, 1}, {.anchored = {0}});
     for (uint32_t piece = 0; piece < 8; ++piece) destruction.structure(bar)->isolate(piece);
     run(world, destruction, 5);
@@ -349,7 +349,7 @@ TEST_CASE("debris that goes leaves the motion of what stays as it was") {
     BodyId body; // of 3 to 7
     for (const size_t most : {100u, 5u}) {
         World& world = (most == 100 ? roomy : narrow).emplace(empty_space);
-        Destruction destruction({.debris = {.most_pieces = most, .sleep_seconds = never, .fade_seconds = 0.1}});
+        Destruction destruction({.debris = {.max_pieces = most, .sleep_seconds = never, .fade_seconds = 0.1}});
         const ObjectId bar = must_add_blocks(destruction, world, {9, 1, 1}, {.motion = spin});
         run(world, destruction, 20);
         cut(*destruction.structure(bar), {0, 2, 7});
@@ -374,7 +374,7 @@ TEST_CASE("runs in which bonded debris goes are equal bit for bit, whatever the 
         settings.threads = threads;
         World world(settings);
         Destruction destruction(
-            {.workers = workers, .debris = {.most_pieces = 60, .sleep_seconds = 0.2, .fade_seconds = 0.2}});
+            {.workers = workers, .debris = {.max_pieces = 60, .sleep_seconds = 0.2, .fade_seconds = 0.2}});
         destruction.set_view([](const glm::vec3& centre, float) { return centre.x > 0.4f; });
         must_add_blocks(destruction, world, {8, 8, 2}, {.material = weak, .anchored = {0, 1, 16, 17, 32, 33}});
         std::vector<uint64_t> states;

@@ -72,7 +72,7 @@ struct Mushroom {
         desc.solid.blocks = {.enabled = strength_scale > 0.0f, .strength_scale = strength_scale};
         desc.solid.min_size = min_size;
         desc.solid.material = material;
-        desc.most_pieces = 12;
+        desc.max_pieces = 12;
         must_add(destruction, world, mesh, desc);
         volume = volume_of(destruction);
     }

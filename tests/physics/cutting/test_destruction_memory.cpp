@@ -74,7 +74,7 @@ TEST_CASE("large meshes that are needed no more are freed on other threads: what
 
 TEST_CASE("cycles of breaking and clearing leave nothing behind") {
     World world(empty_space);
-    Destruction destruction({.latency = 1, .debris = {.most_pieces = 60, .fade_seconds = 0.0}});
+    Destruction destruction({.latency = 1, .debris = {.max_pieces = 60, .fade_seconds = 0.0}});
     uint32_t slots = 0;
     for (int cycle = 0; cycle < 20; ++cycle) {
         const ObjectId object = must_add(destruction, world, fracture::cube(1.0), desc_of(0.1));
@@ -107,9 +107,9 @@ double heap_in_use() {
 TEST_CASE("four hundred cycles of breaking while pieces live on leave the heap as large as it was") {
     constexpr int quarter = 100;
     World world;
-    Destruction destruction({.latency = 1, .debris = {.most_pieces = 30, .fade_seconds = 0.05}});
+    Destruction destruction({.latency = 1, .debris = {.max_pieces = 30, .fade_seconds = 0.05}});
     BreakableDesc desc = desc_of(0.1);
-    desc.most_pieces = 8;
+    desc.max_pieces = 8;
     const SolidPtr cube = *make_solid(fracture::cube(0.5), desc.solid);
     std::array<double, 4> mean{}; // bytes in use at the end of a cycle, by quarter
     size_t least = SIZE_MAX, most = 0;

@@ -58,7 +58,7 @@ TEST_CASE("the energy that reaches so far does") {
             for (double radius = 1e-3; radius < 10.0; radius *= 1.9) {
                 CAPTURE(radius);
                 const double energy = energy_of(radius, material, volume, most);
-                const DamageLimits limits{.most_pieces = most};
+                const DamageLimits limits{.max_pieces = most};
                 // Where the number of pieces steps, the radius does: the least energy that reaches it is found.
                 CHECK(damage_of({top.point, top.normal, energy * (1.0 + 1e-9)}, material, volume, limits).radius
                       >= radius * (1.0 - 1e-9));
@@ -72,7 +72,7 @@ TEST_CASE("more energy, farther and finer, never more pieces than allowed, never
     double radius = 0.0;
     uint32_t pieces = 0;
     for (double energy = 1e-3; energy < 1e7; energy *= 1.7) {
-        const Damage damage = damage_of({top.point, top.normal, energy}, material, 8.0, {.most_pieces = 40});
+        const Damage damage = damage_of({top.point, top.normal, energy}, material, 8.0, {.max_pieces = 40});
         CHECK(damage.radius > radius);
         CHECK(damage.pieces >= std::max(pieces, 1u));
         CHECK(damage.pieces <= 40);
@@ -88,9 +88,9 @@ TEST_CASE("more energy, farther and finer, never more pieces than allowed, never
     const double surface = 3.0 * volume / std::cbrt(volume / damage.pieces);
     CHECK(surface * material.fracture_energy == doctest::Approx(2000.0).epsilon(1e-9));
 
-    CHECK(damage_of(blow, material, 8.0, {.least_volume = 4.1}).pieces == 0);
+    CHECK(damage_of(blow, material, 8.0, {.min_volume = 4.1}).pieces == 0);
     const double least = volume / 3.5;
-    CHECK(damage_of(blow, material, 8.0, {.least_volume = least}).pieces == 3);
+    CHECK(damage_of(blow, material, 8.0, {.min_volume = least}).pieces == 3);
 }
 
 TEST_CASE("pieces lie around the contact and in the solid's half, the rest beyond") {

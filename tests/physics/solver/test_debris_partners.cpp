@@ -144,7 +144,7 @@ TEST_CASE("debris: what comes into a crowd of debris falls through what carried 
         for (const bool sleeping : {false, true}) { // the others, before the blocks come
             CAPTURE(others);
             CAPTURE(sleeping);
-            World world({.most_colliding = 10});
+            World world({.max_colliding = 10});
             std::vector<BodyId> lie;
             for (size_t i = 0; i < std::size(plates); ++i) {
                 const auto& [length, large, fixed] = plates[i];

@@ -132,7 +132,7 @@ void check_choice(std::span<const Corner> chosen, std::vector<Corner> left) {
             return apart;
         });
     }
-    if (chosen.size() < GroundManifold::most_points)
+    if (chosen.size() < GroundManifold::max_points)
         CHECK(std::ranges::all_of(left, [](const Corner& corner) { return corner.ahead > sunk - 1e-4; }));
 }
 
@@ -257,7 +257,7 @@ TEST_CASE("corners that touch the ground or may come to it have contacts: four t
                       < 1e-4);
             chosen.push_back(*same);
         }
-        ++(low.empty() ? none : low.size() <= 4 ? few : chosen.size() < GroundManifold::most_points ? some : most);
+        ++(low.empty() ? none : low.size() <= 4 ? few : chosen.size() < GroundManifold::max_points ? some : most);
         CHECK(chosen.size() >= std::min<size_t>(low.size(), 4));
         if (low.size() > 4) check_choice(chosen, low);
 

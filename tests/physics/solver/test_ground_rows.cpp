@@ -49,7 +49,7 @@ void check_point(const GroundRows& rows, size_t lane, const Mover& mover, const 
     const float apart = -contact.wanted / contact.gain;
     const float before = apart - up.dot(step.gravity) * step.seconds;
     float bounce = 0.0f;
-    if (std::abs(before) >= step.least_bounce_speed && before < 0.0f) bounce = -before * ground.restitution;
+    if (std::abs(before) >= step.min_bounce_speed && before < 0.0f) bounce = -before * ground.restitution;
     contact.wanted += (bounce - std::max(point.distance, 0.0f) / step.seconds) * contact.gain;
     check_row(rows.contacts, lane, contact);
     CHECK(rows.contacts.impulse[lane] == (point.blow ? 0.0f : point.impulse * step.kept_impulse));
@@ -70,7 +70,7 @@ void check_point(const GroundRows& rows, size_t lane, const Mover& mover, const 
 }
 
 const GroundStep step{
-    .seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .least_bounce_speed = 2.0f, .kept_impulse = 0.85f};
+    .seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .min_bounce_speed = 2.0f, .kept_impulse = 0.85f};
 
 // A body and what it touches the ground in; some do not slide, or turn about an axis through one of their points.
 struct Grounded {
@@ -90,7 +90,7 @@ struct Grounded {
             seed % 5 == 0; // turns about an axis through its second point, if at all: that one does not slide
         if (upright) mover.linear = {0.0f, -0.8f, 0.0f};
         if (upright) mover.angular = {0.0f, seed % 2 == 0 ? 3.0f : 0.0f, 0.0f};
-        ground.count = 1 + static_cast<uint32_t>(seed % GroundManifold::most_points);
+        ground.count = 1 + static_cast<uint32_t>(seed % GroundManifold::max_points);
         ground.restitution = seed % 2 == 0 ? 0.4f : 0.0f;
         for (uint32_t i = 0; i < ground.count; ++i)
             ground.all[i] = {.position = packed(mover.centre + random_vector(1.0)),
@@ -126,7 +126,7 @@ TEST_CASE(
         };
         const FourGrounded four(each([](const Grounded& body) { return &body.mover; }),
                                 each([](const Grounded& body) { return &body.ground; }));
-        for (size_t index = 0; index < GroundManifold::most_points; ++index) {
+        for (size_t index = 0; index < GroundManifold::max_points; ++index) {
             const GroundRows rows = ground_rows(four, index, step);
             for (size_t lane = 0; lane < 4; ++lane) {
                 const Grounded& body = bodies[lane];

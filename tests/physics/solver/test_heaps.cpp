@@ -69,11 +69,11 @@ void drop(const std::string& name, const fracture::TriangleMesh& mesh, uint32_t 
     MESSAGE(bodies->size() << " pieces asleep after " << steps / 120.0 << " s; lowest hull " << hull << " m, vertex "
                            << vertex << " m, centre " << centre << " m; energy rose by " << energy.risen / energy.start
                            << " of the start in all, above the least before by "
-                           << energy.most_above_least / energy.start);
+                           << energy.max_above_min / energy.start);
     CHECK(world.awake_count() == 0);
     CHECK(energy.steepest < 1e-4 * energy.start);
-    CHECK(energy.risen < 5e-4 * energy.start);            // set after seeing 1.2e-4, and 3.4e-4 in 75 heaps
-    CHECK(energy.most_above_least < 2e-4 * energy.start); // and 5e-5, and 1.7e-4
+    CHECK(energy.risen < 5e-4 * energy.start);         // set after seeing 1.2e-4, and 3.4e-4 in 75 heaps
+    CHECK(energy.max_above_min < 2e-4 * energy.start); // and 5e-5, and 1.7e-4
     CHECK(hull > -2e-3f);
     // What hulls of 32 points leave out of pieces a fifth of a metre long, and what their margins round off: 1 to 6 mm.
     CHECK(vertex > -0.008f);

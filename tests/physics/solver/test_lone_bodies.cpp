@@ -20,7 +20,7 @@ using namespace brittle::physics;
 namespace {
 
 const GroundStep step{
-    .seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .least_bounce_speed = 2.0f, .kept_impulse = 0.85f};
+    .seconds = 1.0f / 120.0f, .gravity = {0.0f, -98.1f, 0.0f}, .min_bounce_speed = 2.0f, .kept_impulse = 0.85f};
 constexpr int sweeps = 7;
 constexpr float no_limit = std::numeric_limits<float>::max();
 
@@ -68,7 +68,7 @@ Row row_of(const FourRows& rows, size_t lane, float light) {
 
 // By itself, one row after the other.
 void solve_one(const Mover& mover, GroundManifold& ground, Motion& motion, Motion& parting) {
-    std::array<Row, GroundManifold::most_points> contacts, frictions, depths;
+    std::array<Row, GroundManifold::max_points> contacts, frictions, depths;
     for (size_t i = 0; i < ground.count; ++i) {
         const GroundRows rows = ground_rows(mover, ground, i / 4 * 4, step);
         contacts[i] = depths[i] = row_of(rows.contacts, i % 4, mover.light);

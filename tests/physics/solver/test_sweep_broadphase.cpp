@@ -20,7 +20,7 @@ struct Boxes {
     struct One {
         btBroadphaseProxy* proxy;
         int group, mask;
-        float size = 1e18f, least_partner = 0.0f;
+        float size = 1e18f, min_partner = 0.0f;
     };
     brittle::fracture::Threads threads{2};
     SweepBroadphase sweep{threads};
@@ -78,7 +78,7 @@ struct Boxes {
             for (size_t j = 0; j < i; ++j) {
                 const btBroadphaseProxy &a = *boxes[j].proxy, &b = *boxes[i].proxy;
                 bool overlap = (boxes[i].group & boxes[j].mask) != 0 && (boxes[j].group & boxes[i].mask) != 0;
-                overlap = overlap && boxes[i].size >= boxes[j].least_partner && boxes[j].size >= boxes[i].least_partner;
+                overlap = overlap && boxes[i].size >= boxes[j].min_partner && boxes[j].size >= boxes[i].min_partner;
                 CHECK(sweep.may_meet(a, b) == overlap);
                 CHECK(sweep.may_meet(b, a) == overlap);
                 for (int axis = 0; axis < 3; ++axis)

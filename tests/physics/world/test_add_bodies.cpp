@@ -178,7 +178,7 @@ TEST_CASE("a new body has a box around it, and meets whom it is large enough for
             CHECK(proxy.m_aabbMax[axis] - proxy.m_aabbMin[axis] <= most + 1e-6f * proxy.m_aabbMax.length());
         }
         CHECK(proxy.size == (body.fixed || desc.large ? BT_LARGE_FLOAT : body.longest));
-        CHECK((proxy.least_partner > body.longest) == body.debris);
+        CHECK((proxy.min_partner > body.longest) == body.debris);
         CHECK(proxy.m_collisionFilterGroup == group_of(body.fixed, body.debris));
         CHECK(proxy.m_collisionFilterMask == partners_of(body.fixed, body.debris));
         CHECK(made->awake == !body.fixed);

@@ -137,7 +137,7 @@ TEST_CASE("crowd: of a random batch exactly those collide that have fewer before
 }
 
 TEST_CASE("crowd: room is what is left of the limit, and without a limit there is always some") {
-    World world({.most_colliding = 3}), unlimited({.most_colliding = 0});
+    World world({.max_colliding = 3}), unlimited({.max_colliding = 0});
     for (World* one : {&world, &unlimited}) {
         BodyDesc fixed = block({0.0f, 0.0f, 9.0f});
         fixed.fixed = true;
@@ -154,7 +154,7 @@ TEST_CASE("crowd: room is what is left of the limit, and without a limit there i
     CHECK(world.colliding_count() == 4);
     world.clear();
     CHECK(room_in(world) == 3);
-    world.clear({.most_colliding = 7});
+    world.clear({.max_colliding = 7});
     CHECK(room_in(world) == 7);
 }
 
@@ -230,14 +230,14 @@ TEST_CASE("crowd: of fifteen hundred pieces that come at once the five hundred l
     CHECK(world.colliding_count() == 501);
     CHECK_FALSE(world.debris(more[order[0]]));
     // Without a limit all collide.
-    World unlimited({.most_colliding = 0});
+    World unlimited({.max_colliding = 0});
     must_add_pieces(unlimited, fragments);
     CHECK(unlimited.colliding_count() == 1500);
     CHECK(debris_count(unlimited) == 0);
 }
 
 TEST_CASE("crowd: what sleeps gives room, and what was debris stays it") {
-    World world({.most_colliding = 6});
+    World world({.max_colliding = 6});
     const fracture::Fragments row = test::grid_pieces({0.0, 0.0, 0.0}, {0.8, 0.1, 0.1}, 8, 1, 1);
     const std::vector<BodyId> first = must_add_pieces(world, row);
     CHECK(world.colliding_count() == 6);
@@ -268,7 +268,7 @@ TEST_CASE("crowd: pieces that are refused leave the count as it was") {
 TEST_CASE("crowd: of what a blow cuts off the smallest are debris, not what is left of it") {
     const auto broken = [](uint32_t most, int others) {
         WorldSettings settings = empty_space;
-        settings.most_colliding = most;
+        settings.max_colliding = most;
         World world(settings);
         for (int i = 0; i < others; ++i) must_add(world, block({3.0f + static_cast<float>(i), 0.0f, 0.0f}));
         Destruction destruction;
@@ -296,7 +296,7 @@ TEST_CASE("crowd: of what a blow cuts off the smallest are debris, not what is l
 
 TEST_CASE("crowd: however often things break, no more collide than the limit has or did before") {
     WorldSettings settings = empty_space;
-    settings.most_colliding = 12;
+    settings.max_colliding = 12;
     for (const int others : {0, 20}) {
         World world(settings);
         for (int i = 0; i < others; ++i) must_add(world, block({3.0f + static_cast<float>(i), 0.0f, 0.0f}));
@@ -326,7 +326,7 @@ TEST_CASE("crowd: however often things break, no more collide than the limit has
 
 TEST_CASE("crowd: of a held thing the part that is held is what is left of it") {
     WorldSettings settings = empty_space;
-    settings.most_colliding = 1;
+    settings.max_colliding = 1;
     World world(settings);
     must_add(world, block({9.0f, 0.0f, 0.0f}));
     Destruction destruction;
@@ -349,7 +349,7 @@ TEST_CASE("crowd: of a held thing the part that is held is what is left of it") 
 
 TEST_CASE("crowd: single pieces that come off a structure are debris, several that are bonded never are") {
     WorldSettings settings = empty_space;
-    settings.most_colliding = 3;
+    settings.max_colliding = 3;
     World world(settings);
     const fracture::Fragments bar = test::bonded_grid({0.0, 0.0, 0.0}, {1.2, 0.1, 0.1}, 12, 1, 1);
     Result<Structure> made = Structure::create(world, bar);
@@ -378,7 +378,7 @@ TEST_CASE("crowd: single pieces that come off a structure are debris, several th
 
 TEST_CASE("crowd: a piece that its anchor lets go of is no debris, and what is held takes no room") {
     WorldSettings settings = empty_space;
-    settings.most_colliding = 1;
+    settings.max_colliding = 1;
     World world(settings);
     must_add(world, block({9.0f, 0.0f, 0.0f}));
     const fracture::Fragments bar = test::bonded_grid({0.0, 0.0, 0.0}, {0.4, 0.1, 0.1}, 4, 1, 1);
@@ -424,16 +424,16 @@ TEST_CASE("crowd: a crowd that breaks repeats on any number of threads, and few 
         hashes.push_back(debris_count(world));
         return hashes;
     };
-    const std::vector<uint64_t> alone = story({.threads = 1, .most_colliding = 20});
+    const std::vector<uint64_t> alone = story({.threads = 1, .max_colliding = 20});
     CHECK(alone.back() > 20);
-    for (const uint32_t threads : {2u, 3u}) CHECK(story({.threads = threads, .most_colliding = 20}) == alone);
-    const std::vector<uint64_t> all = story({.most_colliding = 0});
+    for (const uint32_t threads : {2u, 3u}) CHECK(story({.threads = threads, .max_colliding = 20}) == alone);
+    const std::vector<uint64_t> all = story({.max_colliding = 0});
     CHECK(story({}) == all);
     CHECK(all.back() == 0);
 }
 
 TEST_CASE("crowd: a heap most of which is debris comes to rest on the ground, and a shelf holds what falls on it") {
-    World world({.most_colliding = 30});
+    World world({.max_colliding = 30});
     BodyDesc shelf = box({0.6f, 0.03f, 0.6f}, 1.0f, {0.3f, 0.5f, 0.0f});
     shelf.fixed = true;
     must_add(world, shelf);

@@ -20,7 +20,7 @@ using namespace brittle::physics::test_bodies;
 
 namespace {
 
-constexpr float most_drift = 1e-6f; // m, of bodies that do not overlap; none was seen above 1e-16
+constexpr float max_drift = 1e-6f; // m, of bodies that do not overlap; none was seen above 1e-16
 
 std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments, const Material& material = {},
                              const PlacedMotion& motion = {}) {
@@ -34,7 +34,7 @@ std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments,
 WorldSettings space_for_all() {
     WorldSettings settings = empty_space;
     settings.debris_size = 0.0f;
-    settings.most_colliding = 0;
+    settings.max_colliding = 0;
     return settings;
 }
 
@@ -61,9 +61,9 @@ void check_that_they_stay(const fracture::Fragments& fragments) {
     must_add(world, fragments);
     for (const Drift& stayed : {drift(world, 120), drift_of_strangers(fragments)}) {
         CHECK(stayed.speed < 1e-3f);
-        CHECK(stayed.way < most_drift);
+        CHECK(stayed.way < max_drift);
     }
-    CHECK(drift_of_strangers(fragments, 1.05f).way > 100.0f * most_drift);
+    CHECK(drift_of_strangers(fragments, 1.05f).way > 100.0f * max_drift);
 }
 
 // The lowest vertex of any piece where its body stands now: the true shape, not the hull.
@@ -280,12 +280,12 @@ TEST_CASE("a cube of a hundred pieces falls, rests on the ground and falls aslee
     }
     MESSAGE("asleep after " << asleep_after << " s; lowest vertex " << lowest << " m; energy rose by "
                             << energy.risen / energy.start << " of the start in all, above the least before by "
-                            << energy.most_above_least / energy.start);
+                            << energy.max_above_min / energy.start);
     CHECK(asleep_after > 0.0f);
     CHECK(all_finite(world));
-    CHECK(energy.risen < 1e-4 * energy.start);            // set after seeing 1.9e-5
-    CHECK(energy.most_above_least < 5e-5 * energy.start); // and 1.1e-5
-    CHECK(lowest > -0.06f);                               // one step at the speed of the fall
+    CHECK(energy.risen < 1e-4 * energy.start);         // set after seeing 1.9e-5
+    CHECK(energy.max_above_min < 5e-5 * energy.start); // and 1.1e-5
+    CHECK(lowest > -0.06f);                            // one step at the speed of the fall
     CHECK(lowest_vertex(world, fragments, bodies) > -5e-3f);
     CHECK(lowest_vertex(world, fragments, bodies) < 5e-3f);
 }

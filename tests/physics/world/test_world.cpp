@@ -353,9 +353,9 @@ TEST_CASE("energy never rises on its own while a swarm falls and piles up") {
         energy.look(world);
     }
     MESSAGE("energy rose by ", energy.risen / energy.start, " of the start in all, above the least before by ",
-            energy.most_above_least / energy.start);
+            energy.max_above_min / energy.start);
     CHECK(energy.risen < 2e-7 * energy.start); // set after seeing 2e-8
-    CHECK(energy.most_above_least < 2e-7 * energy.start);
+    CHECK(energy.max_above_min < 2e-7 * energy.start);
     CHECK(energy.last < 0.5 * energy.start);
 }
 

@@ -65,7 +65,7 @@ FractureOptions everything() {
                      .anchored = true,
                      .height = 1.5,
                      .air_density = 0.3,
-                     .most_colliding = 700,
+                     .max_colliding = 700,
                      .strength = 0.25,
                      .breakable = true,
                      .min_size = 0.125,

@@ -243,9 +243,9 @@ TEST_CASE("replay: who may collide no more as there are too many is the same aga
     const Folder folder;
     FractureOptions options = breakable_options(false);
     const ReplayLog free = recorded(options, started(options), 120, blows(), folder.path / "free.log");
-    options.world.most_colliding = 3;
+    options.world.max_colliding = 3;
     const ReplayLog crowd = recorded(options, started(options), 120, blows(), folder.path / "crowd.log");
-    CHECK(crowd.recipe.world.most_colliding == 3);
+    CHECK(crowd.recipe.world.max_colliding == 3);
     CHECK(hashes(crowd) != hashes(free));
     for (const uint32_t threads : {1u, 3u}) {
         const FractureOptions again = with_threads(crowd.recipe, threads);

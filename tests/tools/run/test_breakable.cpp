@@ -61,13 +61,13 @@ struct HeldBooks : SimulationObserver {
         double error = std::numeric_limits<double>::infinity(); // relative to all that moves, body by body
         std::vector<size_t> lines{};                            // which they are
     };
-    static constexpr size_t most_lines = 4; // six could explain anything
+    static constexpr size_t max_lines = 4; // six could explain anything
     static constexpr double explained = 1e-5;
 
     std::vector<Line> lines;
     physics::Mechanics before;
-    double momentum = 0.0, turn = 0.0;         // of all that moves
-    std::array<int, most_lines + 1> updates{}; // by how many lines explain them
+    double momentum = 0.0, turn = 0.0;        // of all that moves
+    std::array<int, max_lines + 1> updates{}; // by how many lines explain them
     int cuts = 0;
     double worst = 0.0;
     double worst_of_blow = 0.0; // taken back beyond what was given, relative to that
@@ -168,7 +168,7 @@ struct HeldBooks : SimulationObserver {
         cuts += static_cast<int>(simulation.commits().size());
         Rest least;
         size_t needed = 0;
-        for (size_t count = 0; count <= most_lines && least.error > explained; ++count) {
+        for (size_t count = 0; count <= max_lines && least.error > explained; ++count) {
             std::vector<Wrench> basis;
             const Rest rest = best(change, basis, 0, count);
             if (rest.error < least.error) least = rest, needed = count;

@@ -71,9 +71,9 @@ TEST_CASE("simulation: more pieces than may collide are debris, as each start sa
     REQUIRE(pieces.pieces.size() > 20);
     Simulation simulation(options.material);
     for (const uint32_t most : {10u, 0u, 20u}) {
-        options.world.most_colliding = most;
+        options.world.max_colliding = most;
         simulation.start(pieces, options.world);
-        CHECK(simulation.world().settings().most_colliding == most);
+        CHECK(simulation.world().settings().max_colliding == most);
         CHECK(simulation.world().colliding_count() == (most == 0 ? pieces.pieces.size() : most));
     }
 }

@@ -92,12 +92,12 @@ TEST_CASE("document: sites are weighed and grouped, taken back by gestures, and 
     CHECK(points() == placed_three);
     document.redo();
     document.apply(SetSiteWeight{{2}, -1e99});
-    CHECK(points()[2].weight == -most_weight);
+    CHECK(points()[2].weight == -max_weight);
     document.undo();
     document.apply(SetSiteGroup{{0, 1}, 7});
     CHECK(document.undo_name() == "group sites");
     document.apply(SetSiteGroup{{2}, UINT32_MAX});
-    CHECK(points()[2].group == most_group);
+    CHECK(points()[2].group == max_group);
     document.undo();
     // Copies are in one group of their own, as are images; those of a site by itself are by themselves.
     document.apply(DuplicateSites{{0, 1, 2}, {0.0, 0.0, 1.0}});
@@ -132,10 +132,10 @@ TEST_CASE("document: anchors are painted, rubbed out by number, undone by stroke
     document.redo();
     document.apply(SetMesh{"shape:torus"});
     CHECK(anchors().empty());
-    for (size_t k = 0; k < most_anchors; ++k)
+    for (size_t k = 0; k < max_anchors; ++k)
         document.apply(AddAnchor{{{0.0, 1.0 * static_cast<double>(k), 0.0}, 0.1}}, stroke);
     CHECK_THROWS_AS(document.apply(AddAnchor{}), Failure);
-    CHECK(anchors().size() == most_anchors);
+    CHECK(anchors().size() == max_anchors);
 }
 
 TEST_CASE("document: a pattern takes the place of sites, sites that of a pattern, and both of strikes") {
@@ -168,7 +168,7 @@ TEST_CASE("document: a material brings its way to break, one that does not exist
 
 TEST_CASE("document: more sites than a recipe holds are refused") {
     Document document(plain());
-    CHECK_THROWS_AS(document.apply(SetSites{std::vector<PlacedSite>(most_points + 1)}), Failure);
+    CHECK_THROWS_AS(document.apply(SetSites{std::vector<PlacedSite>(max_points + 1)}), Failure);
     CHECK(sites(document).empty());
 }
 

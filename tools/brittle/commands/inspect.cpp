@@ -49,9 +49,9 @@ Json to_json(const std::string& name, const fracture::Inspection& i) {
         {"intersections", i.intersections},
         {"first_intersection", pair_json(i.first_intersection)},
         {"all_pairs_seen", i.all_pairs_seen}};
-    if (i.least_thickness)
+    if (i.min_thickness)
         json["thickness"] = {
-            {"least", *i.least_thickness}, {"triangle", i.thinnest_triangle}, {"thin_share", i.thin_share}};
+            {"least", *i.min_thickness}, {"triangle", i.thinnest_triangle}, {"thin_share", i.thin_share}};
     const auto edges = [](const std::vector<glm::uvec2>& list) {
         Json array = Json::array();
         for (const glm::uvec2& edge : list) array.push_back({edge.x, edge.y});

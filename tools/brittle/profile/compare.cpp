@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int version = 1;
 constexpr size_t longest_profile = size_t{256} << 20; // bytes
-constexpr uint64_t least_samples = 5;                 // on either side, for a verdict
+constexpr uint64_t min_samples = 5;                   // on either side, for a verdict
 
 // Throws where rows are not {phase: {min, median, ..., samples}, ...}.
 void check_rows(const std::filesystem::path& file, const Json& rows, const std::string& path) {
@@ -54,7 +54,7 @@ double ratio_of(const Json& before, const Json& after, const char* key) {
 }
 
 Verdict verdict_of(const Json& before, const Json& after, double threshold) {
-    if (std::min(before["samples"].get<uint64_t>(), after["samples"].get<uint64_t>()) < least_samples)
+    if (std::min(before["samples"].get<uint64_t>(), after["samples"].get<uint64_t>()) < min_samples)
         return Verdict::few;
     const double median = ratio_of(before, after, "median"), least = ratio_of(before, after, "min");
     if (median > threshold) return least > threshold ? Verdict::slower : Verdict::noise;

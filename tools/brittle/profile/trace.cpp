@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int process = 1;
-constexpr int most_depth = 8;
+constexpr int max_depth = 8;
 
 std::string name_of(Track track) {
     switch (track) {
@@ -44,7 +44,7 @@ Json name_event(const char* what, const std::string& name, int thread) {
 } // namespace
 
 void Trace::add(Track track, int depth, const std::string& name, int64_t begin, int64_t end) {
-    slices_.push_back({track, std::clamp(depth, 0, most_depth - 1), name, begin, std::max(begin, end), {}});
+    slices_.push_back({track, std::clamp(depth, 0, max_depth - 1), name, begin, std::max(begin, end), {}});
 }
 
 void Trace::add(Track track, int depth, const std::string& name, int64_t begin, int64_t end, uint32_t from_item,
@@ -81,7 +81,7 @@ Json Trace::json(const Json& metadata) const {
             events.push_back(name_event("thread_name", name_of(slices[i].track), static_cast<int>(slices[i].track)));
 
     // Of the track at hand: the last slice of each depth.
-    std::array<Slice, most_depth> last;
+    std::array<Slice, max_depth> last;
     for (size_t i = 0; i < slices.size(); ++i) {
         Slice& slice = slices[i];
         const auto depth = static_cast<size_t>(slice.depth);
@@ -90,7 +90,7 @@ Json Trace::json(const Json& metadata) const {
                 {slice.track, 0, "", std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::min(), {}});
         const bool has_parent = depth > 0 && slice.begin <= last[depth - 1].end;
         if (has_parent) slice.end = std::min(slice.end, last[depth - 1].end);
-        for (size_t d = depth; d < most_depth; ++d) slice.begin = std::max(slice.begin, last[d].end);
+        for (size_t d = depth; d < max_depth; ++d) slice.begin = std::max(slice.begin, last[d].end);
         slice.end = std::max(slice.begin, slice.end);
         if (has_parent && slice.begin > last[depth - 1].end) continue; // nothing of it is left
         last[depth] = slice;

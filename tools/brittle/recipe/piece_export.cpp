@@ -11,7 +11,7 @@ namespace brittle::tools {
 namespace {
 
 // Engines add margins of their own, so hardly any is taken off here.
-constexpr float least_margin = 0.001f;
+constexpr float min_margin = 0.001f;
 
 double density_of(const ExportSettings& settings, const physics::MaterialPreset* preset) {
     return settings.density > 0.0 ? settings.density
@@ -23,7 +23,7 @@ double density_of(const ExportSettings& settings, const physics::MaterialPreset*
 fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, const fracture::Piece& piece) {
     const glm::dvec3 centre = piece.mass.centre_of_mass;
     const physics::CollisionHull hull =
-        physics::collision_hull(fragments.positions_of(piece), centre, {.margin_fraction = least_margin});
+        physics::collision_hull(fragments.positions_of(piece), centre, {.margin_fraction = min_margin});
     fracture::TriangleMesh mesh = physics::hull_mesh(hull.points);
     for (glm::dvec3& p : mesh.positions) p += centre;
     return mesh;

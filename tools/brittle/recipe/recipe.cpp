@@ -24,7 +24,7 @@ using fracture::Pattern;
 constexpr int version = 1;
 constexpr std::string_view shape_prefix = "shape:";
 constexpr size_t longest_recipe = size_t{1} << 20; // bytes
-constexpr size_t most_strikes = 1000;
+constexpr size_t max_strikes = 1000;
 constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
 
 Json vector_json(const glm::dvec3& v) {
@@ -103,7 +103,7 @@ Json world_json(const WorldOptions& world) {
     if (world.anchored) json["anchored"] = true;
     if (world.height != plain.height) json["height"] = world.height;
     if (world.air_density != plain.air_density) json["air_density"] = world.air_density;
-    if (world.most_colliding != plain.most_colliding) json["most_colliding"] = world.most_colliding;
+    if (world.max_colliding != plain.max_colliding) json["most_colliding"] = world.max_colliding;
     if (world.strength != plain.strength) json["strength"] = world.strength;
     if (world.breakable) json["breakable"] = true;
     if (world.min_size != plain.min_size) json["min_size"] = world.min_size;
@@ -170,17 +170,16 @@ std::vector<PlacedSite> read_points(JsonReader& reader) {
     std::vector<PlacedSite> points;
     const Json* sites = reader.find("sites");
     if (!sites) return points;
-    if (!sites->is_array() || sites->empty() || sites->size() > most_points)
-        reader.fail("sites", "1 to " + std::to_string(most_points) + " points [[x, y, z], ...]", *sites);
+    if (!sites->is_array() || sites->empty() || sites->size() > max_points)
+        reader.fail("sites", "1 to " + std::to_string(max_points) + " points [[x, y, z], ...]", *sites);
     for (size_t k = 0; k < sites->size(); ++k)
         points.push_back({reader.vector_of("sites/" + std::to_string(k), (*sites)[k])});
     const Json* weights = read_list_by_site(reader, "weights", points.size());
     const Json* groups = read_list_by_site(reader, "groups", points.size());
     for (size_t k = 0; k < points.size(); ++k) {
         const std::string at = "/" + std::to_string(k);
-        if (weights) points[k].weight = reader.number_of("weights" + at, (*weights)[k], -most_weight, most_weight);
-        if (groups)
-            points[k].group = static_cast<uint32_t>(reader.whole_of("groups" + at, (*groups)[k], 0, most_group));
+        if (weights) points[k].weight = reader.number_of("weights" + at, (*weights)[k], -max_weight, max_weight);
+        if (groups) points[k].group = static_cast<uint32_t>(reader.whole_of("groups" + at, (*groups)[k], 0, max_group));
     }
     return points;
 }
@@ -188,7 +187,7 @@ std::vector<PlacedSite> read_points(JsonReader& reader) {
 void read_strikes(const std::filesystem::path& file, JsonReader& reader, std::vector<Strike>& strikes) {
     const Json* list = reader.find("strikes");
     if (!list) return;
-    if (!list->is_array() || list->size() > most_strikes) reader.fail("strikes", "a list [{ }, ...]", *list);
+    if (!list->is_array() || list->size() > max_strikes) reader.fail("strikes", "a list [{ }, ...]", *list);
     strikes.clear();
     for (size_t k = 0; k < list->size(); ++k) {
         JsonReader inner(file, (*list)[k], "/strikes/" + std::to_string(k));
@@ -252,8 +251,8 @@ void read_anchors(const std::filesystem::path& file, const std::string& path, Js
                   std::vector<Anchor>& anchors) {
     const Json* list = reader.find("anchors");
     if (!list) return;
-    if (!list->is_array() || list->size() > most_anchors)
-        reader.fail("anchors", "a list [{ }, ...] of at most " + std::to_string(most_anchors), *list);
+    if (!list->is_array() || list->size() > max_anchors)
+        reader.fail("anchors", "a list [{ }, ...] of at most " + std::to_string(max_anchors), *list);
     anchors.clear();
     for (size_t k = 0; k < list->size(); ++k) {
         JsonReader inner(file, (*list)[k], path + "/anchors/" + std::to_string(k));
@@ -287,7 +286,7 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     reader.flag("anchored", world.anchored);
     reader.number("height", world.height, 0.0, 100.0);
     reader.number("air_density", world.air_density, 0.0, 1e4);
-    reader.whole("most_colliding", world.most_colliding, 0, 1'000'000);
+    reader.whole("most_colliding", world.max_colliding, 0, 1'000'000);
     reader.number("strength", world.strength, 1e-6, 1e6);
     reader.flag("breakable", world.breakable);
     reader.number("min_size", world.min_size, 1e-4, 10.0);

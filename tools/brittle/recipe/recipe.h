@@ -13,11 +13,11 @@
 namespace brittle::tools {
 
 // Sites that a recipe may list itself: all of it stays below the longest file that is read, 1 MiB.
-inline constexpr uint32_t most_group = 1'000'000; // number of a group of sites
-inline constexpr double most_weight = 1e12;       // m^2, of a site, and its negative the least
-inline constexpr size_t most_points = 10'000;
+inline constexpr uint32_t max_group = 1'000'000; // number of a group of sites
+inline constexpr double max_weight = 1e12;       // m^2, of a site, and its negative the least
+inline constexpr size_t max_points = 10'000;
 
-inline constexpr size_t most_anchors = 1000; // that a recipe may have; pieces are compared with each
+inline constexpr size_t max_anchors = 1000; // that a recipe may have; pieces are compared with each
 
 // The options as a recipe. Paths are as in the options.
 [[nodiscard]] std::string recipe_json(const FractureOptions& options);

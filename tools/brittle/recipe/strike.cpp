@@ -20,7 +20,7 @@ namespace {
 // (1.6^2 - 1) / 2 / (1.6 cos 20 - 1) = 1.55 radii at the furthest.
 constexpr double reach = 1.6;
 constexpr double cube_by_ball = 8.0 * reach * reach * reach / (4.0 / 3.0 * 3.14159265358979323846); // volumes
-constexpr uint32_t most_pieces = 10'000;
+constexpr uint32_t max_pieces = 10'000;
 
 fracture::Error fault(size_t strike, const std::string& what) {
     return {fracture::Status::invalid_setting, "strike " + std::to_string(strike) + ": " + what};
@@ -56,8 +56,8 @@ fracture::Result<fracture::PatternSites> strike_sites(std::span<const Strike> st
             return fault(k, "its radius is " + std::to_string(strike.radius) + " m; it must be positive");
         if (!finite(strike.direction) || glm::length(strike.direction) == 0.0)
             return fault(k, "its direction has no length");
-        if (strike.pieces < 1 || strike.pieces > most_pieces)
-            return fault(k, "it makes " + std::to_string(strike.pieces) + " pieces; 1 to " + std::to_string(most_pieces)
+        if (strike.pieces < 1 || strike.pieces > max_pieces)
+            return fault(k, "it makes " + std::to_string(strike.pieces) + " pieces; 1 to " + std::to_string(max_pieces)
                                 + " can be had");
         fracture::TriangleMesh cube = fracture::cuboid(glm::dvec3(2.0 * reach * strike.radius));
         const glm::dvec3 offset = strike.at - fracture::bounds(cube).centre();

@@ -40,12 +40,12 @@ struct BlowPattern {
 };
 
 struct WorldOptions {
-    bool bonded = false;           // pieces hold together until blows, loads or wear break their bonds
-    bool anchored = false;         // bonded unless it is breakable, and what stands on the ground is held by it
-    double height = 0.5;           // m, of the mesh above the ground at first; 0 where it is anchored
-    double air_density = 1.2;      // kg/m^3; 0 is a vacuum, 1000 water in which nothing floats
-    uint32_t most_colliding = 500; // awake, with each other; what comes off beyond is debris; 0: no limit
-    double strength = 1.0;         // of bonds and pieces, in the material's; 0.075 is stone laid in weak mortar
+    bool bonded = false;          // pieces hold together until blows, loads or wear break their bonds
+    bool anchored = false;        // bonded unless it is breakable, and what stands on the ground is held by it
+    double height = 0.5;          // m, of the mesh above the ground at first; 0 where it is anchored
+    double air_density = 1.2;     // kg/m^3; 0 is a vacuum, 1000 water in which nothing floats
+    uint32_t max_colliding = 500; // awake, with each other; what comes off beyond is debris; 0: no limit
+    double strength = 1.0;        // of bonds and pieces, in the material's; 0.075 is stone laid in weak mortar
     // Cut anew where it is hit, again and again. Where it is not bonded as well, it starts whole: the pattern says how blows
     // cut, and anchored means that what of it comes near the ground is held.
     bool breakable = false;

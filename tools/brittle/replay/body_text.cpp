@@ -7,7 +7,7 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr uint64_t most_bodies = 100'000'000; // a damaged count must not add up to nonsense
+constexpr uint64_t max_bodies = 100'000'000; // a damaged count must not add up to nonsense
 
 // One body's digits, or a run without any.
 struct Token {
@@ -21,7 +21,7 @@ std::optional<Token> take(std::string_view& text) {
         Token run;
         const char* end = text.data() + text.size();
         const auto [at, error] = std::from_chars(text.data() + 1, end, run.bodies);
-        if (error != std::errc{} || at == end || *at != ')' || run.bodies == 0 || run.bodies > most_bodies) return {};
+        if (error != std::errc{} || at == end || *at != ')' || run.bodies == 0 || run.bodies > max_bodies) return {};
         text.remove_prefix(static_cast<size_t>(at - text.data()) + 1);
         return run;
     }
@@ -39,7 +39,7 @@ std::optional<uint64_t> count_bodies(std::string_view text) {
         const std::optional<Token> token = take(text);
         if (!token) return {};
         count += token->bodies;
-        if (count > most_bodies) return {};
+        if (count > max_bodies) return {};
     }
     return count;
 }

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int version = 1;
 constexpr size_t longest_line = size_t{16} << 20; // bytes; a million bodies take four
-constexpr uint64_t most_steps = 1'000'000'000;
+constexpr uint64_t max_steps = 1'000'000'000;
 
 uint64_t read_hash(JsonReader& reader, const char* key) {
     std::string text;
@@ -102,7 +102,7 @@ class LogReader {
         JsonReader reader(at, json, "");
         if (reader.find("step")) {
             uint64_t step = 0;
-            reader.whole("step", step, 0, most_steps);
+            reader.whole("step", step, 0, max_steps);
             if (step != log_.states.size())
                 throw reader.failure("step", "expected step " + std::to_string(log_.states.size()) + ", found "
                                                  + std::to_string(step));
@@ -142,7 +142,7 @@ class LogReader {
     // A number of steps, which must be that of the states read so far.
     uint64_t step_now(JsonReader& reader, const char* key) {
         uint64_t step = 0;
-        required_whole(reader, key, step, most_steps);
+        required_whole(reader, key, step, max_steps);
         if (step + 1 != log_.states.size())
             throw reader.failure(key, std::to_string(step) + " is not the step of the state before it");
         return step;

@@ -14,7 +14,7 @@ namespace {
 
 // "body 3 (pieces 4, 17, 18 and 5 more) at (0.1, 0.2, 0.3) m, moving at (0, -1, 0) m/s".
 std::string describe(const Simulation& simulation, uint64_t index) {
-    constexpr size_t most_named = 3;
+    constexpr size_t max_named = 3;
     const physics::World& world = simulation.world();
     const physics::BodyId body = world.bodies()[index];
     const std::vector<uint32_t> pieces = simulation.pieces_of(body);
@@ -23,9 +23,9 @@ std::string describe(const Simulation& simulation, uint64_t index) {
         text += "a ball";
     else
         text += pieces.size() == 1 ? "piece " : "pieces ";
-    for (size_t k = 0; k < pieces.size() && k < most_named; ++k)
+    for (size_t k = 0; k < pieces.size() && k < max_named; ++k)
         text += (k == 0 ? "" : ", ") + std::to_string(pieces[k]);
-    if (pieces.size() > most_named) text += " and " + std::to_string(pieces.size() - most_named) + " more";
+    if (pieces.size() > max_named) text += " and " + std::to_string(pieces.size() - max_named) + " more";
     const glm::vec3 p = world.pose(body).position, v = world.linear_velocity(body);
     char motion[200];
     std::snprintf(motion, sizeof motion, ") at (%.9g, %.9g, %.9g) m, moving at (%.9g, %.9g, %.9g) m/s",

@@ -94,7 +94,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
         desc.pattern.slenderness = preset->pattern.slenderness;
     }
     desc.pattern.bond = physics::fitted(options.bond, fracture::bounds(fragments.positions));
-    desc.most_pieces = options.blow_pieces;
+    desc.max_pieces = options.blow_pieces;
     desc.solid.anchors = anchor_regions(fragments, options);
     return desc;
 }
@@ -149,7 +149,7 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
     clear();
     physics::WorldSettings settings = world_.settings();
     settings.air_density = static_cast<float>(options.air_density);
-    settings.most_colliding = options.most_colliding;
+    settings.max_colliding = options.max_colliding;
     world_.clear(settings);
     if (options.breakable) {
         start_breakable(fragments, options, ahead);
@@ -170,7 +170,7 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
 void Simulation::start_breakable(const fracture::Fragments& fragments, const WorldOptions& options,
                                  PreparedBodies& ahead) {
     destruction_.emplace(
-        physics::DestructionSettings{.timing = timing_, .debris = {.most_pieces = options.piece_limit}});
+        physics::DestructionSettings{.timing = timing_, .debris = {.max_pieces = options.piece_limit}});
     destruction_->follow(script_);
     const physics::BreakableDesc desc = breakable_desc(fragments, material_, options, look_);
     if (options.bonded) {

@@ -111,7 +111,7 @@ void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& worl
     draw_anew(std::move(ahead.batch));
     radii_ = std::move(ahead.radii);
     untinted_ = starts_whole(world);
-    most_pieces_ = world.piece_limit;
+    max_pieces_ = world.piece_limit;
     told_.reset();
     take_events();
 }
@@ -199,7 +199,7 @@ void Stage::advance(double seconds) {
 bool Stage::still() const {
     if (!broken()) return true;
     const physics::Destruction* destruction = simulation_.destruction();
-    if (destruction && (destruction->jobs_in_flight() > 0 || destruction->pieces().size() > most_pieces_)) return false;
+    if (destruction && (destruction->jobs_in_flight() > 0 || destruction->pieces().size() > max_pieces_)) return false;
     if (const physics::Structure* structure = simulation_.structure(); structure && wears(*structure)) return false;
     return simulation_.steps() > last_awake_ + 2;
 }

@@ -105,7 +105,7 @@ class Stage {
     };
     std::map<physics::PieceId, Drawn> drawn_; // of breakable things
     bool untinted_ = false;                   // they start whole, and so as the unbroken mesh is drawn
-    size_t most_pieces_ = 0;                  // beyond it debris goes
+    size_t max_pieces_ = 0;                   // beyond it debris goes
     uint64_t moment_ = 0;                     // of the scene: steps, and what came before them
     uint64_t moment_before_ = 1;              // that of the start
     uint64_t all_moved_ = 0;                  // the last moment at which every pose changed

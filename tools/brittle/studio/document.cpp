@@ -90,12 +90,12 @@ struct Applier {
     }
     void operator()(const SetSiteWeight& edit) const {
         for (const uint32_t s : existing(edit.sites, recipe.points.size()))
-            recipe.points[s].weight = std::clamp(edit.weight, -most_weight, most_weight);
+            recipe.points[s].weight = std::clamp(edit.weight, -max_weight, max_weight);
         recipe.strikes.clear();
     }
     void operator()(const SetSiteGroup& edit) const {
         for (const uint32_t s : existing(edit.sites, recipe.points.size()))
-            recipe.points[s].group = std::min(edit.group, most_group);
+            recipe.points[s].group = std::min(edit.group, max_group);
         recipe.strikes.clear();
     }
     void operator()(const DuplicateSites& edit) const {
@@ -155,12 +155,12 @@ std::string_view name_of(const Edit& edit) {
 bool Document::apply(const Edit& edit, uint64_t gesture) {
     FractureOptions changed = recipe_;
     std::visit(Applier{changed}, edit);
-    if (changed.points.size() > most_points)
-        throw Failure(exit_usage, "a recipe holds " + std::to_string(most_points)
+    if (changed.points.size() > max_points)
+        throw Failure(exit_usage, "a recipe holds " + std::to_string(max_points)
                                       + " sites at most; write more into a file (--sites)");
-    if (changed.world.anchors.size() > most_anchors)
-        throw Failure(exit_usage, "a recipe holds " + std::to_string(most_anchors)
-                                      + " anchors at most; paint with a larger radius");
+    if (changed.world.anchors.size() > max_anchors)
+        throw Failure(exit_usage,
+                      "a recipe holds " + std::to_string(max_anchors) + " anchors at most; paint with a larger radius");
     if (recipe_json(changed) == recipe_json(recipe_)) return false;
     const bool goes_on = gesture != 0 && !past_.empty() && past_.back().gesture == gesture && future_.empty();
     if (!goes_on) past_.push_back({recipe_, name_of(edit), gesture});

@@ -100,7 +100,7 @@ class Document {
     // Edits of one gesture are taken back together, in so far as nothing came between them.
     [[nodiscard]] uint64_t begin_gesture() { return ++gestures_; }
     // Whether it changed anything. Throws a Failure with exit_usage for a material that does not exist, and for more than
-    // most_points sites or most_anchors (recipe.h), and leaves everything as it was. Weights and groups are brought into
+    // max_points sites or max_anchors (recipe.h), and leaves everything as it was. Weights and groups are brought into
     // their limits.
     bool apply(const Edit& edit, uint64_t gesture = 0);
 

@@ -70,7 +70,7 @@ Foreseen Foresight::of_whole(const std::shared_ptr<const Object>& object, const 
 }
 
 std::optional<Hammer> hammer_at(const Simulation& simulation, const fracture::Fragments& fragments,
-                                const AimedBlow& blow, uint32_t most_pieces) {
+                                const AimedBlow& blow, uint32_t max_pieces) {
     std::vector<engine::BodyPose> poses(simulation.destruction()->slot_count());
     simulation.visit_poses(1.0f, 0, [&](uint32_t slot, const physics::Pose& pose) {
         poses[slot] = {.rotation = pose.orientation, .position = pose.position};
@@ -78,7 +78,7 @@ std::optional<Hammer> hammer_at(const Simulation& simulation, const fracture::Fr
     const PieceView pieces{simulation, fragments, {}, poses};
     const auto hit = pieces.first(blow.at - blow.radius * blow.direction, blow.direction);
     if (!hit) return std::nullopt;
-    return hammer_blow(simulation, *hit, blow.direction, blow.radius, most_pieces);
+    return hammer_blow(simulation, *hit, blow.direction, blow.radius, max_pieces);
 }
 
 } // namespace brittle::tools

@@ -54,6 +54,6 @@ class Foresight {
 
 // Where an aimed blow meets a simulation that has just been started; nothing where it misses.
 [[nodiscard]] std::optional<Hammer> hammer_at(const Simulation& simulation, const fracture::Fragments& fragments,
-                                              const AimedBlow& blow, uint32_t most_pieces);
+                                              const AimedBlow& blow, uint32_t max_pieces);
 
 } // namespace brittle::tools

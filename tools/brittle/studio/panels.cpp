@@ -13,10 +13,10 @@ namespace brittle::tools {
 namespace {
 
 constexpr float column = 276.0f; // widths and heights in pixels at scale 1
-constexpr float least_column = 220.0f;
+constexpr float min_column = 220.0f;
 constexpr float bar_height = 42.0f;
 constexpr float line_height = 26.0f;
-constexpr float least_scene = 400.0f;      // the width that columns leave, and that the tools need
+constexpr float min_scene = 400.0f;        // the width that columns leave, and that the tools need
 constexpr float two_help_columns = 760.0f; // the width that the help sheet needs for them
 
 // Of the tool that has most: what is below it stays in its place. Where one column holds all, room is worth more.
@@ -54,7 +54,7 @@ struct BarPlan {
         }
         const float buttons = static_cast<float>(all_tools.size()) + 2.0f;
         const float room = ImGui::GetContentRegionAvail().x - (buttons - 1.0f) * gap - between;
-        with_keys = room - keys >= buttons * least_padding * scale;
+        with_keys = room - keys >= buttons * min_padding * scale;
         padding = std::max((room - (with_keys ? keys : names)) / buttons, 0.0f);
     }
     [[nodiscard]] bool button(const std::string& name, const char* key, const ButtonLook* look) const {
@@ -69,8 +69,8 @@ struct BarPlan {
         return pressed;
     }
 
-    static constexpr float least_padding = 12.0f; // pixels at scale 1
-    float gap, between;                           // buttons; tools and what comes after them
+    static constexpr float min_padding = 12.0f; // pixels at scale 1
+    float gap, between;                         // buttons; tools and what comes after them
     float padding = 0.0f;
     bool with_keys = false;
 };
@@ -121,10 +121,10 @@ Layout layout_of(glm::vec2 window, float scale, bool panels) {
     Layout layout;
     layout.free_max = window;
     if (!panels) return layout;
-    const float spare = window.x / scale - least_scene; // for columns
+    const float spare = window.x / scale - min_scene; // for columns
     if (window.y >= 300.0f * scale) {
-        const bool both = spare >= 2.0f * least_column;
-        if (spare >= least_column) layout.left = scale * std::min(both ? 0.5f * spare : spare, column);
+        const bool both = spare >= 2.0f * min_column;
+        if (spare >= min_column) layout.left = scale * std::min(both ? 0.5f * spare : spare, column);
         if (both) layout.right = layout.left;
     }
     if (spare >= 0.0f && window.y >= 240.0f * scale) {

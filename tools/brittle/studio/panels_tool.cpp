@@ -17,7 +17,7 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr float most_weight_shown = 1.0f; // m^2, on the stage, where the mesh is 2 m long
+constexpr float max_weight_shown = 1.0f; // m^2, on the stage, where the mesh is 2 m long
 
 void selected_piece(const Session& session) {
     if (!session.piece || !session.contains(*session.piece) || !session.counts()) {
@@ -148,7 +148,7 @@ void Panels::selected_sites(Session& session) {
     ImGui::BeginDisabled(sites.empty() || session.broken());
     auto weight = static_cast<float>(first.weight * scale * scale);
     ImGui::SetNextItemWidth(half);
-    if (slider("##weight", weight, -most_weight_shown, most_weight_shown,
+    if (slider("##weight", weight, -max_weight_shown, max_weight_shown,
                alike(&PlacedSite::weight) ? "weight %.2f" : "weights differ"))
         change(SetSiteWeight{session.selection, double{weight} / (scale * scale)});
     tip("How far the cells of the selected sites reach, against their neighbours': m\xc2\xb2 on the stage, where the "
@@ -158,7 +158,7 @@ void Panels::selected_sites(Session& session) {
     ImGui::SetNextItemWidth(-1.0f);
     constexpr float slow = 0.1f; // numbers a pixel
     const char* format = !alike(&PlacedSite::group) ? "groups differ" : group > 0 ? "group %d" : "no group";
-    if (ImGui::DragInt("##group", &group, slow, 0, static_cast<int>(most_group), format, ImGuiSliderFlags_AlwaysClamp))
+    if (ImGui::DragInt("##group", &group, slow, 0, static_cast<int>(max_group), format, ImGuiSliderFlags_AlwaysClamp))
         change(SetSiteGroup{session.selection, static_cast<uint32_t>(group)});
     tip("Cells of one number are one piece; 0: each is a piece by itself (drag, or Ctrl + click to type)");
     ImGui::EndDisabled();

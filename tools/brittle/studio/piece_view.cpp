@@ -14,7 +14,7 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr double least_blow = 1.05; // of what a piece bears, so that it breaks
+constexpr double min_blow = 1.05; // of what a piece bears, so that it breaks
 
 } // namespace
 
@@ -98,12 +98,12 @@ glm::dvec3 place_of(const Simulation& simulation, const PieceHit& hit) {
 }
 
 Hammer hammer_blow(const Simulation& simulation, const PieceHit& hit, const glm::dvec3& direction, double radius,
-                   uint32_t most_pieces) {
+                   uint32_t max_pieces) {
     const physics::SolidPiece& solid = *simulation.destruction()->solid({hit.piece});
     const physics::MaterialPreset* preset = simulation.material();
     const double energy =
-        physics::energy_of(radius, preset ? preset->material : physics::Material{}, solid.mass.volume, most_pieces);
-    const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy), least_blow * solid.bearable);
+        physics::energy_of(radius, preset ? preset->material : physics::Material{}, solid.mass.volume, max_pieces);
+    const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy), min_blow * solid.bearable);
     return {hit.piece, place_of(simulation, hit), impulse * direction};
 }
 

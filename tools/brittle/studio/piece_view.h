@@ -56,6 +56,6 @@ struct PieceView {
 // A blow at what is breakable whose damage reaches so far, m, into so many pieces at most; harder where that would not break
 // the piece. `direction` is a unit one.
 [[nodiscard]] Hammer hammer_blow(const Simulation& simulation, const PieceHit& hit, const glm::dvec3& direction,
-                                 double radius, uint32_t most_pieces);
+                                 double radius, uint32_t max_pieces);
 
 } // namespace brittle::tools

@@ -16,7 +16,7 @@ constexpr float axis_reach = 7.0f;   // pixels beside an axis of the gizmo
 constexpr float axis_length = 64.0f; // pixels
 constexpr float click_slack = 4.0f;  // pixels that the mouse may move in a click
 constexpr float dab_spacing = 8.0f;  // pixels of the mouse's way between two tries to paint
-constexpr int most_dabs = 100;       // in one frame
+constexpr int max_dabs = 100;        // in one frame
 constexpr float radius_step = 1.12f; // a notch of the wheel
 
 constexpr std::array infos{
@@ -223,7 +223,7 @@ void Tools::press_anchors(const engine::ButtonEvent& event, const Viewport& view
 // The mouse goes far in a slow frame.
 void Tools::paint_along(glm::vec2 to, const Viewport& view, Session& session) {
     const float way = glm::distance(to, painted_to_);
-    const int dabs = std::min(static_cast<int>(std::ceil(way / dab_spacing)), most_dabs);
+    const int dabs = std::min(static_cast<int>(std::ceil(way / dab_spacing)), max_dabs);
     for (int k = 1; k <= dabs; ++k)
         paint(view.ray(glm::mix(painted_to_, to, static_cast<float>(k) / static_cast<float>(dabs))), session);
     painted_to_ = to;
