@@ -569,23 +569,10 @@ uint64_t Structure::state_hash() const {
     return hash.value();
 }
 
-size_t Structure::write_piece_transforms(const World& world, std::span<Pose> out, float alpha, uint64_t since) const {
-    const size_t count = std::min(out.size(), pieces_.size());
-    visit_poses(world, alpha, since, [&](uint32_t piece, const Pose& pose) {
-        if (piece < count) out[piece] = pose;
-    });
-    return count;
-}
-
 void Structure::visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const {
     for (const BodyState& body : bodies_) {
         if (body.pieces.empty() || !world.contains(body.id) || world.last_moved_step(body.id) < since) continue;
-        Pose pose = world.pose(body.id);
-        if (alpha < 1.0f && world.last_moved_step(body.id) == world.steps_taken()) {
-            const Pose before = world.previous_pose(body.id);
-            pose = {glm::mix(before.position, pose.position, alpha),
-                    glm::slerp(before.orientation, pose.orientation, alpha)};
-        }
+        const Pose pose = world.interpolated_pose(body.id, alpha);
         for (const uint32_t piece : body.pieces) visit(piece, moved(pose, pieces_[piece].centre - body.centre));
     }
 }

@@ -6,7 +6,7 @@
 //     each step:
 //         world.step();
 //         const Structure::Changes& changes = wall->update(world);
-//     each frame: wall->write_piece_transforms(world, instances, alpha);
+//     each frame: wall->visit_poses(world, alpha, 0, [&](uint32_t piece, const Pose& pose) { instances[piece] = pose; });
 //
 // - A body is a compound of the hulls of its pieces, with the sum of their masses and, by parallel axes, of their
 //   inertias. Its axes are those of the fragments, its origin is its centre of mass.
@@ -111,18 +111,15 @@ class Structure {
     // Whether it came off and nothing holds it: its body is not fixed and has at most half of the pieces of its first one.
     [[nodiscard]] bool came_off(uint32_t piece) const;
     // Of a piece in its body: a vertex p of the fragments is drawn at p - centre in the pose of
-    // write_piece_transforms(), and lies at p - centre + offset in the body.
+    // visit_poses(), and lies at p - centre + offset in the body.
     [[nodiscard]] glm::vec3 offset(uint32_t piece) const;
     [[nodiscard]] std::vector<BodyId> bodies() const; // in the order in which they were made
     // Of the health of bonds, who is anchored, and in which body: what World::state_hash() does not know.
     [[nodiscard]] uint64_t state_hash() const;
 
-    // Poses of all pieces in their order: of their centres of mass, as add_pieces() would have it; interpolated as
-    // World::write_transforms(). Those of pieces that are gone, or that have not moved since a step, are
-    // left as they are. Writes as many as fit and returns how many that are.
-    size_t write_piece_transforms(const World& world, std::span<Pose> out, float alpha = 1.0f,
-                                  uint64_t since = 0) const;
-    // The same, handed over one by one with the piece.
+    // Calls visit for each piece with the interpolated pose of its centre of mass, in the axes of the fragments: the pose of
+    // the piece's body under add_pieces(). Order: by body, then by piece. Taken pieces and pieces of bodies with
+    // World::last_moved_step() < since are skipped.
     using PoseVisitor = std::function<void(uint32_t piece, const Pose& pose)>;
     void visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const;
 

@@ -6,7 +6,6 @@
 #include <ostream>
 #include <utility>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "physics/cutting/destruction_seeds.h"
@@ -125,16 +124,10 @@ std::optional<Destruction::Motion> Destruction::motion_of(const World& world, co
                   world.angular_velocity(body)};
 }
 
-std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece, float alpha) const {
+std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece) const {
     const BodyId body = body_of(piece);
     if (!world.contains(body)) return std::nullopt;
-    Pose pose = world.pose(body);
-    if (alpha < 1.0f && world.last_moved_step(body) == world.steps_taken()) {
-        const Pose before = world.previous_pose(body);
-        pose = {glm::mix(before.position, pose.position, alpha),
-                glm::slerp(before.orientation, pose.orientation, alpha)};
-    }
-    return in_body(piece, pose);
+    return in_body(piece, world.pose(body));
 }
 
 Pose Destruction::in_body(const Live& piece, const Pose& body) const {
@@ -370,15 +363,8 @@ void Destruction::visit_poses(const World& world, float alpha, uint64_t since, c
     for (const auto& [id, piece] : pieces_) {
         const BodyId body = body_of(piece);
         if (!world.contains(body) || world.last_moved_step(body) < since) continue;
-        visit(piece.slot, *pose_of(world, piece, alpha));
+        visit(piece.slot, in_body(piece, world.interpolated_pose(body, alpha)));
     }
-}
-
-size_t Destruction::write_poses(const World& world, std::span<Pose> out, float alpha) const {
-    visit_poses(world, alpha, 0, [&](uint32_t slot, const Pose& pose) {
-        if (slot < out.size()) out[slot] = pose;
-    });
-    return slot_count_;
 }
 
 Structure* Destruction::structure(ObjectId object) {

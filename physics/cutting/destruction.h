@@ -4,7 +4,7 @@
 //     Result<ObjectId> statue = destruction.add(world, mesh, {.solid = {.material = stone}, .motion = {.placement = at}});
 //     each step:  world.step();  destruction.update(world);
 //     each frame: for (what is in destruction.take_events()) add it to the renderer or take it out;
-//                 destruction.write_poses(world, poses, alpha);
+//                 destruction.visit_poses(world, alpha, 0, [&](uint32_t slot, const Pose& pose) { poses[slot] = pose; });
 //
 // - An object starts whole, as one body and one closed mesh, or as a Structure of bonded pieces. Contacts that came in faster
 //   than impact_speed are a blow, one for as many steps as it takes (contact_blows.h); one that is harder than the piece bears
@@ -179,14 +179,11 @@ class Destruction {
     // None set: all is seen. It is an input of the run: a log of one must have it.
     void set_view(std::function<bool(const glm::vec3&, float)> visible) { visible_ = std::move(visible); }
 
-    // Of each piece, in the order of PieceId: its slot and its pose as below. Those that have not moved since a step are
-    // left out, as by World::write_transforms().
+    // Calls visit for each piece in the order of PieceId, with its slot and the interpolated pose of its centre of mass, in
+    // the axes of the object. Pieces of bodies with World::last_moved_step() < since are skipped.
     using PoseVisitor = std::function<void(uint32_t slot, const Pose& pose)>;
     void visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const;
-    // Poses of centres of mass by slot, interpolated as World::write_transforms(); axes are those of the object. Free slots
-    // are left as they are. Writes those that fit and returns how many slots there are.
-    size_t write_poses(const World& world, std::span<Pose> out, float alpha = 1.0f) const;
-    [[nodiscard]] uint32_t slot_count() const { return slot_count_; }
+    [[nodiscard]] uint32_t slot_count() const { return slot_count_; } // all slots are below this
 
     [[nodiscard]] std::vector<PieceId> pieces() const; // in the order in which they came
     [[nodiscard]] bool contains(PieceId piece) const { return pieces_.contains(piece); }
@@ -265,7 +262,7 @@ class Destruction {
     [[nodiscard]] const BreakableDesc& desc_of(const Live& piece) const { return *objects_.at(piece.object).desc; }
     [[nodiscard]] BodyId body_of(const Live& piece) const;
     [[nodiscard]] std::optional<Motion> motion_of(const World& world, const Live& piece) const;
-    [[nodiscard]] std::optional<Pose> pose_of(const World& world, const Live& piece, float alpha) const;
+    [[nodiscard]] std::optional<Pose> pose_of(const World& world, const Live& piece) const;
     [[nodiscard]] Pose in_body(const Live& piece, const Pose& body) const;
     Result<PieceId> add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris,
                               const std::shared_ptr<const BodyForm>& form = {});

@@ -87,7 +87,7 @@ void Destruction::update_structures(World& world) {
             const PieceId piece = object.bonded[impact.piece];
             const auto at = pieces_.find(piece);
             if (at == pieces_.end() || !world.contains(body_of(at->second))) continue;
-            const Pose pose = *pose_of(world, at->second, 1.0f);
+            const Pose pose = *pose_of(world, at->second);
             const Hit hit{
                 .blow = {turned_back(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
                          turned_back(pose, impact.normal), impact.energy},
@@ -125,7 +125,7 @@ std::optional<PlannedCut> Destruction::foresee(const World& world, PieceId id, c
 std::optional<Blow> Destruction::blow_at(const World& world, const Live& piece, const glm::vec3& point,
                                          const glm::vec3& normal, double energy) const {
     if (!finite(point) || !finite(normal) || !(glm::length(normal) > 0.0f)) return std::nullopt;
-    const std::optional<Pose> pose = pose_of(world, piece, 1.0f);
+    const std::optional<Pose> pose = pose_of(world, piece);
     if (!pose || !(energy > 0.0) || !std::isfinite(energy)) return std::nullopt;
     return Blow{turned_back(*pose, point - pose->position) + piece.solid->mass.centre_of_mass,
                 turned_back(*pose, glm::normalize(normal)), energy};

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include <glm/common.hpp>
+
 #include "physics/solver/world_impl.h"
 #include "physics/world/crowd.h"
 #include "physics/world/state_hash.h"
@@ -200,19 +202,9 @@ float World::advance(double seconds, const std::function<void()>& after_step) {
     return static_cast<float>(impl_->pending_seconds / step_seconds);
 }
 
-size_t World::write_transforms(std::span<Pose> out, float alpha, uint64_t since) const {
-    const size_t count = std::min(out.size(), impl_->bodies.size());
-    for (size_t i = 0; i < count; ++i) {
-        if (impl_->moved_steps[i] < since) continue;
-        const Pose now = impl_->bodies[i]->pose();
-        const Pose& before = impl_->bodies[i]->previous;
-        // Who stands still has no rounding of an interpolation, whatever alpha is.
-        const bool still = impl_->moved_steps[i] < impl_->steps;
-        out[i] = alpha >= 1.0f || still ? now
-                                        : Pose{glm::mix(before.position, now.position, alpha),
-                                               glm::slerp(before.orientation, now.orientation, alpha)};
-    }
-    return count;
+void World::visit_poses(float alpha, uint64_t since, const PoseVisitor& visit) const {
+    for (size_t i = 0; i < impl_->ids.size(); ++i)
+        if (impl_->moved_steps[i] >= since) visit(i, interpolated_pose(impl_->ids[i], alpha));
 }
 
 uint64_t World::last_moved_step(BodyId id) const {
@@ -224,6 +216,13 @@ Pose World::pose(BodyId id) const {
 }
 Pose World::previous_pose(BodyId id) const {
     return impl_->get(id).previous;
+}
+Pose World::interpolated_pose(BodyId id, float alpha) const {
+    const BodyRecord& body = impl_->get(id);
+    const Pose now = body.pose();
+    if (alpha >= 1.0f || impl_->moved_step(body) < impl_->steps) return now; // no rounding of a body at rest
+    return {glm::mix(body.previous.position, now.position, alpha),
+            glm::slerp(body.previous.orientation, now.orientation, alpha)};
 }
 glm::vec3 World::linear_velocity(BodyId id) const {
     return metres_from_bullet(impl_->get(id).rigid->getLinearVelocity());

@@ -6,8 +6,7 @@
 // - A body's frame has its origin at the centre of mass. Its pose maps body coordinates to the world:
 //   world = position + orientation * local. The inertia tensor may be any symmetric one in that frame: that
 //   Bullet wants principal axes is hidden here.
-// - Bodies keep the order in which they were added; write_transforms() fills an instance buffer in that
-// order.
+// - Bodies keep the order in which they were added; visit_poses() follows it.
 // - Time advances in fixed steps only. The same calls on a new (or cleared) World give the same state bit for
 // bit
 //   (state_hash()) with one build on one machine.
@@ -25,7 +24,7 @@
 //     Result<std::vector<BodyId>> bodies = add_pieces(world, fragments, {});   // pieces.h
 //     each frame:
 //         float alpha = world.advance(frame_seconds);
-//         world.write_transforms(instances, alpha);
+//         world.visit_poses(alpha, 0, [&](size_t i, const Pose& pose) { instances[i] = pose; });
 #pragma once
 
 #include <compare>
@@ -220,22 +219,25 @@ class World {
     // Advances by exactly settings().step.
     void step();
     // Takes as many steps as fit into the time gone by, at most max_substeps, and returns how far, 0 .. 1, the rest
-    // of it reaches from the previous pose to the current: the alpha of write_transforms(). Negative and non-finite
+    // of it reaches from the previous pose to the current: the alpha of visit_poses(). Negative and non-finite
     // seconds count as none. Calls after_step, if any, after each step: what answers to contacts belongs there.
     float advance(double seconds, const std::function<void()>& after_step = {});
     [[nodiscard]] uint64_t steps_taken() const;
 
-    // Poses of all bodies in body order, interpolated from those before the last step (alpha 0) to the
-    // current ones (alpha 1), as many as fit; returns how many that are. Those that last_moved_step() says have not moved
-    // since a step are left as they are: give steps_taken() of the time when out was last written, and what has come to
-    // rest is not written again. After bodies were removed, later ones have other places: write all.
-    size_t write_transforms(std::span<Pose> out, float alpha = 1.0f, uint64_t since = 0) const;
+    // Calls visit for each body in body order, with its index in bodies() and its interpolated_pose(). Bodies with
+    // last_moved_step() < since are skipped: a caller that keeps poses passes the steps_taken() of its previous visit, and
+    // passes 0 after a removal, which shifts the indices of later bodies.
+    using PoseVisitor = std::function<void(size_t index, const Pose& pose)>;
+    void visit_poses(float alpha, uint64_t since, const PoseVisitor& visit) const;
     // The last step in which the pose changed, counted as steps_taken() after it, or the steps taken when it was added.
     [[nodiscard]] uint64_t last_moved_step(BodyId id) const;
 
     // One body; each asserts that it exists. A velocity is that after the last step.
     [[nodiscard]] Pose pose(BodyId id) const;
-    [[nodiscard]] Pose previous_pose(BodyId id) const;
+    [[nodiscard]] Pose previous_pose(BodyId id) const; // before the last step
+    // From previous_pose() (alpha 0) to pose() (alpha 1): positions linearly, orientations spherically. Exactly pose() for
+    // alpha >= 1 and for a body that the last step did not move.
+    [[nodiscard]] Pose interpolated_pose(BodyId id, float alpha) const;
     [[nodiscard]] glm::vec3 linear_velocity(BodyId id) const;
     [[nodiscard]] glm::vec3 angular_velocity(BodyId id) const;
     [[nodiscard]] float mass(BodyId id) const; // as given, also of a fixed body

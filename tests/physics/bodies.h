@@ -73,6 +73,13 @@ inline BodyId must_add(World& world, const BodyDesc& desc) {
     return *id;
 }
 
+// By body order.
+inline std::vector<Pose> poses_of(const World& world, float alpha = 1.0f) {
+    std::vector<Pose> poses(world.body_count());
+    world.visit_poses(alpha, 0, [&](size_t i, const Pose& pose) { poses[i] = pose; });
+    return poses;
+}
+
 inline void run(World& world, float seconds) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds / world.settings().step)); ++i) world.step();
 }

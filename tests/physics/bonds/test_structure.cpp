@@ -32,6 +32,13 @@ Structure must_create(World& world, const fracture::Fragments& fragments, const 
     return std::move(*structure);
 }
 
+// By piece.
+std::vector<Pose> poses_of(const Structure& structure, const World& world, float alpha = 1.0f) {
+    std::vector<Pose> poses(structure.piece_count());
+    structure.visit_poses(world, alpha, 0, [&](uint32_t piece, const Pose& pose) { poses[piece] = pose; });
+    return poses;
+}
+
 // A bar of blocks along x, 0.1 each.
 fracture::Fragments bar(int count) {
     return test::bonded_grid({0.0, 0.0, 0.0}, {0.1 * count, 0.1, 0.1}, count, 1, 1);
@@ -117,9 +124,8 @@ TEST_CASE("bonded pieces are one body with the mass and inertia of the whole") {
     // Pieces are where add_pieces() would put them.
     World apart(empty_space);
     REQUIRE(add_pieces(apart, fragments, {}, motion).has_value());
-    std::vector<Pose> poses(fragments.pieces.size()), expected(fragments.pieces.size());
-    CHECK(structure.write_piece_transforms(world, poses) == poses.size());
-    apart.write_transforms(expected);
+    const std::vector<Pose> poses = poses_of(structure, world), expected = poses_of(apart);
+    REQUIRE(poses.size() == expected.size());
     for (size_t i = 0; i < poses.size(); ++i) {
         CHECK(glm::length(poses[i].position - expected[i].position) < 1e-6f);
         CHECK(std::abs(glm::dot(poses[i].orientation, expected[i].orientation)) > 0.999999f);
@@ -136,8 +142,7 @@ TEST_CASE("a thousand fresh bonded pieces in empty space do not move, nor when a
     const fracture::Fragments fragments = broken_box(1000, 5);
     Structure structure = must_create(world, fragments);
     REQUIRE(world.body_count() == 1);
-    std::vector<Pose> before(fragments.pieces.size()), after(fragments.pieces.size());
-    structure.write_piece_transforms(world, before);
+    const std::vector<Pose> before = poses_of(structure, world);
     for (int step = 0; step < 30; ++step) world.step(), structure.update(world);
     CHECK(world.body_count() == 1);
     CHECK(world.mechanics().kinetic == 0.0);
@@ -148,7 +153,7 @@ TEST_CASE("a thousand fresh bonded pieces in empty space do not move, nor when a
     CHECK(changes.added.size() == fragments.pieces.size());
     CHECK(changes.removed.size() == 1);
     for (int step = 0; step < 5; ++step) world.step(), structure.update(world);
-    structure.write_piece_transforms(world, after);
+    const std::vector<Pose> after = poses_of(structure, world);
     for (size_t i = 0; i < before.size(); ++i) CHECK(glm::length(after[i].position - before[i].position) < 1e-6f);
 }
 
@@ -191,9 +196,7 @@ TEST_CASE("a bar cut in the middle is two, where they were, and a saw cuts as a 
         const fracture::Fragments fragments = bar(6);
         Structure structure = must_create(world, fragments, {.motion = {.angular_velocity = {0.0f, 0.0f, 2.0f}}});
         for (int step = 0; step < 20; ++step) world.step();
-        std::array<Pose, 6> before, after, early;
-        structure.write_piece_transforms(world, before);
-        structure.write_piece_transforms(world, early, 0.5f);
+        const std::vector<Pose> before = poses_of(structure, world), early = poses_of(structure, world, 0.5f);
         if (saw) {
             const Pose pose = world.pose(structure.body_of(0));
             const auto at = [&](float z) { return pose.position + pose.orientation * glm::vec3(0.0f, 0.03f, z); };
@@ -208,9 +211,9 @@ TEST_CASE("a bar cut in the middle is two, where they were, and a saw cuts as a 
         CHECK(structure.body_of(0) == structure.body_of(2));
         CHECK(structure.body_of(3) == structure.body_of(5));
         CHECK(structure.bodies() == changes.added);
-        structure.write_piece_transforms(world, after);
+        std::vector<Pose> after = poses_of(structure, world);
         for (size_t i = 0; i < 6; ++i) CHECK(glm::length(after[i].position - before[i].position) < 1e-6f);
-        structure.write_piece_transforms(world, after, 0.5f);
+        after = poses_of(structure, world, 0.5f);
         for (size_t i = 0; i < 6; ++i) CHECK(glm::length(after[i].position - early[i].position) < 1e-5f);
         CHECK(structure.update(world).added.empty());
     }
@@ -263,8 +266,7 @@ TEST_CASE("what is anchored stays, what is cut off from it falls, and it falls w
     CHECK(world.fixed(structure.body_of(4)));
     structure.break_bonds(std::array{1u});
     run(1.0f);
-    std::array<Pose, 5> poses;
-    structure.write_piece_transforms(world, poses);
+    std::vector<Pose> poses = poses_of(structure, world);
     CHECK(poses[0].position.y == doctest::Approx(1.05));
     CHECK(poses[1].position.y == doctest::Approx(1.05));
     CHECK(world.fixed(structure.body_of(1)));
@@ -275,7 +277,7 @@ TEST_CASE("what is anchored stays, what is cut off from it falls, and it falls w
     structure.release_anchors(std::array{0u});
     run(1.0f);
     CHECK_FALSE(structure.anchored(0));
-    structure.write_piece_transforms(world, poses);
+    poses = poses_of(structure, world);
     CHECK(poses[0].position.y < 0.3f);
     CHECK(world.body_count() >= 2);
 }
@@ -491,12 +493,10 @@ TEST_CASE("a table stands for ten seconds, and comes down within one when two of
         CHECK(structure.take_piece(world, block).has_value());
     }
     int step = 0;
-    std::vector<Pose> poses(structure.piece_count());
     for (; step < 240; ++step) {
         world.step();
         structure.update(world);
-        structure.write_piece_transforms(world, poses);
-        if (poses[0].position.y < 0.7f) break;
+        if (poses_of(structure, world)[0].position.y < 0.7f) break;
     }
     MESSAGE("down after ", step / 120.0, " s");
     CHECK(step < 120);
@@ -620,8 +620,7 @@ TEST_CASE("a piece can be taken out, and what it is cut into goes on as it did")
     structure.update(world);
     CHECK(world.body_count() == 3);
     const Mechanics before = world.mechanics();
-    std::array<Pose, 3> poses;
-    structure.write_piece_transforms(world, poses);
+    const std::vector<Pose> poses = poses_of(structure, world);
     const std::optional<PlacedMotion> taken = structure.take_piece(world, 1);
     REQUIRE(taken.has_value());
     CHECK(world.body_count() == 2);
@@ -647,14 +646,16 @@ TEST_CASE("bodies that are taken out of the world are gone, and nothing minds") 
     structure.damage(world, {0.3f, 1.0f, 0.0f}, 1.0f, 2.0f);
     structure.update(world);
     CHECK(world.body_count() == 2);
-    std::array<Pose, 4> poses;
-    poses[0].position.x = 77.0f;
-    structure.write_piece_transforms(world, poses);
-    CHECK(poses[0].position.x == 77.0f);
+    std::vector<uint32_t> there;
+    const auto visit = [&](uint32_t piece, const Pose&) { there.push_back(piece); };
+    structure.visit_poses(world, 1.0f, 0, visit);
+    CHECK(there == std::vector<uint32_t>{2, 3});
     world.clear();
     world.step();
     structure.update(world);
-    CHECK(structure.write_piece_transforms(world, poses) == 4);
+    there.clear();
+    structure.visit_poses(world, 1.0f, 0, visit);
+    CHECK(there.empty());
 }
 
 TEST_CASE("the same breaks give the same state again") {

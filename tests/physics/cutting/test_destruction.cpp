@@ -28,6 +28,13 @@ using fracture::PatternKind;
 
 namespace {
 
+// By slot.
+std::vector<Pose> poses_of(const Destruction& destruction, const World& world) {
+    std::vector<Pose> poses(destruction.slot_count());
+    destruction.visit_poses(world, 1.0f, 0, [&](uint32_t slot, const Pose& pose) { poses[slot] = pose; });
+    return poses;
+}
+
 // Of where bodies are and of what they are made of.
 uint64_t hash_of(const World& world, const Destruction& destruction) {
     uint64_t hash = world.state_hash();
@@ -509,8 +516,7 @@ TEST_CASE("events tell of every piece once, and slots are used again") {
         std::ranges::sort(slots);
         CHECK(std::ranges::adjacent_find(slots) == slots.end());
         CHECK(slots.size() == destruction.pieces().size());
-        std::vector<Pose> poses(destruction.slot_count());
-        CHECK(destruction.write_poses(world, poses) == poses.size());
+        const std::vector<Pose> poses = poses_of(destruction, world);
         for (const auto& [id, slot] : shown) {
             REQUIRE(slot < poses.size());
             CHECK(poses[slot].position == world.pose(destruction.body(id)).position);
@@ -584,8 +590,7 @@ TEST_CASE("pieces of a structure break when they are hit hard, the others stay b
     REQUIRE(object.has_value());
     CHECK(destruction.pieces().size() == 5);
     CHECK(world.body_count() == 1);
-    std::vector<Pose> poses(destruction.slot_count());
-    destruction.write_poses(world, poses);
+    const std::vector<Pose> poses = poses_of(destruction, world);
     for (uint32_t i = 0; i < 5; ++i)
         CHECK(glm::distance(poses[i].position, glm::vec3(-0.8f + 0.4f * static_cast<float>(i), 0.0f, 0.0f)) < 1e-5f);
     CHECK(destruction.strike(world, destruction.pieces()[0], {-1.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, 50.0));

@@ -36,19 +36,21 @@ bool all_finite(const physics::World& world) {
     });
 }
 
+// By slot.
+std::vector<physics::Pose> poses_of(const Simulation& simulation) {
+    std::vector<physics::Pose> poses(simulation.piece_count());
+    simulation.visit_poses(1.0f, 0, [&](uint32_t slot, const physics::Pose& pose) {
+        if (slot < poses.size()) poses[slot] = pose;
+    });
+    return poses;
+}
+
 // How far each piece has moved.
 std::vector<float> moves(const Simulation& simulation, const std::vector<physics::Pose>& from) {
-    std::vector<physics::Pose> now(from.size());
-    simulation.write_poses(now, 1.0f);
+    const std::vector<physics::Pose> now = poses_of(simulation);
     std::vector<float> far;
     for (size_t i = 0; i < from.size(); ++i) far.push_back(glm::distance(now[i].position, from[i].position));
     return far;
-}
-
-std::vector<physics::Pose> poses_of(const Simulation& simulation) {
-    std::vector<physics::Pose> poses(simulation.piece_count());
-    simulation.write_poses(poses, 1.0f);
-    return poses;
 }
 
 // Starts and takes so many steps; where the pieces were when it began.

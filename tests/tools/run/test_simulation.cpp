@@ -154,11 +154,7 @@ TEST_CASE("simulation: what is grabbed comes to the hand, stays there, and falls
         options.world = {.bonded = bonded, .height = 1.0};
         Simulation simulation;
         simulation.start(started(options), options.world);
-        const auto position = [&] {
-            std::vector<physics::Pose> pose(1);
-            simulation.write_poses(pose, 1.0f);
-            return pose[0].position;
-        };
+        const auto position = [&] { return simulation.pose_of(0).position; };
         simulation.apply(Grab{0, glm::dvec3(position())});
         simulation.apply(Drag{{1.5, 4.0, -0.5}});
         for (int k = 0; k < 120; ++k) simulation.step();

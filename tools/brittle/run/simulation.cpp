@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
@@ -97,13 +96,6 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
     desc.max_pieces = options.blow_pieces;
     desc.solid.anchors = anchor_regions(fragments, options);
     return desc;
-}
-
-Pose interpolated(const physics::World& world, BodyId body, float alpha) {
-    const Pose now = world.pose(body);
-    if (alpha >= 1.0f || world.last_moved_step(body) < world.steps_taken()) return now;
-    const Pose before = world.previous_pose(body);
-    return {glm::mix(before.position, now.position, alpha), glm::slerp(before.orientation, now.orientation, alpha)};
 }
 
 } // namespace
@@ -231,13 +223,7 @@ void Simulation::visit_poses(float alpha, uint64_t since, const PoseVisitor& vis
     if (structure_) return structure_->visit_poses(world_, alpha, since, visit);
     for (uint32_t piece = 0; piece < loose_.size(); ++piece)
         if (world_.contains(loose_[piece]) && world_.last_moved_step(loose_[piece]) >= since)
-            visit(piece, interpolated(world_, loose_[piece], alpha));
-}
-
-void Simulation::write_poses(std::span<Pose> out, float alpha) const {
-    visit_poses(alpha, 0, [&](uint32_t slot, const Pose& pose) {
-        if (slot < out.size()) out[slot] = pose;
-    });
+            visit(piece, world_.interpolated_pose(loose_[piece], alpha));
 }
 
 uint64_t Simulation::state_hash() const {

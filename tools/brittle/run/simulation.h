@@ -14,7 +14,7 @@
 //     PreparedBodies bodies = prepare_bodies(broken.fragments, world_of(options), "stone");   // on any thread
 //     simulation.start(broken.fragments, world_of(options), std::move(bodies));
 //     simulation.apply(Shoot{.from = eye, .velocity = 14.0 * direction});
-//     each frame: float alpha = simulation.advance(seconds); simulation.write_poses(poses, alpha);
+//     each frame: float alpha = simulation.advance(seconds); simulation.visit_poses(alpha, 0, write);
 #pragma once
 
 #include <cstdint>
@@ -108,12 +108,10 @@ class Simulation {
     void observe(SimulationObserver* observer) { observer_ = observer; }
 
     // A piece's slot is its index where nothing is cut anew; else it is used again once the piece is gone.
-    // Of each piece: its slot and the pose of its centre of mass in the axes of the fragments, interpolated as by
-    // World::write_transforms(). What has not moved since a step is left out.
+    // Calls visit for each piece with its slot and the interpolated pose of its centre of mass, in the axes of the
+    // fragments. Pieces of bodies with World::last_moved_step() < since are skipped.
     using PoseVisitor = std::function<void(uint32_t slot, const physics::Pose& pose)>;
     void visit_poses(float alpha, uint64_t since, const PoseVisitor& visit) const;
-    // Those of all slots that fit.
-    void write_poses(std::span<physics::Pose> out, float alpha) const;
     // Pieces of breakable things that came and went since the last call; nothing else ever does.
     [[nodiscard]] physics::DestructionEvents take_events();
     [[nodiscard]] std::span<const physics::Commit> commits() const; // of the last step
