@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "physics/solver/convert.h"
 #include "physics/solver/float4.h"
-#include "physics/solver/turn.h"
+#include "physics/solver/rotate4.h"
+#include "physics/solver/transform.h"
 
 namespace brittle::physics {
 
@@ -27,7 +27,7 @@ AirDrag::AirDrag(std::span<const glm::vec3> sides, const glm::quat& turn, float 
     std::array<double, 3> across{}; // the mean of |side . u| over unit vectors u across an axis
     // The roots of four sides at once, as they take most of the time; sums in the order of the sides.
     for (size_t i = 0; i < sides.size(); i += 4) {
-        Vector4 own = turned(turn, Vector4::of(side(i), side(i + 1), side(i + 2), side(i + 3)));
+        Vector4 own = rotated(turn, Vector4::of(side(i), side(i + 1), side(i + 2), side(i + 3)));
         own = {of_area * own.x, of_area * own.y, of_area * own.z};
         float* const group = lanes_.data() + i / 4 * group_size;
         own.x.store(group), own.y.store(group + 4), own.z.store(group + 8);
@@ -50,14 +50,13 @@ AirDrag::AirDrag(std::span<const glm::vec3> sides, const glm::quat& turn, float 
     }
 }
 
-void AirDrag::brake(btRigidBody& body, float density, float seconds, float unfelt) const {
+void AirDrag::brake(Velocity& of, const glm::mat3& basis, float density, float seconds, float unfelt) const {
     const float air = density * seconds;
-    const btMatrix3x3& basis = body.getWorldTransform().getBasis();
-    const btVector3 velocity = body.getLinearVelocity() / bullet_units;
-    const float speed = velocity.length(), most = air * most_ * speed;
+    const glm::vec3 velocity = of.linear * (1.0f / units);
+    const float speed = glm::length(velocity), most = air * most_ * speed;
     if (most > nothing && most * speed > unfelt) {
-        const btVector3 along = velocity * basis; // in principal axes
-        const Float4 x = Float4::all(along.x()), y = Float4::all(along.y()), z = Float4::all(along.z());
+        const glm::vec3 along = velocity * basis; // in principal axes
+        const Float4 x = Float4::all(along.x), y = Float4::all(along.y), z = Float4::all(along.z);
         Float4 sum = Float4::all(0.0f);
         for (const float* group = lanes_.data(); group != lanes_.data() + lanes_.size(); group += group_size) {
             const Float4 met = Float4::load(group) * x + Float4::load(group + 4) * y + Float4::load(group + 8) * z;
@@ -65,16 +64,13 @@ void AirDrag::brake(btRigidBody& body, float density, float seconds, float unfel
         }
         float met[4];
         sum.store(met);
-        body.setLinearVelocity(body.getLinearVelocity() / (1.0f + air * ((met[0] + met[1]) + (met[2] + met[3]))));
+        of.linear *= 1.0f / (1.0f + air * ((met[0] + met[1]) + (met[2] + met[3])));
     }
-    const btVector3& spin = body.getAngularVelocity();
-    const btVector3 lost = spin_ * (air * spin.length());
-    const float max_lost = lost[lost.maxAxis()];
-    if (max_lost > nothing && max_lost * spin.length() * radius_ > unfelt) {
-        const btVector3 own = spin * basis;
-        body.setAngularVelocity(
-            basis * btVector3(own.x() / (1.0f + lost.x()), own.y() / (1.0f + lost.y()), own.z() / (1.0f + lost.z())));
-    }
+    const float spin = glm::length(of.angular);
+    const glm::vec3 lost = spin_ * (air * spin);
+    const float max_lost = std::max({lost.x, lost.y, lost.z});
+    if (max_lost > nothing && max_lost * spin * radius_ > unfelt)
+        of.angular = basis * ((of.angular * basis) / (1.0f + lost));
 }
 
 } // namespace brittle::physics

@@ -16,9 +16,11 @@
 #include <span>
 #include <vector>
 
-#include <btBulletDynamicsCommon.h>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+
+#include "physics/solver/velocity.h"
 
 namespace brittle::physics {
 
@@ -34,12 +36,12 @@ class AirDrag {
 
     // Takes from the velocities of a body with these principal axes what air of a density, kg/m^3, takes in a time, s; nothing
     // where that is less than `unfelt`, m/s.
-    void brake(btRigidBody& body, float density, float seconds, float unfelt) const;
+    void brake(Velocity& velocity, const glm::mat3& basis, float density, float seconds, float unfelt) const;
 
   private:
     std::vector<float> lanes_; // sides times 1/2 C / m, by groups of four: four x, four y, four z; filled up with zero
     float most_ = 0.0f;        // at least their shadow from any side; m^2/kg
-    btVector3 spin_{0, 0, 0};  // 1/2 C A g^3 / I, m^3/kg
+    glm::vec3 spin_{0.0f};     // 1/2 C A g^3 / I, m^3/kg
     float radius_ = 0.0f;      // the largest g, m
 };
 

@@ -1,31 +1,20 @@
-// Contacts of a body of several hulls with one of one hull, or with the ground.
+// Contacts of a body of several hulls: with a body of one hull, with another compound, or with the ground.
 //
-// Which of its hulls are near is asked of the compound's tree; each of those has contacts of its own with the other body
-// (hull_contact.h, ground_contact.h), which live as long as the boxes of the two overlap. As Bullet's own algorithm, bit for bit,
-// but that a pair is followed beside others (narrow_phase.h) in a step in which no hull comes near or goes: a shell of which a
-// hundred pieces came off meets all of them. Two compounds are left to Bullet.
+// The compound's tree of bounds finds the hulls that are near; each pair of hulls has contacts of its own (hull_contact.h,
+// ground_contact.h), which live as long as their bounds overlap.
 //
-// A limit: there are no contacts until boxes overlap, so none is made ahead.
+// A limit: there are no contacts until bounds overlap, so none is speculative.
 #pragma once
 
 #include <memory>
 
-class btCollisionDispatcher;
+#include "physics/solver/pair_contacts.h"
 
 namespace brittle::physics {
 
-class CompoundContacts {
-  public:
-    // From now on the dispatcher uses it for such pairs. Must outlive the dispatcher's pairs.
-    explicit CompoundContacts(btCollisionDispatcher& dispatcher);
-    ~CompoundContacts();
+struct Body;
 
-    // Bytes that the dispatcher's pool must have for a pair.
-    static int pair_size();
-
-  private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
-};
+// At least one of the two is a compound; null for b: the ground.
+[[nodiscard]] std::unique_ptr<PairContacts> make_compound_contacts(const Body& a, const Body* b);
 
 } // namespace brittle::physics

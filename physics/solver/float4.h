@@ -119,13 +119,13 @@ struct Float4 {
 
 #endif
 
-inline float least(Float4 a) {
+inline float min_of(Float4 a) {
     float lanes[4];
     a.store(lanes);
     const float low = lanes[0] < lanes[1] ? lanes[0] : lanes[1], high = lanes[2] < lanes[3] ? lanes[2] : lanes[3];
     return low < high ? low : high;
 }
-inline float greatest(Float4 a) {
+inline float max_of(Float4 a) {
     float lanes[4];
     a.store(lanes);
     const float low = lanes[0] > lanes[1] ? lanes[0] : lanes[1], high = lanes[2] > lanes[3] ? lanes[2] : lanes[3];

@@ -8,8 +8,8 @@ namespace brittle::physics {
 
 namespace {
 
-FourVectors all(const btVector3& v) {
-    return {Float4::all(v.x()), Float4::all(v.y()), Float4::all(v.z())};
+FourVectors all(const glm::vec3& v) {
+    return {Float4::all(v.x), Float4::all(v.y), Float4::all(v.z)};
 }
 Float4 dot(const FourVectors& a, const FourVectors& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -33,125 +33,122 @@ void store(const FourVectors& v, std::array<Four, 3>& to) {
     for (size_t axis = 0; axis < 3; ++axis) v[axis].store(to[axis].data());
 }
 
-// What a row is made of besides its impulse.
-struct Along {
-    Float4 wanted, gain;
+struct Made {
+    Float4 bias, effective_mass;
 };
 
 void clear(GroundRows& rows, size_t lane) {
     for (FourRows* of : {&rows.contacts, &rows.frictions}) {
         for (size_t axis = 0; axis < 3; ++axis)
-            of->normal[axis][lane] = of->arm[axis][lane] = of->turn[axis][lane] = 0.0f;
-        of->wanted[lane] = of->gain[lane] = of->impulse[lane] = 0.0f;
+            of->normal[axis][lane] = of->angular[axis][lane] = of->inverse_inertia_angular[axis][lane] = 0.0f;
+        of->bias[lane] = of->effective_mass[lane] = of->impulse[lane] = 0.0f;
     }
-    rows.speed[lane] = rows.depth[lane] = 0.0f;
+    rows.speed[lane] = rows.correction[lane] = 0.0f;
 }
 
-// The movers of four points, each for itself or one for all.
-struct Movers {
-    const std::array<FourVectors, 3>& turning;
+// The bodies of four points, one for each or one for all.
+struct Bodies {
+    const std::array<FourVectors, 3>& inverse_inertia;
     const FourVectors &centre, &linear, &angular;
-    Float4 light, restitution;
+    Float4 inverse_mass, restitution;
 };
 
 struct Points {
     FourVectors position;
-    Float4 distance, kept_impulse;
-    FourVectors held; // which way friction acts where they do not slide
+    Float4 distance, warm_normal_impulse;
+    FourVectors tangent; // in which friction acts where they do not slide
 };
 
-// Rows that act on the bodies in a direction of each point.
-Along rows_along(const FourVectors& normal, const FourVectors& arms, const Movers& movers, FourRows& rows) {
-    const FourVectors arm = cross(arms, normal);
-    const FourVectors turn{dot(movers.turning[0], arm), dot(movers.turning[1], arm), dot(movers.turning[2], arm)};
+// Fills the Jacobian of rows along a direction at each point.
+Made rows_along(const FourVectors& normal, const FourVectors& arms, const Bodies& bodies, FourRows& rows) {
+    const FourVectors angular = cross(arms, normal);
+    const FourVectors turn{dot(bodies.inverse_inertia[0], angular), dot(bodies.inverse_inertia[1], angular),
+                           dot(bodies.inverse_inertia[2], angular)};
     store(normal, rows.normal);
-    store(arm, rows.arm);
-    store(turn, rows.turn);
-    const Float4 none = Float4::all(0.0f), response = movers.light + dot(turn, arm);
-    const Float4 gain = where_less(none, response, Float4::all(1.0f) / response, none);
-    const Float4 apart = dot(normal, movers.linear) + dot(arm, movers.angular);
-    return {minus(apart) * gain, gain};
+    store(angular, rows.angular);
+    store(turn, rows.inverse_inertia_angular);
+    const Float4 none = Float4::all(0.0f), response = bodies.inverse_mass + dot(turn, angular);
+    const Float4 effective_mass = where_less(none, response, Float4::all(1.0f) / response, none);
+    const Float4 apart = dot(normal, bodies.linear) + dot(angular, bodies.angular);
+    return {minus(apart) * effective_mass, effective_mass};
 }
 
-void store(const Along& made, Float4 impulse, FourRows& rows) {
-    made.wanted.store(rows.wanted.data());
-    made.gain.store(rows.gain.data());
+void store(const Made& made, Float4 impulse, FourRows& rows) {
+    made.bias.store(rows.bias.data());
+    made.effective_mass.store(rows.effective_mass.data());
     impulse.store(rows.impulse.data());
 }
 
-const btVector3 up(0, 1, 0);
+const glm::vec3 up(0, 1, 0);
 
-GroundRows rows_of(const Movers& movers, const Points& points, const GroundStep& step) {
+GroundRows rows_of(const Bodies& bodies, const Points& points, const GroundStep& step) {
     const Float4 none = Float4::all(0.0f), seconds = Float4::all(step.seconds);
-    const FourVectors arms = points.position - movers.centre;
+    const FourVectors arms = points.position - bodies.centre;
 
     GroundRows rows;
-    Along contact = rows_along(all(up), arms, movers, rows.contacts);
-    const Float4 apart = minus(contact.wanted) / contact.gain;
-    const Float4 before = apart - Float4::all(up.dot(step.gravity) * step.seconds);
+    Made contact = rows_along(all(up), arms, bodies, rows.contacts);
+    const Float4 apart = minus(contact.bias) / contact.effective_mass;
+    const Float4 before = apart - Float4::all(glm::dot(up, step.gravity) * step.seconds);
     const Float4 least = Float4::all(step.min_bounce_speed), faster = max(before, minus(before));
-    const Float4 bounce = where_less(faster, least, none, max(minus(before) * movers.restitution, none));
-    contact.wanted = contact.wanted + (bounce - max(points.distance, none) / seconds) * contact.gain;
-    store(contact, points.kept_impulse * Float4::all(step.kept_impulse), rows.contacts);
+    const Float4 bounce = where_less(faster, least, none, max(minus(before) * bodies.restitution, none));
+    contact.bias = contact.bias + (bounce - max(points.distance, none) / seconds) * contact.effective_mass;
+    store(contact, points.warm_normal_impulse * Float4::all(step.warm_start_part), rows.contacts);
     minus(before).store(rows.speed.data());
-    (max(minus(points.distance), none) * Float4::all(GroundRows::undone_part) / seconds * contact.gain)
-        .store(rows.depth.data());
+    (max(minus(points.distance), none) * Float4::all(GroundRows::correction_part) / seconds * contact.effective_mass)
+        .store(rows.correction.data());
 
-    const FourVectors sliding = movers.linear + cross(movers.angular, arms) - all(up) * apart;
-    const Float4 square = dot(sliding, sliding), epsilon = Float4::all(SIMD_EPSILON);
+    const FourVectors sliding = bodies.linear + cross(bodies.angular, arms) - all(up) * apart;
+    const Float4 square = dot(sliding, sliding), min_square = Float4::all(min_sliding_square);
     FourVectors along = sliding * (Float4::all(1.0f) / sqrt(square));
-    if (less(epsilon, square) != 0xf)
+    if (less(min_square, square) != 0xf)
         for (size_t axis = 0; axis < 3; ++axis)
-            along[axis] = where_less(epsilon, square, along[axis], points.held[axis]);
-    store(rows_along(along, arms, movers, rows.frictions), none, rows.frictions);
+            along[axis] = where_less(min_square, square, along[axis], points.tangent[axis]);
+    store(rows_along(along, arms, bodies, rows.frictions), none, rows.frictions);
     return rows;
 }
 
-// Points beside each other take turns between two ways, so that together they hold both.
-const std::array<btVector3, 2>& held_ways() {
-    static const std::array<btVector3, 2> ways = [] {
-        std::array<btVector3, 2> both;
-        btPlaneSpace1(up, both[0], both[1]);
-        return both;
-    }();
-    return ways;
+// Points that do not slide alternate between two tangents, so that together they hold both ways.
+const std::array<glm::vec3, 2>& tangents_of_ground() {
+    static const Tangents tangents = tangents_of(up);
+    static const std::array<glm::vec3, 2> both{tangents.first, tangents.second};
+    return both;
 }
 
 } // namespace
 
-GroundRows ground_rows(const Mover& mover, const GroundManifold& ground, size_t first, const GroundStep& step) {
+GroundRows ground_rows(const SolverBody& body, const GroundManifold& ground, size_t first, const GroundStep& step) {
     const auto of = [&](const auto& value) {
         const auto at = [&](size_t i) { return value(ground.all[std::min<size_t>(first + i, ground.count - 1)]); };
         return Float4::of(at(0), at(1), at(2), at(3));
     };
     const auto position = [&](size_t axis) {
-        return of([axis](const GroundPoint& point) { return point.position[axis]; });
+        return of([axis](const GroundPoint& point) { return point.position[static_cast<int>(axis)]; });
     };
-    const std::array<btVector3, 2>& ways = held_ways(); // first is even
-    const auto held = [&](int axis) { return Float4::of(ways[0][axis], ways[1][axis], ways[0][axis], ways[1][axis]); };
-    const std::array<FourVectors, 3> turning{all(mover.turning[0]), all(mover.turning[1]), all(mover.turning[2])};
-    const FourVectors centre = all(mover.centre), linear = all(mover.linear), angular = all(mover.angular);
-    return rows_of({turning, centre, linear, angular, Float4::all(mover.light), Float4::all(ground.restitution)},
+    const std::array<glm::vec3, 2>& ways = tangents_of_ground(); // `first` is even
+    const auto tangent = [&](int axis) { return Float4::of(ways[0][axis], ways[1][axis], ways[0][axis], ways[1][axis]); };
+    const std::array<FourVectors, 3> inverse_inertia{all(body.inverse_inertia[0]), all(body.inverse_inertia[1]), all(body.inverse_inertia[2])};
+    const FourVectors centre = all(body.centre), linear = all(body.linear), angular = all(body.angular);
+    return rows_of({inverse_inertia, centre, linear, angular, Float4::all(body.inverse_mass), Float4::all(ground.restitution)},
                    {.position = {position(0), position(1), position(2)},
                     .distance = of([](const GroundPoint& point) { return point.distance; }),
-                    .kept_impulse = of([](const GroundPoint& point) { return point.kept_impulse(); }),
-                    .held = {held(0), held(1), held(2)}},
+                    .warm_normal_impulse = of([](const GroundPoint& point) { return point.warm_normal_impulse(); }),
+                    .tangent = {tangent(0), tangent(1), tangent(2)}},
                    step);
 }
 
-FourGrounded::FourGrounded(const std::array<const Mover*, 4>& movers,
+FourGrounded::FourGrounded(const std::array<const SolverBody*, 4>& bodies,
                            const std::array<const GroundManifold*, 4>& manifolds)
     : grounds(manifolds) {
     const auto lanes = [&](const auto& value) { return Float4::of(value(0), value(1), value(2), value(3)); };
     for (size_t axis = 0; axis < 3; ++axis) {
         const auto i = static_cast<int>(axis);
         for (size_t row = 0; row < 3; ++row)
-            turning[row][axis] = lanes([&](size_t lane) { return movers[lane]->turning[row][i]; });
-        centre[axis] = lanes([&](size_t lane) { return movers[lane]->centre[i]; });
-        linear[axis] = lanes([&](size_t lane) { return movers[lane]->linear[i]; });
-        angular[axis] = lanes([&](size_t lane) { return movers[lane]->angular[i]; });
+            inverse_inertia[row][axis] = lanes([&](size_t lane) { return bodies[lane]->inverse_inertia[row][i]; });
+        centre[axis] = lanes([&](size_t lane) { return bodies[lane]->centre[i]; });
+        linear[axis] = lanes([&](size_t lane) { return bodies[lane]->linear[i]; });
+        angular[axis] = lanes([&](size_t lane) { return bodies[lane]->angular[i]; });
     }
-    light = lanes([&](size_t lane) { return movers[lane]->light; });
+    inverse_mass = lanes([&](size_t lane) { return bodies[lane]->inverse_mass; });
     restitution = lanes([&](size_t lane) { return manifolds[lane]->restitution; });
     friction = lanes([&](size_t lane) { return manifolds[lane]->friction; });
 }
@@ -165,14 +162,14 @@ GroundRows ground_rows(const FourGrounded& bodies, size_t index, const GroundSte
         return Float4::of(at(0), at(1), at(2), at(3));
     };
     const auto position = [&](size_t axis) {
-        return of([axis](const GroundPoint& point) { return point.position[axis]; });
+        return of([axis](const GroundPoint& point) { return point.position[static_cast<int>(axis)]; });
     };
     GroundRows rows =
-        rows_of({bodies.turning, bodies.centre, bodies.linear, bodies.angular, bodies.light, bodies.restitution},
+        rows_of({bodies.inverse_inertia, bodies.centre, bodies.linear, bodies.angular, bodies.inverse_mass, bodies.restitution},
                 {.position = {position(0), position(1), position(2)},
                  .distance = of([](const GroundPoint& point) { return point.distance; }),
-                 .kept_impulse = of([](const GroundPoint& point) { return point.kept_impulse(); }),
-                 .held = all(held_ways()[index % 2])},
+                 .warm_normal_impulse = of([](const GroundPoint& point) { return point.warm_normal_impulse(); }),
+                 .tangent = all(tangents_of_ground()[index % 2])},
                 step);
     for (size_t lane = 0; lane < 4; ++lane)
         if (index >= bodies.grounds[lane]->count) clear(rows, lane);

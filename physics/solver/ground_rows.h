@@ -1,49 +1,51 @@
-// Rows of hulls' contacts with the ground, four points at a time: of one body, or one of each of four.
+// Rows of hulls' contacts with the ground, four points at a time: of one body, or one point of each of four bodies.
 //
-// In a heap half of all contacts are those, and each waits for nothing but its body. The same operations as one at a time, in the same
-// order (RowSolver::make_row()): not a bit is different. Bullet's units. Thread-safe: no state.
+// In a heap half of all contacts are with the ground, and a row there depends on no other body. The operations and their order are
+// those of RowSolver::make_row(): not a bit differs. Thread-safe: no state.
 #pragma once
 
 #include <array>
 #include <cstddef>
 
+#include <glm/vec3.hpp>
+
 #include "physics/solver/four_rows.h"
-#include "physics/solver/ground_contact.h"
+#include "physics/solver/manifold.h"
 #include "physics/solver/row.h"
 
 namespace brittle::physics {
 
 struct GroundRows {
-    // Of an overlap, in a step. The ground yields to nobody, so it may be more than between bodies, where each piece that is lifted
-    // lifts others.
-    static constexpr float undone_part = 0.6f;
+    // The part of an overlap that a step corrects. The ground is static, so it may be more than between bodies, where each
+    // piece that is lifted lifts others.
+    static constexpr float correction_part = 0.6f;
 
-    FourRows contacts, frictions; // frictions act along their normals
-    Four speed;                   // at which the body comes down, before the step's gravity
-    Four depth;                   // wanted where overlap is undone; 0: there is none
+    FourRows contacts, frictions; // the normals of frictions are their tangents
+    Four speed;                   // m/s, at which the body comes down, before the step's gravity
+    Four correction;              // bias of the split impulse that corrects overlap, N s; 0: there is none
 };
 
 struct GroundStep {
     float seconds;
-    btVector3 gravity;
-    float min_bounce_speed; // slower blows do not bounce
-    float kept_impulse;     // the part of the last impulse to start from
+    glm::vec3 gravity;
+    float min_bounce_speed; // m/s; slower impacts do not bounce
+    float warm_start_part;  // of the last impulse
 };
 
-// Of four points from one on; where there are fewer, the last one again. The body does not rest.
-[[nodiscard]] GroundRows ground_rows(const Mover& mover, const GroundManifold& ground, size_t first,
+// Makes the rows of four points from `first` on; where there are fewer, the last point repeats. The body is not resting.
+[[nodiscard]] GroundRows ground_rows(const SolverBody& body, const GroundManifold& ground, size_t first,
                                      const GroundStep& step);
 
-// Four bodies that do not rest, side by side, and what they touch the ground in.
+// Four bodies that are not resting, side by side, and their contacts with the ground.
 struct FourGrounded {
-    FourGrounded(const std::array<const Mover*, 4>& movers, const std::array<const GroundManifold*, 4>& manifolds);
+    FourGrounded(const std::array<const SolverBody*, 4>& bodies, const std::array<const GroundManifold*, 4>& manifolds);
 
     std::array<const GroundManifold*, 4> grounds;
-    std::array<FourVectors, 3> turning;
+    std::array<FourVectors, 3> inverse_inertia;
     FourVectors centre, linear, angular;
-    Float4 light, restitution, friction;
+    Float4 inverse_mass, restitution, friction;
 };
-// Of a point of each, the one with that index; who has fewer has rows without effect.
+// Makes the rows of the point with that index of each; a body with fewer points has rows without effect.
 [[nodiscard]] GroundRows ground_rows(const FourGrounded& bodies, size_t index, const GroundStep& step);
 
 } // namespace brittle::physics

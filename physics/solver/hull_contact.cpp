@@ -3,481 +3,361 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 #include <vector>
 
-#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-#include <btBulletDynamicsCommon.h>
-
-#include "physics/solver/first_touch.h"
+#include "physics/solver/body.h"
+#include "physics/solver/continuous_collision.h"
 #include "physics/solver/hull_distance.h"
 #include "physics/solver/hull_shape.h"
-#include "physics/solver/narrow_phase.h"
+#include "physics/solver/manifold.h"
 #include "physics/solver/siblings.h"
-#include "physics/solver/step_stops.h"
+#include "physics/solver/time_of_impact.h"
 
 namespace brittle::physics {
 
 namespace {
 
-// Hulls that touch are looked at again when they have moved against each other by this part of the distance
-// at which contacts begin: a two-hundredth of the smaller one's radius. More saves time while a heap settles;
-// much more and contacts lag behind corners that tilt.
-constexpr btScalar still_part = 0.25f;
-// Pieces of one cut that fly as one are looked at when they have moved against each other by this part of the smaller one's
-// radius: more than rounding moves them.
-constexpr btScalar together_part = 1e-4f;
-// Contacts of what is much lighter are made ahead when the heavier body moves in a step by this part of the smaller one's radius.
-// Not while both fly on together, and move against each other by less than the second part of it.
-constexpr btScalar passing_part = 0.5f, apart_part = 0.05f;
-// Contacts of two of like mass when they come closer by this part of the thinner one's thickness in a step.
-constexpr btScalar sinking_part = 0.25f;
-// Contacts begin at this part of the smaller one's radius, as in Bullet.
-constexpr btScalar near_part = 0.02f;
-
-// Corners of the smaller one that are higher above it than this part of the thickness are not its lower ones.
-constexpr btScalar low_part = 0.5f;
-// Contacts on it that are nearer to each other than this part of the smaller one's radius count as one.
-constexpr btScalar same_part = 0.2f;
-
-// Contacts whose normals have less than this cosine between them are not of the same two surfaces.
-constexpr btScalar same_way = 0.9f;
+// Contacts begin at this part of the smaller hull's rotation radius, m.
+constexpr float near_part = 0.02f;
+// Hulls that touch are searched again when they have moved against each other by this part of that distance: a two-hundredth
+// of the smaller one's radius. More saves time while a heap settles; much more, and contacts lag behind corners that tilt.
+constexpr float still_part = 0.25f;
+// Pieces of one cut that fly as one are searched when they have moved against each other by this part of the smaller one's
+// radius: rounding moves them by less.
+constexpr float together_part = 1e-4f;
+// Speculative contacts with a much lighter body begin when the heavier one moves in a step by this part of the smaller
+// one's radius, and both move against each other by the second part of it.
+constexpr float passing_part = 0.5f, apart_part = 0.05f;
+// Speculative contacts of two bodies of similar mass begin when they come closer in a step by this part of the thinner
+// one's thickness.
+constexpr float sinking_part = 0.25f;
+// Corners of the smaller hull that are higher above a floor than this part of its thickness are not its lower corners.
+constexpr float low_part = 0.5f;
+// Contacts that are nearer to each other than this part of the smaller hull's radius are one.
+constexpr float same_part = 0.2f;
+// Contacts whose normals have a smaller cosine between them are of different surfaces.
+constexpr float same_way = 0.9f;
 // Hulls that meet on straight ways do so after a few advances.
 constexpr int max_advances = 16;
 
-const HullShape& hull_of(const btCollisionObjectWrapper& object) {
-    return static_cast<const HullShape&>(*object.getCollisionShape());
+// Whether both move, and the first does not stop the second on its way (continuous_collision.h): it is pushed instead.
+bool much_lighter(const Body& first, const Body& second) {
+    return second.inverse_mass > 0.0f && second.inverse_mass < ContinuousCollision::light_part * first.inverse_mass;
 }
 
-// The farthest that the hull, without margin, reaches in a direction of the world.
-btScalar reach(const HullShape& hull, const btTransform& frame, const btVector3& direction) {
-    return hull.reach(direction * frame.getBasis()) + direction.dot(frame.getOrigin());
-}
-
-bool is_debris(const btCollisionObjectWrapper& object) {
-    return object.getCollisionObject()->getBroadphaseHandle()->m_collisionFilterGroup
-           == btBroadphaseProxy::DebrisFilter;
-}
-
-HullShape point_hull() {
-    HullShape point;
-    point.addPoint({0, 0, 0}, false);
-    point.setMargin(0.0f);
-    point.finish();
-    return point;
-}
-
-// Whether both move, and the first does not stop the second on its way (step_stops.h): it is pushed instead, by a contact that
-// is made ahead.
-bool much_lighter(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
-    const btScalar light = btRigidBody::upcast(first.getCollisionObject())->getInvMass();
-    const btScalar heavy = btRigidBody::upcast(second.getCollisionObject())->getInvMass();
-    return heavy > 0.0f && heavy < StepStops::light_part * light;
-}
-
-class HullPair final : public FollowedContacts {
+class HullContacts final : public PairContacts {
   public:
-    HullPair(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* first,
-             const btCollisionObjectWrapper* second)
-        : FollowedContacts(info), manifold_(info.m_manifold), own_(!info.m_manifold) {
-        const HullShape& a = hull_of(*first);
-        const HullShape& b = hull_of(*second);
-        const btScalar radius_a = a.radius(), radius_b = b.radius();
-        in_compound_ = first->m_index >= 0;
-        first_moves_ = radius_a < radius_b;
-        radius_ = std::min(radius_a, radius_b);
-        margins_ = a.getMargin() + b.getMargin();
-        near_ = std::min(a.getContactBreakingThreshold(near_part), b.getContactBreakingThreshold(near_part));
+    HullContacts(const HullOf& a, const HullOf& b) : a_(a), b_(b) {
+        const HullShape &hull_a = *a.shape, &hull_b = *b.shape;
+        of_compound_ = a.local || b.local;
+        a_is_smaller_ = hull_a.radius() < hull_b.radius();
+        radius_ = std::min(hull_a.radius(), hull_b.radius());
+        margins_ = hull_a.margin() + hull_b.margin();
+        near_ = near_part * std::min(hull_a.rotation_radius(), hull_b.rotation_radius());
         still_ = still_part * near_;
-        looks_ahead_ = is_debris(*first) || is_debris(*second);
-        pushed_by_first_ = much_lighter(*second, *first);
-        pushed_by_second_ = much_lighter(*first, *second);
-        alike_ = !first->getCollisionObject()->isStaticObject() && !second->getCollisionObject()->isStaticObject()
-                 && !looks_ahead_ && !pushed_by_first_ && !pushed_by_second_;
-        thinner_ = std::min(thickness(a), thickness(b));
-        on_larger_ = std::max(radius_a, radius_b) > StepStops::larger_factor * radius_;
-        axis_ = (first->getWorldTransform().getOrigin() - second->getWorldTransform().getOrigin())
-                * first->getWorldTransform().getBasis();
-        if (axis_.fuzzyZero()) axis_ = {0, 1, 0};
-        axis_.normalize();
-        if (!Siblings::fly_as_one(*first->getCollisionObject(), *second->getCollisionObject())) return;
-        seen_ = relative_of(*first, *second);
+        debris_ = a.body->debris || b.body->debris;
+        a_pushes_b_ = much_lighter(*b.body, *a.body);
+        b_pushes_a_ = much_lighter(*a.body, *b.body);
+        similar_mass_ = !a.body->fixed && !b.body->fixed && !debris_ && !a_pushes_b_ && !b_pushes_a_;
+        min_thickness_ = std::min(thickness(hull_a), thickness(hull_b));
+        on_larger_ = std::max(hull_a.radius(), hull_b.radius()) > ContinuousCollision::larger_factor * radius_;
+        const Frames now{a.frame(), b.frame()};
+        axis_ = (now.a.origin - now.b.origin) * now.a.basis;
+        if (length_squared(axis_) < epsilon * epsilon) axis_ = {0, 1, 0};
+        axis_ *= 1.0f / glm::length(axis_);
+        if (!Siblings::fly_as_one(*a.body, *b.body)) return;
+        searched_at_ = relative(now);
         free_ = together_part * radius_;
     }
-    ~HullPair() override { release(); }
 
-    void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
-                          const btDispatcherInfo& info, btManifoldResult* result) override {
-        (void)update(*first, *second, info, *result, true);
-    }
-    bool follow(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                const btDispatcherInfo& info, btManifoldResult& result) override {
-        return update(first, second, info, result, false);
+    void update(const ContactStep& step) override {
+        const Frames now{a_.frame(), b_.frame()};
+        // Contacts of two bodies may end because the step goes on along another axis than the last one: one more search.
+        if (find(now, step.seconds) || (!of_compound_ && find(now, step.seconds))) return;
+        manifold_.reset();
     }
 
-    // Only asked for objects that sweep; ours do not.
-    btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
-                                   btManifoldResult*) override {
-        return 1.0f;
+    void refresh() override {
+        if (manifold_) manifold_->refresh();
     }
-    void getAllContactManifolds(btManifoldArray& manifolds) override {
-        if (manifold_ && own_) manifolds.push_back(manifold_);
+    void collect(std::vector<AnyManifold>& to) const override {
+        if (manifold_) to.emplace_back(const_cast<Manifold&>(*manifold_));
     }
 
   private:
-    // What following found when the manifold must come or go. A compound's hull goes on from there, as if it had been allowed to;
-    // two bodies are judged anew, now along the axis that was found, and looked at anew where their contacts have gone.
-    struct Left {
-        std::optional<HullDistance> touch; // none: no contact is left
-        bool pushed;
+    static constexpr float epsilon = std::numeric_limits<float>::epsilon();
+
+    struct Frames {
+        Transform a, b;
     };
 
-    // False, and to be done again, where the manifold must come or go and that is not allowed.
-    bool update(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                const btDispatcherInfo& info, btManifoldResult& result, bool may_come_and_go) {
-        const btTransform relative = relative_of(first, second);
-        const std::optional<Left> left = std::exchange(left_, std::nullopt);
-        const bool pushed = left && in_compound_ ? left->pushed : may_be_pushed(first, second, info.m_timeStep);
-        const btScalar ahead = looks_ahead_ || pushed ? approach(first, second) * info.m_timeStep : 0.0f;
-        const btScalar near = near_ + ahead;
-        if (left) {
-            if (left->touch) add_contact(first, second, *left->touch, near, result);
-        } else if (!(moved_since(relative) + ahead < free_)) {
-            seen_ = relative;
-            const std::optional<HullDistance> touch = look(first, second, near);
-            if (touch && !manifold_ && pushed && !touch_ahead(first, second, info.m_timeStep)) {
+    // Brings the contacts up to date; false where none of those that there were is left.
+    bool find(const Frames& now, float seconds) {
+        const Transform relative_now = relative(now);
+        bool pushed = may_be_pushed(now, seconds);
+        float ahead = debris_ || pushed ? approach_speed(now) * seconds : 0.0f;
+        if (!(moved_since(relative_now) + ahead < free_)) {
+            searched_at_ = relative_now;
+            const std::optional<HullDistance> touch = search(now, near_ + ahead);
+            if (touch && !manifold_ && pushed && !touch_ahead(now, seconds)) {
                 free_ = -1.0f; // near, but passing
                 return true;
             }
-            if (touch && !manifold_ && !may_come_and_go) {
-                left_ = {touch, pushed};
-                return false;
+            if (touch && !manifold_ && !of_compound_) { // along the axis that was found
+                pushed = may_be_pushed(now, seconds);
+                ahead = debris_ || pushed ? approach_speed(now) * seconds : 0.0f;
             }
-            if (touch) add_contact(first, second, *touch, near, result);
+            if (touch) add_contact(now, *touch, near_ + ahead);
         }
-        if (!own_ || !manifold_) return true;
-        result.setPersistentManifold(manifold_);
-        result.refreshContactPoints();
-        if (manifold_->getNumContacts() > 0) {
+        if (!manifold_) return true;
+        manifold_->refresh();
+        if (manifold_->count() > 0) {
             if (pushed)
-                meet_ahead(first, second, info.m_timeStep);
+                meet_ahead(now, seconds);
             else if (on_larger_)
-                add_corners(first, second, info.m_timeStep, result);
+                add_corners(now, seconds);
         }
-        if (manifold_->getNumContacts() > 0) return true;
-        if (!may_come_and_go) {
-            if (in_compound_) left_ = {std::nullopt, pushed};
-            return false;
-        }
-        release();
-        return true;
+        return manifold_->count() > 0;
     }
+
+    [[nodiscard]] const HullShape& smaller() const { return a_is_smaller_ ? *a_.shape : *b_.shape; }
+    [[nodiscard]] const HullShape& larger() const { return a_is_smaller_ ? *b_.shape : *a_.shape; }
+    [[nodiscard]] const glm::vec3& on_smaller(const ContactPoint& p) const { return a_is_smaller_ ? p.on_a : p.on_b; }
 
     // The frame of the smaller hull in that of the other one.
-    [[nodiscard]] btTransform relative_of(const btCollisionObjectWrapper& first,
-                                          const btCollisionObjectWrapper& second) const {
-        const btTransform &a = first.getWorldTransform(), &b = second.getWorldTransform();
-        return first_moves_ ? b.inverseTimes(a) : a.inverseTimes(b);
+    [[nodiscard]] Transform relative(const Frames& now) const {
+        return a_is_smaller_ ? now.b.to_local(now.a) : now.a.to_local(now.b);
     }
 
-    // How far any point of the smaller hull can have moved in the frame of the other one.
-    [[nodiscard]] btScalar moved_since(const btTransform& relative) const {
-        btScalar turned = 0.0f; // the square of the Frobenius norm bounds what the difference does to a vector
-        for (int row = 0; row < 3; ++row) turned += (relative.getBasis()[row] - seen_.getBasis()[row]).length2();
-        return (relative.getOrigin() - seen_.getOrigin()).length() + std::sqrt(turned) * radius_;
+    // How far any point of the smaller hull can have moved in the frame of the other one since the last search.
+    [[nodiscard]] float moved_since(const Transform& now) const {
+        float turned = 0.0f; // the square of the Frobenius norm bounds what the difference does to a vector
+        for (int axis = 0; axis < 3; ++axis) turned += length_squared(row(now.basis, axis) - row(searched_at_.basis, axis));
+        return glm::length(now.origin - searched_at_.origin) + std::sqrt(turned) * radius_;
     }
 
-    static btVector3 velocity_of(const btCollisionObjectWrapper& object) {
-        return btRigidBody::upcast(object.getCollisionObject())->getLinearVelocity();
+    // Whether one may get into or past the other in a step while continuous collision does not look at the two.
+    [[nodiscard]] bool may_be_pushed(const Frames& now, float seconds) const {
+        const glm::vec3 relative_velocity = b_.body->velocity.linear - a_.body->velocity.linear;
+        // Along the axis that separates them now they get no deeper than they come closer.
+        if (similar_mass_) return glm::dot(relative_velocity, now.a.basis * axis_) * seconds > sinking_part * min_thickness_;
+        if (!a_pushes_b_ && !b_pushes_a_) return false;
+        const float heavy = glm::length((a_pushes_b_ ? a_ : b_).body->velocity.linear);
+        return heavy * seconds > passing_part * radius_ && glm::length(relative_velocity) * seconds > apart_part * radius_;
     }
 
-    // Whether one may get into or past the other in a step, and nobody looks at them on their way (step_stops.cpp).
-    [[nodiscard]] bool may_be_pushed(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                                     btScalar seconds) const {
-        const btVector3 against = velocity_of(second) - velocity_of(first);
-        // Along what separates them now they get no deeper than they come closer.
-        if (alike_)
-            return against.dot(first.getWorldTransform().getBasis() * axis_) * seconds > sinking_part * thinner_;
-        if (!pushed_by_first_ && !pushed_by_second_) return false;
-        const btScalar heavy = velocity_of(pushed_by_first_ ? first : second).length();
-        return heavy * seconds > passing_part * radius_ && against.length() * seconds > apart_part * radius_;
+    // An upper bound of the speed at which the hulls come closer.
+    [[nodiscard]] float approach_speed(const Frames& now) const {
+        const glm::vec3& middle = (a_is_smaller_ ? now.a : now.b).origin;
+        const glm::vec3 apart = a_.body->velocity_at(middle) - b_.body->velocity_at(middle);
+        const glm::vec3 turning = a_.body->velocity.angular - b_.body->velocity.angular;
+        return glm::length(apart) + glm::length(turning) * radius_;
     }
 
-    // How fast the hulls can come closer.
-    [[nodiscard]] btScalar approach(const btCollisionObjectWrapper& first,
-                                    const btCollisionObjectWrapper& second) const {
-        const btCollisionObject& a = *first.getCollisionObject();
-        const btCollisionObject& b = *second.getCollisionObject();
-        const btRigidBody& body_a = *btRigidBody::upcast(&a);
-        const btRigidBody& body_b = *btRigidBody::upcast(&b);
-        const btVector3 middle = (first_moves_ ? first : second).getWorldTransform().getOrigin();
-        const btVector3 apart = body_a.getVelocityInLocalPoint(middle - body_a.getCenterOfMassPosition())
-                                - body_b.getVelocityInLocalPoint(middle - body_b.getCenterOfMassPosition());
-        const btVector3 turning = body_a.getAngularVelocity() - body_b.getAngularVelocity();
-        return apart.length() + turning.length() * radius_;
+    // Velocity of the smaller hull against the other one at a point of the world.
+    [[nodiscard]] glm::vec3 velocity_against(const glm::vec3& point) const {
+        const glm::vec3 apart = a_.body->velocity_at(point) - b_.body->velocity_at(point);
+        return a_is_smaller_ ? apart : -apart;
     }
 
-    // The gap between the hulls in a direction from the second to the first: what separates them at least.
-    [[nodiscard]] btScalar gap(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                               const btVector3& direction) const {
-        return -reach(hull_of(first), first.getWorldTransform(), -direction)
-               - reach(hull_of(second), second.getWorldTransform(), direction) - margins_;
+    // The gap between the hulls along a unit direction from b to a: a lower bound of their distance.
+    [[nodiscard]] float gap(const Frames& now, const glm::vec3& direction) const {
+        return -support(*a_.shape, now.a, -direction) - support(*b_.shape, now.b, direction) - margins_;
     }
 
-    // Finds a contact, if there is one, and by how much the hulls may move until they must be looked at again.
-    std::optional<HullDistance> look(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                                     btScalar near) {
-        const btTransform& a = first.getWorldTransform();
-        free_ = gap(first, second, a.getBasis() * axis_) - near;
+    // Finds a contact, if there is one, and by how much the hulls may move until the next search.
+    std::optional<HullDistance> search(const Frames& now, float near) {
+        free_ = gap(now, now.a.basis * axis_) - near;
         if (free_ > 0.0f) return std::nullopt;
-        const HullDistance found = hull_distance(hull_of(first), hull_of(second),
-                                                 a.inverseTimes(second.getWorldTransform()), margins_ + near, corners_);
+        const HullDistance found =
+            hull_distance(*a_.shape, *b_.shape, now.a.to_local(now.b), margins_ + near, simplex_);
         axis_ = found.normal;
         free_ = found.distance - margins_ - near;
         return free_ > 0.0f ? std::nullopt : std::optional(found);
     }
 
-    void add_contact(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                     const HullDistance& touch, btScalar near, btManifoldResult& result) {
-        const btTransform& a = first.getWorldTransform();
-        if (!manifold_)
-            manifold_ = m_dispatcher->getNewManifold(first.getCollisionObject(), second.getCollisionObject());
-        if (near > near_) manifold_->setContactBreakingThreshold(near);
-        const int before = manifold_->getNumContacts();
-        result.setPersistentManifold(manifold_);
-        result.addContactPoint(a.getBasis() * touch.normal,
-                               a * (touch.point + touch.normal * hull_of(second).getMargin()),
-                               touch.distance - margins_);
-        free_ = manifold_->getNumContacts() == before ? still_ : -1.0f;
+    void add_contact(const Frames& now, const HullDistance& touch, float near) {
+        if (!manifold_) manifold_.emplace(*a_.body, *b_.body);
+        if (near > near_) manifold_->set_breaking_threshold(near);
+        const uint32_t before = manifold_->count();
+        manifold_->add(now.a.basis * touch.normal, now.a * (touch.point + touch.normal * b_.shape->margin()),
+                       touch.distance - margins_, a_.part, b_.part);
+        free_ = manifold_->count() == before ? still_ : -1.0f;
     }
 
-    // On a floor or a wall each corner of the smaller hull that the step may bring down is a contact, as on the ground
-    // (ground_contact.h): with the deepest one only, the body turns on it, comes down on the next, and goes in corner by corner.
-    void add_corners(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, btScalar seconds,
-                     btManifoldResult& result) {
-        if (approach(first, second) * seconds <= still_) return;
-        const btCollisionObjectWrapper& smaller = first_moves_ ? first : second;
-        const btCollisionObjectWrapper& larger = first_moves_ ? second : first;
-        const HullShape& hull = hull_of(smaller);
-        const btManifoldPoint known = manifold_->getContactPoint(0);
-        const btVector3 away = first_moves_ ? known.m_normalWorldOnB : -known.m_normalWorldOnB;
-        const btScalar highest = low_part * thickness(hull);
-        const btVector3 foot = first_moves_ ? known.getPositionWorldOnB() : known.getPositionWorldOnA();
-        for (int i = 0; i < hull.getNumPoints(); ++i) {
-            const btVector3 corner = smaller.getWorldTransform() * hull.getUnscaledPoints()[i];
-            const btScalar height = (corner - foot).dot(away) - hull.getMargin();
-            const btScalar down = -velocity_against(first, second, corner).dot(away) * seconds;
-            if (height > std::min(near_ + std::max<btScalar>(down, 0.0f), highest)) continue;
-            // Farther than the threshold is no contact, and what is nearer to another one than that would replace it.
-            const btScalar threshold = std::max(near_, height);
-            const btVector3 on_smaller = corner - away * hull.getMargin();
-            if (has_contact_near(on_smaller, std::max(threshold, same_part * radius_))) continue;
-            if (!is_over(hull_of(larger), larger.getWorldTransform(), corner, height)) continue;
-            manifold_->setContactBreakingThreshold(threshold);
-            result.addContactPoint(known.m_normalWorldOnB, first_moves_ ? on_smaller - away * height : on_smaller,
-                                   height);
+    // On a floor or a wall: a contact for each corner of the smaller hull that the step may bring down, as on the ground.
+    void add_corners(const Frames& now, float seconds) {
+        if (approach_speed(now) * seconds <= still_) return;
+        const Transform& frame = a_is_smaller_ ? now.a : now.b;
+        const HullShape& hull = smaller();
+        const ContactPoint known = manifold_->points()[0];
+        const glm::vec3 away = a_is_smaller_ ? known.normal : -known.normal;
+        const float highest = low_part * thickness(hull);
+        const glm::vec3 foot = a_is_smaller_ ? known.on_b : known.on_a;
+        for (const glm::vec3& local : hull.points()) {
+            const glm::vec3 corner = frame * local;
+            const float height = glm::dot(corner - foot, away) - hull.margin();
+            const float down = -glm::dot(velocity_against(corner), away) * seconds;
+            if (height > std::min(near_ + std::max(down, 0.0f), highest)) continue;
+            // A point beyond the threshold is no contact, and one nearer to another than the threshold would replace it.
+            const float threshold = std::max(near_, height);
+            const glm::vec3 on_surface = corner - away * hull.margin();
+            if (has_contact_near(on_surface, std::max(threshold, same_part * radius_))) continue;
+            if (!is_over(a_is_smaller_ ? now.b : now.a, corner, height)) continue;
+            manifold_->set_breaking_threshold(threshold);
+            manifold_->add(known.normal, a_is_smaller_ ? on_surface - away * height : on_surface, height, a_.part, b_.part);
         }
-        manifold_->setContactBreakingThreshold(near_);
+        manifold_->set_breaking_threshold(near_);
     }
 
-    // Where the two will be when they touch, on the way that they have in the step, turning left out.
+    // The hulls at the moment of touch within the step, rotation left out.
     struct Touch {
-        btTransform first, second; // the second as far on as both move against each other
-        btVector3 way{0, 0, 0};    // by so much
-        btVector3 normal{0, 0, 0}, on_second{0, 0, 0};
-        btScalar distance = 0.0f; // that is left
+        Frames at;                       // b moved on by all that the two move against each other
+        glm::vec3 translation{0.0f};     // by so much
+        glm::vec3 normal{0.0f}, on_b{0.0f};
+        float distance = 0.0f; // that is left
     };
-    std::optional<Touch> touch_ahead(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
-                                     btScalar seconds) {
-        const btVector3 middle = (first_moves_ ? first : second).getWorldTransform().getOrigin();
-        const btVector3 against = velocity_against(first, second, middle);
-        const btVector3 whole = (first_moves_ ? -against : against) * seconds;
-        const HullShape& hull = hull_of(second);
-        Touch touch{.first = first.getWorldTransform(), .second = second.getWorldTransform()};
-        btScalar part = 0.0f;
+    // Conservative advancement along the relative velocity; nothing for hulls that pass or part.
+    std::optional<Touch> touch_ahead(const Frames& now, float seconds) {
+        const glm::vec3 against = velocity_against((a_is_smaller_ ? now.a : now.b).origin);
+        const glm::vec3 whole = (a_is_smaller_ ? -against : against) * seconds;
+        Touch touch{.at = now};
+        float part = 0.0f;
         for (int advance = 0; advance < max_advances; ++advance) {
             const HullDistance found =
-                hull_distance(hull_of(first), hull, touch.first.inverseTimes(touch.second), BT_LARGE_FLOAT, corners_);
+                hull_distance(*a_.shape, *b_.shape, touch.at.a.to_local(touch.at.b), unbounded, simplex_);
             touch.distance = found.distance - margins_;
-            touch.normal = touch.first.getBasis() * found.normal;
-            touch.on_second = touch.first * (found.point + found.normal * hull.getMargin());
+            touch.normal = touch.at.a.basis * found.normal;
+            touch.on_b = touch.at.a * (found.point + found.normal * b_.shape->margin());
             if (touch.distance < near_) return touch;
-            const btScalar closing = touch.normal.dot(whole);
+            const float closing = glm::dot(touch.normal, whole);
             if (!(closing > 0.0f)) return std::nullopt;
             part += (touch.distance - 0.5f * near_) / closing;
             if (part > 1.0f) return std::nullopt;
-            touch.way = whole * part;
-            touch.second.setOrigin(second.getWorldTransform().getOrigin() + touch.way);
+            touch.translation = whole * part;
+            touch.at.b.origin = now.b.origin + touch.translation;
         }
         return touch;
     }
 
-    // The points that are nearest now are not where the two will meet, and only one of those of surfaces that come down on each
-    // other: what is light, pushed there, would get a part of the speed and spin. In their place come the point of touch, the
-    // middle of the lower corners of the smaller hull then, and those of them that are farthest from each other; where the
-    // other hull is.
-    void meet_ahead(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second, btScalar seconds) {
-        const btManifoldPoint known = manifold_->getContactPoint(0);
-        const std::optional<Touch> touch = touch_ahead(first, second, seconds);
-        manifold_->clearManifold();
-        manifold_->setContactBreakingThreshold(near_);
+    // Replaces the contacts, which lie where the hulls are nearest now, by those of the predicted moment of touch: the middle of
+    // the smaller hull's lower corners, the point of touch, and the lower corners that are farthest from these.
+    void meet_ahead(const Frames& now, float seconds) {
+        const std::optional<Touch> touch = touch_ahead(now, seconds);
+        manifold_->clear();
+        manifold_->set_breaking_threshold(near_);
         if (!touch) return;
-        const HullShape& hull = hull_of(first_moves_ ? first : second);
-        const HullShape& other = hull_of(first_moves_ ? second : first);
-        const btTransform &frame = first_moves_ ? touch->first : touch->second,
-                          &other_frame = first_moves_ ? touch->second : touch->first;
-        const btVector3 away = first_moves_ ? touch->normal : -touch->normal;
-        const btVector3 on_other = first_moves_ ? touch->on_second : touch->on_second + touch->normal * touch->distance;
-        thread_local std::vector<btVector3> low; // corners
+        const HullShape& hull = smaller();
+        const Transform& frame = a_is_smaller_ ? touch->at.a : touch->at.b;
+        const Transform& other_frame = a_is_smaller_ ? touch->at.b : touch->at.a;
+        const glm::vec3 away = a_is_smaller_ ? touch->normal : -touch->normal;
+        const glm::vec3 on_other = a_is_smaller_ ? touch->on_b : touch->on_b + touch->normal * touch->distance;
+        thread_local std::vector<glm::vec3> low; // corners
         low.clear();
-        btVector3 middle(0, 0, 0);
-        for (int i = 0; i < hull.getNumPoints(); ++i) {
-            const btVector3 corner = frame * hull.getUnscaledPoints()[i];
-            if ((corner - frame.getOrigin()).dot(away) > 0.0f) continue;
+        glm::vec3 middle(0.0f);
+        for (const glm::vec3& local : hull.points()) {
+            const glm::vec3 corner = frame * local;
+            if (glm::dot(corner - frame.origin, away) > 0.0f) continue;
             middle += corner;
             low.push_back(corner);
         }
-        const auto add = [&](const btVector3& corner) {
-            const Below below = below_of(other, other_frame, corner);
-            if (below.away.dot(away) < same_way) return;
-            const btVector3 on_smaller = corner - below.away * hull.getMargin();
-            const btManifoldPoint point = ahead_of(known, *touch, on_smaller, below);
-            if (!has_contact_near(first_moves_ ? point.getPositionWorldOnA() : point.getPositionWorldOnB(),
-                                  same_part * radius_))
-                manifold_->addManifoldPoint(point);
+        const auto add = [&](const glm::vec3& corner) {
+            const Below below = below_of(other_frame, corner);
+            if (glm::dot(below.away, away) < same_way) return;
+            const ContactPoint point = predicted(*touch, corner - below.away * hull.margin(), below);
+            if (!has_contact_near(on_smaller(point), same_part * radius_)) manifold_->add(point);
         };
-        if (!low.empty())
-            add(middle / static_cast<btScalar>(low.size())); // solved first, so that it turns only if it must
-        manifold_->addManifoldPoint(
-            ahead_of(known, *touch, on_other + away * touch->distance, {away, touch->distance}));
-        while (!low.empty() && manifold_->getNumContacts() < MANIFOLD_CACHE_SIZE) {
-            const auto farthest = std::ranges::max_element(low, {}, [&](const btVector3& corner) {
-                return to_contacts(first_moves_ ? corner : corner - touch->way);
+        if (!low.empty()) add(middle * (1.0f / static_cast<float>(low.size()))); // solved first: the body turns only if it must
+        manifold_->add(predicted(*touch, on_other + away * touch->distance, {away, touch->distance}));
+        while (!low.empty() && manifold_->count() < Manifold::max_points) {
+            const auto farthest = std::ranges::max_element(low, {}, [&](const glm::vec3& corner) {
+                return to_contacts(a_is_smaller_ ? corner : corner - touch->translation);
             });
             add(*farthest);
             low.erase(farthest);
         }
     }
 
-    // The other hull below a point of the smaller one's core: the way from it, and the gap.
+    // The larger hull as a point of the smaller one's core sees it: the direction away from it, and the gap.
     struct Below {
-        btVector3 away;
-        btScalar distance;
+        glm::vec3 away;
+        float distance;
     };
-    [[nodiscard]] Below below_of(const HullShape& other, const btTransform& frame, const btVector3& corner,
-                                 btScalar most = BT_LARGE_FLOAT) const {
-        static const HullShape tip = point_hull();
-        NearCorners nowhere;
-        const HullDistance found = hull_distance(
-            tip, other, btTransform(btMatrix3x3::getIdentity(), corner).inverseTimes(frame), most, nowhere);
+    [[nodiscard]] Below below_of(const Transform& larger_frame, const glm::vec3& corner, float limit = unbounded) const {
+        static const HullShape tip({glm::vec3(0.0f)}, 0.0f);
+        NearestCorners nowhere;
+        const HullDistance found =
+            hull_distance(tip, larger(), Transform{glm::mat3(1.0f), corner}.to_local(larger_frame), limit, nowhere);
         return {found.normal, found.distance - margins_};
     }
 
-    // The contact, as it is now, of a point that the smaller hull will have so far from the other one. It lies where the light
-    // body has it: on the heavy one arms matter less.
-    [[nodiscard]] btManifoldPoint ahead_of(btManifoldPoint point, const Touch& touch, const btVector3& on_smaller,
-                                           const Below& below) const {
-        const bool light_is_second = pushed_by_first_, light_is_smaller = light_is_second != first_moves_;
-        const btVector3 then = light_is_smaller ? on_smaller : on_smaller - below.away * below.distance;
-        const btVector3 on_light = light_is_second ? then - touch.way : then;
-        point.m_normalWorldOnB = first_moves_ ? below.away : -below.away;
-        point.m_distance1 = below.distance + point.m_normalWorldOnB.dot(touch.way);
-        const btVector3 gap = point.m_normalWorldOnB * point.m_distance1;
-        point.m_positionWorldOnA = light_is_second ? on_light + gap : on_light;
-        point.m_positionWorldOnB = light_is_second ? on_light : on_light - gap;
-        point.m_localPointA = manifold_->getBody0()->getWorldTransform().invXform(point.m_positionWorldOnA);
-        point.m_localPointB = manifold_->getBody1()->getWorldTransform().invXform(point.m_positionWorldOnB);
-        point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0.0f;
-        point.m_lifeTime = 0;
+    // The contact, as it is now, of a point that the smaller hull will have so far from the larger one. It lies where the light
+    // body has it, because a wrong lever arm matters less on the heavy one.
+    [[nodiscard]] ContactPoint predicted(const Touch& touch, const glm::vec3& on_surface, const Below& below) const {
+        const bool b_is_light = a_pushes_b_, light_is_smaller = b_is_light != a_is_smaller_;
+        const glm::vec3 then = light_is_smaller ? on_surface : on_surface - below.away * below.distance;
+        const glm::vec3 on_light = b_is_light ? then - touch.translation : then;
+        ContactPoint point;
+        point.normal = a_is_smaller_ ? below.away : -below.away;
+        point.distance = below.distance + glm::dot(point.normal, touch.translation);
+        const glm::vec3 gap = point.normal * point.distance;
+        point.on_a = b_is_light ? on_light + gap : on_light;
+        point.on_b = b_is_light ? on_light : on_light - gap;
+        point.local_a = a_.body->frame.to_local(point.on_a);
+        point.local_b = b_.body->frame.to_local(point.on_b);
+        point.part_a = a_.part;
+        point.part_b = b_.part;
+        point.tangent = tangents_of(point.normal).first;
         return point;
     }
 
-    // The square of how far the nearest contact is.
-    [[nodiscard]] btScalar to_contacts(const btVector3& on_smaller) const {
-        btScalar least = BT_LARGE_FLOAT;
-        for (int i = 0; i < manifold_->getNumContacts(); ++i) {
-            const btManifoldPoint& known = manifold_->getContactPoint(i);
-            const btVector3& at = first_moves_ ? known.getPositionWorldOnA() : known.getPositionWorldOnB();
-            least = std::min(least, (at - on_smaller).length2());
-        }
+    // The square of the distance to the nearest contact.
+    [[nodiscard]] float to_contacts(const glm::vec3& on_surface) const {
+        float least = unbounded;
+        for (const ContactPoint& known : manifold_->points())
+            least = std::min(least, length_squared(on_smaller(known) - on_surface));
         return least;
     }
 
-    [[nodiscard]] bool has_contact_near(const btVector3& on_smaller, btScalar distance) const {
-        for (int i = 0; i < manifold_->getNumContacts(); ++i) {
-            const btManifoldPoint& known = manifold_->getContactPoint(i);
-            const btVector3& at = first_moves_ ? known.getPositionWorldOnA() : known.getPositionWorldOnB();
-            if ((at - on_smaller).length2() < distance * distance) return true;
-        }
-        return false;
-    }
-
-    // Velocity of the smaller hull against the other one at a point of the world.
-    [[nodiscard]] btVector3 velocity_against(const btCollisionObjectWrapper& first,
-                                             const btCollisionObjectWrapper& second, const btVector3& point) const {
-        const auto velocity = [&](const btCollisionObjectWrapper& object) {
-            const btRigidBody& body = *btRigidBody::upcast(object.getCollisionObject());
-            return body.getVelocityInLocalPoint(point - body.getCenterOfMassPosition());
-        };
-        const btVector3 apart = velocity(first) - velocity(second);
-        return first_moves_ ? apart : -apart;
+    [[nodiscard]] bool has_contact_near(const glm::vec3& on_surface, float distance) const {
+        return std::ranges::any_of(manifold_->points(), [&](const ContactPoint& known) {
+            return length_squared(on_smaller(known) - on_surface) < distance * distance;
+        });
     }
 
     // Whether a corner of the smaller hull is as far from the larger one as from the plane of a contact: over the same face.
-    [[nodiscard]] bool is_over(const HullShape& larger, const btTransform& frame, const btVector3& corner,
-                               btScalar height) const {
-        const btScalar most = margins_ + near_ + std::max<btScalar>(height, 0.0f);
-        return std::abs(below_of(larger, frame, corner, most).distance - height) < near_;
+    [[nodiscard]] bool is_over(const Transform& larger_frame, const glm::vec3& corner, float height) const {
+        const float limit = margins_ + near_ + std::max(height, 0.0f);
+        return std::abs(below_of(larger_frame, corner, limit).distance - height) < near_;
     }
 
-    void release() {
-        if (own_ && manifold_) m_dispatcher->releaseManifold(manifold_);
-        manifold_ = own_ ? nullptr : manifold_;
-    }
-
-    btPersistentManifold* manifold_; // of our own: only while there are contacts
-    bool own_;
-    bool in_compound_;                              // the first is one of several hulls
-    bool first_moves_;                              // what is looked at as moving: the smaller one
-    btScalar radius_;                               // of it
-    btScalar margins_;                              // of both
-    btScalar near_;                                 // closer is a contact
-    bool looks_ahead_;                              // debris
-    bool pushed_by_first_, pushed_by_second_;       // which is much heavier
-    bool alike_;                                    // both move, none is much lighter
-    btScalar thinner_;                              // thickness of the thinner one
-    bool on_larger_;                                // one of them is much larger
-    btScalar still_;                                // movement that contacts bear
-    btScalar free_ = -1.0f;                         // movement from seen_ that needs no look; negative: always look
-    btTransform seen_ = btTransform::getIdentity(); // of the smaller in the other's frame
-    NearCorners corners_;
-    std::optional<Left> left_;
-    btVector3 axis_; // unit, from second to first, in the first's frame: separated them last
-};
-
-struct CreateHullPair final : btCollisionAlgorithmCreateFunc {
-    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
-                                                   const btCollisionObjectWrapper* first,
-                                                   const btCollisionObjectWrapper* second) override {
-        void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(HullPair));
-        return new (place) HullPair(info, first, second);
-    }
+    HullOf a_, b_;
+    std::optional<Manifold> manifold_;
+    bool of_compound_;
+    bool a_is_smaller_;
+    float radius_;               // of the smaller hull
+    float margins_;              // of both
+    float near_;                 // closer is a contact
+    bool debris_;                // one of the two: its contacts are speculative
+    bool a_pushes_b_, b_pushes_a_; // the first is much heavier
+    bool similar_mass_;          // both move, and none is much lighter
+    float min_thickness_;
+    bool on_larger_;             // one hull is much larger
+    float still_;                // relative movement up to which complete contacts stay as they are
+    float free_ = -1.0f;         // relative movement up to which no search is needed; negative: always
+    Transform searched_at_;      // of the smaller hull in the other's frame
+    NearestCorners simplex_;     // that GJK ended with
+    glm::vec3 axis_;             // unit, from b to a, in a's frame: it separated the two last
 };
 
 } // namespace
 
-struct HullContacts::Impl {
-    CreateHullPair create;
-};
-
-HullContacts::HullContacts(btCollisionDispatcher& dispatcher) : impl_(std::make_unique<Impl>()) {
-    dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE, &impl_->create);
+Transform HullOf::frame() const {
+    return local ? body->frame * *local : body->frame;
 }
-HullContacts::~HullContacts() = default;
 
-int HullContacts::pair_size() {
-    return static_cast<int>(sizeof(HullPair));
+std::unique_ptr<PairContacts> make_hull_contacts(const HullOf& a, const HullOf& b) {
+    return std::make_unique<HullContacts>(a, b);
 }
 
 } // namespace brittle::physics

@@ -1,44 +1,44 @@
-// Contacts of convex hulls with each other.
+// Contacts of two convex hulls, each alone in its body or one of a compound.
 //
-// Half of the pairs whose boxes overlap in a heap do not touch, and most that touch hardly move
-// against each other. Bullet runs GJK for all of them in every step. Here a pair remembers how its hulls
-// stood when it last looked closely, and what it saw:
-// - a gap: as long as one hull has moved against the other by less than that, there is still none of it gone; then the
-//   same direction is tried again, and only where it no longer separates them, GJK looks for another one;
-// - contacts that are complete: they follow the bodies until those have moved against each other by
-//   a two-hundredth of the smaller one's radius.
-// The first is exact: a pair that touches is never passed over. Points, normals and the choice of four points
-// are Bullet's, where not said otherwise below.
+// Half of the pairs whose bounds overlap in a heap do not touch, and most pairs that touch hardly move against each other.
+// A pair therefore remembers the relative pose in which it last searched, and what it found:
+// - a gap: until one hull has moved against the other by less than the gap, there is still some of it left; then the same
+//   direction is tried again, and GJK (hull_distance.h) only where that direction does not separate them any more;
+// - complete contacts: they follow the bodies until those have moved against each other by a two-hundredth of the smaller
+//   hull's radius.
+// The first is exact: a pair that touches is never missed.
 //
-// - Pieces of one cut that fly as one are taken to have a gap without a look (siblings.h).
-// - On a hull three times as large, a floor or a wall, what moves has all its lower corners as contacts at once: one a step, and
-//   it turns on that, comes down on the next, and goes in corner by corner.
-// - Contacts of debris, of what is much lighter than a body that may pass over it in a step (step_stops.h) while they move
-//   against each other, and of two of like mass that come closer by a quarter of the thinner one's thickness, are made ahead: as far
-//   apart as the two can come closer in that step. But for debris they are made for how the hulls will stand when they touch, turning left out, at
-//   several points: the middle of the smaller one's lower corners, the point of touch, and corners far from those, each with its
-//   own way to the other hull. Pushed at one point only, what is light would spin, with a third of the speed.
+// - Pieces of one cut that fly as one are taken to have a gap (siblings.h).
+// - On a hull three times as large, a floor or a wall, a moving hull has all its lower corners as contacts at once. With
+//   one a step it turns on that corner, comes down on the next, and sinks in corner by corner.
+// - Speculative contacts, made before the hulls touch and as far ahead as the two can come closer in the step: of debris; of a
+//   body that a much heavier one may pass over in the step, while the two move against each other; and of two bodies of
+//   similar mass that come closer by a quarter of the thinner one's thickness. Except for debris they are made for the
+//   predicted moment of touch, rotation left out, at several points: the point of touch, the middle of the smaller hull's
+//   lower corners, and the corners farthest from these, each with its own gap. Pushed at one point only, a light body
+//   would spin and take a third of the speed.
 #pragma once
 
 #include <memory>
 
-class btCollisionDispatcher;
+#include "physics/solver/pair_contacts.h"
+#include "physics/solver/transform.h"
 
 namespace brittle::physics {
 
-class HullContacts {
-  public:
-    // From now on the dispatcher uses it for pairs of hulls, alone or in compounds. Must outlive the
-    // dispatcher's pairs.
-    explicit HullContacts(btCollisionDispatcher& dispatcher);
-    ~HullContacts();
+struct Body;
+class HullShape;
 
-    // Bytes that the dispatcher's pool must have for a pair.
-    static int pair_size();
+// A hull of a body.
+struct HullOf {
+    const Body* body = nullptr;
+    const HullShape* shape = nullptr;
+    const Transform* local = nullptr; // of the hull in a compound; null for the only hull
+    uint32_t part = 0;
 
-  private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
+    [[nodiscard]] Transform frame() const;
 };
+
+[[nodiscard]] std::unique_ptr<PairContacts> make_hull_contacts(const HullOf& a, const HullOf& b);
 
 } // namespace brittle::physics

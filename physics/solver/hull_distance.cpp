@@ -30,27 +30,27 @@ struct Corner {
     uint16_t index_first, index_second;
 };
 
-dvec3 to_double(const btVector3& v) {
-    return {v.x(), v.y(), v.z()};
+dvec3 to_double(const glm::vec3& v) {
+    return {v.x, v.y, v.z};
 }
-btVector3 to_single(const dvec3& v) {
-    return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
+glm::vec3 to_single(const dvec3& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
 struct Difference {
     const HullShape& first;
     const HullShape& second;
-    const btTransform& frame; // of the second in the first's
+    const Transform& frame; // of the second in the first's
 
-    [[nodiscard]] dvec3 on_second(int index) const { return to_double(frame * second.getUnscaledPoints()[index]); }
+    [[nodiscard]] dvec3 on_second(int index) const { return to_double(frame * second.points()[static_cast<size_t>(index)]); }
     [[nodiscard]] Corner corner(int index_first, int index_second) const {
-        return {to_double(first.getUnscaledPoints()[index_first]) - on_second(index_second),
+        return {to_double(first.points()[static_cast<size_t>(index_first)]) - on_second(index_second),
                 static_cast<uint16_t>(index_first), static_cast<uint16_t>(index_second)};
     }
     // The farthest in a direction.
     [[nodiscard]] Corner support(const dvec3& direction) const {
-        const btVector3 along = to_single(direction);
-        return corner(first.farthest(along), second.farthest(-along * frame.getBasis()));
+        const glm::vec3 along = to_single(direction);
+        return corner(first.support_index(along), second.support_index(-along * frame.basis));
     }
 };
 
@@ -157,7 +157,7 @@ bool reduce(Simplex& s) {
     }
 }
 
-void remember(const Simplex& s, NearCorners& corners) {
+void remember(const Simplex& s, NearestCorners& corners) {
     corners.count = static_cast<uint32_t>(s.count);
     for (size_t i = 0; i < s.count; ++i) {
         corners.first[i] = s.corners[i].index_first;
@@ -183,7 +183,7 @@ class Polytope {
     }
 
     // The overlap of least depth.
-    [[nodiscard]] HullDistance least(NearCorners& near) {
+    [[nodiscard]] HullDistance least(NearestCorners& near) {
         double min_depth = std::numeric_limits<double>::infinity();
         Face found{};
         for (int round = 0; round < max_epa_rounds; ++round) {
@@ -198,7 +198,7 @@ class Polytope {
         }
         const Simplex at = nearest_to(found.normal * min_depth, found);
         remember(at, near);
-        return {static_cast<btScalar>(-min_depth), to_single(-found.normal), to_single(at.on_second(difference_))};
+        return {static_cast<float>(-min_depth), to_single(-found.normal), to_single(at.on_second(difference_))};
     }
 
   private:
@@ -316,28 +316,28 @@ class Polytope {
     size_t corner_count_ = 0, face_count_ = 0, horizon_count_ = 0;
 };
 
-Simplex start(const Difference& difference, const NearCorners& corners) {
+Simplex start(const Difference& difference, const NearestCorners& corners) {
     Simplex s;
     const auto known = [&](size_t i) {
-        return corners.first[i] < difference.first.getNumPoints()
-               && corners.second[i] < difference.second.getNumPoints();
+        return corners.first[i] < difference.first.point_count()
+               && corners.second[i] < difference.second.point_count();
     };
     for (size_t i = 0; i < corners.count; ++i)
         if (known(i)) s.corners[s.count++] = difference.corner(corners.first[i], corners.second[i]);
-    if (s.count == 0) s.corners[s.count++] = difference.support(-to_double(difference.frame.getOrigin()));
+    if (s.count == 0) s.corners[s.count++] = difference.support(-to_double(difference.frame.origin));
     return s;
 }
 
 HullDistance touching(const Simplex& s, const Difference& difference) {
     const double distance = glm::length(s.nearest);
-    return {static_cast<btScalar>(distance), to_single(s.nearest / distance), to_single(s.on_second(difference))};
+    return {static_cast<float>(distance), to_single(s.nearest / distance), to_single(s.on_second(difference))};
 }
 
 } // namespace
 
-HullDistance hull_distance(const HullShape& first, const HullShape& second, const btTransform& second_in_first,
-                           btScalar limit, NearCorners& corners) {
-    assert(first.getNumPoints() <= 65536 && second.getNumPoints() <= 65536);
+HullDistance hull_distance(const HullShape& first, const HullShape& second, const Transform& second_in_first,
+                           float limit, NearestCorners& corners) {
+    assert(first.point_count() <= 65536 && second.point_count() <= 65536);
     const Difference difference{first, second, second_in_first};
     const double size = static_cast<double>(first.radius()) + static_cast<double>(second.radius());
     const double touch = touching_part * size;
@@ -354,7 +354,7 @@ HullDistance hull_distance(const HullShape& first, const HullShape& second, cons
         if (along > 0.0 && along * along > static_cast<double>(limit) * static_cast<double>(limit) * square) {
             remember(s, corners);
             const double length = std::sqrt(square);
-            return {static_cast<btScalar>(along / length), to_single(s.nearest / length), {0.0f, 0.0f, 0.0f}};
+            return {static_cast<float>(along / length), to_single(s.nearest / length), {0.0f, 0.0f, 0.0f}};
         }
         // No corner is nearer, or only by rounding.
         if (s.has(corner) || square - along <= near_enough * square) break;
@@ -372,8 +372,8 @@ HullDistance hull_distance(const HullShape& first, const HullShape& second, cons
     if (polytope.begin(s)) return polytope.least(corners);
     corners.count = 0;
     HullDistance flat;
-    const btVector3 apart = -second_in_first.getOrigin();
-    if (apart.length2() > 0.0f) flat.normal = apart.normalized();
+    const glm::vec3 apart = -second_in_first.origin;
+    if (length_squared(apart) > 0.0f) flat.normal = apart * (1.0f / glm::length(apart));
     flat.point = to_single(difference.on_second(s.corners[0].index_second));
     return flat;
 }

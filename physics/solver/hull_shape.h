@@ -1,56 +1,67 @@
-// Bullet's convex hull with what a heap asks of it thousands of times a step done four points at a time: how far it
-// reaches in a direction, and its box.
+// A convex hull laid out for the two queries that a step makes thousands of times: its support in a direction and its
+// bounds. Both take four points at a time.
 //
-// The box is that of the points where they are, not, as Bullet's, that of a turned box: in a heap of pieces half as many pairs
-// of boxes overlap. Bullet's box of the shape in its own axes is not kept. Reserve, add all points, set the margin, then call
-// finish() once. Bullet's units.
+// The bounds are those of the points where they are, not of a rotated box: in a heap of pieces half as many pairs of
+// bounds overlap. Metres, in the hull's own axes. The margin is a distance around the points.
 #pragma once
 
 #include <cstddef>
 #include <span>
 #include <vector>
 
-#include <btBulletDynamicsCommon.h>
+#include <glm/vec3.hpp>
 
 #include "physics/solver/float4.h"
+#include "physics/solver/transform.h"
 
 namespace brittle::physics {
 
-class HullShape final : public btConvexHullShape {
+class HullShape {
   public:
-    BT_DECLARE_ALIGNED_ALLOCATOR();
+    HullShape() = default;
+    // At least one point.
+    HullShape(std::vector<glm::vec3> points, float margin);
 
-    // Bullet's array of points grows by doubling.
-    void reserve(size_t points) { m_unscaledPoints.reserve(static_cast<int>(points)); }
-    // As addPoint() without a new box, but here.
-    void add(const btVector3& point) { m_unscaledPoints.push_back(point); }
-    void finish();
+    [[nodiscard]] const std::vector<glm::vec3>& points() const { return points_; }
+    [[nodiscard]] int point_count() const { return static_cast<int>(points_.size()); }
+    [[nodiscard]] float margin() const { return margin_; }
 
-    // The points by groups of four, each four x, four y, four z; the last point fills up.
+    // The points in groups of four: x of four, y of four, z of four. The last point fills up the last group.
     static constexpr size_t group_size = 12;
-    [[nodiscard]] std::span<const btScalar> groups() const { return lanes_; }
-    // How far the four of a group reach in a direction.
-    static Float4 along(const btScalar* group, const btVector3& direction) {
-        return Float4::load(group) * Float4::all(direction.x()) + Float4::load(group + 4) * Float4::all(direction.y())
-               + Float4::load(group + 8) * Float4::all(direction.z());
+    [[nodiscard]] std::span<const float> groups() const { return lanes_; }
+    // Dot products of the four points of a group with a direction.
+    static Float4 along(const float* group, const glm::vec3& direction) {
+        return Float4::load(group) * Float4::all(direction.x) + Float4::load(group + 4) * Float4::all(direction.y)
+               + Float4::load(group + 8) * Float4::all(direction.z);
     }
 
-    void getAabb(const btTransform& frame, btVector3& low, btVector3& high) const override;
+    // Margin included.
+    [[nodiscard]] Bounds bounds(const Transform& frame) const;
 
-    // The farthest that the points, without margin, reach in a direction of the shape's own axes.
-    [[nodiscard]] btScalar reach(const btVector3& direction) const;
-    // The point that reaches farthest, the first of several.
-    [[nodiscard]] int farthest(const btVector3& direction) const;
-    // Radius of the ball around the shape's origin that holds it, margin included.
-    [[nodiscard]] btScalar radius() const { return radius_; }
-    // The longest side of the box in the shape's own axes.
-    [[nodiscard]] btScalar longest() const { return longest_; }
-    // Bullet finds it from the box each time it is asked.
-    [[nodiscard]] btScalar getAngularMotionDisc() const override { return motion_disc_; }
+    // The largest dot product of a point with a direction of the hull's axes, without the margin.
+    [[nodiscard]] float support(const glm::vec3& direction) const;
+    // The index of that point; the first of several.
+    [[nodiscard]] int support_index(const glm::vec3& direction) const;
+    // The radius of the ball around the origin that holds the hull, margin included.
+    [[nodiscard]] float radius() const { return radius_; }
+    // The longest side of the bounds in the hull's own axes.
+    [[nodiscard]] float longest() const { return longest_; }
+    // Bounds how far any point is from any axis through the origin: half the diagonal of the bounds and the distance of
+    // their middle.
+    [[nodiscard]] float rotation_radius() const { return rotation_radius_; }
 
   private:
-    std::vector<btScalar> lanes_; // groups()
-    btScalar radius_ = 0.0f, longest_ = 0.0f, motion_disc_ = 0.0f;
+    std::vector<glm::vec3> points_;
+    std::vector<float> lanes_; // groups()
+    float margin_ = 0.0f, radius_ = 0.0f, longest_ = 0.0f, rotation_radius_ = 0.0f;
 };
+
+// The largest dot product of a point of the hull with a direction of the world, without the margin.
+[[nodiscard]] inline float support(const HullShape& hull, const Transform& frame, const glm::vec3& direction) {
+    return hull.support(direction * frame.basis) + glm::dot(direction, frame.origin);
+}
+
+// rotation_radius() of bounds around the origin.
+[[nodiscard]] float rotation_radius(const Bounds& bounds);
 
 } // namespace brittle::physics

@@ -11,64 +11,62 @@ namespace brittle::physics {
 
 namespace {
 
-// Points of one pair of bodies that are told apart; a hull has up to twelve on the ground, and more only as a compound.
+// Points of one pair of bodies that have places of their own; a hull has up to twelve on the ground, a compound more.
 constexpr uint32_t max_points = 32;
-// Of how hard a contact presses.
+// The bound of a normal impulse.
 constexpr float no_limit = std::numeric_limits<float>::max();
-// The part of its last impulse from which a contact starts.
-constexpr float kept_impulse = 0.85f;
-// The part of an overlap that is undone in a step, and by how much less by turning than by moving.
-constexpr float undone_part = 0.2f;
-constexpr float undone_by_turning = 0.1f;
+// Warm starting: the part of the last impulse from which a contact starts.
+constexpr float warm_start_part = 0.85f;
+// The part of an overlap that a step corrects, and the share of it that rotation takes.
+constexpr float correction_part = 0.2f;
+constexpr float rotation_share = 0.1f;
 
-void put(float* to, const btVector3& from) {
-    for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis];
-}
-btVector3 vector(const float* from) {
-    return {from[0], from[1], from[2]};
-}
-bool never_moves(const btCollisionObject* object) {
-    return object->isStaticObject();
-}
 // Fewer than this are not worth waking another thread for.
 constexpr uint32_t min_contacts = 128, min_manifolds = 128, min_bodies = 128, min_groups = 4;
-// Contacts of a bundle, likewise: it is a task, and with their friction they are 50 KB.
+// Contacts of a bundle, at least: it is a task, and with their friction they are 50 KB.
 constexpr uint32_t min_bundle = 256;
+
+void put(float* to, const glm::vec3& from) {
+    for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis];
+}
+glm::vec3 vector(const float* from) {
+    return {from[0], from[1], from[2]};
+}
 
 } // namespace
 
-void RowSolver::solve(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
+void RowSolver::solve(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
                       fracture::Threads& threads) {
     take_bodies(bodies, step, threads);
     order(manifolds, threads);
     make_rows(manifolds, step, threads);
     take_deep();
     solve_rows(step, threads);
-    hand_back(bodies, manifolds, step.seconds, threads);
+    store(bodies, manifolds, step.seconds, threads);
 }
 
-// None of the tasks looks at what another one changes; side by side where that is worth it, the longest ones first.
+// No task reads what another one changes. The longest ones come first.
 void RowSolver::solve_rows(const Step& step, fracture::Threads& threads) {
     const int sweeps = step.sweeps;
-    motions_.assign(movers_.size(), {});
-    parting_.assign(movers_.size(), {});
+    changes_.assign(bodies_.size(), {});
+    position_changes_.assign(bodies_.size(), {});
     const bool few = places_.size() + points_of_lone_ < min_contacts;
     const auto parts_of = [&](uint32_t groups) { return few ? 1 : threads.chunks(groups, min_groups); };
-    const uint32_t held_groups = held_rows_.lone_groups(), held_parts = parts_of(held_groups);
+    const uint32_t static_groups = static_rows_.lone_groups(), static_parts = parts_of(static_groups);
     const uint32_t lone_groups = lone_.groups(), lone_parts = parts_of(lone_groups);
     const uint32_t bundles = bundles_.count(), in_bundles = 2 * bundles;
     const auto solve_some = [&](uint32_t task) {
         if (task < in_bundles && task % 2 == 0) return sweep(task / 2, sweeps);
-        if (task <= in_bundles) return move_apart(deep_[task / 2], sweeps);
+        if (task <= in_bundles) return correct_overlap(deep_[task / 2], sweeps);
         uint32_t part = task - in_bundles - 1;
-        if (part < held_parts)
-            return held_rows_.settle(held_groups * part / held_parts, held_groups * (part + 1) / held_parts, sweeps,
-                                     motions_.data());
-        part -= held_parts;
+        if (part < static_parts)
+            return static_rows_.solve_lone(static_groups * part / static_parts,
+                                           static_groups * (part + 1) / static_parts, sweeps, changes_.data());
+        part -= static_parts;
         lone_.solve(lone_groups * part / lone_parts, lone_groups * (part + 1) / lone_parts,
-                    {movers_.data(), motions_.data(), parting_.data()}, ground_step(step), sweeps);
+                    {bodies_.data(), changes_.data(), position_changes_.data()}, ground_step(step), sweeps);
     };
-    const uint32_t tasks = in_bundles + 1 + held_parts + lone_parts;
+    const uint32_t tasks = in_bundles + 1 + static_parts + lone_parts;
     if (few)
         for (uint32_t task = 0; task < tasks; ++task) solve_some(task);
     else
@@ -78,57 +76,55 @@ void RowSolver::solve_rows(const Step& step, fracture::Threads& threads) {
 void RowSolver::sweep(uint32_t bundle, int count) {
     const size_t begin = begins_[bundle], end = begins_[bundle + 1];
     const std::span<Row> contacts = std::span(contacts_).subspan(begin, end - begin);
-    Motion* const motions = motions_.data();
-    for (const Row& row : contacts) give(row, row.impulse, motions);
-    held_rows_.give(bundle, motions);
+    VelocityChange* const changes = changes_.data();
+    for (const Row& row : contacts) apply(row, row.impulse, changes);
+    static_rows_.apply(bundle, changes);
     for (int sweep = 0; sweep < count; ++sweep) {
-        press(contacts, motions);
-        held_rows_.press(bundle, motions);
-        rub(begin, end);
-        held_rows_.rub(bundle, motions);
+        solve_contacts(contacts, changes);
+        static_rows_.solve_contacts(bundle, changes);
+        solve_friction(begin, end);
+        static_rows_.solve_friction(bundle, changes);
     }
 }
 
-void RowSolver::take_bodies(std::span<BodyRecord* const> bodies, const Step& step, fracture::Threads& threads) {
-    const auto user_index = [](const BodyRecord& body) { return static_cast<size_t>(body.rigid->getUserIndex()); };
-    if (!bodies.empty()) indices_.resize(std::max(indices_.size(), user_index(*bodies.back()) + 1));
-    movers_.resize(bodies.size());
-    lights_.resize(bodies.size());
+void RowSolver::take_bodies(std::span<Body* const> bodies, const Step& step, fracture::Threads& threads) {
+    if (!bodies.empty()) indices_.resize(std::max<size_t>(indices_.size(), bodies.back()->index + 1));
+    bodies_.resize(bodies.size());
+    inverse_masses_.resize(bodies.size());
     threads.for_chunks(static_cast<uint32_t>(bodies.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
-            const btRigidBody& rigid = *bodies[i]->rigid;
-            indices_[user_index(*bodies[i])] = i;
-            movers_[i] = bodies[i]->resting ? Mover{.centre = rigid.getCenterOfMassPosition()} : mover_of(rigid, step);
-            lights_[i] = movers_[i].light;
+            if (i + prefetch_distance < end) prefetch(bodies[i + prefetch_distance]);
+            indices_[bodies[i]->index] = i;
+            bodies_[i] = solver_body(*bodies[i], step);
+            inverse_masses_[i] = bodies_[i].inverse_mass;
         }
     });
 }
 
-Mover RowSolver::mover_of(const btRigidBody& rigid, const Step& step) {
-    const btMatrix3x3& turning = rigid.getInvInertiaTensorWorld();
-    return {.turning = {turning[0], turning[1], turning[2]},
-            .centre = rigid.getCenterOfMassPosition(),
-            .linear = rigid.getLinearVelocity() + step.gravity * step.seconds,
-            .angular = rigid.getAngularVelocity(),
-            .light = rigid.getInvMass()};
+SolverBody RowSolver::solver_body(const Body& body, const Step& step) {
+    if (body.resting) return {.centre = body.frame.origin};
+    return {.inverse_inertia = {row(body.inverse_inertia, 0), row(body.inverse_inertia, 1), row(body.inverse_inertia, 2)},
+            .centre = body.frame.origin,
+            .linear = body.velocity.linear + step.gravity * step.seconds,
+            .angular = body.velocity.angular,
+            .inverse_mass = body.inverse_mass};
 }
 
-RowSolver::Between RowSolver::between(const AnyManifold& manifold) const {
-    return {manifold.a_moves ? indices_[manifold.a] : nobody, manifold.b_moves ? indices_[manifold.b] : nobody,
+RowSolver::Sides RowSolver::sides_of(const AnyManifold& manifold) const {
+    return {manifold.a_moves ? indices_[manifold.a] : none, manifold.b_moves ? indices_[manifold.b] : none,
             manifold.count};
 }
 
-// A sort by counting.
+// A counting sort.
 void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads& threads) {
-    betweens_.resize(manifolds.size());
+    sides_.resize(manifolds.size());
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
-                           for (uint32_t i = begin; i < end; ++i) betweens_[i] = between(manifolds[i]);
+                           for (uint32_t i = begin; i < end; ++i) sides_[i] = sides_of(manifolds[i]);
                        });
-    bundles_.start(movers_.size());
-    for (const Between& two : betweens_)
-        if (!two.held() && two.count > 0) bundles_.join(two.mover_a, two.mover_b, two.count);
+    bundles_.start(bodies_.size());
+    for (const Sides& two : sides_)
+        if (!two.one_sided() && two.count > 0) bundles_.join(two.a, two.b, two.count);
     bundles_.finish(min_bundle);
     take_lone(manifolds);
     keys_.clear();
@@ -138,13 +134,13 @@ void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads&
     uint32_t place = 0; // among the points of the same two bodies
     uint32_t solved = 0;
     for (size_t m = 0; m < manifolds.size(); ++m) {
-        const Between& two = betweens_[m];
+        const Sides& two = sides_[m];
         if (m > 0 && (manifolds[m - 1].a != manifolds[m].a || manifolds[m - 1].b != manifolds[m].b)) place = 0;
         firsts_.push_back(static_cast<uint32_t>(keys_.size()));
         solved_firsts_.push_back(solved);
         if (manifolds[m].between) solved += two.count;
         if (two.count == 0) continue;
-        const uint32_t first_key = (two.held() ? bundles_.count() : bundles_.of(two.mover_a)) * max_points;
+        const uint32_t first_key = (two.one_sided() ? bundles_.count() : bundles_.of(two.a)) * max_points;
         for (uint32_t i = 0; i < two.count; ++i, ++place) {
             keys_.push_back(first_key + std::min(place, max_points - 1));
             ++starts_[keys_.back() + 1];
@@ -154,52 +150,52 @@ void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads&
     for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     begins_.clear();
     for (size_t key = 0; key < starts_.size() - 1; key += max_points) begins_.push_back(starts_[key]);
-    held_ = begins_.back();
+    first_static_ = begins_.back();
     places_.resize(keys_.size());
     for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
-    order_held();
+    order_static();
 }
 
-// They need no places among the others.
+// Lone bodies need no places among the others.
 void RowSolver::take_lone(std::span<const AnyManifold> manifolds) {
     lone_.clear();
     points_of_lone_ = 0;
-    touched_.assign(movers_.size(), 0);
-    for (const Between& two : betweens_)
-        for (const uint32_t mover : {two.mover_a, two.mover_b})
-            if (mover != nobody && two.count > 0) ++touched_[mover];
+    touched_.assign(bodies_.size(), 0);
+    for (const Sides& two : sides_)
+        for (const uint32_t body : {two.a, two.b})
+            if (body != none && two.count > 0) ++touched_[body];
     for (size_t m = 0; m < manifolds.size(); ++m) {
-        Between& two = betweens_[m];
-        if (!manifolds[m].ground || two.count == 0 || touched_[two.mover_a] > 1 || lights_[two.mover_a] == 0.0f)
+        Sides& two = sides_[m];
+        if (!manifolds[m].ground || two.count == 0 || touched_[two.a] > 1 || inverse_masses_[two.a] == 0.0f)
             continue;
-        lone_.add(*manifolds[m].ground, two.mover_a);
+        lone_.add(*manifolds[m].ground, two.a);
         points_of_lone_ += std::exchange(two.count, 0);
     }
     lone_.arrange();
 }
 
-void RowSolver::order_held() {
-    held_movers_.resize(places_.size() - held_);
-    for (size_t i = 0; i < betweens_.size(); ++i) {
-        const Between& two = betweens_[i];
-        if (!two.held()) continue;
+void RowSolver::order_static() {
+    static_bodies_.resize(places_.size() - first_static_);
+    for (size_t i = 0; i < sides_.size(); ++i) {
+        const Sides& two = sides_[i];
+        if (!two.one_sided()) continue;
         for (uint32_t k = 0; k < two.count; ++k)
-            held_movers_[places_[firsts_[i] + k] - held_] = std::min(two.mover_a, two.mover_b); // one is nobody
+            static_bodies_[places_[firsts_[i] + k] - first_static_] = std::min(two.a, two.b); // one of the two is none
     }
-    held_rows_.arrange(held_movers_, lights_, bundles_);
+    static_rows_.arrange(static_bodies_, inverse_masses_, bundles_);
 }
 
 void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& step, fracture::Threads& threads) {
-    contacts_.resize(held_);
-    frictions_.resize(held_);
-    coefficients_.resize(held_);
-    depths_.resize(places_.size());
+    contacts_.resize(first_static_);
+    frictions_.resize(first_static_);
+    coefficients_.resize(first_static_);
+    corrections_.resize(places_.size());
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (uint32_t i = begin; i < end; ++i) {
-                               if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0)
-                                   manifolds[i + fetched_ahead].fetch_contacts();
-                               if (betweens_[i].count == 0) continue;
+                               if (i + prefetch_distance < end && sides_[i + prefetch_distance].count > 0)
+                                   manifolds[i + prefetch_distance].prefetch_contacts();
+                               if (sides_[i].count == 0) continue;
                                if (manifolds[i].ground)
                                    make_rows(*manifolds[i].ground, places_of(i), step);
                                else
@@ -209,35 +205,34 @@ void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& st
 }
 
 std::span<const uint32_t> RowSolver::places_of(size_t manifold) const {
-    return std::span(places_).subspan(firsts_[manifold], betweens_[manifold].count);
+    return std::span(places_).subspan(firsts_[manifold], sides_[manifold].count);
 }
 
 std::span<RowSolver::Solved> RowSolver::solved_of(size_t manifold) {
-    return std::span(solved_).subspan(solved_firsts_[manifold], betweens_[manifold].count);
+    return std::span(solved_).subspan(solved_firsts_[manifold], sides_[manifold].count);
 }
 
-void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved,
+void RowSolver::make_rows(Manifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved,
                           const Step& step) {
-    // What is deeper than a step may undo counts as that deep.
-    const float deepest = step.separation_speed * step.seconds / undone_part;
-    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
-    const bool turned = never_moves(a), held = turned || never_moves(b);
+    // A deeper overlap than a step may correct counts as that deep.
+    const float deepest = step.separation_speed * step.seconds / correction_part;
+    const Body &a = manifold.a(), &b = manifold.b();
+    const bool swapped = a.fixed, one_sided = swapped || b.fixed;
+    const auto swap = [&](const glm::vec3& v) { return swapped ? -v : v; };
     for (size_t i = 0; i < places.size(); ++i) {
-        btManifoldPoint& point = manifold.getContactPoint(static_cast<int>(i));
-        const btVector3 &on_a = point.getPositionWorldOnA(), &on_b = point.getPositionWorldOnB();
-        const btVector3 position = !held ? 0.5f * (on_a + on_b) : turned ? on_b : on_a;
-        const float distance = std::max(point.getDistance(), -deepest);
-        const auto turn = [&](const btVector3& v) { return turned ? -v : v; };
-        const Made made = make_row({.a = side_of(turned ? b : a, position),
-                                    .b = side_of(turned ? a : b, position),
-                                    .normal = turn(point.m_normalWorldOnB),
+        ContactPoint& point = manifold.points()[i];
+        const glm::vec3 position = !one_sided ? 0.5f * (point.on_a + point.on_b) : swapped ? point.on_b : point.on_a;
+        const float distance = std::max(point.distance, -deepest);
+        const Made made = make_row({.a = side_of(swapped ? b : a, position),
+                                    .b = side_of(swapped ? a : b, position),
+                                    .normal = swap(point.normal),
                                     .distance = distance,
-                                    .undone_part = undone_part,
-                                    .restitution = point.m_combinedRestitution,
-                                    .coefficient = point.m_combinedFriction,
-                                    .impulse = point.m_appliedImpulse,
-                                    .friction = point.m_appliedImpulseLateral1,
-                                    .along = turn(point.m_lateralFrictionDir1),
+                                    .correction_part = correction_part,
+                                    .restitution = manifold.restitution(),
+                                    .coefficient = manifold.friction(),
+                                    .normal_impulse = point.normal_impulse,
+                                    .friction_impulse = point.friction_impulse,
+                                    .tangent = swap(point.tangent),
                                     .odd = i % 2 != 0},
                                    places[i], step);
         solved[i] = {.manifold = &manifold,
@@ -246,7 +241,7 @@ void RowSolver::make_rows(btPersistentManifold& manifold, std::span<const uint32
                      .distance = distance,
                      .speed = made.speed,
                      .impulse = 0.0f,
-                     .friction = turn(made.along)};
+                     .friction = swap(made.tangent)};
     }
 }
 
@@ -254,22 +249,22 @@ GroundStep RowSolver::ground_step(const Step& step) {
     return {.seconds = step.seconds,
             .gravity = step.gravity,
             .min_bounce_speed = step.min_bounce_speed,
-            .kept_impulse = kept_impulse};
+            .warm_start_part = warm_start_part};
 }
 
 void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
-    const Mover& mover = movers_[indices_[static_cast<size_t>(ground.body->getUserIndex())]];
-    if (mover.light == 0.0f) return make_rows_of_resting(ground, places, step);
+    const SolverBody& body = bodies_[indices_[ground.body->index]];
+    if (body.inverse_mass == 0.0f) return make_rows_of_resting(ground, places, step);
     for (size_t first = 0; first < places.size(); first += 4) {
-        const GroundRows made = ground_rows(mover, ground, first, ground_step(step));
+        const GroundRows made = ground_rows(body, ground, first, ground_step(step));
         for (size_t i = first; i < std::min(places.size(), first + 4); ++i) {
             const size_t lane = i - first;
             GroundPoint& point = ground.all[i];
+            const auto& tangent = made.frictions.normal;
             point.speed = made.speed[lane];
-            point.along = {made.frictions.normal[0][lane], made.frictions.normal[1][lane],
-                           made.frictions.normal[2][lane]};
-            depths_[places[i]] = made.depth[lane];
-            held_rows_.put(places[i] - held_, made.contacts, made.frictions, lane, ground.friction);
+            point.tangent = {tangent[0][lane], tangent[1][lane], tangent[2][lane]};
+            corrections_[places[i]] = made.correction[lane];
+            static_rows_.put(places[i] - first_static_, made.contacts, made.frictions, lane, ground.friction);
         }
     }
 }
@@ -277,226 +272,231 @@ void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> plac
 void RowSolver::make_rows_of_resting(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
     for (size_t i = 0; i < places.size(); ++i) {
         GroundPoint& point = ground.all[i];
-        const Made made = make_row({.a = side_of(ground.body, unpacked(point.position)),
+        const Made made = make_row({.a = side_of(*ground.body, point.position),
                                     .b = {},
                                     .normal = {0, 1, 0},
                                     .distance = point.distance,
-                                    .undone_part = GroundRows::undone_part,
+                                    .correction_part = GroundRows::correction_part,
                                     .restitution = ground.restitution,
                                     .coefficient = ground.friction,
-                                    .impulse = point.kept_impulse(),
-                                    .friction = point.kept_friction(),
-                                    .along = unpacked(point.along),
+                                    .normal_impulse = point.warm_normal_impulse(),
+                                    .friction_impulse = point.warm_friction_impulse(),
+                                    .tangent = point.tangent,
                                     .odd = i % 2 != 0},
                                    places[i], step);
         point.speed = made.speed;
-        point.along = packed(made.along);
+        point.tangent = made.tangent;
     }
 }
 
-RowSolver::Side RowSolver::side_of(const btCollisionObject* object, const btVector3& position) const {
-    if (never_moves(object)) return {nullptr, 0, {0, 0, 0}};
-    const uint32_t index = indices_[static_cast<size_t>(object->getUserIndex())];
-    return {&movers_[index], index, position - movers_[index].centre};
+RowSolver::Side RowSolver::side_of(const Body& body, const glm::vec3& position) const {
+    if (body.fixed) return {nullptr, 0, glm::vec3(0.0f)};
+    const uint32_t index = indices_[body.index];
+    return {&bodies_[index], index, position - bodies_[index].centre};
 }
 
-// Of the two bodies a is the one that moves, where one does not.
-Row RowSolver::row_along(const btVector3& normal, const Side& a, const Side& b) {
+// The Jacobian J = [n, r_a x n, -n, n x r_b], the effective mass 1 / (J M^-1 J^T), and the bias that stops the sides: -m_eff J v.
+Row RowSolver::row_along(const glm::vec3& normal, const Side& a, const Side& b) {
     Row row{};
-    float response = a.mover->light;
-    const auto turn_of = [](const Mover& mover, const btVector3& arm) {
-        return btVector3(mover.turning[0].dot(arm), mover.turning[1].dot(arm), mover.turning[2].dot(arm));
+    const auto inverse_inertia_times = [](const SolverBody& body, const glm::vec3& v) {
+        return glm::vec3(glm::dot(body.inverse_inertia[0], v), glm::dot(body.inverse_inertia[1], v),
+                         glm::dot(body.inverse_inertia[2], v));
     };
     put(row.normal, normal);
-    const btVector3 arm_a = a.arm.cross(normal), turn_a = turn_of(*a.mover, arm_a);
-    put(row.arm_a, arm_a);
-    put(row.turn_a, turn_a);
-    response += turn_a.dot(arm_a);
+    const glm::vec3 angular_a = glm::cross(a.arm, normal), turn_a = inverse_inertia_times(*a.body, angular_a);
+    put(row.angular_a, angular_a);
+    put(row.inverse_inertia_angular_a, turn_a);
+    float inverse_effective_mass = a.body->inverse_mass + glm::dot(turn_a, angular_a);
     row.a = a.index;
-    row.light_a = a.mover->light;
-    float apart = normal.dot(a.mover->linear) + arm_a.dot(a.mover->angular);
-    if (b.mover) {
-        const btVector3 arm_b = normal.cross(b.arm), turn_b = turn_of(*b.mover, arm_b);
-        put(row.arm_b, arm_b);
-        put(row.turn_b, turn_b);
-        response += b.mover->light + turn_b.dot(arm_b);
+    row.inverse_mass_a = a.body->inverse_mass;
+    float apart = glm::dot(normal, a.body->linear) + glm::dot(angular_a, a.body->angular);
+    if (b.body) {
+        const glm::vec3 angular_b = glm::cross(normal, b.arm), turn_b = inverse_inertia_times(*b.body, angular_b);
+        put(row.angular_b, angular_b);
+        put(row.inverse_inertia_angular_b, turn_b);
+        inverse_effective_mass += b.body->inverse_mass + glm::dot(turn_b, angular_b);
         row.b = b.index;
-        row.light_b = b.mover->light;
-        apart += arm_b.dot(b.mover->angular) - normal.dot(b.mover->linear);
+        row.inverse_mass_b = b.body->inverse_mass;
+        apart += glm::dot(angular_b, b.body->angular) - glm::dot(normal, b.body->linear);
     }
-    row.gain = response > 0.0f ? 1.0f / response : 0.0f;
-    row.wanted = -apart * row.gain;
+    row.effective_mass = inverse_effective_mass > 0.0f ? 1.0f / inverse_effective_mass : 0.0f;
+    row.bias = -apart * row.effective_mass;
     return row;
 }
 
+// The target speed of a contact is its bounce, e times the approach speed, less the speed that may close a gap within the step:
+// bias = m_eff (bounce - max(distance, 0) / h - J v).
 inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, const Step& step) {
     const Side &a = touch.a, &b = touch.b;
-    const btVector3& normal = touch.normal;
+    const glm::vec3& normal = touch.normal;
     Row row = row_along(normal, a, b);
-    // Between those that rest, or where one does on what never moves: all stays as it is.
-    const bool still = row.gain == 0.0f;
-    const float apart = still ? 0.0f : -row.wanted / row.gain;
-    // Before the step's gravity, which is the same for both where both move.
-    const float before = b.mover || still ? apart : apart - normal.dot(step.gravity) * step.seconds;
+    // Between two resting bodies, or one and a static body, everything stays as it is.
+    const bool at_rest = row.effective_mass == 0.0f;
+    const float apart = at_rest ? 0.0f : -row.bias / row.effective_mass;
+    // Before the step's gravity, which is the same for two moving bodies.
+    const float before = b.body || at_rest ? apart : apart - glm::dot(normal, step.gravity) * step.seconds;
     const float bounce = std::abs(before) < step.min_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
-    row.wanted += (bounce - std::max(touch.distance, 0.0f) / step.seconds) * row.gain;
-    row.impulse = touch.impulse * (still ? 1.0f : kept_impulse);
-    depths_[place] = std::max(-touch.distance, 0.0f) * touch.undone_part / step.seconds * row.gain;
+    row.bias += (bounce - std::max(touch.distance, 0.0f) / step.seconds) * row.effective_mass;
+    row.impulse = touch.normal_impulse * (at_rest ? 1.0f : warm_start_part);
+    corrections_[place] =
+        std::max(-touch.distance, 0.0f) * touch.correction_part / step.seconds * row.effective_mass;
 
-    btVector3 sliding = a.mover->linear + a.mover->angular.cross(a.arm);
-    if (b.mover) sliding -= b.mover->linear + b.mover->angular.cross(b.arm);
+    glm::vec3 sliding = a.body->linear + glm::cross(a.body->angular, a.arm);
+    if (b.body) sliding -= b.body->linear + glm::cross(b.body->angular, b.arm);
     sliding -= normal * apart;
-    btVector3 along;
-    if (still && touch.along.length2() > 0.5f)
-        along = touch.along;
-    else if (const float square = sliding.length2(); square > SIMD_EPSILON)
-        along = sliding / std::sqrt(square);
-    else {
-        // Points beside each other take turns, so that together they hold both ways.
-        btVector3 across;
-        btPlaneSpace1(normal, along, across);
-        if (touch.odd) along = across;
-    }
-    Row friction = row_along(along, a, b);
-    if (still) friction.impulse = touch.friction;
-    if (place >= held_) {
-        held_rows_.put(place - held_, row, friction, touch.coefficient);
+    glm::vec3 tangent;
+    if (at_rest && length_squared(touch.tangent) > 0.5f)
+        tangent = touch.tangent;
+    else if (const float square = length_squared(sliding); square > min_sliding_square)
+        tangent = sliding * (1.0f / std::sqrt(square));
+    else
+        tangent = touch.odd ? tangents_of(normal).second : tangents_of(normal).first;
+    Row friction = row_along(tangent, a, b);
+    if (at_rest) friction.impulse = touch.friction_impulse;
+    if (place >= first_static_) {
+        static_rows_.put(place - first_static_, row, friction, touch.coefficient);
     } else {
         contacts_[place] = row;
         frictions_[place] = friction;
         coefficients_[place] = touch.coefficient;
     }
-    return {.speed = -before, .along = along};
+    return {.speed = -before, .tangent = tangent};
 }
 
-void RowSolver::press(std::span<Row> rows, Motion* motions) {
-    for (Row& row : rows) resolve(row, motions, 0.0f, no_limit);
+void RowSolver::solve_contacts(std::span<Row> rows, VelocityChange* changes) {
+    for (Row& row : rows) solve_row(row, changes, 0.0f, no_limit);
 }
 
-void RowSolver::rub(size_t begin, size_t end) {
-    Motion* const motions = motions_.data();
+// |friction impulse| <= coefficient * normal impulse (Coulomb).
+void RowSolver::solve_friction(size_t begin, size_t end) {
+    VelocityChange* const changes = changes_.data();
     for (size_t i = begin; i < end; ++i) {
         const float most = coefficients_[i] * contacts_[i].impulse;
         if (most <= 0.0f && frictions_[i].impulse == 0.0f) continue;
-        resolve(frictions_[i], motions, -most, most);
+        solve_row(frictions_[i], changes, -most, most);
     }
 }
 
-inline void RowSolver::push_first(const Row& row, float impulse, Motion* motions) {
-    Motion& a = motions[row.a];
-    (Float4::load(a.linear) + Float4::load3(row.normal) * Float4::all(impulse * row.light_a)).store(a.linear);
-    (Float4::load(a.angular) + Float4::load3(row.turn_a) * Float4::all(impulse)).store(a.angular);
+inline void RowSolver::apply_first(const Row& row, float impulse, VelocityChange* changes) {
+    VelocityChange& a = changes[row.a];
+    (Float4::load(a.linear) + Float4::load3(row.normal) * Float4::all(impulse * row.inverse_mass_a)).store(a.linear);
+    (Float4::load(a.angular) + Float4::load3(row.inverse_inertia_angular_a) * Float4::all(impulse)).store(a.angular);
 }
 
-void RowSolver::give(const Row& row, float impulse, Motion* motions) {
-    push_first(row, impulse, motions);
-    Motion& b = motions[row.b];
-    (Float4::load(b.linear) - Float4::load3(row.normal) * Float4::all(impulse * row.light_b)).store(b.linear);
-    (Float4::load(b.angular) + Float4::load3(row.turn_b) * Float4::all(impulse)).store(b.angular);
+void RowSolver::apply(const Row& row, float impulse, VelocityChange* changes) {
+    apply_first(row, impulse, changes);
+    VelocityChange& b = changes[row.b];
+    (Float4::load(b.linear) - Float4::load3(row.normal) * Float4::all(impulse * row.inverse_mass_b)).store(b.linear);
+    (Float4::load(b.angular) + Float4::load3(row.inverse_inertia_angular_b) * Float4::all(impulse)).store(b.angular);
 }
 
-inline void RowSolver::resolve(Row& row, Motion* motions, float low, float high) {
-    const Motion &a = motions[row.a], &b = motions[row.b];
+inline void RowSolver::solve_row(Row& row, VelocityChange* changes, float low, float high) {
+    const VelocityChange &a = changes[row.a], &b = changes[row.b];
     const float apart =
         sum3(Float4::load3(row.normal) * (Float4::load(a.linear) - Float4::load(b.linear))
-             + Float4::load3(row.arm_a) * Float4::load(a.angular) + Float4::load3(row.arm_b) * Float4::load(b.angular));
+             + Float4::load3(row.angular_a) * Float4::load(a.angular) + Float4::load3(row.angular_b) * Float4::load(b.angular));
     const float before = row.impulse;
-    row.impulse = std::clamp(before + row.wanted - apart * row.gain, low, high);
-    give(row, row.impulse - before, motions);
+    row.impulse = std::clamp(before + row.bias - apart * row.effective_mass, low, high);
+    apply(row, row.impulse - before, changes);
 }
 
-// Where b never moves, it is neither read nor written: all that lie on the ground would wait for each other.
-inline void RowSolver::resolve_held(Row& row, Motion* motions) {
-    const Motion& a = motions[row.a];
+// A static b is neither read nor written: else all bodies on the ground would wait for each other.
+inline void RowSolver::solve_one_sided(Row& row, VelocityChange* changes) {
+    const VelocityChange& a = changes[row.a];
     const float apart =
-        sum3(Float4::load3(row.normal) * Float4::load(a.linear) + Float4::load3(row.arm_a) * Float4::load(a.angular));
+        sum3(Float4::load3(row.normal) * Float4::load(a.linear) + Float4::load3(row.angular_a) * Float4::load(a.angular));
     const float before = row.impulse;
-    row.impulse = std::max(0.0f, before + row.wanted - apart * row.gain);
-    push_first(row, row.impulse - before, motions);
+    row.impulse = std::max(0.0f, before + row.bias - apart * row.effective_mass);
+    apply_first(row, row.impulse - before, changes);
 }
 
 void RowSolver::take_deep() {
     deep_.resize(std::max<size_t>(deep_.size(), bundles_.count() + 1));
     for (Deep& deep : deep_) {
         deep.between.clear();
-        deep.held.clear();
+        deep.one_sided.clear();
     }
     const auto take = [this](size_t place, Row& row) {
-        row.wanted = depths_[place];
+        row.bias = corrections_[place];
         row.impulse = 0.0f;
     };
-    const auto deep_of = [this](uint32_t mover) -> Deep& {
-        return deep_[std::min(bundles_.of(mover), bundles_.count())];
+    const auto deep_of = [this](uint32_t body) -> Deep& {
+        return deep_[std::min(bundles_.of(body), bundles_.count())];
     };
-    for (size_t place = 0; place < held_; ++place)
-        if (depths_[place] != 0.0f) take(place, deep_of(contacts_[place].a).between.emplace_back(contacts_[place]));
-    for (size_t place = held_; place < depths_.size(); ++place)
-        if (depths_[place] != 0.0f)
-            take(place, deep_of(held_movers_[place - held_]).held.emplace_back(held_rows_.row(place - held_)));
+    for (size_t place = 0; place < first_static_; ++place)
+        if (corrections_[place] != 0.0f) take(place, deep_of(contacts_[place].a).between.emplace_back(contacts_[place]));
+    for (size_t place = first_static_; place < corrections_.size(); ++place)
+        if (corrections_[place] != 0.0f)
+            take(place, deep_of(static_bodies_[place - first_static_]).one_sided.emplace_back(static_rows_.row(place - first_static_)));
 }
 
-// With velocities of their own that only move the bodies and are then forgotten.
-void RowSolver::move_apart(Deep& deep, int sweeps) {
+// Split impulses: velocities that move the bodies once and are then dropped.
+void RowSolver::correct_overlap(Deep& deep, int sweeps) {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
-        press(deep.between, parting_.data());
-        for (Row& row : deep.held) resolve_held(row, parting_.data());
+        solve_contacts(deep.between, position_changes_.data());
+        for (Row& row : deep.one_sided) solve_one_sided(row, position_changes_.data());
     }
 }
 
-void RowSolver::hand_back(std::span<BodyRecord* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
+void RowSolver::store(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
                           fracture::Threads& threads) {
     threads.for_chunks(static_cast<uint32_t>(bodies.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
-            if (i + fetched_ahead < end) fetch(bodies[i + fetched_ahead]);
-            hand_back(*bodies[i], i, seconds);
+            if (i + prefetch_distance < end) prefetch(bodies[i + prefetch_distance]);
+            store(*bodies[i], i, seconds);
         }
     });
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (uint32_t i = begin; i < end; ++i) {
-                               if (i + fetched_ahead < end && betweens_[i + fetched_ahead].count > 0)
-                                   manifolds[i + fetched_ahead].fetch_contacts();
+                               if (i + prefetch_distance < end && sides_[i + prefetch_distance].count > 0)
+                                   manifolds[i + prefetch_distance].prefetch_contacts();
                                const std::span<const uint32_t> places = places_of(i);
                                for (size_t k = 0; k < places.size(); ++k)
                                    if (manifolds[i].ground)
-                                       hand_back(manifolds[i].ground->all[k], places[k]);
+                                       store(manifolds[i].ground->all[k], places[k]);
                                    else
-                                       hand_back(solved_of(i)[k], places[k]);
+                                       store(solved_of(i)[k], places[k]);
                            }
                        });
 }
 
-void RowSolver::hand_back(BodyRecord& body, size_t mover, float seconds) const {
-    body.rigid->setLinearVelocity(movers_[mover].linear + vector(motions_[mover].linear));
-    body.rigid->setAngularVelocity(movers_[mover].angular + vector(motions_[mover].angular));
-    const btVector3 way = vector(parting_[mover].linear) * seconds;
-    const btVector3 turn = vector(parting_[mover].angular) * (undone_by_turning * seconds);
-    const float angle = turn.length();
-    body.repaired = angle > 0.0f || way.length2() > 0.0f;
-    if (!body.repaired) return;
-    body.repair.setOrigin(way);
-    body.repair.setRotation(angle > 0.0f ? btQuaternion(turn / angle, angle) : btQuaternion::getIdentity());
+void RowSolver::store(Body& body, size_t index, float seconds) const {
+    body.velocity.linear = bodies_[index].linear + vector(changes_[index].linear);
+    body.velocity.angular = bodies_[index].angular + vector(changes_[index].angular);
+    const glm::vec3 translation = vector(position_changes_[index].linear) * seconds;
+    const glm::vec3 rotation = vector(position_changes_[index].angular) * (rotation_share * seconds);
+    const float angle = glm::length(rotation);
+    body.has_correction = angle > 0.0f || length_squared(translation) > 0.0f;
+    if (!body.has_correction) return;
+    body.correction.origin = translation;
+    body.correction.basis = glm::mat3(1.0f);
+    if (angle > 0.0f) {
+        const glm::vec3 axis = rotation * (1.0f / angle);
+        const float s = std::sin(angle * 0.5f) / glm::length(axis);
+        body.correction.basis = matrix_of({std::cos(angle * 0.5f), axis.x * s, axis.y * s, axis.z * s});
+    }
 }
 
-HeldRows::Impulses RowSolver::impulses(size_t place) const {
-    if (place >= held_) return held_rows_.impulses(place - held_);
+StaticRows::Impulses RowSolver::impulses(size_t place) const {
+    if (place >= first_static_) return static_rows_.impulses(place - first_static_);
     return {contacts_[place].impulse, frictions_[place].impulse};
 }
 
-void RowSolver::hand_back(Solved& contact, size_t place) const {
-    btManifoldPoint& point = *contact.point;
-    const auto [pressed, rubbed] = impulses(place);
-    point.m_lateralFrictionDir1 = contact.friction;
-    contact.impulse = pressed;
-    contact.friction = point.m_lateralFrictionDir1 * rubbed;
-    const bool blow = contact.speed > blow_speed * bullet_units;
-    point.m_appliedImpulse = blow ? 0.0f : contact.impulse;
-    point.m_appliedImpulseLateral1 = blow ? 0.0f : rubbed;
+void RowSolver::store(Solved& contact, size_t place) const {
+    ContactPoint& point = *contact.point;
+    const auto [normal, friction] = impulses(place);
+    point.tangent = contact.friction;
+    contact.impulse = normal;
+    contact.friction = point.tangent * friction;
+    const bool blow = contact.speed > blow_speed * units;
+    point.normal_impulse = blow ? 0.0f : normal;
+    point.friction_impulse = blow ? 0.0f : friction;
 }
 
-void RowSolver::hand_back(GroundPoint& contact, size_t place) const {
-    const auto [pressed, rubbed] = impulses(place);
-    contact.take(pressed, rubbed);
+void RowSolver::store(GroundPoint& contact, size_t place) const {
+    const auto [normal, friction] = impulses(place);
+    contact.take(normal, friction);
 }
 
 } // namespace brittle::physics

@@ -3,64 +3,55 @@
 #include <algorithm>
 #include <map>
 
-#include "physics/solver/convert.h"
-
 namespace brittle::physics {
 
 namespace {
 
-// Velocities that differ by less than this, in m/s, are those of one body: what rounding leaves of them.
+// Velocities that differ by less than this, m/s, are those of one rigid body but for rounding.
 constexpr float same_speed = 1e-3f;
 
-bool move_as_one(const btRigidBody& a, const btRigidBody& b) {
-    const btVector3 arm = b.getCenterOfMassPosition() - a.getCenterOfMassPosition();
-    const btVector3 turned = b.getAngularVelocity() - a.getAngularVelocity();
-    const btVector3 apart = a.getVelocityInLocalPoint(arm) - b.getLinearVelocity();
-    return apart.length() < same_speed * bullet_units && turned.length() * arm.length() < same_speed * bullet_units;
-}
-
-const btCollisionObject& object_of(const btBroadphaseProxy* proxy) {
-    return *static_cast<const btCollisionObject*>(proxy->m_clientObject);
+bool move_as_one(const Body& a, const Body& b) {
+    const glm::vec3 arm = b.frame.origin - a.frame.origin;
+    const glm::vec3 turning = b.velocity.angular - a.velocity.angular;
+    const glm::vec3 apart = a.velocity.at(arm) - b.velocity.linear;
+    return glm::length(apart) < same_speed * units && glm::length(turning) * glm::length(arm) < same_speed * units;
 }
 
 } // namespace
 
-void Siblings::remove(const btRigidBody& body) {
-    if (body.getUserIndex2() != none) std::erase(bodies_, &body);
+void Siblings::remove(const Body& body) {
+    if (body.siblings != 0) std::erase(bodies_, &body);
 }
 
-void Siblings::check(const SweptPairs& pairs, std::optional<btScalar> ground_height) {
+void Siblings::check(const SweptPairs& pairs, std::optional<float> ground_height) {
     if (bodies_.empty()) return;
     apart_.clear();
-    std::map<int, const btRigidBody*> firsts;
-    const btRigidBody* first = nullptr; // of the number that came last, as most have that of the one before
+    std::map<uint32_t, const Body*> firsts;
+    const Body* first = nullptr; // of the last body's number, which most share with the body before
     uint32_t min_rank = UINT32_MAX;
-    for (const btRigidBody* body : bodies_) {
-        const int number = body->getUserIndex2();
-        const auto& proxy = static_cast<const SweptProxy&>(*body->getBroadphaseProxy());
-        if (!first || first->getUserIndex2() != number) first = firsts.try_emplace(number, body).first->second;
-        const bool low = ground_height && proxy.m_aabbMin.y() <= *ground_height;
-        if (low || !move_as_one(*first, *body)) apart_.push_back(number);
-        min_rank = std::min(min_rank, proxy.rank);
+    for (const Body* body : bodies_) {
+        if (!first || first->siblings != body->siblings)
+            first = firsts.try_emplace(body->siblings, body).first->second;
+        const bool low = ground_height && body->proxy->bounds.low.y <= *ground_height;
+        if (low || !move_as_one(*first, *body)) apart_.push_back(body->siblings);
+        min_rank = std::min(min_rank, body->proxy->rank);
     }
-    const btBroadphasePair* const array = pairs.getOverlappingPairArrayPtr();
-    for (const int index : pairs.set()) {
-        if (pairs.higher_rank(index) < min_rank) continue; // both were there
-        const btCollisionObject &a = object_of(array[index].m_pProxy0), &b = object_of(array[index].m_pProxy1);
-        const bool ground = a.getUserIndex() < 0 || b.getUserIndex() < 0; // its box holds all others
-        if (ground || a.getUserIndex2() == b.getUserIndex2()) continue;
-        apart_.insert(apart_.end(), {a.getUserIndex2(), b.getUserIndex2()});
+    for (const uint32_t index : pairs.set()) {
+        const SweptPair& pair = pairs.at(index);
+        const bool both_old = pair.b->rank < min_rank, ground = !pair.a->body || !pair.b->body; // its bounds hold all others
+        if (both_old || ground || pair.a->body->siblings == pair.b->body->siblings) continue;
+        apart_.insert(apart_.end(), {pair.a->body->siblings, pair.b->body->siblings});
     }
     std::ranges::sort(apart_);
-    std::erase_if(bodies_, [this](btRigidBody* body) {
-        if (!std::ranges::binary_search(apart_, body->getUserIndex2())) return false;
-        body->setUserIndex2(none);
+    std::erase_if(bodies_, [this](Body* body) {
+        if (!std::ranges::binary_search(apart_, body->siblings)) return false;
+        body->siblings = 0;
         return true;
     });
 }
 
 void Siblings::forget() {
-    for (btRigidBody* body : bodies_) body->setUserIndex2(none);
+    for (Body* body : bodies_) body->siblings = 0;
     bodies_.clear();
 }
 

@@ -1,48 +1,41 @@
 // Pieces of one cut that come to the world together and fly as one.
 //
-// They do not overlap, by promise (BodyDesc::siblings). As long as none of them touches anything else and they move as one
-// rigid body would, nothing can press between them, and their pairs need no look until two have moved against each other.
-// A thousand pieces that come in the air then cost the first step a fifth of what it takes to find their contacts. Where one
-// touches the ground or another body, or they move apart or into each other, they are pairs like all others.
+// They do not overlap (BodyDesc::siblings promises it). As long as none of them touches anything else and they move as one
+// rigid body, no force acts between them, and their pairs need no search until two have moved against each other. A
+// thousand new pieces in the air then cost the first step a fifth of a full search. Where one touches the ground or another
+// body, or they move apart or into each other, their pairs are searched as all others.
 //
-// Bullet's second user index of a body holds its number for the body's first step, and otherwise Bullet's default.
+// Body::siblings holds the number of the cut for the body's first step, and 0 afterwards.
 #pragma once
 
-#include <cassert>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include <btBulletDynamicsCommon.h>
-
+#include "physics/solver/body.h"
 #include "physics/solver/sweep_broadphase.h"
 
 namespace brittle::physics {
 
 class Siblings {
   public:
-    // What add() takes; on any thread.
-    static void mark(btRigidBody& body, uint32_t number) { body.setUserIndex2(static_cast<int>(number)); }
-    void add(btRigidBody& body) {
-        assert(body.getUserIndex2() != none);
-        bodies_.push_back(&body);
+    // A body that has not been in a step.
+    void add(Body& body) {
+        if (body.siblings != 0) bodies_.push_back(&body);
     }
-    void remove(const btRigidBody& body);
-    // Before pairs are looked at: lets only those go on as siblings that fly as one. Bullet's units; no height: no ground.
-    void check(const SweptPairs& pairs, std::optional<btScalar> ground_height);
-    // After the step.
+    void remove(const Body& body);
+    // Before pairs are searched: clears the number of bodies that do not fly as one. Nothing for the height: no ground.
+    void check(const SweptPairs& pairs, std::optional<float> ground_height);
+    // After the search.
     void forget();
 
-    // While pairs are looked at.
-    [[nodiscard]] static bool fly_as_one(const btCollisionObject& a, const btCollisionObject& b) {
-        return a.getUserIndex2() != none && a.getUserIndex2() == b.getUserIndex2();
+    [[nodiscard]] static bool fly_as_one(const Body& a, const Body& b) {
+        return a.siblings != 0 && a.siblings == b.siblings;
     }
 
   private:
-    static constexpr int none = -1;
-
-    std::vector<btRigidBody*> bodies_; // that have not been in a step
-    std::vector<int> apart_;           // numbers of those that do not fly as one
+    std::vector<Body*> bodies_;   // that have not been in a step
+    std::vector<uint32_t> apart_; // numbers of cuts that do not fly as one
 };
 
 } // namespace brittle::physics

@@ -8,8 +8,6 @@
 #include <numeric>
 #include <utility>
 
-#include <LinearMath/btAabbUtil2.h>
-
 #include "fracture/base/union_find.h"
 
 namespace brittle::physics {
@@ -24,15 +22,15 @@ constexpr uint32_t min_boxes = 128;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
-SweptProxy& swept(btBroadphaseProxy* proxy) {
-    return *static_cast<SweptProxy*>(proxy);
-}
-
 SweptPairs::Key key_of(uint32_t first, uint32_t second) {
     return static_cast<SweptPairs::Key>(std::min(first, second)) << 32 | std::max(first, second);
 }
 
-// Ascends with the number, which is none of those that are not.
+bool collide(Collides a, Collides b) {
+    return a != b || a == Collides::moving;
+}
+
+// Bits that ascend with the number, which is finite or infinite.
 uint32_t ascending_bits(float value) {
     const auto bits = std::bit_cast<uint32_t>(value + 0.0f); // -0 is 0
     return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
@@ -41,71 +39,55 @@ uint32_t ascending_bits(float value) {
 } // namespace
 
 void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
-                        const std::vector<Change>& changes, btDispatcher* dispatcher) {
-    btBroadphasePairArray &pairs = *pairs_, &next = *next_;
-    next.resizeNoInitialize(0);
+                        const std::vector<Change>& changes) {
+    next_.clear();
     next_keys_.clear();
     set_.clear();
-    const auto keep = [&](const btBroadphasePair& pair, Key key) {
-        next.push_back(pair);
+    const auto keep = [&](SweptPair&& pair, Key key) {
+        next_.push_back(std::move(pair));
         next_keys_.push_back(key);
     };
-    int old = 0;
+    size_t old = 0;
     // Pairs before a key: those of two boxes that were not set stay.
     const auto pass = [&](Key until) {
-        for (; old < pairs.size(); ++old) {
-            const Key key = keys_[static_cast<size_t>(old)];
-            if (key >= until) return;
+        for (; old < pairs_.size() && keys_[old] < until; ++old) {
+            const Key key = keys_[old];
             if (changes[key >> 32] == Change::none && changes[static_cast<uint32_t>(key)] == Change::none)
-                keep(pairs[old], key);
-            else
-                cleanOverlappingPair(pairs[old], dispatcher);
+                keep(std::move(pairs_[old]), key);
         }
     };
     for (const Key key : found) {
         pass(key);
-        set_.push_back(next.size());
-        if (old < pairs.size() && keys_[static_cast<size_t>(old)] == key)
-            keep(pairs[old++], key);
+        set_.push_back(static_cast<uint32_t>(next_.size()));
+        if (old < pairs_.size() && keys_[old] == key)
+            keep(std::move(pairs_[old++]), key);
         else
-            keep(btBroadphasePair(*proxies[key >> 32], *proxies[static_cast<uint32_t>(key)]), key);
+            keep({proxies[key >> 32].get(), proxies[static_cast<uint32_t>(key)].get(), nullptr}, key);
     }
     pass(std::numeric_limits<Key>::max());
     std::swap(pairs_, next_);
     std::swap(keys_, next_keys_);
+    next_.clear(); // and with them the contacts of pairs that have come apart
 }
 
 void SweptPairs::forget_gone(const std::vector<Change>& changes, const std::vector<uint32_t>& ranks) {
-    btBroadphasePairArray& pairs = *pairs_;
-    int left = 0;
-    for (int i = 0; i < pairs.size(); ++i) {
-        const Key key = keys_[static_cast<size_t>(i)];
+    size_t left = 0;
+    for (size_t i = 0; i < pairs_.size(); ++i) {
+        const Key key = keys_[i];
         const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
         if (changes[first] == Change::gone || changes[second] == Change::gone) continue;
-        pairs[left] = pairs[i];
-        keys_[static_cast<size_t>(left++)] = key_of(ranks[first], ranks[second]);
+        if (left != i) pairs_[left] = std::move(pairs_[i]);
+        keys_[left++] = key_of(ranks[first], ranks[second]);
     }
-    pairs.resize(left);
-    keys_.resize(static_cast<size_t>(left));
+    pairs_.resize(left);
+    keys_.resize(left);
 }
 
-void SweptPairs::cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* dispatcher) {
-    if (!pair.m_algorithm || !dispatcher) return;
-    pair.m_algorithm->~btCollisionAlgorithm();
-    dispatcher->freeCollisionAlgorithm(pair.m_algorithm);
-    pair.m_algorithm = nullptr;
-    pair.m_internalInfo1 = nullptr;
-}
-
-void SweptPairs::cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) {
-    for (const int index : pairs_of(*proxy)) cleanOverlappingPair(pairs_->at(index), dispatcher);
-}
-
-// Those with a higher rank lie side by side, and behind all those with a lower one. Of these hardly any is the box's, so many
-// are looked at at once.
-const std::vector<int>& SweptPairs::pairs_of(const btBroadphaseProxy& proxy) {
+// Pairs with a proxy of higher rank lie side by side, behind all pairs with one of lower rank. Hardly any of the latter is
+// the proxy's, so they are compared in blocks.
+const std::vector<uint32_t>& SweptPairs::pairs_of(const SweptProxy& proxy) {
     constexpr size_t at_once = 64;
-    const uint32_t rank = static_cast<const SweptProxy&>(proxy).rank;
+    const uint32_t rank = proxy.rank;
     const auto own = static_cast<size_t>(std::ranges::lower_bound(keys_, key_of(rank, rank)) - keys_.begin());
     of_one_.clear();
     for (size_t first = 0; first < own; first += at_once) {
@@ -114,22 +96,10 @@ const std::vector<int>& SweptPairs::pairs_of(const btBroadphaseProxy& proxy) {
         for (size_t i = first; i < end; ++i) some |= static_cast<uint32_t>(keys_[i]) == rank ? 1u : 0u;
         if (some == 0) continue;
         for (size_t i = first; i < end; ++i)
-            if (static_cast<uint32_t>(keys_[i]) == rank) of_one_.push_back(static_cast<int>(i));
+            if (static_cast<uint32_t>(keys_[i]) == rank) of_one_.push_back(static_cast<uint32_t>(i));
     }
-    for (size_t i = own; i < keys_.size() && keys_[i] >> 32 == rank; ++i) of_one_.push_back(static_cast<int>(i));
+    for (size_t i = own; i < keys_.size() && keys_[i] >> 32 == rank; ++i) of_one_.push_back(static_cast<uint32_t>(i));
     return of_one_;
-}
-
-void SweptPairs::processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher*) {
-    for (int i = 0; i < pairs_->size(); ++i) callback->processOverlap(pairs_->at(i));
-}
-
-btBroadphasePair* SweptPairs::findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) {
-    for (int i = 0; i < pairs_->size(); ++i)
-        if (btBroadphasePair& pair = pairs_->at(i);
-            std::minmax(pair.m_pProxy0, pair.m_pProxy1) == std::minmax(first, second))
-            return &pair;
-    return nullptr;
 }
 
 void SweepBroadphase::Boxes::resize(size_t count) {
@@ -158,10 +128,10 @@ void SweepBroadphase::Sorted::resize(size_t count) {
     boxes.resize(count);
 }
 
-void SweepBroadphase::Boxes::set(size_t place, const btVector3& from, const btVector3& to) {
+void SweepBroadphase::Boxes::set(size_t place, const Bounds& bounds) {
     for (size_t axis = 0; axis < 3; ++axis) {
-        low[axis][place] = from[static_cast<int>(axis)];
-        high[axis][place] = to[static_cast<int>(axis)];
+        low[axis][place] = bounds.low[static_cast<int>(axis)];
+        high[axis][place] = bounds.high[static_cast<int>(axis)];
     }
 }
 
@@ -174,11 +144,11 @@ SweepBroadphase::Box4 SweepBroadphase::Boxes::four_times(size_t place) const {
     return box;
 }
 
-SweepBroadphase::Box4 SweepBroadphase::four_times(const btVector3& from, const btVector3& to) {
+SweepBroadphase::Box4 SweepBroadphase::four_times(const Bounds& bounds) {
     Box4 box;
     for (size_t axis = 0; axis < 3; ++axis) {
-        box.low[axis] = Float4::all(from[static_cast<int>(axis)]);
-        box.high[axis] = Float4::all(to[static_cast<int>(axis)]);
+        box.low[axis] = Float4::all(bounds.low[static_cast<int>(axis)]);
+        box.high[axis] = Float4::all(bounds.high[static_cast<int>(axis)]);
     }
     return box;
 }
@@ -190,40 +160,16 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
            & all_less_equal(box.low[0], ends(0), box.low[1], ends(1), box.low[2], ends(2));
 }
 
-uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_least_partner) const {
+uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_min_partner) const {
     const Float4 sizes = Float4::load(size.data() + first), min_partners = Float4::load(min_partner.data() + first);
-    return all_less_equal(min_partners, own_size, own_least_partner, sizes, own_least_partner,
+    return all_less_equal(min_partners, own_size, own_min_partner, sizes, own_min_partner,
                           sizes); // the third is the second again
 }
 
-bool SweepBroadphase::Filter::meets(const Filter& other) const {
-    return (group & other.partners) != 0 && (other.group & partners) != 0;
-}
-
-btBroadphaseProxy* SweepBroadphase::createProxy(const btVector3& low, const btVector3& high, int, void* object,
-                                                int group, int mask, btDispatcher*) {
-    put_in(make_proxy(low, high, object, group, mask));
-    return proxies_.back().get();
-}
-
-std::unique_ptr<SweptProxy> SweepBroadphase::make_proxy(const btVector3& low, const btVector3& high, void* object,
-                                                        int group, int mask, btScalar size, btScalar min_partner) {
-    auto proxy = std::make_unique<SweptProxy>();
-    proxy->m_aabbMin = low;
-    proxy->m_aabbMax = high;
-    proxy->m_clientObject = object;
-    proxy->m_collisionFilterGroup = group;
-    proxy->m_collisionFilterMask = mask;
-    proxy->size = size;
-    proxy->min_partner = min_partner;
-    return proxy;
-}
-
-void SweepBroadphase::put_in(std::unique_ptr<SweptProxy> proxy) {
-    proxy->m_uniqueId = next_uid_++;
+void SweepBroadphase::add(std::unique_ptr<SweptProxy> proxy) {
     proxy->rank = static_cast<uint32_t>(proxies_.size());
     changes_.push_back(SweptPairs::Change::set);
-    filters_.push_back({proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask});
+    collides_.push_back(proxy->collides);
     if (proxies_.empty()) boxes_.resize(0);
     for (size_t axis = 0; axis < 3; ++axis) {
         boxes_.low[axis].push_back(infinite);
@@ -231,68 +177,40 @@ void SweepBroadphase::put_in(std::unique_ptr<SweptProxy> proxy) {
     }
     boxes_.size.push_back(0.0f);
     boxes_.min_partner.push_back(infinite);
-    boxes_.set(proxy->rank, proxy->m_aabbMin, proxy->m_aabbMax);
+    boxes_.set(proxy->rank, proxy->bounds);
     boxes_.size[proxy->rank] = proxy->size;
     boxes_.min_partner[proxy->rank] = proxy->min_partner;
     proxies_.push_back(std::move(proxy));
 }
 
-bool SweepBroadphase::may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const {
-    const auto &first = static_cast<const SweptProxy&>(a), &second = static_cast<const SweptProxy&>(b);
-    return filters_[first.rank].meets(filters_[second.rank]) && first.size >= second.min_partner
-           && second.size >= first.min_partner;
+bool SweepBroadphase::may_collide(const SweptProxy& a, const SweptProxy& b) {
+    return collide(a.collides, b.collides) && a.size >= b.min_partner && b.size >= a.min_partner;
 }
 
-// Constant in time, so that many can go at once. The proxy's pairs have been cleaned before.
-void SweepBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher*) {
-    SweptProxy& leaving = swept(proxy);
-    changes_[leaving.rank] = SweptPairs::Change::gone;
-    boxes_.set(leaving.rank, {infinite, infinite, infinite}, {-infinite, -infinite, -infinite});
+void SweepBroadphase::remove(SweptProxy& proxy) {
+    for (const uint32_t index : pairs_.pairs_of(proxy)) pairs_.at(index).contacts.reset();
+    changes_[proxy.rank] = SweptPairs::Change::gone;
+    boxes_.set(proxy.rank, {glm::vec3(infinite), glm::vec3(-infinite)});
     some_gone_ = true;
 }
 
-void SweepBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& low, const btVector3& high, btDispatcher*) {
-    SweptProxy& moved = swept(proxy);
-    moved.m_aabbMin = low;
-    moved.m_aabbMax = high;
-    changes_[moved.rank] = SweptPairs::Change::set;
-    boxes_.set(moved.rank, low, high);
+void SweepBroadphase::set_bounds(SweptProxy& proxy, const Bounds& bounds) {
+    proxy.bounds = bounds;
+    changes_[proxy.rank] = SweptPairs::Change::set;
+    boxes_.set(proxy.rank, bounds);
 }
 
-void SweepBroadphase::getAabb(btBroadphaseProxy* proxy, btVector3& low, btVector3& high) const {
-    low = proxy->m_aabbMin;
-    high = proxy->m_aabbMax;
-}
-
-void SweepBroadphase::rayTest(const btVector3& from, const btVector3& to, btBroadphaseRayCallback& callback,
-                              const btVector3& low, const btVector3& high) {
-    btVector3 start = from, end = from;
-    start.setMin(to);
-    end.setMax(to);
-    start += low;
-    end += high;
-    const Box4 around = four_times(start, end);
-    for (size_t first = 0; first < proxies_.size(); first += 4)
-        for (uint32_t lanes = boxes_.overlaps(first, around); lanes != 0; lanes &= lanes - 1) {
-            const SweptProxy& proxy = *proxies_[first + static_cast<size_t>(std::countr_zero(lanes))];
-            const btVector3 bounds[2] = {proxy.m_aabbMin - high, proxy.m_aabbMax - low};
-            btScalar where = 0.0f;
-            if (btRayAabb2(from, callback.m_rayDirectionInverse, callback.m_signs, bounds, where, 0.0f,
-                           callback.m_lambda_max))
-                callback.process(&proxy);
-        }
-}
-
-void SweepBroadphase::aabbTest(const btVector3& low, const btVector3& high, btBroadphaseAabbCallback& callback) {
-    const Box4 around = four_times(low, high);
+void SweepBroadphase::for_each_overlap(const Bounds& bounds,
+                                       const std::function<void(const SweptProxy&)>& visit) const {
+    const Box4 around = four_times(bounds);
     for (size_t first = 0; first < proxies_.size(); first += 4)
         for (uint32_t lanes = boxes_.overlaps(first, around); lanes != 0; lanes &= lanes - 1)
-            callback.process(proxies_[first + static_cast<size_t>(std::countr_zero(lanes))].get());
+            visit(*proxies_[first + static_cast<size_t>(std::countr_zero(lanes))]);
 }
 
-void SweepBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher) {
+void SweepBroadphase::find_pairs() {
     if (some_gone_) forget_gone();
-    find_moving();
+    sort_proxies();
     found_.clear();
     sweep(moving_);
     sweep(moving_, debris_, false);
@@ -300,18 +218,8 @@ void SweepBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher) {
     sweep(moving_, still_debris_.boxes, false);
     sweep(debris_, still_.boxes, false);
     sort_found();
-    pairs_.update(found_, proxies_, changes_, dispatcher);
+    pairs_.update(found_, proxies_, changes_);
     std::ranges::fill(changes_, SweptPairs::Change::none);
-}
-
-void SweepBroadphase::getBroadphaseAabb(btVector3& low, btVector3& high) const {
-    low.setValue(infinite, infinite, infinite);
-    high = -low;
-    for (const auto& proxy : proxies_) {
-        if (changes_[proxy->rank] == SweptPairs::Change::gone) continue;
-        low.setMin(proxy->m_aabbMin);
-        high.setMax(proxy->m_aabbMax);
-    }
 }
 
 void SweepBroadphase::forget_gone() {
@@ -324,7 +232,7 @@ void SweepBroadphase::forget_gone() {
         if (left != rank) {
             proxies_[left] = std::move(proxies_[rank]);
             proxies_[left]->rank = left;
-            filters_[left] = filters_[rank];
+            collides_[left] = collides_[rank];
             boxes_.copy(rank, boxes_, left);
         }
         ++left;
@@ -333,7 +241,7 @@ void SweepBroadphase::forget_gone() {
     pairs_.forget_gone(changes_, ranks);
     std::erase(changes_, SweptPairs::Change::gone);
     proxies_.resize(left);
-    filters_.resize(left);
+    collides_.resize(left);
     boxes_.resize(left);
     some_gone_ = false;
 }
@@ -383,31 +291,31 @@ void SweepBroadphase::sort(Sorted& sorted) {
     }
 }
 
-// Of who was there before the order is known.
+// The order of those of the last time is known.
 void SweepBroadphase::merge(Still& still) {
-    come_.ranks.clear();
-    std::ranges::set_difference(still.ranks, still.known, std::back_inserter(come_.ranks));
-    sort(come_);
+    new_.ranks.clear();
+    std::ranges::set_difference(still.ranks, still.known, std::back_inserter(new_.ranks));
+    sort(new_);
     merged_.resize(still.ranks.size());
     const auto axis = static_cast<size_t>(axis_);
     const Sorted& before = still.boxes;
-    size_t merged = 0, come = 0;
+    size_t merged = 0, added = 0;
     const auto take = [&](const Sorted& from, size_t place) {
         merged_.ranks[merged] = from.ranks[place];
         from.boxes.copy(place, merged_.boxes, merged++);
     };
     for (size_t place = 0; place < before.ranks.size(); ++place) {
         if (is_set(before.ranks[place])) continue;
-        while (come < come_.ranks.size() && come_.boxes.low[axis][come] < before.boxes.low[axis][place])
-            take(come_, come++);
+        while (added < new_.ranks.size() && new_.boxes.low[axis][added] < before.boxes.low[axis][place])
+            take(new_, added++);
         take(before, place);
     }
-    while (come < come_.ranks.size()) take(come_, come++);
+    while (added < new_.ranks.size()) take(new_, added++);
     std::swap(still.boxes, merged_);
 }
 
-void SweepBroadphase::put_in_order(Still& still, bool turned) {
-    if (turned) {
+void SweepBroadphase::put_in_order(Still& still, bool other_axis) {
+    if (other_axis) {
         still.boxes.ranks = still.ranks;
         sort(still.boxes);
     } else if (still.ranks != still.known) {
@@ -415,29 +323,24 @@ void SweepBroadphase::put_in_order(Still& still, bool turned) {
     }
 }
 
-bool SweepBroadphase::is_debris(uint32_t rank) const {
-    const Filter own = filters_[rank];
-    return own.group == btBroadphaseProxy::DebrisFilter && (own.group & own.partners) == 0;
-}
-
-void SweepBroadphase::find_moving() {
+void SweepBroadphase::sort_proxies() {
     for (Sorted* set : {&moving_, &debris_}) set->ranks.clear();
     for (Still* still : {&still_, &still_debris_}) {
         std::swap(still->ranks, still->known);
         still->ranks.clear();
     }
     for (uint32_t rank = 0; rank < proxies_.size(); ++rank) {
-        const bool debris = is_debris(rank);
+        const bool debris = collides_[rank] == Collides::debris;
         if (is_set(rank))
             (debris ? debris_ : moving_).ranks.push_back(rank);
         else
             (debris ? still_debris_ : still_).ranks.push_back(rank);
     }
     const int axis = widest_axis();
-    const bool turned = std::exchange(axis_, axis) != axis;
+    const bool other_axis = std::exchange(axis_, axis) != axis;
     sort(moving_);
     sort(debris_);
-    for (Still* still : {&still_, &still_debris_}) put_in_order(*still, turned);
+    for (Still* still : {&still_, &still_debris_}) put_in_order(*still, other_axis);
 }
 
 std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
@@ -453,37 +356,37 @@ std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
     return found_;
 }
 
-const SweepBroadphase::Reached& SweepBroadphase::reach(std::span<const uint32_t> ranks, const Passes& passes) {
-    if (!reach_few(ranks, passes)) reach_many(ranks, passes);
-    return reached_;
+const SweepBroadphase::Connected& SweepBroadphase::connected(std::span<const uint32_t> ranks, const Passes& passes) {
+    if (!connect_few(ranks, passes)) connect_many(ranks, passes);
+    return connected_;
 }
 
-bool SweepBroadphase::reach_few(std::span<const uint32_t> ranks, const Passes& passes) {
+bool SweepBroadphase::connect_few(std::span<const uint32_t> ranks, const Passes& passes) {
     constexpr size_t few = 12; // from here on the other way is faster among twenty thousand pairs
-    reached_.pairs.clear();
-    reached_.ranks.assign(ranks.begin(), ranks.end());
-    is_reached_.assign(proxies_.size(), 0);
-    for (const uint32_t rank : ranks) is_reached_[rank] = 1;
-    for (size_t i = 0; i < reached_.ranks.size(); ++i) {
-        if (reached_.ranks.size() > few) return false;
-        const uint32_t rank = reached_.ranks[i];
-        for (const int index : pairs_.pairs_of(*proxies_[rank])) {
-            const SweptPairs::Key key = pairs_.keys()[static_cast<size_t>(index)];
+    connected_.pairs.clear();
+    connected_.ranks.assign(ranks.begin(), ranks.end());
+    is_connected_.assign(proxies_.size(), 0);
+    for (const uint32_t rank : ranks) is_connected_[rank] = 1;
+    for (size_t i = 0; i < connected_.ranks.size(); ++i) {
+        if (connected_.ranks.size() > few) return false;
+        const uint32_t rank = connected_.ranks[i];
+        for (const uint32_t index : pairs_.pairs_of(*proxies_[rank])) {
+            const SweptPairs::Key key = pairs_.keys()[index];
             const auto first = static_cast<uint32_t>(key >> 32),
                        other = first == rank ? static_cast<uint32_t>(key) : first;
-            reached_.pairs.push_back(index);
-            if (is_reached_[other] != 0 || !passes(*proxies_[other])) continue;
-            is_reached_[other] = 1;
-            reached_.ranks.push_back(other);
+            connected_.pairs.push_back(index);
+            if (is_connected_[other] != 0 || !passes(*proxies_[other])) continue;
+            is_connected_[other] = 1;
+            connected_.ranks.push_back(other);
         }
     }
-    std::ranges::sort(reached_.ranks);
-    std::ranges::sort(reached_.pairs);
-    reached_.pairs.erase(std::ranges::unique(reached_.pairs).begin(), reached_.pairs.end());
+    std::ranges::sort(connected_.ranks);
+    std::ranges::sort(connected_.pairs);
+    connected_.pairs.erase(std::ranges::unique(connected_.pairs).begin(), connected_.pairs.end());
     return true;
 }
 
-void SweepBroadphase::reach_many(std::span<const uint32_t> ranks, const Passes& passes) {
+void SweepBroadphase::connect_many(std::span<const uint32_t> ranks, const Passes& passes) {
     const auto count = static_cast<uint32_t>(proxies_.size());
     passes_.resize(count);
     for (uint32_t rank = 0; rank < count; ++rank) passes_[rank] = passes(*proxies_[rank]);
@@ -494,17 +397,17 @@ void SweepBroadphase::reach_many(std::span<const uint32_t> ranks, const Passes& 
         const auto first = static_cast<uint32_t>(key >> 32), second = static_cast<uint32_t>(key);
         if ((passes_[first] & passes_[second]) != 0) fracture::unite(parents_, first, second);
     }
-    is_reached_.assign(count, 0);
-    for (const uint32_t rank : ranks) is_reached_[fracture::root_of(parents_, rank)] = 1;
-    reached_.ranks.clear();
+    is_connected_.assign(count, 0);
+    for (const uint32_t rank : ranks) is_connected_[fracture::root_of(parents_, rank)] = 1;
+    connected_.ranks.clear();
     for (uint32_t rank = 0; rank < count; ++rank) { // a root comes before all of its own
-        is_reached_[rank] = is_reached_[fracture::root_of(parents_, rank)];
-        if (is_reached_[rank] != 0) reached_.ranks.push_back(rank);
+        is_connected_[rank] = is_connected_[fracture::root_of(parents_, rank)];
+        if (is_connected_[rank] != 0) connected_.ranks.push_back(rank);
     }
-    reached_.pairs.clear();
+    connected_.pairs.clear();
     for (size_t i = 0; i < keys.size(); ++i)
-        if ((is_reached_[keys[i] >> 32] | is_reached_[static_cast<uint32_t>(keys[i])]) != 0)
-            reached_.pairs.push_back(static_cast<int>(i));
+        if ((is_connected_[keys[i] >> 32] | is_connected_[static_cast<uint32_t>(keys[i])]) != 0)
+            connected_.pairs.push_back(static_cast<uint32_t>(i));
 }
 
 void SweepBroadphase::sweep_parts(size_t count, const auto& sweep) {
@@ -551,7 +454,7 @@ void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from
     const std::vector<float>& begin = others.boxes.low[static_cast<size_t>(axis_)];
     const float end = boxes_.high[static_cast<size_t>(axis_)][rank];
     if (from >= others.ranks.size() || begin[from] > end) return;
-    const Filter own = filters_[rank];
+    const Collides own = collides_[rank];
     const Box4 box = boxes_.four_times(rank);
     const Float4 size = Float4::all(boxes_.size[rank]), min_partner = Float4::all(boxes_.min_partner[rank]);
     for (size_t first = from; first < others.ranks.size() && begin[first] <= end; first += 4) {
@@ -559,7 +462,7 @@ void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from
         if (lanes != 0) lanes &= others.boxes.large_enough(first, size, min_partner);
         for (; lanes != 0; lanes &= lanes - 1) {
             const uint32_t other = others.ranks[first + static_cast<size_t>(std::countr_zero(lanes))];
-            if (own.meets(filters_[other]) && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
+            if (collide(own, collides_[other]) && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
         }
     }
 }

@@ -1,23 +1,19 @@
-// Which boxes overlap, found anew in each step by sweeping along one axis.
+// The broadphase: pairs of bounds that overlap, found anew in each step by sweeping along one axis (sweep and prune).
 //
-// Bullet's tree swells boxes so that it need not look in every step, and keeps a hash of all pairs that come out of it. In a
-// heap of pieces that are as small as their slack, that is three times as many pairs as there are overlaps, and while things
-// fall, every box leaves its slack in every step. Here boxes are as tight as they are given. Those whose box was set since the
-// last time, which are the bodies that are awake, are sorted along the axis on which they spread most and compared with each
-// other and with those that were not, four at a time; pairs of two that were not stay as they are. Debris, which meets no debris,
-// has lists of its own, awake and asleep, compared neither with themselves nor with each other. Of others that it overlaps it has no pair with
-// those that are too small for it (SweptProxy::min_partner).
+// Bounds are tight: in a heap of pieces, bounds with the slack that a dynamic tree needs give three times as many pairs. The
+// bounds that were set since the last step are those of bodies that are awake. They are sorted along the axis on which they
+// spread most, and compared with each other and with the bounds that were not set, four at a time. Pairs of two that were not
+// set stay as they are. Debris has lists of its own, awake and asleep, which are neither compared with themselves nor with
+// each other, because debris does not collide with debris.
 //
-// - Pairs come in the order of their proxies, and those in the order in which they were made: nothing depends on addresses or
-//   on what happened before.
-// - What a pair keeps (its collision algorithm) lives as long as the boxes overlap in each step, and is freed at once when
-//   one of the two is removed.
-// - Bodies that sleep cost a comparison of one coordinate each.
-// - The work grows with the pairs that overlap along the axis: n to the power of 5/3 for n pieces of one object. A
-//   thousand take 0.4 ms, three thousand 1.2 ms.
+// - Pairs come in the order of their proxies' ranks, and ranks in the order in which proxies were added: nothing depends on
+//   addresses or on earlier steps.
+// - The contacts that a pair keeps live as long as the two overlap in every step, and end when one of them is removed.
+// - A body that sleeps costs the comparison of one coordinate.
+// - The work grows with the pairs that overlap along the axis: n^(5/3) for n pieces of one object.
 // - Not thread-safe, but sweeps on several threads itself.
 //
-// Sweep and prune: D. Baraff, "Dynamic Simulation of Non-Penetrating Rigid Bodies", 1992.
+// D. Baraff, "Dynamic Simulation of Non-Penetrating Rigid Bodies", 1992 (sweep and prune).
 #pragma once
 
 #include <array>
@@ -27,174 +23,151 @@
 #include <span>
 #include <vector>
 
-#include <btBulletDynamicsCommon.h>
+#include <glm/vec3.hpp>
 
 #include "fracture/base/parallel.h"
 #include "physics/solver/float4.h"
+#include "physics/solver/pair_contacts.h"
+#include "physics/solver/transform.h"
 
 namespace brittle::physics {
 
-// Proxies are numbered by rank: their place among all, in the order in which they came.
-struct SweptProxy final : btBroadphaseProxy {
-    uint32_t rank = 0;
-    btScalar size = BT_LARGE_FLOAT, min_partner = 0.0f; // see make_proxy()
+struct Body;
+
+// Bodies of two kinds collide, and two that are moving; two that are fixed, or two that are debris, do not.
+enum class Collides : uint8_t { fixed, moving, debris };
+
+// An entry of the broadphase: the bounds of a body or of the ground.
+struct SweptProxy {
+    Body* body = nullptr; // null: the ground
+    Bounds bounds;
+    Collides collides = Collides::moving;
+    // m. Two collide only if each is at least as large as the other's min_partner.
+    float size = unbounded, min_partner = 0.0f;
+    uint32_t rank = 0; // its place among all proxies, in the order in which they were added
 };
 
-// Pairs of boxes in the order of their ranks.
-class SweptPairs final : public btOverlappingPairCache {
+// Two proxies whose bounds overlap, the lower rank first, and their contacts.
+struct SweptPair {
+    SweptProxy *a, *b;
+    std::unique_ptr<PairContacts> contacts; // null until the narrow phase needs some
+};
+
+// The pairs, in the order of their ranks.
+class SweptPairs {
   public:
     using Key = uint64_t; // lower rank, higher rank
-    // What became of a box since pairs were last found.
+    // Of a proxy since pairs were last found.
     enum class Change : uint8_t { none, set, gone };
 
     SweptPairs() = default;
     SweptPairs(const SweptPairs&) = delete;
     SweptPairs& operator=(const SweptPairs&) = delete;
 
-    // Keeps, of the pairs with a box that was set, those that are found, adds what is new and drops what is not. Keys are
-    // ascending; changes by rank, nobody gone.
+    // Of the pairs with bounds that were set, keeps those that were found, adds new ones and drops the others. Keys are
+    // ascending; changes by rank, none of them gone.
     void update(const std::vector<Key>& found, const std::vector<std::unique_ptr<SweptProxy>>& proxies,
-                const std::vector<Change>& changes, btDispatcher* dispatcher);
-    // Drops the pairs of boxes that are gone, which have been cleaned, and gives the others their new ranks, by the old ones.
+                const std::vector<Change>& changes);
+    // Drops the pairs of proxies that are gone and gives the others their new ranks, by the old ones.
     void forget_gone(const std::vector<Change>& changes, const std::vector<uint32_t>& ranks);
 
-    void cleanOverlappingPair(btBroadphasePair& pair, btDispatcher* dispatcher) override;
-    void cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
-    void processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher* dispatcher) override;
-    btBroadphasePair* findPair(btBroadphaseProxy* first, btBroadphaseProxy* second) override;
-
-    // Indices of the pairs of which a box was set when pairs were last found, in their order.
-    [[nodiscard]] const std::vector<int>& set() const { return set_; }
-    [[nodiscard]] std::span<const Key> keys() const { return keys_; } // of all pairs
-    [[nodiscard]] const btBroadphasePair& at(int index) const { return pairs_->at(index); }
-    [[nodiscard]] uint32_t higher_rank(int index) const {
-        return static_cast<uint32_t>(keys_[static_cast<size_t>(index)]);
-    }
-    // Of those of one box, in their order; until the next call.
-    [[nodiscard]] const std::vector<int>& pairs_of(const btBroadphaseProxy& proxy);
-
-    btBroadphasePair* getOverlappingPairArrayPtr() override { return pairs_->size() > 0 ? &pairs_->at(0) : nullptr; }
-    const btBroadphasePair* getOverlappingPairArrayPtr() const override {
-        return pairs_->size() > 0 ? &pairs_->at(0) : nullptr;
-    }
-    btBroadphasePairArray& getOverlappingPairArray() override { return *pairs_; } // until pairs are next found
-    int getNumOverlappingPairs() const override { return pairs_->size(); }
-
-    // Of Bullet's interface, but only asked for by its own broadphases.
-    bool needsBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override { return true; }
-    btBroadphasePair* addOverlappingPair(btBroadphaseProxy*, btBroadphaseProxy*) override { return nullptr; }
-    void* removeOverlappingPair(btBroadphaseProxy*, btBroadphaseProxy*, btDispatcher*) override { return nullptr; }
-    void removeOverlappingPairsContainingProxy(btBroadphaseProxy*, btDispatcher*) override {}
-    btOverlapFilterCallback* getOverlapFilterCallback() override { return nullptr; }
-    void setOverlapFilterCallback(btOverlapFilterCallback*) override {}
-    void setInternalGhostPairCallback(btOverlappingPairCallback*) override {}
-    void sortOverlappingPairs(btDispatcher*) override {}
-    bool hasDeferredRemoval() override { return true; }
+    [[nodiscard]] size_t size() const { return pairs_.size(); }
+    [[nodiscard]] SweptPair& at(uint32_t index) { return pairs_[index]; }
+    [[nodiscard]] const SweptPair& at(uint32_t index) const { return pairs_[index]; }
+    [[nodiscard]] std::span<const SweptPair> all() const { return pairs_; }
+    [[nodiscard]] std::span<const Key> keys() const { return keys_; }
+    // Indices of the pairs of which bounds were set when pairs were last found, ascending.
+    [[nodiscard]] const std::vector<uint32_t>& set() const { return set_; }
+    // Indices of the pairs of one proxy, ascending; valid until the next call.
+    [[nodiscard]] const std::vector<uint32_t>& pairs_of(const SweptProxy& proxy);
 
   private:
-    std::array<btBroadphasePairArray, 2> arrays_; // take turns: to swap two of Bullet's is to copy them
-    btBroadphasePairArray *pairs_ = arrays_.data(), *next_ = pairs_ + 1;
+    std::vector<SweptPair> pairs_, next_;
     std::vector<Key> keys_, next_keys_; // of the pairs: proxies lie anywhere in memory
-    std::vector<int> set_, of_one_;
+    std::vector<uint32_t> set_, of_one_;
 };
 
-class SweepBroadphase final : public btBroadphaseInterface {
+class SweepBroadphase {
   public:
     explicit SweepBroadphase(fracture::Threads& threads) : threads_(threads) {}
 
-    btBroadphaseProxy* createProxy(const btVector3& low, const btVector3& high, int shape, void* object, int group,
-                                   int mask, btDispatcher* dispatcher) override;
-    // One that is in no broadphase yet: made on any thread. It is so large, and meets only what is at least so large.
-    [[nodiscard]] static std::unique_ptr<SweptProxy> make_proxy(const btVector3& low, const btVector3& high,
-                                                                void* object, int group, int mask,
-                                                                btScalar size = BT_LARGE_FLOAT,
-                                                                btScalar min_partner = 0.0f);
     // Behind all others.
-    void put_in(std::unique_ptr<SweptProxy> proxy);
-    // Whether two meet where they overlap: as their groups and their sizes say.
-    [[nodiscard]] bool may_meet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) const;
-    void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
-    void setAabb(btBroadphaseProxy* proxy, const btVector3& low, const btVector3& high,
-                 btDispatcher* dispatcher) override;
-    void getAabb(btBroadphaseProxy* proxy, btVector3& low, btVector3& high) const override;
-    // Boxes that a ray, or a box along it, may hit; in the order of ranks.
-    void rayTest(const btVector3& from, const btVector3& to, btBroadphaseRayCallback& callback, const btVector3& low,
-                 const btVector3& high) override;
-    void aabbTest(const btVector3& low, const btVector3& high, btBroadphaseAabbCallback& callback) override;
-    void calculateOverlappingPairs(btDispatcher* dispatcher) override;
-    // Pairs of boxes that were set since pairs were last found with all that they overlap, ascending; until the next call. None may have
-    // been destroyed since then.
-    [[nodiscard]] std::span<const SweptPairs::Key> find_set();
-    // Ranks of all boxes that overlap some given ones, each once, directly or through others, and the pairs that they have; ascending.
-    // All of them pass, as those given do. As pairs were last found; until the next call.
-    struct Reached {
-        std::vector<uint32_t> ranks;
-        std::vector<int> pairs;
-    };
-    using Passes = std::function<bool(const btBroadphaseProxy&)>;
-    [[nodiscard]] const Reached& reach(std::span<const uint32_t> ranks, const Passes& passes);
-    [[nodiscard]] const btBroadphaseProxy& proxy(uint32_t rank) const { return *proxies_[rank]; }
-    btOverlappingPairCache* getOverlappingPairCache() override { return &pairs_; }
-    const btOverlappingPairCache* getOverlappingPairCache() const override { return &pairs_; }
+    void add(std::unique_ptr<SweptProxy> proxy);
+    // In constant time; its contacts end at once, the proxy with the next find_pairs().
+    void remove(SweptProxy& proxy);
+    void set_bounds(SweptProxy& proxy, const Bounds& bounds);
+    void find_pairs();
+
     [[nodiscard]] SweptPairs& pairs() { return pairs_; }
-    void getBroadphaseAabb(btVector3& low, btVector3& high) const override;
-    void printStats() override {}
+    [[nodiscard]] const SweptPairs& pairs() const { return pairs_; }
+    [[nodiscard]] const SweptProxy& proxy(uint32_t rank) const { return *proxies_[rank]; }
+    // Whether two collide where they overlap: by their kinds and their sizes.
+    [[nodiscard]] static bool may_collide(const SweptProxy& a, const SweptProxy& b);
+    // Calls visit(proxy) for each proxy whose bounds overlap the given ones, in the order of ranks.
+    void for_each_overlap(const Bounds& bounds, const std::function<void(const SweptProxy&)>& visit) const;
+
+    // Pairs of bounds that were set since pairs were last found with all that they overlap, ascending; valid until the next
+    // call. No proxy may have been removed since then.
+    [[nodiscard]] std::span<const SweptPairs::Key> find_set();
+
+    // The ranks of all proxies that are connected with some given ones by pairs, each once, and the pairs that they have;
+    // ascending. Connections lead through proxies for which `passes` holds, as it does for the given ones. By the pairs that
+    // were last found; valid until the next call.
+    struct Connected {
+        std::vector<uint32_t> ranks;
+        std::vector<uint32_t> pairs;
+    };
+    using Passes = std::function<bool(const SweptProxy&)>;
+    [[nodiscard]] const Connected& connected(std::span<const uint32_t> ranks, const Passes& passes);
 
   private:
-    // One box four times over.
+    // One box in all four lanes.
     struct Box4 {
         std::array<Float4, 3> low, high;
     };
-    static Box4 four_times(const btVector3& from, const btVector3& to);
+    static Box4 four_times(const Bounds& bounds);
     // Boxes side by side; behind the last one three that overlap nothing, so that four can be read anywhere.
     struct Boxes {
         std::array<std::vector<float>, 3> low, high;
-        std::vector<float> size, min_partner; // see make_proxy()
+        std::vector<float> size, min_partner; // of the proxies
         void resize(size_t count);
-        void set(size_t place, const btVector3& from, const btVector3& to);
+        void set(size_t place, const Bounds& bounds);
         void copy(size_t place, Boxes& to, size_t to_place) const;
         [[nodiscard]] Box4 four_times(size_t place) const;
-        // Bit i of the result: whether the box at first + i overlaps the given one.
+        // Bit i: whether the box at first + i overlaps the given one.
         [[nodiscard]] uint32_t overlaps(size_t first, const Box4& box) const;
-        // Likewise: whether both are as large as the other one asks for; the given one's in all four lanes.
-        [[nodiscard]] uint32_t large_enough(size_t first, Float4 own_size, Float4 own_least_partner) const;
+        // Bit i: whether that box and the given one are as large as each other's min_partner.
+        [[nodiscard]] uint32_t large_enough(size_t first, Float4 own_size, Float4 own_min_partner) const;
     };
-    // Boxes in ascending order of where they begin on the axis.
+    // Boxes in ascending order of their low ends on the axis.
     struct Sorted {
         std::vector<uint32_t> ranks;
         Boxes boxes;
         void resize(size_t count);
     };
-    // Of a proxy: whom it meets, whatever their sizes.
-    struct Filter {
-        int group, partners;
-        [[nodiscard]] bool meets(const Filter& other) const;
-    };
 
-    // Those that were not set when pairs were last found.
+    // Boxes that were not set when pairs were last found.
     struct Still {
         Sorted boxes;
-        std::vector<uint32_t> ranks, known; // ascending: of boxes; in find_moving() those of the last time
+        std::vector<uint32_t> ranks, known; // ascending: of boxes; in sort_proxies() those of the last time
     };
 
-    void forget_gone(); // boxes that were destroyed
+    void forget_gone();
     void forget_gone(Still& still, const std::vector<uint32_t>& ranks);
-    // The axis on which boxes that were set spread most; one that is about as good is kept.
+    // The axis on which boxes that were set spread most; the present one if it is about as good.
     [[nodiscard]] int widest_axis() const;
     void sort(Sorted& sorted);
-    // Sorts boxes that were set, and puts the others in order.
-    void find_moving();
-    void put_in_order(Still& still, bool turned); // turned: along another axis than the last time
-    // From those of the last time and who has come to rest since.
+    // Sorts the boxes that were set, and brings the order of the others up to date.
+    void sort_proxies();
+    void put_in_order(Still& still, bool other_axis);
+    // Merges those of the last time with those that have come to rest since.
     void merge(Still& still);
     [[nodiscard]] bool is_set(uint32_t rank) const { return changes_[rank] == SweptPairs::Change::set; }
-    // Two ways to do the same: one by one, false where there are many; and for all ranks.
-    bool reach_few(std::span<const uint32_t> ranks, const Passes& passes);
-    void reach_many(std::span<const uint32_t> ranks, const Passes& passes);
-    // One of those that do not meet each other.
-    [[nodiscard]] bool is_debris(uint32_t rank) const;
-    // These find pairs: within a list; of one of each, where so wanted the second one not set; of a box with others from a place on
-    // that begin before it ends.
+    // Two ways to find what is connected: one proxy after the other, false where there are many; and over all pairs.
+    bool connect_few(std::span<const uint32_t> ranks, const Passes& passes);
+    void connect_many(std::span<const uint32_t> ranks, const Passes& passes);
+    // These add pairs to found_: within a list; of two lists, optionally without those of the second that were set; of one
+    // box with the boxes from a place on that begin before it ends.
     void sweep(const Sorted& boxes);
     void sweep(const Sorted& boxes, const Sorted& others, bool skip_set);
     void sweep_one(uint32_t rank, const Sorted& others, size_t from, bool skip_set,
@@ -206,22 +179,21 @@ class SweepBroadphase final : public btBroadphaseInterface {
     fracture::Threads& threads_;
     std::vector<std::unique_ptr<SweptProxy>> proxies_; // by rank, as are the next three
     std::vector<SweptPairs::Change> changes_;
-    std::vector<Filter> filters_;
+    std::vector<Collides> collides_;
     Boxes boxes_;
     SweptPairs pairs_;
-    int next_uid_ = 0;
     bool some_gone_ = false;
     int axis_ = 0;               // along which boxes are sorted
-    Sorted moving_, debris_;     // when pairs were last found: boxes that were set, of debris and not
-    Still still_, still_debris_; // and the others, likewise
+    Sorted moving_, debris_;     // when pairs were last found: boxes that were set, without debris and of debris
+    Still still_, still_debris_; // and the others
     Sorted set_;                 // since then
-    Sorted come_, merged_;       // of merge(): who is new there, and what becomes of it
-    std::vector<std::vector<SweptPairs::Key>> parts_; // of one call, as are the next
+    Sorted new_, merged_;        // scratch of merge()
+    std::vector<std::vector<SweptPairs::Key>> parts_; // scratch of one call, as are the next
     std::vector<SweptPairs::Key> found_, scratch_, order_;
     std::vector<uint32_t> starts_;
-    Reached reached_; // of one call of reach(), as are the next, by rank
+    Connected connected_; // of one call of connected(), as are the next, by rank
     std::vector<uint32_t> parents_;
-    std::vector<uint8_t> passes_, is_reached_;
+    std::vector<uint8_t> passes_, is_connected_;
 };
 
 } // namespace brittle::physics

@@ -1,4 +1,4 @@
-#include "physics/solver/rotation.h"
+#include "physics/solver/free_rotation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Four vectors turned at once, each as glm turns it alone, bit for bit.
+// Four vectors rotated at once, each as glm rotates it alone, bit for bit.
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
@@ -8,7 +8,7 @@
 
 namespace brittle::physics {
 
-// Vectors side by side.
+// Four vectors, component by component.
 struct Vector4 {
     Float4 x, y, z;
 
@@ -17,14 +17,14 @@ struct Vector4 {
     }
 };
 
-// glm's v + 2 (q x v w + q x (q x v)), in its order.
-[[nodiscard]] inline Vector4 turned(const glm::quat& turn, const Vector4& v) {
-    const Float4 x = Float4::all(turn.x), y = Float4::all(turn.y), z = Float4::all(turn.z);
+// v + 2 (w q x v + q x (q x v)), in glm's order of operations.
+[[nodiscard]] inline Vector4 rotated(const glm::quat& q, const Vector4& v) {
+    const Float4 x = Float4::all(q.x), y = Float4::all(q.y), z = Float4::all(q.z);
     const auto crossed = [&](const Vector4& a) -> Vector4 {
         return {y * a.z - a.y * z, z * a.x - a.z * x, x * a.y - a.x * y};
     };
     const Vector4 once = crossed(v), twice = crossed(once);
-    const Float4 w = Float4::all(turn.w), two = Float4::all(2.0f);
+    const Float4 w = Float4::all(q.w), two = Float4::all(2.0f);
     return {v.x + (once.x * w + twice.x) * two, v.y + (once.y * w + twice.y) * two, v.z + (once.z * w + twice.z) * two};
 }
 

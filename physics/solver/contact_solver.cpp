@@ -1,0 +1,131 @@
+#include "physics/solver/contact_solver.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace brittle::physics {
+
+namespace {
+
+// Slower impacts do not bounce, m/s.
+constexpr float min_bounce_speed = 0.2f;
+
+bool is_at_rest(const SweptProxy& proxy) {
+    return !proxy.body || !proxy.body->awake();
+}
+
+} // namespace
+
+void ContactSolver::solve(std::span<Body* const> awake, std::span<const AnyManifold> manifolds,
+                          fracture::Threads& threads) {
+    rows_.solve(awake, manifolds,
+                {.seconds = settings_.step,
+                 .sweeps = static_cast<int>(settings_.solver_iterations),
+                 .gravity = settings_.gravity * units,
+                 .separation_speed = settings_.separation_speed * units,
+                 .min_bounce_speed = min_bounce_speed * units},
+                threads);
+    manifolds_ = manifolds;
+    awake_.assign(awake.begin(), awake.end());
+    contacts_.clear();
+    reported_ = Reported::none;
+}
+
+std::span<const Contact> ContactSolver::solved_contacts() {
+    if (reported_ == Reported::none) {
+        report_solved();
+        solved_count_ = contacts_.size();
+        reported_ = Reported::solved;
+    }
+    return std::span(contacts_).first(solved_count_);
+}
+
+std::span<const Contact> ContactSolver::contacts() {
+    if (reported_ != Reported::all) {
+        (void)solved_contacts();
+        report_sleeping();
+        reported_ = Reported::all;
+    }
+    return contacts_;
+}
+
+void ContactSolver::report_solved() {
+    auto solved = rows_.solved().begin();
+    for (const AnyManifold& manifold : manifolds_) {
+        if (manifold.ground) {
+            for (const GroundPoint& point : manifold.ground->points()) {
+                if (point.normal_impulse <= 0.0f) continue;
+                contacts_.push_back(report_of(*manifold.ground, point, point.normal_impulse, point.friction_impulse));
+                contacts_.back().speed = point.speed / units;
+            }
+            continue;
+        }
+        for (const auto end = solved + manifold.count; solved != end; ++solved) {
+            if (solved->impulse <= 0.0f) continue;
+            Contact contact = report_of(*solved->manifold, *solved->point);
+            contact.point = solved->position / units;
+            contact.impulse = contact.blow = solved->impulse / units;
+            contact.friction = solved->friction / units;
+            contact.gap = solved->distance / units;
+            contact.speed = solved->speed / units;
+            contacts_.push_back(contact);
+        }
+    }
+    assert(solved == rows_.solved().end());
+}
+
+// They stay as they are until a body wakes, comes or goes.
+void ContactSolver::report_sleeping() {
+    if (!sleeping_known_ || were_awake_ != awake_) {
+        sleeping_known_ = true;
+        were_awake_ = awake_;
+        sleeping_contacts_.clear();
+        std::vector<AnyManifold> manifolds;
+        for (const SweptPair& pair : broadphase_.pairs().all())
+            if (pair.contacts && is_at_rest(*pair.a) && is_at_rest(*pair.b)) pair.contacts->collect(manifolds);
+        for (const AnyManifold& manifold : manifolds) {
+            if (manifold.ground) {
+                for (const GroundPoint& point : manifold.ground->points())
+                    if (point.warm_normal_impulse() > 0.0f)
+                        sleeping_contacts_.push_back(report_of(*manifold.ground, point, point.warm_normal_impulse(),
+                                                               point.warm_friction_impulse()));
+                continue;
+            }
+            for (const ContactPoint& point : manifold.between->points()) {
+                if (point.normal_impulse <= 0.0f) continue;
+                Contact contact = report_of(*manifold.between, point);
+                contact.impulse = contact.blow = point.normal_impulse / units;
+                contact.friction = point.tangent * point.friction_impulse / units;
+                sleeping_contacts_.push_back(contact);
+            }
+        }
+    }
+    contacts_.insert(contacts_.end(), sleeping_contacts_.begin(), sleeping_contacts_.end());
+}
+
+Contact ContactSolver::report_of(const Manifold& manifold, const ContactPoint& point) const {
+    Contact contact;
+    contact.a = manifold.a().id;
+    contact.b = manifold.b().id;
+    contact.part_a = point.part_a;
+    contact.part_b = point.part_b;
+    contact.point = (manifold.b().fixed ? point.on_a : point.on_b) / units; // on what moves
+    contact.normal = point.normal;
+    contact.gap = point.distance / units;
+    return contact;
+}
+
+Contact ContactSolver::report_of(const GroundManifold& manifold, const GroundPoint& point, float impulse,
+                                 float friction) const {
+    Contact contact;
+    contact.a = manifold.body->id;
+    contact.part_a = manifold.part;
+    contact.point = point.position / units;
+    contact.normal = {0.0f, 1.0f, 0.0f};
+    contact.impulse = contact.blow = impulse / units;
+    contact.friction = point.tangent * friction / units;
+    contact.gap = point.distance / units;
+    return contact;
+}
+
+} // namespace brittle::physics

@@ -1,0 +1,89 @@
+// The engine behind a World: it keeps bodies, finds their contacts and takes one step. World adds handles, time and
+// interpolation.
+//
+// Two engines implement it: Brittle's own solver (solver/solver.h), the default, and stock Bullet (bullet/bullet_engine.h).
+// A body is named by its index in body order; remove() moves later bodies up by one. World coordinates, SI units.
+// Not thread-safe; engines of different Worlds may run at the same time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "physics/world/state_hash.h"
+#include "physics/world/world.h"
+
+namespace brittle::physics {
+
+// Bodies that are awake.
+struct AwakeCount {
+    size_t colliding = 0; // that collide with each other
+    size_t debris = 0;
+
+    [[nodiscard]] size_t& of(bool is_debris) { return is_debris ? debris : colliding; }
+};
+
+class Engine {
+  public:
+    Engine() = default;
+    Engine(const Engine&) = delete;
+    Engine& operator=(const Engine&) = delete;
+    virtual ~Engine() = default;
+
+    // Describes a body of a batch: returns the description, for which the call may fill `storage`. Called on several
+    // threads, and again for the same body, with the same answer.
+    using Describe = std::function<const BodyDesc&(size_t body, BodyDesc& storage)>;
+    // Appends `count` bodies, all or none, with the handles first, first + 1, ...; writes the pose that each had a step
+    // ago. Fails as World::add_body().
+    virtual Result<void> add(size_t count, BodyId first, const Describe& describe, std::span<Pose> previous) = 0;
+    // Removes a body and wakes the bodies that touch it.
+    virtual void remove(size_t body) = 0;
+
+    // Advances by WorldSettings::step.
+    virtual void step() = 0;
+    // By body: whether the last step changed its pose. Valid until bodies come or go.
+    [[nodiscard]] virtual std::span<const uint8_t> moved() const = 0;
+    [[nodiscard]] virtual AwakeCount awake_count() const = 0;
+
+    [[nodiscard]] virtual Pose pose(size_t body) const = 0;
+    // Writes the poses of the bodies whose last moved step is `since` or later.
+    virtual void write_poses(std::span<const uint64_t> moved_steps, uint64_t since, std::span<Pose> out) const = 0;
+    [[nodiscard]] virtual glm::vec3 linear_velocity(size_t body) const = 0;
+    [[nodiscard]] virtual glm::vec3 angular_velocity(size_t body) const = 0;
+    [[nodiscard]] virtual float mass(size_t body) const = 0;
+    [[nodiscard]] virtual bool fixed(size_t body) const = 0;
+    [[nodiscard]] virtual bool debris(size_t body) const = 0;
+    [[nodiscard]] virtual bool awake(size_t body) const = 0;
+    [[nodiscard]] virtual Mechanics mechanics(size_t body) const = 0;
+    // As World::response(), for a body that is not fixed.
+    [[nodiscard]] virtual float response(size_t body, const glm::vec3& point, const glm::vec3& direction) const = 0;
+
+    // As the functions of World with these names, for bodies that are not fixed.
+    virtual void wake(size_t body) = 0;
+    virtual void apply_impulse(size_t body, const glm::vec3& impulse, const glm::vec3& point) = 0;
+    virtual void set_velocity(size_t body, const glm::vec3& linear, const glm::vec3& angular) = 0;
+    virtual float rewind(size_t body) = 0;
+    virtual void move_on(size_t body, float seconds) = 0;
+
+    [[nodiscard]] virtual std::span<const Contact> contacts() = 0;
+    [[nodiscard]] virtual std::span<const Contact> solved_contacts() = 0;
+    virtual void amend_contact(size_t index, const Contact& contact) = 0;
+    [[nodiscard]] virtual size_t contact_count() const = 0;
+
+    // Adds every pose, velocity and sleeping state in body order.
+    virtual void add_state(StateHash& hash) const = 0;
+    virtual void debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) = 0;
+};
+
+// Contact points further apart than this, m, are near but do not touch: World::contact_count(), debug lines.
+inline constexpr float touching_distance = 1e-3f;
+
+// The solver, the default. The settings are valid.
+[[nodiscard]] std::unique_ptr<Engine> make_solver(const WorldSettings& settings);
+
+} // namespace brittle::physics
