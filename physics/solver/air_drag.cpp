@@ -52,7 +52,7 @@ AirDrag::AirDrag(std::span<const glm::vec3> sides, const glm::quat& turn, float 
 
 void AirDrag::brake(Velocity& of, const glm::mat3& basis, float density, float seconds, float unfelt) const {
     const float air = density * seconds;
-    const glm::vec3 velocity = of.linear * (1.0f / units);
+    const glm::vec3 velocity = of.linear;
     const float speed = glm::length(velocity), most = air * most_ * speed;
     if (most > nothing && most * speed > unfelt) {
         const glm::vec3 along = velocity * basis; // in principal axes

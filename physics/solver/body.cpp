@@ -27,10 +27,9 @@ HullShape shape_of(const BodyMeasures& body, const CollisionHull& hull, const gl
         const Vector4 four = rotated(from_body, Vector4::of(at(first), at(first + 1), at(first + 2), at(first + 3)));
         float x[4], y[4], z[4];
         four.x.store(x), four.y.store(y), four.z.store(z);
-        for (size_t i = 0; i < std::min<size_t>(count - first, 4); ++i)
-            points.push_back(glm::vec3(x[i], y[i], z[i]) * units);
+        for (size_t i = 0; i < std::min<size_t>(count - first, 4); ++i) points.push_back(glm::vec3(x[i], y[i], z[i]));
     }
-    return {std::move(points), hull.margin * units};
+    return {std::move(points), hull.margin};
 }
 
 void measure(BodyMeasures& body, const HullShape& hull) {
@@ -70,7 +69,7 @@ AirDrag drag_of(const BodyMeasures& body, const CompoundShape& compound, std::sp
     CrossSection section = bundled(all);
     for (glm::vec3& side : section.sides) side = glm::conjugate(body.to_principal) * side;
     const Bounds bounds = compound.bounds({});
-    const CrossSection around = section_of_box(glm::dvec3((bounds.high - bounds.low) / units) * 0.5,
+    const CrossSection around = section_of_box(glm::dvec3((bounds.high - bounds.low)) * 0.5,
                                                {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)});
     if (around.mean() < section.mean()) section = around;
     return {section.sides, glm::quat(1.0f, 0.0f, 0.0f, 0.0f), body.mass, body.moments};
@@ -104,7 +103,8 @@ std::string describe(BodyForm& form, const BodyDesc& desc) {
 // its points. A body that is astray in its first step keeps these.
 std::unique_ptr<SweptProxy> proxy_of(Body& body, bool large) {
     const glm::vec3 reach(body.reach);
-    const Bounds bounds = body.fixed ? body.bounds(body.frame) : Bounds{body.frame.origin - reach, body.frame.origin + reach};
+    const Bounds bounds =
+        body.fixed ? body.bounds(body.frame) : Bounds{body.frame.origin - reach, body.frame.origin + reach};
     const Collides collides = body.fixed ? Collides::fixed : body.debris ? Collides::debris : Collides::moving;
     return std::make_unique<SweptProxy>(SweptProxy{.body = &body,
                                                    .bounds = bounds,
@@ -120,7 +120,7 @@ void finish(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) 
     body.restitution = desc.restitution;
     if (!body.fixed) {
         body.inverse_mass = 1.0f / body.mass;
-        body.inverse_moments = 1.0f / (glm::vec3(body.moments) * units * units);
+        body.inverse_moments = 1.0f / (glm::vec3(body.moments));
     }
     body.set_frame(body.rewind_frame);
     body.velocity = body.solved;
@@ -128,7 +128,7 @@ void finish(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) 
         body.activity = Activity::asleep;
     else if (!settings.sleeping)
         body.activity = Activity::never_sleeps;
-    body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size * units);
+    body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size);
     body.siblings = desc.siblings;
     made.proxy = proxy_of(body, desc.large);
     body.proxy = made.proxy.get();
@@ -155,8 +155,8 @@ Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings) {
     static_cast<BodyMeasures&>(body) = *body.form;
     if (std::string fault = fault_of_place(desc); !fault.empty()) return refused(std::move(fault));
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
-    body.rewind_frame = {matrix_of(orientation * body.to_principal), desc.pose.position * units};
-    if (!body.fixed) body.solved = {desc.linear_velocity * units, desc.angular_velocity};
+    body.rewind_frame = {matrix_of(orientation * body.to_principal), desc.pose.position};
+    if (!body.fixed) body.solved = {desc.linear_velocity, desc.angular_velocity};
     body.unhindered = body.solved;
     if (desc.form || has_one_hull(desc)) finish(made, desc, settings);
     return made;
@@ -185,15 +185,16 @@ void Body::set_frame(const Transform& to) {
 void Body::start_step() {
     corrected_at_start = std::exchange(has_correction, false) && awake();
     if (corrected_at_start)
-        set_frame({matrix_of(rotation_of(correction.basis) * rotation_of(frame.basis)), frame.origin + correction.origin});
+        set_frame(
+            {matrix_of(rotation_of(correction.basis) * rotation_of(frame.basis)), frame.origin + correction.origin});
     step_start = frame;
 }
 
 Mechanics mechanics_of(const Body& body, const glm::vec3& gravity) {
     if (body.fixed) return {};
     const double mass = 1.0 / static_cast<double>(body.inverse_mass);
-    const glm::dvec3 position(body.frame.origin / units);
-    const glm::dvec3 velocity(body.velocity.linear / units);
+    const glm::dvec3 position(body.frame.origin);
+    const glm::dvec3 velocity(body.velocity.linear);
     const glm::dvec3 spin(body.velocity.angular);
     const glm::dquat orientation = glm::normalize(glm::dquat(rotation_of(body.frame.basis)));
     const glm::dvec3 angular = orientation * (body.moments * (glm::conjugate(orientation) * spin));

@@ -54,37 +54,37 @@ struct Body : BodyMeasures {
     bool debris = false;
     Activity activity = Activity::awake;
     float friction = 0.0f, restitution = 0.0f;
-    float inverse_mass = 0.0f;           // 1/kg; 0 of a fixed body
-    glm::vec3 inverse_moments{0.0f};     // 1/(kg m^2), principal
-    glm::mat3 inverse_inertia{0.0f};     // in world axes
-    Transform frame;                     // of the principal axes in the world
+    float inverse_mass = 0.0f;       // 1/kg; 0 of a fixed body
+    glm::vec3 inverse_moments{0.0f}; // 1/(kg m^2), principal
+    glm::mat3 inverse_inertia{0.0f}; // in world axes
+    Transform frame;                 // of the principal axes in the world
     Velocity velocity;
-    SweptProxy* proxy = nullptr;         // in the broadphase
-    uint32_t siblings = 0;               // pieces of one cut that fly as one (siblings.h); 0: none
-    std::shared_ptr<const BodyForm> form; // the measures are copies of its own
+    SweptProxy* proxy = nullptr;             // in the broadphase
+    uint32_t siblings = 0;                   // pieces of one cut that fly as one (siblings.h); 0: none
+    std::shared_ptr<const BodyForm> form;    // the measures are copies of its own
     std::unique_ptr<CompoundShape> compound; // null for a body with one hull
-    std::vector<HullEdge> edges;         // of the one hull, for debug lines; filled when they are first drawn
+    std::vector<HullEdge> edges;             // of the one hull, for debug lines; filled when they are first drawn
 
     // The step.
-    Transform step_start;          // the frame as the step began, after the correction of overlap
+    Transform step_start;            // the frame as the step began, after the correction of overlap
     bool corrected_at_start = false; // whether that correction moved it
-    Transform correction;          // of overlap found in the last step, due as the next begins: rotation and translation
+    Transform correction; // of overlap found in the last step, due as the next begins: rotation and translation
     bool has_correction = false;
-    float moving_seconds = 0.0f;   // of the last step: less than all of it where continuous collision stopped the body
-    Velocity unhindered, solved;   // before contacts, with the step's gravity, and after them
-    Transform rewind_frame;        // what World::rewind() goes back to,
-    float rewind_seconds = 0.0f;   // and the time that the body then moved without touching anything
+    float moving_seconds = 0.0f; // of the last step: less than all of it where continuous collision stopped the body
+    Velocity unhindered, solved; // before contacts, with the step's gravity, and after them
+    Transform rewind_frame;      // what World::rewind() goes back to,
+    float rewind_seconds = 0.0f; // and the time that the body then moved without touching anything
 
     // Rest (sleeping.h).
-    float still_seconds = 0.0f;    // how long it has been slow while it touches something
-    float quiet_seconds = 0.0f;    // how long nearly all of its island has been still
-    Transform rest;                // the last place that it has moved away to
-    float rest_seconds = 0.0f;     // how long it has touched something near that place
-    bool touching = false;         // anything, in the last step
-    bool sunk = false;             // in the ground after the last step, too deep to sleep
-    bool resting = false;          // in this step: it has infinite mass
+    float still_seconds = 0.0f;       // how long it has been slow while it touches something
+    float quiet_seconds = 0.0f;       // how long nearly all of its island has been still
+    Transform rest;                   // the last place that it has moved away to
+    float rest_seconds = 0.0f;        // how long it has touched something near that place
+    bool touching = false;            // anything, in the last step
+    bool sunk = false;                // in the ground after the last step, too deep to sleep
+    bool resting = false;             // in this step: it has infinite mass
     float undisturbed_seconds = 0.0f; // how long nothing has kept it from resting
-    uint32_t resting_on = 0;       // groups of four contacts that it had when it came to rest, or in the last step
+    uint32_t resting_on = 0;          // groups of four contacts that it had when it came to rest, or in the last step
 
     [[nodiscard]] bool awake() const { return activity != Activity::asleep && activity != Activity::astray; }
     // Neither of these leaves never_sleeps and astray.
@@ -106,7 +106,7 @@ struct Body : BodyMeasures {
     [[nodiscard]] bool has_moved() const { return corrected_at_start || !(frame == step_start); }
     [[nodiscard]] Pose pose() const { return pose_in(frame); }
     [[nodiscard]] Pose pose_in(const Transform& at) const {
-        return {at.origin / units, rotation_of(at.basis) * glm::conjugate(to_principal)};
+        return {at.origin, rotation_of(at.basis) * glm::conjugate(to_principal)};
     }
 };
 

@@ -95,7 +95,7 @@ class CompoundContacts final : public PairContacts {
     }
 
     const Body& a_;
-    const Body* b_; // null: the ground
+    const Body* b_;               // null: the ground
     std::vector<Child> children_; // by key
 };
 

@@ -21,9 +21,9 @@ void ContactSolver::solve(std::span<Body* const> awake, std::span<const AnyManif
     rows_.solve(awake, manifolds,
                 {.seconds = settings_.step,
                  .sweeps = static_cast<int>(settings_.solver_iterations),
-                 .gravity = settings_.gravity * units,
-                 .separation_speed = settings_.separation_speed * units,
-                 .min_bounce_speed = min_bounce_speed * units},
+                 .gravity = settings_.gravity,
+                 .separation_speed = settings_.separation_speed,
+                 .min_bounce_speed = min_bounce_speed},
                 threads);
     manifolds_ = manifolds;
     awake_.assign(awake.begin(), awake.end());
@@ -56,18 +56,18 @@ void ContactSolver::report_solved() {
             for (const GroundPoint& point : manifold.ground->points()) {
                 if (point.normal_impulse <= 0.0f) continue;
                 contacts_.push_back(report_of(*manifold.ground, point, point.normal_impulse, point.friction_impulse));
-                contacts_.back().speed = point.speed / units;
+                contacts_.back().speed = point.speed;
             }
             continue;
         }
         for (const auto end = solved + manifold.count; solved != end; ++solved) {
             if (solved->impulse <= 0.0f) continue;
             Contact contact = report_of(*solved->manifold, *solved->point);
-            contact.point = solved->position / units;
-            contact.impulse = contact.blow = solved->impulse / units;
-            contact.friction = solved->friction / units;
-            contact.gap = solved->distance / units;
-            contact.speed = solved->speed / units;
+            contact.point = solved->position;
+            contact.impulse = contact.blow = solved->impulse;
+            contact.friction = solved->friction;
+            contact.gap = solved->distance;
+            contact.speed = solved->speed;
             contacts_.push_back(contact);
         }
     }
@@ -94,8 +94,8 @@ void ContactSolver::report_sleeping() {
             for (const ContactPoint& point : manifold.between->points()) {
                 if (point.normal_impulse <= 0.0f) continue;
                 Contact contact = report_of(*manifold.between, point);
-                contact.impulse = contact.blow = point.normal_impulse / units;
-                contact.friction = point.tangent * point.friction_impulse / units;
+                contact.impulse = contact.blow = point.normal_impulse;
+                contact.friction = point.tangent * point.friction_impulse;
                 sleeping_contacts_.push_back(contact);
             }
         }
@@ -109,9 +109,9 @@ Contact ContactSolver::report_of(const Manifold& manifold, const ContactPoint& p
     contact.b = manifold.b().id;
     contact.part_a = point.part_a;
     contact.part_b = point.part_b;
-    contact.point = (manifold.b().fixed ? point.on_a : point.on_b) / units; // on what moves
+    contact.point = (manifold.b().fixed ? point.on_a : point.on_b); // on what moves
     contact.normal = point.normal;
-    contact.gap = point.distance / units;
+    contact.gap = point.distance;
     return contact;
 }
 
@@ -120,11 +120,11 @@ Contact ContactSolver::report_of(const GroundManifold& manifold, const GroundPoi
     Contact contact;
     contact.a = manifold.body->id;
     contact.part_a = manifold.part;
-    contact.point = point.position / units;
+    contact.point = point.position;
     contact.normal = {0.0f, 1.0f, 0.0f};
-    contact.impulse = contact.blow = impulse / units;
-    contact.friction = point.tangent * friction / units;
-    contact.gap = point.distance / units;
+    contact.impulse = contact.blow = impulse;
+    contact.friction = point.tangent * friction;
+    contact.gap = point.distance;
     return contact;
 }
 

@@ -12,7 +12,7 @@ constexpr float fast_part = 0.25f;
 // apart on the wrong side.
 constexpr float half = 0.5f;
 // A way must be longer than this in any case, m: bodies that settle in a heap are left alone, however thin. At 120 Hz 0.4 m/s.
-constexpr float min_way = 0.0033f * units;
+constexpr float min_way = 0.0033f;
 // A body that reaches no farther than this part of another's thickness does not stop it.
 constexpr float crumb_part = 0.25f;
 // Fewer pairs than this, that may touch or are only near, and fewer bodies are not worth waking another thread for.
@@ -68,7 +68,8 @@ void ContinuousCollision::find_stops(float seconds) {
         const Event event = events_.back();
         events_.pop_back();
         // Where one of the two has stopped since, there is a newer event of them, if any.
-        if (trajectories_[event.first].stop != event.first_stop || trajectories_[event.second].stop != event.second_stop)
+        if (trajectories_[event.first].stop != event.first_stop
+            || trajectories_[event.second].stop != event.second_stop)
             continue;
         const bool first = may_be_stopped(event.first, event.second);
         const bool second = may_be_stopped(event.second, event.first);
@@ -155,14 +156,17 @@ glm::vec3 ContinuousCollision::common_velocity() const {
 
 Bounds ContinuousCollision::swept(uint32_t body) const {
     const Trajectory& path = trajectories_[body];
-    return bodies_[body]->bounds(path.start).grown(path.velocity.linear * path.stop, rotation_way(*bodies_[body], path));
+    return bodies_[body]
+        ->bounds(path.start)
+        .grown(path.velocity.linear * path.stop, rotation_way(*bodies_[body], path));
 }
 
 void ContinuousCollision::pair_with_fixed(uint32_t body) {
     if (fixed_.empty()) return;
     const Bounds bounds = swept(body);
     for (const uint32_t other : fixed_)
-        if (bounds.overlaps(bodies_[other]->proxy->bounds) && may_touch(body, other, 0.0f)) kept_.push_back({body, other});
+        if (bounds.overlaps(bodies_[other]->proxy->bounds) && may_touch(body, other, 0.0f))
+            kept_.push_back({body, other});
 }
 
 void ContinuousCollision::pair_with_moving(uint32_t body, float from) {
@@ -229,7 +233,8 @@ ContinuousCollision::Event ContinuousCollision::event_of(uint32_t first, uint32_
     const glm::vec3 way_a = path_a.velocity.linear * path_a.stop, way_b = path_b.velocity.linear * path_b.stop;
     // Where hulls of the first must be as the step begins to meet the second.
     for_each_hull(a, path_a, swept(second).grown(-way_a, turning_a), [&](const MovingHull& hull) {
-        const Bounds near = hull.shape->bounds(path_a.start * hull.local).grown(way_a, turning_a).grown(-way_b, turning_b);
+        const Bounds near =
+            hull.shape->bounds(path_a.start * hull.local).grown(way_a, turning_a).grown(-way_b, turning_b);
         for_each_hull(b, path_b, near, [&](const MovingHull& other) {
             if (const auto touch = time_of_impact(hull, other, from, event.seconds)) event.seconds = *touch;
         });

@@ -71,9 +71,9 @@ class ContinuousCollision {
     };
     // What the search reads of every body.
     struct Summary {
-        glm::vec3 linear;        // 0 of a body that does not move
-        float way;               // m, the longest of any of its points
-        float crossing_way;      // m, from which on it may cross a moving body
+        glm::vec3 linear;   // 0 of a body that does not move
+        float way;          // m, the longest of any of its points
+        float crossing_way; // m, from which on it may cross a moving body
         bool fixed, awake, debris, fast;
     };
 
@@ -81,8 +81,8 @@ class ContinuousCollision {
     void find_stops(float seconds);
     [[nodiscard]] static Summary summary_of(const Body& body, float seconds);
     void find_fast(float seconds);
-    void find_trajectories(float seconds); // of all bodies, after the fast ones are known
-    void grow_crossing();                  // their bounds
+    void find_trajectories(float seconds);           // of all bodies, after the fast ones are known
+    void grow_crossing();                            // their bounds
     [[nodiscard]] glm::vec3 common_velocity() const; // of most bodies that can move, debris left out
     // Bounds that hold a body on its way.
     [[nodiscard]] Bounds swept(uint32_t body) const;

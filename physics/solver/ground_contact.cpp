@@ -70,9 +70,8 @@ void keep_best(std::vector<Corner>& corners) {
     if (corners.size() <= carrying_corners) return;
     find_carrying(corners);
     const auto others = corners.begin() + carrying_corners;
-    corners.erase(
-        std::remove_if(others, corners.end(), [](const Corner& c) { return c.ahead > -sunk_depth * units; }),
-        corners.end());
+    corners.erase(std::remove_if(others, corners.end(), [](const Corner& c) { return c.ahead > -sunk_depth; }),
+                  corners.end());
     for (size_t i = carrying_corners; i < corners.size(); ++i) corners[i].apart = unbounded;
     const auto keep_away = [&](const glm::vec3& from, size_t behind) {
         for (size_t i = behind; i < corners.size(); ++i)
@@ -123,8 +122,7 @@ class GroundContacts final : public PairContacts {
             const glm::vec3 below = point.position - glm::vec3(0, point.distance, 0);
             const float distance = now.y - below.y;
             const glm::vec3 aside = below - (now - glm::vec3(0, distance, 0));
-            return distance > breaking_threshold_
-                   || length_squared(aside) > breaking_threshold_ * breaking_threshold_;
+            return distance > breaking_threshold_ || length_squared(aside) > breaking_threshold_ * breaking_threshold_;
         };
         const std::span<GroundPoint> points = manifold_->points();
         manifold_->count = static_cast<uint32_t>(std::remove_if(points.begin(), points.end(), gone) - points.begin());

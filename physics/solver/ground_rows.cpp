@@ -125,15 +125,19 @@ GroundRows ground_rows(const SolverBody& body, const GroundManifold& ground, siz
         return of([axis](const GroundPoint& point) { return point.position[static_cast<int>(axis)]; });
     };
     const std::array<glm::vec3, 2>& ways = tangents_of_ground(); // `first` is even
-    const auto tangent = [&](int axis) { return Float4::of(ways[0][axis], ways[1][axis], ways[0][axis], ways[1][axis]); };
-    const std::array<FourVectors, 3> inverse_inertia{all(body.inverse_inertia[0]), all(body.inverse_inertia[1]), all(body.inverse_inertia[2])};
+    const auto tangent = [&](int axis) {
+        return Float4::of(ways[0][axis], ways[1][axis], ways[0][axis], ways[1][axis]);
+    };
+    const std::array<FourVectors, 3> inverse_inertia{all(body.inverse_inertia[0]), all(body.inverse_inertia[1]),
+                                                     all(body.inverse_inertia[2])};
     const FourVectors centre = all(body.centre), linear = all(body.linear), angular = all(body.angular);
-    return rows_of({inverse_inertia, centre, linear, angular, Float4::all(body.inverse_mass), Float4::all(ground.restitution)},
-                   {.position = {position(0), position(1), position(2)},
-                    .distance = of([](const GroundPoint& point) { return point.distance; }),
-                    .warm_normal_impulse = of([](const GroundPoint& point) { return point.warm_normal_impulse(); }),
-                    .tangent = {tangent(0), tangent(1), tangent(2)}},
-                   step);
+    return rows_of(
+        {inverse_inertia, centre, linear, angular, Float4::all(body.inverse_mass), Float4::all(ground.restitution)},
+        {.position = {position(0), position(1), position(2)},
+         .distance = of([](const GroundPoint& point) { return point.distance; }),
+         .warm_normal_impulse = of([](const GroundPoint& point) { return point.warm_normal_impulse(); }),
+         .tangent = {tangent(0), tangent(1), tangent(2)}},
+        step);
 }
 
 FourGrounded::FourGrounded(const std::array<const SolverBody*, 4>& bodies,
@@ -164,13 +168,13 @@ GroundRows ground_rows(const FourGrounded& bodies, size_t index, const GroundSte
     const auto position = [&](size_t axis) {
         return of([axis](const GroundPoint& point) { return point.position[static_cast<int>(axis)]; });
     };
-    GroundRows rows =
-        rows_of({bodies.inverse_inertia, bodies.centre, bodies.linear, bodies.angular, bodies.inverse_mass, bodies.restitution},
-                {.position = {position(0), position(1), position(2)},
-                 .distance = of([](const GroundPoint& point) { return point.distance; }),
-                 .warm_normal_impulse = of([](const GroundPoint& point) { return point.warm_normal_impulse(); }),
-                 .tangent = all(tangents_of_ground()[index % 2])},
-                step);
+    GroundRows rows = rows_of(
+        {bodies.inverse_inertia, bodies.centre, bodies.linear, bodies.angular, bodies.inverse_mass, bodies.restitution},
+        {.position = {position(0), position(1), position(2)},
+         .distance = of([](const GroundPoint& point) { return point.distance; }),
+         .warm_normal_impulse = of([](const GroundPoint& point) { return point.warm_normal_impulse(); }),
+         .tangent = all(tangents_of_ground()[index % 2])},
+        step);
     for (size_t lane = 0; lane < 4; ++lane)
         if (index >= bodies.grounds[lane]->count) clear(rows, lane);
     return rows;

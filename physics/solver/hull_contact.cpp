@@ -132,7 +132,8 @@ class HullContacts final : public PairContacts {
     // How far any point of the smaller hull can have moved in the frame of the other one since the last search.
     [[nodiscard]] float moved_since(const Transform& now) const {
         float turned = 0.0f; // the square of the Frobenius norm bounds what the difference does to a vector
-        for (int axis = 0; axis < 3; ++axis) turned += length_squared(row(now.basis, axis) - row(searched_at_.basis, axis));
+        for (int axis = 0; axis < 3; ++axis)
+            turned += length_squared(row(now.basis, axis) - row(searched_at_.basis, axis));
         return glm::length(now.origin - searched_at_.origin) + std::sqrt(turned) * radius_;
     }
 
@@ -140,10 +141,12 @@ class HullContacts final : public PairContacts {
     [[nodiscard]] bool may_be_pushed(const Frames& now, float seconds) const {
         const glm::vec3 relative_velocity = b_.body->velocity.linear - a_.body->velocity.linear;
         // Along the axis that separates them now they get no deeper than they come closer.
-        if (similar_mass_) return glm::dot(relative_velocity, now.a.basis * axis_) * seconds > sinking_part * min_thickness_;
+        if (similar_mass_)
+            return glm::dot(relative_velocity, now.a.basis * axis_) * seconds > sinking_part * min_thickness_;
         if (!a_pushes_b_ && !b_pushes_a_) return false;
         const float heavy = glm::length((a_pushes_b_ ? a_ : b_).body->velocity.linear);
-        return heavy * seconds > passing_part * radius_ && glm::length(relative_velocity) * seconds > apart_part * radius_;
+        return heavy * seconds > passing_part * radius_
+               && glm::length(relative_velocity) * seconds > apart_part * radius_;
     }
 
     // An upper bound of the speed at which the hulls come closer.
@@ -205,15 +208,16 @@ class HullContacts final : public PairContacts {
             if (has_contact_near(on_surface, std::max(threshold, same_part * radius_))) continue;
             if (!is_over(a_is_smaller_ ? now.b : now.a, corner, height)) continue;
             manifold_->set_breaking_threshold(threshold);
-            manifold_->add(known.normal, a_is_smaller_ ? on_surface - away * height : on_surface, height, a_.part, b_.part);
+            manifold_->add(known.normal, a_is_smaller_ ? on_surface - away * height : on_surface, height, a_.part,
+                           b_.part);
         }
         manifold_->set_breaking_threshold(near_);
     }
 
     // The hulls at the moment of touch within the step, rotation left out.
     struct Touch {
-        Frames at;                       // b moved on by all that the two move against each other
-        glm::vec3 translation{0.0f};     // by so much
+        Frames at;                   // b moved on by all that the two move against each other
+        glm::vec3 translation{0.0f}; // by so much
         glm::vec3 normal{0.0f}, on_b{0.0f};
         float distance = 0.0f; // that is left
     };
@@ -267,7 +271,8 @@ class HullContacts final : public PairContacts {
             const ContactPoint point = predicted(*touch, corner - below.away * hull.margin(), below);
             if (!has_contact_near(on_smaller(point), same_part * radius_)) manifold_->add(point);
         };
-        if (!low.empty()) add(middle * (1.0f / static_cast<float>(low.size()))); // solved first: the body turns only if it must
+        if (!low.empty())
+            add(middle * (1.0f / static_cast<float>(low.size()))); // solved first: the body turns only if it must
         manifold_->add(predicted(*touch, on_other + away * touch->distance, {away, touch->distance}));
         while (!low.empty() && manifold_->count() < Manifold::max_points) {
             const auto farthest = std::ranges::max_element(low, {}, [&](const glm::vec3& corner) {
@@ -283,7 +288,8 @@ class HullContacts final : public PairContacts {
         glm::vec3 away;
         float distance;
     };
-    [[nodiscard]] Below below_of(const Transform& larger_frame, const glm::vec3& corner, float limit = unbounded) const {
+    [[nodiscard]] Below below_of(const Transform& larger_frame, const glm::vec3& corner,
+                                 float limit = unbounded) const {
         static const HullShape tip({glm::vec3(0.0f)}, 0.0f);
         NearestCorners nowhere;
         const HullDistance found =
@@ -335,19 +341,19 @@ class HullContacts final : public PairContacts {
     std::optional<Manifold> manifold_;
     bool of_compound_;
     bool a_is_smaller_;
-    float radius_;               // of the smaller hull
-    float margins_;              // of both
-    float near_;                 // closer is a contact
-    bool debris_;                // one of the two: its contacts are speculative
+    float radius_;                 // of the smaller hull
+    float margins_;                // of both
+    float near_;                   // closer is a contact
+    bool debris_;                  // one of the two: its contacts are speculative
     bool a_pushes_b_, b_pushes_a_; // the first is much heavier
-    bool similar_mass_;          // both move, and none is much lighter
+    bool similar_mass_;            // both move, and none is much lighter
     float min_thickness_;
-    bool on_larger_;             // one hull is much larger
-    float still_;                // relative movement up to which complete contacts stay as they are
-    float free_ = -1.0f;         // relative movement up to which no search is needed; negative: always
-    Transform searched_at_;      // of the smaller hull in the other's frame
-    NearestCorners simplex_;     // that GJK ended with
-    glm::vec3 axis_;             // unit, from b to a, in a's frame: it separated the two last
+    bool on_larger_;         // one hull is much larger
+    float still_;            // relative movement up to which complete contacts stay as they are
+    float free_ = -1.0f;     // relative movement up to which no search is needed; negative: always
+    Transform searched_at_;  // of the smaller hull in the other's frame
+    NearestCorners simplex_; // that GJK ended with
+    glm::vec3 axis_;         // unit, from b to a, in a's frame: it separated the two last
 };
 
 } // namespace

@@ -42,7 +42,9 @@ struct Difference {
     const HullShape& second;
     const Transform& frame; // of the second in the first's
 
-    [[nodiscard]] dvec3 on_second(int index) const { return to_double(frame * second.points()[static_cast<size_t>(index)]); }
+    [[nodiscard]] dvec3 on_second(int index) const {
+        return to_double(frame * second.points()[static_cast<size_t>(index)]);
+    }
     [[nodiscard]] Corner corner(int index_first, int index_second) const {
         return {to_double(first.points()[static_cast<size_t>(index_first)]) - on_second(index_second),
                 static_cast<uint16_t>(index_first), static_cast<uint16_t>(index_second)};
@@ -319,8 +321,7 @@ class Polytope {
 Simplex start(const Difference& difference, const NearestCorners& corners) {
     Simplex s;
     const auto known = [&](size_t i) {
-        return corners.first[i] < difference.first.point_count()
-               && corners.second[i] < difference.second.point_count();
+        return corners.first[i] < difference.first.point_count() && corners.second[i] < difference.second.point_count();
     };
     for (size_t i = 0; i < corners.count; ++i)
         if (known(i)) s.corners[s.count++] = difference.corner(corners.first[i], corners.second[i]);

@@ -23,8 +23,8 @@ namespace brittle::physics {
 class Islands {
   public:
     // Bodies by their index; the awake bodies among them, in the same order. Lets islands fall asleep and wakes them.
-    void find(const std::vector<std::unique_ptr<Body>>& bodies, std::span<Body* const> awake, SweepBroadphase& broadphase,
-              fracture::Threads& threads);
+    void find(const std::vector<std::unique_ptr<Body>>& bodies, std::span<Body* const> awake,
+              SweepBroadphase& broadphase, fracture::Threads& threads);
 
     // In body order.
     [[nodiscard]] const std::vector<Body*>& awake() const { return awake_; }
@@ -42,10 +42,10 @@ class Islands {
     void settle(const std::vector<std::unique_ptr<Body>>& bodies);
     void collect(const SweptPairs& pairs, std::span<const uint32_t> visited, fracture::Threads& threads);
 
-    std::vector<uint32_t> parents_; // by body; after find() the root itself
+    std::vector<uint32_t> parents_;      // by body; after find() the root itself
     std::vector<uint8_t> stays_awake_;   // by root
-    std::vector<uint32_t> members_; // bodies that are visited, ascending
-    std::vector<uint32_t> touched_; // ranks of sleeping bodies that an awake one touches
+    std::vector<uint32_t> members_;      // bodies that are visited, ascending
+    std::vector<uint32_t> touched_;      // ranks of sleeping bodies that an awake one touches
     std::vector<uint32_t> with_touched_; // pairs with bounds that were set, or of a body connected with a touched one
     std::vector<Body*> awake_, woken_, asleep_;
     std::vector<AnyManifold> manifolds_;

@@ -54,13 +54,14 @@ struct LoneBodies::Block {
             row.deep = less(none, correction) != 0;
             deep = deep || row.deep;
             none.store(row.correction_impulse.data());
-            where_less(none, correction, Float4::load(row.made.contacts.effective_mass.data()), none).store(row.correction_mass.data());
+            where_less(none, correction, Float4::load(row.made.contacts.effective_mass.data()), none)
+                .store(row.correction_mass.data());
         }
     }
     void correct(Row& row) {
         if (row.deep)
-            corrections.solve(row.made.contacts, row.made.correction, row.correction_mass, row.correction_impulse, Float4::all(0.0f),
-                          Float4::all(std::numeric_limits<float>::max()));
+            corrections.solve(row.made.contacts, row.made.correction, row.correction_mass, row.correction_impulse,
+                              Float4::all(0.0f), Float4::all(std::numeric_limits<float>::max()));
     }
     void store(const State& state) const {
         changes.store(bodies, count, state.changes);

@@ -54,7 +54,8 @@ uint32_t Manifold::place_of(const ContactPoint& point) const {
             depth = points_[static_cast<size_t>(i)].distance;
         }
     const auto area = [&](size_t with, size_t from, size_t to) {
-        return length_squared(glm::cross(point.local_a - points_[with].local_a, points_[to].local_a - points_[from].local_a));
+        return length_squared(
+            glm::cross(point.local_a - points_[with].local_a, points_[to].local_a - points_[from].local_a));
     };
     const std::array<float, 4> areas{deepest != 0 ? area(1, 2, 3) : 0.0f, deepest != 1 ? area(0, 2, 3) : 0.0f,
                                      deepest != 2 ? area(0, 1, 3) : 0.0f, deepest != 3 ? area(0, 1, 2) : 0.0f};

@@ -31,7 +31,7 @@ struct ContactPoint {
     glm::vec3 local_a{0.0f}, local_b{0.0f}; // in the bodies' frames
     glm::vec3 on_a{0.0f}, on_b{0.0f};       // on the surfaces, margin included
     glm::vec3 normal{0.0f};
-    float distance = 0.0f; // along the normal; below 0: overlap
+    float distance = 0.0f;           // along the normal; below 0: overlap
     uint32_t part_a = 0, part_b = 0; // hulls of compounds
     // Of the last solution.
     float normal_impulse = 0.0f, friction_impulse = 0.0f; // N s, on a; 0 after a blow
@@ -90,7 +90,7 @@ struct alignas(64) GroundPoint {
     void take(float normal, float friction) {
         normal_impulse = normal;
         friction_impulse = friction;
-        blow = speed > blow_speed * units;
+        blow = speed > blow_speed;
     }
     // What the next solution starts from.
     [[nodiscard]] float warm_normal_impulse() const { return blow ? 0.0f : normal_impulse; }
@@ -124,7 +124,8 @@ struct AnyManifold {
     explicit AnyManifold(Manifold& of)
         : between(&of), a(of.a().index), b(of.b().index), a_moves(!of.a().fixed), b_moves(!of.b().fixed),
           count(of.count()) {}
-    explicit AnyManifold(GroundManifold& of) : ground(&of), a(of.body->index), a_moves(!of.body->fixed), count(of.count) {}
+    explicit AnyManifold(GroundManifold& of)
+        : ground(&of), a(of.body->index), a_moves(!of.body->fixed), count(of.count) {}
 
     // In two stages: the body of a ground manifold a round after its contacts.
     [[gnu::always_inline]] void prefetch_contacts() const {

@@ -36,7 +36,7 @@ constexpr uint32_t min_pairs = 128;
 }
 
 std::unique_ptr<PairContacts> make_contacts(const SweptPair& pair) {
-    const Body &a = *(pair.a->body ? pair.a : pair.b)->body;
+    const Body& a = *(pair.a->body ? pair.a : pair.b)->body;
     const Body* const b = pair.a->body ? pair.b->body : nullptr;
     // A compound comes first, so that its parts are those of the first body of a manifold.
     if (b && b->compound && !a.compound) return make_compound_contacts(*b, &a);

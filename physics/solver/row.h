@@ -20,17 +20,17 @@
 namespace brittle::physics {
 
 // The square of the speed, m^2/s^2, below which two sides do not slide on each other.
-inline constexpr float min_sliding_square = 1.1920929e-7f;
+inline constexpr float min_sliding_square = 1e-9f;
 
 // Of a contact or of its friction. Vectors lie without gaps; four floats can be read at each.
 struct Row {
-    float normal[3];                                            // n, from b to a
-    float angular_a[3], angular_b[3];                           // r_a x n and n x r_b
+    float normal[3];                                                  // n, from b to a
+    float angular_a[3], angular_b[3];                                 // r_a x n and n x r_b
     float inverse_inertia_angular_a[3], inverse_inertia_angular_b[3]; // I^-1 times these: what a unit of impulse turns
-    float bias;                                                 // N s
-    float effective_mass;                                       // kg
-    float impulse;                                              // accumulated, N s
-    float inverse_mass_a, inverse_mass_b;                       // 1/kg
+    float bias;                                                       // N s
+    float effective_mass;                                             // kg
+    float impulse;                                                    // accumulated, N s
+    float inverse_mass_a, inverse_mass_b;                             // 1/kg
     uint32_t a, b; // solver bodies; of a row with one body that never moves, b is not to be read
 };
 
@@ -43,9 +43,9 @@ struct FourRows {
 
 // A body as it enters the solution.
 struct SolverBody {
-    glm::vec3 inverse_inertia[3]{}; // rows, in world axes
+    glm::vec3 inverse_inertia[3]{};                      // rows, in world axes
     glm::vec3 centre{0.0f}, linear{0.0f}, angular{0.0f}; // the step's gravity is in the velocity
-    float inverse_mass = 0.0f; // 0 of a resting body, as its inverse inertia is
+    float inverse_mass = 0.0f;                           // 0 of a resting body, as its inverse inertia is
 };
 
 // What the sweeps have changed of a body's velocity so far. The last of four is 0.

@@ -103,11 +103,12 @@ void RowSolver::take_bodies(std::span<Body* const> bodies, const Step& step, fra
 
 SolverBody RowSolver::solver_body(const Body& body, const Step& step) {
     if (body.resting) return {.centre = body.frame.origin};
-    return {.inverse_inertia = {row(body.inverse_inertia, 0), row(body.inverse_inertia, 1), row(body.inverse_inertia, 2)},
-            .centre = body.frame.origin,
-            .linear = body.velocity.linear + step.gravity * step.seconds,
-            .angular = body.velocity.angular,
-            .inverse_mass = body.inverse_mass};
+    return {
+        .inverse_inertia = {row(body.inverse_inertia, 0), row(body.inverse_inertia, 1), row(body.inverse_inertia, 2)},
+        .centre = body.frame.origin,
+        .linear = body.velocity.linear + step.gravity * step.seconds,
+        .angular = body.velocity.angular,
+        .inverse_mass = body.inverse_mass};
 }
 
 RowSolver::Sides RowSolver::sides_of(const AnyManifold& manifold) const {
@@ -166,8 +167,7 @@ void RowSolver::take_lone(std::span<const AnyManifold> manifolds) {
             if (body != none && two.count > 0) ++touched_[body];
     for (size_t m = 0; m < manifolds.size(); ++m) {
         Sides& two = sides_[m];
-        if (!manifolds[m].ground || two.count == 0 || touched_[two.a] > 1 || inverse_masses_[two.a] == 0.0f)
-            continue;
+        if (!manifolds[m].ground || two.count == 0 || touched_[two.a] > 1 || inverse_masses_[two.a] == 0.0f) continue;
         lone_.add(*manifolds[m].ground, two.a);
         points_of_lone_ += std::exchange(two.count, 0);
     }
@@ -338,8 +338,7 @@ inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, con
     const float bounce = std::abs(before) < step.min_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
     row.bias += (bounce - std::max(touch.distance, 0.0f) / step.seconds) * row.effective_mass;
     row.impulse = touch.normal_impulse * (at_rest ? 1.0f : warm_start_part);
-    corrections_[place] =
-        std::max(-touch.distance, 0.0f) * touch.correction_part / step.seconds * row.effective_mass;
+    corrections_[place] = std::max(-touch.distance, 0.0f) * touch.correction_part / step.seconds * row.effective_mass;
 
     glm::vec3 sliding = a.body->linear + glm::cross(a.body->angular, a.arm);
     if (b.body) sliding -= b.body->linear + glm::cross(b.body->angular, b.arm);
@@ -392,9 +391,9 @@ void RowSolver::apply(const Row& row, float impulse, VelocityChange* changes) {
 
 inline void RowSolver::solve_row(Row& row, VelocityChange* changes, float low, float high) {
     const VelocityChange &a = changes[row.a], &b = changes[row.b];
-    const float apart =
-        sum3(Float4::load3(row.normal) * (Float4::load(a.linear) - Float4::load(b.linear))
-             + Float4::load3(row.angular_a) * Float4::load(a.angular) + Float4::load3(row.angular_b) * Float4::load(b.angular));
+    const float apart = sum3(Float4::load3(row.normal) * (Float4::load(a.linear) - Float4::load(b.linear))
+                             + Float4::load3(row.angular_a) * Float4::load(a.angular)
+                             + Float4::load3(row.angular_b) * Float4::load(b.angular));
     const float before = row.impulse;
     row.impulse = std::clamp(before + row.bias - apart * row.effective_mass, low, high);
     apply(row, row.impulse - before, changes);
@@ -403,8 +402,8 @@ inline void RowSolver::solve_row(Row& row, VelocityChange* changes, float low, f
 // A static b is neither read nor written: else all bodies on the ground would wait for each other.
 inline void RowSolver::solve_one_sided(Row& row, VelocityChange* changes) {
     const VelocityChange& a = changes[row.a];
-    const float apart =
-        sum3(Float4::load3(row.normal) * Float4::load(a.linear) + Float4::load3(row.angular_a) * Float4::load(a.angular));
+    const float apart = sum3(Float4::load3(row.normal) * Float4::load(a.linear)
+                             + Float4::load3(row.angular_a) * Float4::load(a.angular));
     const float before = row.impulse;
     row.impulse = std::max(0.0f, before + row.bias - apart * row.effective_mass);
     apply_first(row, row.impulse - before, changes);
@@ -424,10 +423,12 @@ void RowSolver::take_deep() {
         return deep_[std::min(bundles_.of(body), bundles_.count())];
     };
     for (size_t place = 0; place < first_static_; ++place)
-        if (corrections_[place] != 0.0f) take(place, deep_of(contacts_[place].a).between.emplace_back(contacts_[place]));
+        if (corrections_[place] != 0.0f)
+            take(place, deep_of(contacts_[place].a).between.emplace_back(contacts_[place]));
     for (size_t place = first_static_; place < corrections_.size(); ++place)
         if (corrections_[place] != 0.0f)
-            take(place, deep_of(static_bodies_[place - first_static_]).one_sided.emplace_back(static_rows_.row(place - first_static_)));
+            take(place, deep_of(static_bodies_[place - first_static_])
+                            .one_sided.emplace_back(static_rows_.row(place - first_static_)));
 }
 
 // Split impulses: velocities that move the bodies once and are then dropped.
@@ -439,7 +440,7 @@ void RowSolver::correct_overlap(Deep& deep, int sweeps) {
 }
 
 void RowSolver::store(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
-                          fracture::Threads& threads) {
+                      fracture::Threads& threads) {
     threads.for_chunks(static_cast<uint32_t>(bodies.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             if (i + prefetch_distance < end) prefetch(bodies[i + prefetch_distance]);
@@ -489,7 +490,7 @@ void RowSolver::store(Solved& contact, size_t place) const {
     point.tangent = contact.friction;
     contact.impulse = normal;
     contact.friction = point.tangent * friction;
-    const bool blow = contact.speed > blow_speed * units;
+    const bool blow = contact.speed > blow_speed;
     point.normal_impulse = blow ? 0.0f : normal;
     point.friction_impulse = blow ? 0.0f : friction;
 }

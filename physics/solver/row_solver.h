@@ -81,11 +81,11 @@ class RowSolver {
     struct Touch {
         Side a, b; // a moves
         glm::vec3 normal;
-        float distance, correction_part;    // overlap as far as it counts, and the part of it that is corrected
-        float restitution, coefficient;     // of friction
+        float distance, correction_part;        // overlap as far as it counts, and the part of it that is corrected
+        float restitution, coefficient;         // of friction
         float normal_impulse, friction_impulse; // for warm starting
-        glm::vec3 tangent;                  // in which friction acted on a
-        bool odd;                           // its place among its manifold's points
+        glm::vec3 tangent;                      // in which friction acted on a
+        bool odd;                               // its place among its manifold's points
     };
     struct Made {
         float speed;       // m/s, at which the sides approach
@@ -138,23 +138,24 @@ class RowSolver {
 
     std::vector<SolverBody> bodies_;
     std::vector<float> inverse_masses_; // of the solver bodies
-    Bundles bundles_;               // of solver bodies
-    std::vector<uint32_t> begins_;  // of bundles: their first places
-    std::vector<uint32_t> indices_; // of solver bodies, by body
+    Bundles bundles_;                   // of solver bodies
+    std::vector<uint32_t> begins_;      // of bundles: their first places
+    std::vector<uint32_t> indices_;     // of solver bodies, by body
     std::vector<Solved> solved_;
     std::vector<uint32_t> keys_, starts_, places_; // of order()
     std::vector<Sides> sides_;                     // by manifold
-    std::vector<uint32_t> firsts_, solved_firsts_; // by manifold: its first point among all, and among those of two bodies
-    std::vector<Row> contacts_, frictions_;        // side by side, where both bodies move
-    std::vector<float> coefficients_;              // of friction, beside them
-    std::vector<float> corrections_;               // by place: the bias of the split impulse; 0: no overlap
-    StaticRows static_rows_;                       // the others
-    std::vector<uint32_t> static_bodies_;          // of them
-    LoneBodies lone_;                              // which need none of that
+    std::vector<uint32_t> firsts_,
+        solved_firsts_;                     // by manifold: its first point among all, and among those of two bodies
+    std::vector<Row> contacts_, frictions_; // side by side, where both bodies move
+    std::vector<float> coefficients_;       // of friction, beside them
+    std::vector<float> corrections_;        // by place: the bias of the split impulse; 0: no overlap
+    StaticRows static_rows_;                // the others
+    std::vector<uint32_t> static_bodies_;   // of them
+    LoneBodies lone_;                       // which need none of that
     uint32_t points_of_lone_ = 0;
-    std::vector<uint32_t> touched_;         // scratch, by solver body: how many manifolds it has
-    std::vector<Deep> deep_;                // by bundle, and behind them of bodies without one
-    size_t first_static_ = 0;               // places from here on are those of contacts with static bodies
+    std::vector<uint32_t> touched_; // scratch, by solver body: how many manifolds it has
+    std::vector<Deep> deep_;        // by bundle, and behind them of bodies without one
+    size_t first_static_ = 0;       // places from here on are those of contacts with static bodies
     std::vector<VelocityChange> changes_, position_changes_; // of velocities, and of the correction of overlap
 };
 

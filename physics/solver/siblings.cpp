@@ -14,7 +14,7 @@ bool move_as_one(const Body& a, const Body& b) {
     const glm::vec3 arm = b.frame.origin - a.frame.origin;
     const glm::vec3 turning = b.velocity.angular - a.velocity.angular;
     const glm::vec3 apart = a.velocity.at(arm) - b.velocity.linear;
-    return glm::length(apart) < same_speed * units && glm::length(turning) * glm::length(arm) < same_speed * units;
+    return glm::length(apart) < same_speed && glm::length(turning) * glm::length(arm) < same_speed;
 }
 
 } // namespace
@@ -30,15 +30,15 @@ void Siblings::check(const SweptPairs& pairs, std::optional<float> ground_height
     const Body* first = nullptr; // of the last body's number, which most share with the body before
     uint32_t min_rank = UINT32_MAX;
     for (const Body* body : bodies_) {
-        if (!first || first->siblings != body->siblings)
-            first = firsts.try_emplace(body->siblings, body).first->second;
+        if (!first || first->siblings != body->siblings) first = firsts.try_emplace(body->siblings, body).first->second;
         const bool low = ground_height && body->proxy->bounds.low.y <= *ground_height;
         if (low || !move_as_one(*first, *body)) apart_.push_back(body->siblings);
         min_rank = std::min(min_rank, body->proxy->rank);
     }
     for (const uint32_t index : pairs.set()) {
         const SweptPair& pair = pairs.at(index);
-        const bool both_old = pair.b->rank < min_rank, ground = !pair.a->body || !pair.b->body; // its bounds hold all others
+        const bool both_old = pair.b->rank < min_rank,
+                   ground = !pair.a->body || !pair.b->body; // its bounds hold all others
         if (both_old || ground || pair.a->body->siblings == pair.b->body->siblings) continue;
         apart_.insert(apart_.end(), {pair.a->body->siblings, pair.b->body->siblings});
     }

@@ -41,7 +41,9 @@ void note(bool& fact) {
 
 // Of two orientations, rad.
 float angle_between(const glm::quat& a, const glm::quat& b) {
-    const auto dot = [](const glm::quat& p, const glm::quat& q) { return p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w; };
+    const auto dot = [](const glm::quat& p, const glm::quat& q) {
+        return p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w;
+    };
     const float cosine = std::abs(dot(a, b)) / std::sqrt(dot(a, a) * dot(b, b));
     return std::acos(std::min(cosine, 1.0f)) * 2.0f;
 }
@@ -133,7 +135,7 @@ void Sleeping::find_touching(float seconds) {
             const glm::vec3 arm = point.position - body.rewind_frame.origin;
             float rise = body.velocity.at(arm).y * seconds;
             if (body.has_correction) rise += (body.correction * arm - arm).y;
-            if (point.distance + rise < -sunk_depth * units) note(touching_[manifold.a].sunk);
+            if (point.distance + rise < -sunk_depth) note(touching_[manifold.a].sunk);
         }
     });
 }
@@ -153,7 +155,7 @@ bool Sleeping::rocks_in_place(Body& body, float seconds) const {
     const float near = place_part * settings_.sleep_seconds;
     const float moved = glm::length(body.frame.origin - body.rest.origin);
     const float rotated = angle_between(rotation_of(body.frame.basis), rotation_of(body.rest.basis));
-    if (moved > near * settings_.sleep_linear_speed * units || rotated > near * settings_.sleep_angular_speed) {
+    if (moved > near * settings_.sleep_linear_speed || rotated > near * settings_.sleep_angular_speed) {
         body.rest = body.frame;
         body.rest_seconds = 0.0f;
     }
@@ -188,12 +190,12 @@ float Sleeping::waited(const Body& body) const {
 }
 
 bool Sleeping::is_fast(const Body& body) const {
-    return glm::length(body.velocity.linear) > tremble_factor * settings_.sleep_linear_speed * units;
+    return glm::length(body.velocity.linear) > tremble_factor * settings_.sleep_linear_speed;
 }
 
 // The sleeping speeds may be 0.
 float Sleeping::speed_of(const Body& body) const {
-    return std::max(glm::length(body.velocity.linear) / (settings_.sleep_linear_speed * units),
+    return std::max(glm::length(body.velocity.linear) / (settings_.sleep_linear_speed),
                     glm::length(body.velocity.angular) / settings_.sleep_angular_speed);
 }
 

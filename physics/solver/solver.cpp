@@ -79,15 +79,16 @@ std::unique_ptr<Engine> make_solver(const WorldSettings& settings) {
 
 Solver::Solver(const WorldSettings& settings) : settings_(settings), threads_(settings.threads) {
     if (settings.ground_height)
-        broadphase_.add(std::make_unique<SweptProxy>(SweptProxy{.bounds = {glm::vec3(-unbounded), glm::vec3(unbounded)},
-                                                                .collides = Collides::fixed}));
+        broadphase_.add(std::make_unique<SweptProxy>(
+            SweptProxy{.bounds = {glm::vec3(-unbounded), glm::vec3(unbounded)}, .collides = Collides::fixed}));
 }
 
 // Bodies of one hull are made side by side, and left alone afterwards: half of them lie in another core's cache.
 Result<void> Solver::add(size_t number, BodyId first, const Describe& describe, std::span<Pose> previous) {
     const auto count = static_cast<uint32_t>(number);
     std::vector<NewBody> made(count);
-    std::vector<std::optional<fracture::Error>> faults(threads_.chunks(count, min_new_bodies)); // the first of each chunk
+    std::vector<std::optional<fracture::Error>> faults(
+        threads_.chunks(count, min_new_bodies)); // the first of each chunk
     threads_.for_chunks(count, min_new_bodies, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         BodyDesc storage;
         for (uint32_t i = begin; i < end; ++i) {
@@ -101,9 +102,8 @@ Result<void> Solver::add(size_t number, BodyId first, const Describe& describe, 
             made[i] = std::move(*body);
             made[i].body->id = id;
             made[i].body->index = static_cast<uint32_t>(bodies_.size()) + i;
-            previous[i] = desc.previous
-                              ? Pose{desc.previous->position, glm::normalize(desc.previous->orientation)}
-                              : made[i].body->pose_in(made[i].body->rewind_frame);
+            previous[i] = desc.previous ? Pose{desc.previous->position, glm::normalize(desc.previous->orientation)}
+                                        : made[i].body->pose_in(made[i].body->rewind_frame);
         }
     });
     for (const std::optional<fracture::Error>& fault : faults)
@@ -133,7 +133,7 @@ std::unique_ptr<CompoundShape> Solver::compound_of(const Body& body, const BodyD
     const glm::mat3 basis = matrix_of(from_body);
     std::vector<CompoundShape::Child> children;
     for (const BodyPart& part : desc.parts)
-        children.push_back({shared_hull(part.hull), {basis, (from_body * part.offset) * units}});
+        children.push_back({shared_hull(part.hull), {basis, (from_body * part.offset)}});
     return std::make_unique<CompoundShape>(std::move(children));
 }
 
@@ -145,8 +145,8 @@ std::shared_ptr<SharedHull> Solver::shared_hull(const std::shared_ptr<const Coll
     }
     std::vector<glm::vec3> points;
     points.reserve(hull->points.size());
-    for (const glm::vec3& point : hull->points) points.push_back(point * units);
-    auto made = std::make_shared<SharedHull>(SharedHull{hull, {std::move(points), hull->margin * units}, {}});
+    for (const glm::vec3& point : hull->points) points.push_back(point);
+    auto made = std::make_shared<SharedHull>(SharedHull{hull, {std::move(points), hull->margin}, {}});
     shared_hulls_.emplace(hull.get(), made);
     return made;
 }
@@ -185,12 +185,12 @@ void Solver::step() {
     start_bodies();
     broadphase_.find_pairs();
     const std::optional<float>& ground = settings_.ground_height;
-    siblings_.check(broadphase_.pairs(), ground ? std::optional(*ground * units) : std::nullopt);
+    siblings_.check(broadphase_.pairs(), ground ? std::optional(*ground) : std::nullopt);
     brake_by_air();
     find_contacts(broadphase_.pairs(),
                   {.seconds = settings_.step,
-                   .gravity = settings_.gravity.y * units,
-                   .ground_height = ground.value_or(0.0f) * units,
+                   .gravity = settings_.gravity.y,
+                   .ground_height = ground.value_or(0.0f),
                    .ground_friction = settings_.ground_friction,
                    .ground_restitution = settings_.ground_restitution},
                   threads_);
@@ -222,7 +222,7 @@ void Solver::start_bodies() {
 void Solver::set_bounds(Body& body) {
     const float seconds = settings_.step;
     Bounds bounds = body.bounds(body.frame);
-    float slack = bounds_slack * units;
+    float slack = bounds_slack;
     const float rotation = glm::length(body.velocity.angular) * seconds;
     if (!body.compound && rotation * body.reach < slack) {
         const glm::vec3 way = body.velocity.linear * seconds;
@@ -232,7 +232,7 @@ void Solver::set_bounds(Body& body) {
         bounds = both(bounds, body.bounds(predicted(body, seconds)));
     }
     // A body that went astray, or whose place is not a number, stays where it last was.
-    if (glm::length(bounds.high - bounds.low) < longest_way * units)
+    if (glm::length(bounds.high - bounds.low) < longest_way)
         broadphase_.set_bounds(*body.proxy, {bounds.low - glm::vec3(slack), bounds.high + glm::vec3(slack)});
     else
         body.set_activity(Activity::astray);
@@ -267,7 +267,7 @@ void Solver::find_islands() {
 
 void Solver::solve_contacts() {
     if (settings_.sleeping) sleeping_.let_rest(settings_.step);
-    const glm::vec3 fall = settings_.gravity * units * settings_.step;
+    const glm::vec3 fall = settings_.gravity * settings_.step;
     for_each_body(islands_.awake(), threads_, [&](Body& body) {
         body.unhindered = body.velocity;
         if (!body.resting) body.unhindered.linear += fall;
@@ -287,7 +287,7 @@ void Solver::move_bodies() {
 // A body that stops for the rest of a step does not fall in it either: else it would gain the speed without the way. A body
 // that a contact holds up has not gained any.
 void Solver::lose_fall(Body& body, float seconds) const {
-    const glm::vec3 fallen = settings_.gravity * units * seconds, before = body.velocity.linear - fallen;
+    const glm::vec3 fallen = settings_.gravity * seconds, before = body.velocity.linear - fallen;
     if (length_squared(before) >= length_squared(body.velocity.linear)) return;
     body.velocity.linear = before;
     body.unhindered.linear -= fallen; // rewind() gives it back without
@@ -298,8 +298,7 @@ void Solver::move_on(Body& body, float seconds) {
     body.rewind_seconds = seconds;
     const Spin spin = free_spin({glm::dquat(rotation_of(body.frame.basis)), glm::dvec3(body.velocity.angular)},
                                 body.moments, seconds);
-    body.set_frame(
-        {matrix_of(glm::quat(spin.orientation)), body.frame.origin + body.velocity.linear * seconds});
+    body.set_frame({matrix_of(glm::quat(spin.orientation)), body.frame.origin + body.velocity.linear * seconds});
     body.velocity.angular = glm::vec3(spin.velocity);
     body.solved = body.velocity;
 }
@@ -329,15 +328,15 @@ void Solver::write_poses(std::span<const uint64_t> moved_steps, uint64_t since, 
 void Solver::apply_impulse(size_t index, const glm::vec3& impulse, const glm::vec3& point) {
     Body& body = *bodies_[index];
     wake(body);
-    const glm::vec3 scaled = impulse * units;
+    const glm::vec3 scaled = impulse;
     body.velocity.linear += scaled * body.inverse_mass;
-    body.velocity.angular += body.inverse_inertia * glm::cross(point * units - body.frame.origin, scaled);
+    body.velocity.angular += body.inverse_inertia * glm::cross(point - body.frame.origin, scaled);
 }
 
 void Solver::set_velocity(size_t index, const glm::vec3& linear, const glm::vec3& angular) {
     Body& body = *bodies_[index];
     wake(body);
-    body.velocity = {linear * units, angular};
+    body.velocity = {linear, angular};
 }
 
 // Other changes of velocity since the step stay.
@@ -354,16 +353,15 @@ float Solver::rewind(size_t index) {
 // 1/m + n . (I^-1 (r x n)) x r
 float Solver::response(size_t index, const glm::vec3& point, const glm::vec3& direction) const {
     const Body& body = *bodies_[index];
-    const glm::vec3 arm = point * units - body.frame.origin;
-    return body.inverse_mass
-           + glm::dot(direction, glm::cross(glm::cross(arm, direction) * body.inverse_inertia, arm));
+    const glm::vec3 arm = point - body.frame.origin;
+    return body.inverse_mass + glm::dot(direction, glm::cross(glm::cross(arm, direction) * body.inverse_inertia, arm));
 }
 
 size_t Solver::contact_count() const {
     std::vector<AnyManifold> manifolds;
     for (const SweptPair& pair : broadphase_.pairs().all())
         if (pair.contacts) pair.contacts->collect(manifolds);
-    const auto touches = [](const auto& point) { return point.distance < touching_distance * units; };
+    const auto touches = [](const auto& point) { return point.distance < touching_distance; };
     size_t count = 0;
     for (const AnyManifold& manifold : manifolds)
         count += static_cast<size_t>(manifold.ground ? std::ranges::count_if(manifold.ground->points(), touches)
@@ -389,7 +387,7 @@ void Solver::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) {
                                const glm::vec3& colour) {
         if (edges.empty()) edges = hull_edges(shape.points());
         for (const auto& [from, to] : edges)
-            out.push_back({frame * shape.points()[from] / units, frame * shape.points()[to] / units, colour});
+            out.push_back({frame * shape.points()[from], frame * shape.points()[to], colour});
     };
     for (size_t i = 0; draw.hulls && i < bodies_.size(); ++i) {
         Body& body = *bodies_[i];
@@ -406,8 +404,8 @@ void Solver::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) {
     for (const SweptPair& pair : broadphase_.pairs().all())
         if (pair.contacts) pair.contacts->collect(manifolds);
     const auto draw_contact = [&](const glm::vec3& at, const glm::vec3& normal, float distance) {
-        if (distance >= touching_distance * units) return;
-        out.push_back({at / units, at / units + normal * contact_line_length, contact_colour});
+        if (distance >= touching_distance) return;
+        out.push_back({at, at + normal * contact_line_length, contact_colour});
     };
     for (const AnyManifold& manifold : manifolds) {
         if (manifold.ground)

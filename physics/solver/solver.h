@@ -46,7 +46,7 @@ class Solver final : public Engine {
 
     [[nodiscard]] Pose pose(size_t body) const override { return bodies_[body]->pose(); }
     void write_poses(std::span<const uint64_t> moved_steps, uint64_t since, std::span<Pose> out) const override;
-    [[nodiscard]] glm::vec3 linear_velocity(size_t body) const override { return bodies_[body]->velocity.linear / units; }
+    [[nodiscard]] glm::vec3 linear_velocity(size_t body) const override { return bodies_[body]->velocity.linear; }
     [[nodiscard]] glm::vec3 angular_velocity(size_t body) const override { return bodies_[body]->velocity.angular; }
     [[nodiscard]] float mass(size_t body) const override { return bodies_[body]->mass; }
     [[nodiscard]] bool fixed(size_t body) const override { return bodies_[body]->fixed; }
@@ -88,7 +88,7 @@ class Solver final : public Engine {
     void note_moved();
 
     WorldSettings settings_;
-    mutable fracture::Threads threads_; // how a loop is split changes no result
+    mutable fracture::Threads threads_;         // how a loop is split changes no result
     std::vector<std::unique_ptr<Body>> bodies_; // in body order
     std::vector<uint8_t> moved_;                // by body
     AwakeCount awake_;

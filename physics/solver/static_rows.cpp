@@ -37,7 +37,8 @@ void StaticRows::sort_bodies(const Bundles& bundles) {
                                  std::ranges::greater{}, [this](uint32_t body) { return counts_[body]; });
 }
 
-void StaticRows::arrange(std::span<const uint32_t> bodies, std::span<const float> inverse_masses, const Bundles& bundles) {
+void StaticRows::arrange(std::span<const uint32_t> bodies, std::span<const float> inverse_masses,
+                         const Bundles& bundles) {
     bodies_.assign(bodies.begin(), bodies.end());
     counts_.assign(inverse_masses.size(), 0);
     for (const uint32_t body : bodies) ++counts_[body];
@@ -146,8 +147,9 @@ void StaticRows::for_rows(uint32_t bundle, VelocityChange* changes, const auto& 
 }
 
 void StaticRows::apply(uint32_t bundle, VelocityChange* changes) const {
-    for_rows(bundle, changes,
-             [this](size_t at, FourChanges& of) { of.apply(contacts_[at], Float4::load(contacts_[at].impulse.data())); });
+    for_rows(bundle, changes, [this](size_t at, FourChanges& of) {
+        of.apply(contacts_[at], Float4::load(contacts_[at].impulse.data()));
+    });
 }
 
 void StaticRows::solve_contacts(uint32_t bundle, VelocityChange* changes) {
@@ -183,7 +185,8 @@ void StaticRows::solve_lone(std::span<const Block> group, int sweeps, VelocityCh
             for (size_t i = 0; i < group.size() && row < group[i].end - group[i].begin; ++i)
                 visit(group[i].begin + row, moving[i]);
     };
-    for_rows([this](size_t at, FourChanges& of) { of.apply(contacts_[at], Float4::load(contacts_[at].impulse.data())); });
+    for_rows(
+        [this](size_t at, FourChanges& of) { of.apply(contacts_[at], Float4::load(contacts_[at].impulse.data())); });
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for_rows([this](size_t at, FourChanges& of) { of.solve_contacts(contacts_[at]); });
         for_rows([this](size_t at, FourChanges& of) { solve_friction(at, of); });

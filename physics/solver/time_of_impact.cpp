@@ -33,8 +33,8 @@ float gap(const MovingHull& first, const MovingHull& second, const Frames& at, c
 // A bound of the distance of a hull's points from the straight lines to their places after some time.
 float sag(const MovingHull& hull, float seconds) {
     const float radius = glm::length(hull.local.origin) + hull.shape->radius();
-    const float angle = tumbling_factor * glm::length(hull.trajectory->velocity.angular)
-                        * std::min(seconds, hull.trajectory->stop);
+    const float angle =
+        tumbling_factor * glm::length(hull.trajectory->velocity.angular) * std::min(seconds, hull.trajectory->stop);
     return radius * std::min(0.125f * angle * angle, 2.0f);
 }
 

@@ -55,6 +55,7 @@ struct MovingHull {
 // Returns the time between `from` and `end` at which the hulls are about to exceed the tolerable depth, or the depth that
 // they have at `from` by that much; they touch there, with their contact still to be found. Returns nothing for hulls that
 // pass each other however closely, slide on each other, or part. Neither of the bodies stops between the two times.
-[[nodiscard]] std::optional<float> time_of_impact(const MovingHull& first, const MovingHull& second, float from, float end);
+[[nodiscard]] std::optional<float> time_of_impact(const MovingHull& first, const MovingHull& second, float from,
+                                                  float end);
 
 } // namespace brittle::physics

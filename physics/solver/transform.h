@@ -4,9 +4,9 @@
 // right-handed. Every function is a fixed sequence of IEEE operations, so results are equal with every compiler.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <algorithm>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -14,8 +14,6 @@
 #include <glm/vec3.hpp>
 
 namespace brittle::physics {
-
-inline constexpr float units = 10.0f; // TEMPORARY: lengths in the solver per metre
 
 // Stands for no bound; its square is still a float.
 inline constexpr float unbounded = 1e18f;
@@ -58,7 +56,9 @@ struct Transform {
     const float wx = q.w * xs, wy = q.w * ys, wz = q.w * zs;
     const float xx = q.x * xs, xy = q.x * ys, xz = q.x * zs;
     const float yy = q.y * ys, yz = q.y * zs, zz = q.z * zs;
-    return {{1.0f - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1.0f - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1.0f - (xx + yy)}};
+    return {{1.0f - (yy + zz), xy + wz, xz - wy},
+            {xy - wz, 1.0f - (xx + zz), yz + wx},
+            {xz + wy, yz - wx, 1.0f - (xx + yy)}};
 }
 
 // The unit quaternion of a rotation matrix, by its largest component (Shepperd, "Quaternion from rotation matrix", 1978).

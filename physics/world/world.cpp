@@ -29,9 +29,7 @@ struct World::Impl {
 
     explicit Impl(const WorldSettings& given) : settings(given), engine(make_engine(given)) {}
 
-    static std::unique_ptr<Engine> make_engine(const WorldSettings& settings) {
-        return make_solver(settings);
-    }
+    static std::unique_ptr<Engine> make_engine(const WorldSettings& settings) { return make_solver(settings); }
     // By halving: a table by number would grow for ever where things break again and again.
     [[nodiscard]] std::optional<size_t> find(BodyId id) const {
         const auto at = std::ranges::lower_bound(ids, id);
