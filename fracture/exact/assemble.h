@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/classifier.h"
 #include "fracture/exact/caps.h"
 #include "fracture/exact/cell_table.h"

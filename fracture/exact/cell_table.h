@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 
 namespace brittle::fracture::exact {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/classifier.h"
 #include "fracture/exact/frames.h"
 #include "fracture/exact/predicates.h"

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/exact/cut.h"
 #include "fracture/exact/frames.h"
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/exact/voronoi.h"
 

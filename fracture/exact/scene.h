@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "fracture/base/error.h"
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/exact/predicates.h"
 #include "fracture/mesh/mesh.h"
 

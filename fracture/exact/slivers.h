@@ -26,7 +26,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/exact/assemble.h"
 #include "fracture/pieces/fragments.h"
 

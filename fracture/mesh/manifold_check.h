@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/mesh/manifold_check.h"
 #include "fracture/mesh/mass_properties.h"
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture {

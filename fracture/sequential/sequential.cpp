@@ -10,7 +10,7 @@
 
 #include <glm/common.hpp>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/mesh/islands.h"
 #include "fracture/sequential/clip.h"
 

@@ -12,7 +12,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/world/body_motion.h"
 #include "physics/world/crowd.h"
 #include "physics/world/piece_mass.h"

@@ -11,7 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/fracture.h"
 #include "fracture/pieces/merge.h"
 

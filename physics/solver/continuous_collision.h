@@ -27,7 +27,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/solver/body.h"
 #include "physics/solver/sweep_broadphase.h"
 #include "physics/solver/time_of_impact.h"

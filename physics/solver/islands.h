@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/solver/body.h"
 #include "physics/solver/manifold.h"
 #include "physics/solver/sweep_broadphase.h"

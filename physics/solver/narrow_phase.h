@@ -4,7 +4,7 @@
 // threads.
 #pragma once
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/solver/pair_contacts.h"
 #include "physics/solver/sweep_broadphase.h"
 

@@ -26,7 +26,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/solver/body.h"
 #include "physics/solver/bundles.h"
 #include "physics/solver/lone_bodies.h"

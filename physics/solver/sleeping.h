@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/solver/body.h"
 #include "physics/solver/islands.h"
 #include "physics/world/world.h"

@@ -20,7 +20,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/solver/body.h"
 #include "physics/solver/compound_shape.h"
 #include "physics/solver/contact_solver.h"

@@ -25,7 +25,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/solver/float4.h"
 #include "physics/solver/pair_contacts.h"
 #include "physics/solver/transform.h"

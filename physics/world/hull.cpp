@@ -9,7 +9,7 @@
 #include <LinearMath/btConvexHullComputer.h>
 #include <glm/geometric.hpp>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/principal_axes.h"
 

@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 #include "physics/world/crowd.h"
 #include "physics/world/piece_mass.h"
 

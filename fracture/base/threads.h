@@ -2,7 +2,7 @@
 //
 // Nothing here may influence a result: chunks differ with the number of threads, so every phase that uses
 // them writes to places that depend on the index alone (prefix sums over chunks, in order). TBB appears in
-// parallel.cpp only.
+// threads.cpp only.
 #pragma once
 
 #include <cstdint>

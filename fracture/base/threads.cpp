@@ -1,4 +1,4 @@
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 
 #include <algorithm>
 #include <atomic>
