@@ -88,7 +88,7 @@ int scale(const double* e, int m, double b, double* h) {
     return count;
 }
 
-// COMPRESS, in place. Nonadjacent afterwards, at most Expansion::kCapacity terms (see the header).
+// COMPRESS, in place. Nonadjacent afterwards, at most Expansion::capacity terms (see the header).
 int compress(double* e, int m) {
     double error;
     double q = e[m - 1];
@@ -121,8 +121,8 @@ Expansion& Expansion::operator=(const Expansion& other) {
 }
 
 void Expansion::assign(double* terms, int count) {
-    if (count > kLazyTerms) count = compress(terms, count);
-    assert(count <= kCapacity);
+    if (count > lazy_terms) count = compress(terms, count);
+    assert(count <= capacity);
     size_ = count;
     std::copy_n(terms, count, terms_);
 }
@@ -160,12 +160,12 @@ Expansion Expansion::scaled(double power_of_two) const {
 
 Expansion Expansion::add(const Expansion& a, const Expansion& b, double b_sign) {
     Expansion result;
-    if (a.size_ + b.size_ <= kCapacity) { // in place: the usual case, and on lattice data the only one
+    if (a.size_ + b.size_ <= capacity) { // in place: the usual case, and on lattice data the only one
         result.size_ = sum(a.terms_, a.size_, b.terms_, b.size_, b_sign, result.terms_);
-        if (result.size_ > kLazyTerms) result.size_ = compress(result.terms_, result.size_);
+        if (result.size_ > lazy_terms) result.size_ = compress(result.terms_, result.size_);
         return result;
     }
-    double terms[2 * kCapacity];
+    double terms[2 * capacity];
     result.assign(terms, sum(a.terms_, a.size_, b.terms_, b.size_, b_sign, terms));
     return result;
 }
@@ -174,8 +174,8 @@ Expansion operator*(const Expansion& a, const Expansion& b) {
     if (a.size_ < b.size_) return b * a;
     if (b.size_ == 0) return {};
     if (a.size_ == 1) return Expansion::product(a.terms_[0], b.terms_[0]);
-    double scaled[2 * Expansion::kCapacity];
-    double terms[3 * Expansion::kCapacity];
+    double scaled[2 * Expansion::capacity];
+    double terms[3 * Expansion::capacity];
     Expansion result;
     result.assign(scaled, scale(a.terms_, a.size_, b.terms_[0], scaled));
     for (int i = 1; i < b.size_; ++i) {

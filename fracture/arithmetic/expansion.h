@@ -7,7 +7,7 @@
 // both. On lattice and float data values stay one or two terms long, which is why this is chosen over
 // fixed-width integers: cost follows the bits used.
 //
-// Capacity. Results longer than kLazyTerms are compressed. The first, downward pass of compression leaves
+// Capacity. Results longer than lazy_terms are compressed. The first, downward pass of compression leaves
 // each term at most one unit in the last place of the next larger one: at least 52 binary exponents apart
 // (the remainder q of a rounded sum Q has |q| <= ulp(Q)/2, is a multiple of the lowest bit already consumed,
 // and all that is still to come is smaller than that bit: together less than ulp(Q)). The finite doubles span
@@ -26,8 +26,8 @@ namespace brittle::fracture::exact {
 
 class Expansion {
   public:
-    static constexpr int kCapacity = 41;
-    static constexpr int kLazyTerms = 6; // up to here compression costs more than it saves
+    static constexpr int capacity = 41;
+    static constexpr int lazy_terms = 6; // up to here compression costs more than it saves
 
     Expansion() = default;
     explicit Expansion(double x) : size_(x != 0.0 ? 1 : 0) { terms_[0] = x; }
@@ -59,7 +59,7 @@ class Expansion {
     void assign(double* terms, int count); // compresses where needed; may overwrite its argument
 
     int size_ = 0;
-    double terms_[kCapacity]; // NOLINT: only the first size_ are ever read
+    double terms_[capacity]; // NOLINT: only the first size_ are ever read
 };
 
 } // namespace brittle::fracture::exact

@@ -14,8 +14,8 @@ namespace brittle::fracture {
 
 namespace {
 // Chunks a thread takes on average: more even out unequal work, fewer keep the per-chunk tables small.
-constexpr uint32_t kChunksPerThread = 4;
-constexpr uint32_t kMostThreads = 256;
+constexpr uint32_t chunks_per_thread = 4;
+constexpr uint32_t max_threads = 256;
 
 #if defined(__SANITIZE_THREAD__)
 // ThreadSanitizer cannot see how Debian's TBB, which is built without it, synchronises: plain threads take its place.
@@ -46,7 +46,7 @@ struct Threads::Arena {
 };
 
 Threads::Threads(uint32_t count)
-    : count_(std::clamp(count == 0 ? std::thread::hardware_concurrency() : count, 1u, kMostThreads)),
+    : count_(std::clamp(count == 0 ? std::thread::hardware_concurrency() : count, 1u, max_threads)),
       arena_(count_ > 1 ? std::make_unique<Arena>(std::clamp(std::thread::hardware_concurrency(), 2u, count_))
                         : nullptr) {}
 
@@ -56,7 +56,7 @@ Threads& Threads::operator=(Threads&&) noexcept = default;
 
 uint32_t Threads::chunks(uint32_t n, uint32_t least) const {
     if (count_ == 1) return 1;
-    return std::clamp(n / std::max(least, 1u), 1u, kChunksPerThread * count_);
+    return std::clamp(n / std::max(least, 1u), 1u, chunks_per_thread * count_);
 }
 
 void Threads::log_to(WorkLog* log) {

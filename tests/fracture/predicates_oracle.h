@@ -166,17 +166,17 @@ inline dvec3 lattice_point(Random& random, int size) {
     return {x, y, pick()};
 }
 
-constexpr Box kUnitBox{dvec3(-1.0), dvec3(1.0)};
+constexpr Box unit_box{dvec3(-1.0), dvec3(1.0)};
 
 inline Scene random_scene(Random& random) {
-    Scene scene{"random", {}, {}, kUnitBox, 600, 300};
-    for (int i = 0; i < 40; ++i) scene.sites.push_back(random.uniform_in(kUnitBox));
-    for (int i = 0; i < 60; ++i) scene.points.push_back(random.uniform_in(kUnitBox));
+    Scene scene{"random", {}, {}, unit_box, 600, 300};
+    for (int i = 0; i < 40; ++i) scene.sites.push_back(random.uniform_in(unit_box));
+    for (int i = 0; i < 60; ++i) scene.points.push_back(random.uniform_in(unit_box));
     return scene;
 }
 
 inline Scene lattice_scene(Random& random, int size) {
-    Scene scene{"lattice", {}, {}, kUnitBox, 120, 2000, size < 4 ? 20 : 1};
+    Scene scene{"lattice", {}, {}, unit_box, 120, 2000, size < 4 ? 20 : 1};
     for (int i = 0; i < 40; ++i) scene.sites.push_back(lattice_point(random, size)); // duplicates occur
     for (int i = 0; i < 60; ++i) scene.points.push_back(lattice_point(random, size));
     return scene;
@@ -185,7 +185,7 @@ inline Scene lattice_scene(Random& random, int size) {
 // The 48 points (+-1,+-2,+-3)/4 in every order and their centre; mesh points are the centre, as often as not,
 // and points of the symmetry planes.
 inline Scene cospherical_scene(Random& random) {
-    Scene scene{"cospherical", {dvec3(0.0)}, {}, kUnitBox, 120, 2000, 20};
+    Scene scene{"cospherical", {dvec3(0.0)}, {}, unit_box, 120, 2000, 20};
     std::array<double, 3> p{0.25, 0.5, 0.75};
     do {
         for (int s = 0; s < 8; ++s) {
@@ -202,7 +202,7 @@ inline Scene cospherical_scene(Random& random) {
 // Sites that mirror each other in a mesh vertex v, in edges and in faces through it: bisectors contain them.
 // The images are exact, because everything is a multiple of 2^-20.
 inline Scene mirrored_scene(Random& random) {
-    Scene scene{"mirrored", {}, {}, kUnitBox, 400, 1000, 20};
+    Scene scene{"mirrored", {}, {}, unit_box, 400, 1000, 20};
     const auto dyadic = [&] { return std::round((random.uniform() - 0.5) * 0x1.0p+20) * 0x1.0p-20; };
     const auto point = [&] {
         const double x = dyadic();

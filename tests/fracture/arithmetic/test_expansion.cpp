@@ -41,7 +41,7 @@ double lowest_bit(double x) {
 void check(const Expansion& e, const Rational& expected) {
     REQUIRE(exact(e) == expected);
     REQUIRE(e.sign() == sign(expected));
-    REQUIRE(e.size() <= Expansion::kCapacity);
+    REQUIRE(e.size() <= Expansion::capacity);
     for (int i = 0; i < e.size(); ++i) {
         REQUIRE(e.terms()[i] != 0.0);
         if (i > 0) REQUIRE(std::abs(e.terms()[i - 1]) < lowest_bit(e.terms()[i]));

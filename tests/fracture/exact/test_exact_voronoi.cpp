@@ -13,9 +13,9 @@ using namespace brittle::fracture;
 
 namespace {
 
-const Box kUnitBox{glm::dvec3(0.0), glm::dvec3(1.0)};
+const Box unit_box{glm::dvec3(0.0), glm::dvec3(1.0)};
 
-std::vector<glm::dvec3> random_sites(uint32_t count, uint64_t seed, const Box& box = kUnitBox) {
+std::vector<glm::dvec3> random_sites(uint32_t count, uint64_t seed, const Box& box = unit_box) {
     Random random(seed);
     std::vector<glm::dvec3> sites;
     for (uint32_t i = 0; i < count; ++i) sites.push_back(random.uniform_in(box));
@@ -111,9 +111,9 @@ double volume_of_interior_cell(const VoronoiDiagram& d, uint32_t c, const std::v
 } // namespace
 
 TEST_CASE("no site, a site that is not finite and a flat box are errors with names") {
-    CHECK(voronoi_diagram({}, kUnitBox).error().status == Status::invalid_sites);
+    CHECK(voronoi_diagram({}, unit_box).error().status == Status::invalid_sites);
     const std::vector<glm::dvec3> bad{{0.0, 0.0, 0.0}, {0.0, std::nan(""), 0.0}};
-    const auto result = voronoi_diagram(bad, kUnitBox);
+    const auto result = voronoi_diagram(bad, unit_box);
     REQUIRE(!result);
     CHECK(result.error().status == Status::invalid_sites);
     CHECK(result.error().message.find("site 1") != std::string::npos);
@@ -122,7 +122,7 @@ TEST_CASE("no site, a site that is not finite and a flat box are errors with nam
 }
 
 TEST_CASE("one site has the whole box and no facet") {
-    const auto d = voronoi_diagram(lattice_sites(1), kUnitBox);
+    const auto d = voronoi_diagram(lattice_sites(1), unit_box);
     REQUIRE(d);
     CHECK(d->facets.empty());
     CHECK(d->cell_is_empty == std::vector<uint8_t>{0});
@@ -130,7 +130,7 @@ TEST_CASE("one site has the whole box and no facet") {
 
 TEST_CASE("two sites share one facet that the box bounds") {
     const std::vector<glm::dvec3> sites{{0.25, 0.5, 0.5}, {0.75, 0.5, 0.5}};
-    const auto d = voronoi_diagram(sites, kUnitBox);
+    const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
     check_structure(*d);
     REQUIRE(d->facets.size() == 1);
@@ -141,11 +141,11 @@ TEST_CASE("two sites share one facet that the box bounds") {
 
 TEST_CASE("of duplicate sites the lowest index owns the cell") {
     std::vector<glm::dvec3> sites = random_sites(20, 5);
-    const auto unique = voronoi_diagram(sites, kUnitBox);
+    const auto unique = voronoi_diagram(sites, unit_box);
     sites.insert(sites.end(), sites.begin(), sites.end());
     sites.push_back({-0.0, 0.0, 0.0});
     sites.push_back({0.0, -0.0, 0.0});
-    const auto d = voronoi_diagram(sites, kUnitBox);
+    const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
     check_structure(*d);
     for (uint32_t c = 0; c < 20; ++c) CHECK(d->cell_is_empty[c] == 0);
@@ -165,13 +165,13 @@ TEST_CASE("collinear, coplanar, cospherical and lattice sites give sound diagram
             for (int z = -3; z <= 3; ++z)
                 if (x * x + y * y + z * z == 9) sphere.push_back(glm::dvec3(x, y, z) / 8.0 + 0.5);
     for (const auto& sites : {collinear, coplanar, sphere, lattice_sites(2), lattice_sites(4), lattice_sites(5)}) {
-        const auto d = voronoi_diagram(sites, kUnitBox);
+        const auto d = voronoi_diagram(sites, unit_box);
         REQUIRE(d);
         check_structure(*d);
         check_vertices(*d, sites, 1e-9);
     }
     sphere.push_back(glm::dvec3(0.5));
-    const auto d = voronoi_diagram(sphere, kUnitBox);
+    const auto d = voronoi_diagram(sphere, unit_box);
     REQUIRE(d);
     check_structure(*d);
     const auto centre = static_cast<uint32_t>(sphere.size()) - 1;
@@ -180,7 +180,7 @@ TEST_CASE("collinear, coplanar, cospherical and lattice sites give sound diagram
 
 TEST_CASE("the cells of a lattice are cubes") {
     const auto sites = lattice_sites(5);
-    const auto d = voronoi_diagram(sites, kUnitBox);
+    const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
     CHECK(volume_of_interior_cell(*d, 62, sites) == doctest::Approx(1.0 / 125.0));
 }
@@ -189,7 +189,7 @@ TEST_CASE("far sites and sites of mixed scales give sound diagrams") {
     std::vector<glm::dvec3> sites = random_sites(30, 9);
     for (const auto& s : random_sites(20, 10)) sites.push_back((s - 0.5) * 1000.0);
     for (const auto& s : random_sites(10, 11)) sites.push_back((s - 0.5) * 1e12);
-    const auto d = voronoi_diagram(sites, kUnitBox);
+    const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
     check_structure(*d);
     for (uint32_t c = 0; c < 30; ++c) CHECK(d->cell_is_empty[c] == 0);
@@ -197,7 +197,7 @@ TEST_CASE("far sites and sites of mixed scales give sound diagrams") {
 
 TEST_CASE("when all sites are far outside, the box still belongs to someone") {
     const auto sites = random_sites(200, 3, {glm::dvec3(5.0), glm::dvec3(6.0)});
-    const auto d = voronoi_diagram(sites, kUnitBox);
+    const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
     check_structure(*d);
     CHECK(std::count(d->cell_is_empty.begin(), d->cell_is_empty.end(), uint8_t{0}) >= 1);
@@ -207,7 +207,7 @@ TEST_CASE("random diagrams are sound at every size, offset and scale") {
     for (const uint32_t count : {3u, 4u, 5u, 10u, 100u, 1000u}) {
         CAPTURE(count);
         const auto sites = random_sites(count, count);
-        const auto d = voronoi_diagram(sites, kUnitBox);
+        const auto d = voronoi_diagram(sites, unit_box);
         REQUIRE(d);
         check_structure(*d);
         check_vertices(*d, sites, 1e-9);
@@ -231,7 +231,7 @@ TEST_CASE("clusters inside clusters give sound diagrams") {
         const Box box{centre - 0.25 * size, centre + 0.25 * size};
         for (int k = 0; k < 150; ++k) sites.push_back(random.uniform_in(box));
     }
-    const auto d = voronoi_diagram(sites, kUnitBox);
+    const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
     check_structure(*d);
     check_vertices(*d, sites, 1e-9);
@@ -243,12 +243,12 @@ TEST_CASE("clusters inside clusters give sound diagrams") {
 
 TEST_CASE("neighbours are those that brute force finds") {
     const auto sites = random_sites(60, 77);
-    const auto d = voronoi_diagram(sites, kUnitBox);
+    const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
     // Sample points: whoever is second nearest somewhere on a segment between two cells is a neighbour.
     Random random(4);
     for (int sample = 0; sample < 20000; ++sample) {
-        const glm::dvec3 p = random.uniform_in(kUnitBox);
+        const glm::dvec3 p = random.uniform_in(unit_box);
         uint32_t first = 0, second = 1;
         for (uint32_t s = 0; s < sites.size(); ++s) {
             const double r = glm::distance(sites[s], p);
@@ -270,9 +270,9 @@ TEST_CASE("neighbours are those that brute force finds") {
 
 TEST_CASE("the diagram does not depend on the number of threads") {
     const auto sites = random_sites(300, 12);
-    const auto one = voronoi_diagram(sites, kUnitBox, 1);
+    const auto one = voronoi_diagram(sites, unit_box, 1);
     for (const uint32_t threads : {2u, 4u}) {
-        const auto more = voronoi_diagram(sites, kUnitBox, threads);
+        const auto more = voronoi_diagram(sites, unit_box, threads);
         REQUIRE(more);
         REQUIRE(more->vertices.size() == one->vertices.size());
         REQUIRE(more->rings.size() == one->rings.size());

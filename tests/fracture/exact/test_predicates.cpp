@@ -31,7 +31,7 @@ TEST_CASE("snap moves only coordinates below the documented magnitude") {
 
 TEST_CASE("of equal sites the lower index owns every point") {
     const std::vector<dvec3> sites{dvec3(0.25), dvec3(0.25), dvec3(0.25)};
-    const Diagram diagram{sites, kUnitBox};
+    const Diagram diagram{sites, unit_box};
     PredicateStats stats;
     for (const dvec3& q : {dvec3(0.0), dvec3(0.25), dvec3(0.1, 0.2, 0.3)}) {
         CHECK(side1(diagram, 0, 1, q, stats) == 1);
@@ -46,7 +46,7 @@ TEST_CASE("the four sides of a simple cell are what a drawing shows") {
     // The cell of site 0 at the origin: x < 0.25, y < 0.25, z < 0.25.
     const std::vector<dvec3> sites{dvec3(0.0),       dvec3(0.5, 0, 0),     dvec3(0, 0.5, 0),
                                    dvec3(0, 0, 0.5), dvec3(0.5, 0.5, 0.5), dvec3(0.4, 0.4, 0.4)};
-    const Diagram diagram{sites, kUnitBox};
+    const Diagram diagram{sites, unit_box};
     PredicateStats stats;
     CHECK(side1(diagram, 0, 1, dvec3(0.2, 0.9, 0), stats) == 1);
     CHECK(side1(diagram, 0, 1, dvec3(0.3, -0.9, 0), stats) == -1);

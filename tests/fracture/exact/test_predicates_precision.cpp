@@ -75,9 +75,9 @@ TEST_CASE("the error bounds of values and pierce positions contain the true erro
         // Far from the origin differences are few bits; near it they round.
         const double offset = i % 2 ? 0.0 : 1e3;
         const double size = i % 3 ? 1.0 : 1e-3;
-        const auto point = [&] { return (random.uniform_in(kUnitBox) + offset) * size; };
+        const auto point = [&] { return (random.uniform_in(unit_box) + offset) * size; };
         const std::vector<dvec3> sites{point(), point(), point()};
-        const Diagram diagram{sites, kUnitBox};
+        const Diagram diagram{sites, unit_box};
         const Oracle oracle{&diagram, {}, 0};
         const Bisector a = make_bisector(sites[0], sites[1]);
         const Bisector b = make_bisector(sites[0], sites[2]);
@@ -142,13 +142,13 @@ TEST_CASE("exact constructions are within a few ulp of the true positions, howev
     Random random(8);
     for (int i = 0; i < 500; ++i) {
         // Almost dependent bisectors: sites almost on a line.
-        const dvec3 base = random.uniform_in(kUnitBox);
-        const dvec3 step = random.uniform_in(kUnitBox) * 0.1;
+        const dvec3 base = random.uniform_in(unit_box);
+        const dvec3 step = random.uniform_in(unit_box) * 0.1;
         std::vector<dvec3> sites;
         const double noise = std::ldexp(1.0, -static_cast<int>(random.next() % 45));
         for (int k = 0; k < 4; ++k)
-            sites.push_back(base + static_cast<double>(k) * step + random.uniform_in(kUnitBox) * noise);
-        const Diagram diagram{sites, kUnitBox};
+            sites.push_back(base + static_cast<double>(k) * step + random.uniform_in(unit_box) * noise);
+        const Diagram diagram{sites, unit_box};
         const Oracle oracle{&diagram, {}, 0};
         const auto close = [](double x, const Rational& exact, const Rational& scale) {
             return abs(Rational(x) - exact) <= scale * Rational(0x10.0p-53);
@@ -161,15 +161,15 @@ TEST_CASE("exact constructions are within a few ulp of the true positions, howev
             REQUIRE(close(v.y, x.y, abs(x.y)));
             REQUIRE(close(v.z, x.z, abs(x.z)));
         }
-        const dvec3 q0 = random.uniform_in(kUnitBox);
-        const dvec3 q1 = random.uniform_in(kUnitBox);
+        const dvec3 q0 = random.uniform_in(unit_box);
+        const dvec3 q1 = random.uniform_in(unit_box);
         const Rational f0 = oracle.g(0, 1, vec(q0));
         const Rational f1 = oracle.g(0, 1, vec(q1));
         if (f0.sign() * f1.sign() < 0) {
             const Rational t = f0 / (f0 - f1);
             REQUIRE(close(edge_parameter_exact(diagram, 0, 1, q0, q1), t, t));
         }
-        const Corners q{q0, q1, random.uniform_in(kUnitBox)};
+        const Corners q{q0, q1, random.uniform_in(unit_box)};
         if (meet(oracle.plane(0, 1), oracle.plane(0, 2), Oracle::plane(q), x)) {
             const dvec3 w = pierce_weights_exact(diagram, 0, 1, 2, q);
             if (w.x == 0.0 || w.y == 0.0 || w.z == 0.0) continue; // clamped: the pierce is outside the triangle
