@@ -1,10 +1,12 @@
-// Where a fracture's classification may run instead of the CPU: on a GPU, or any other device.
+// Interface for classifying mesh vertices and triangles by Voronoi cell on another device, for example a GPU.
 //
-// A classifier may guess, in whatever precision it likes, as long as it marks what rounding could have
-// changed. What is marked is decided exactly on the CPU, so any classifier, or none, gives the same pieces
-// bit for bit.
+// A classifier may compute in any precision. It must mark every result that rounding may have changed; the exact
+// algorithm decides the marked ones on the CPU. The pieces are therefore equal, bit for bit, with any classifier and
+// without one.
 //
 //     settings.classifier = &classifier; // start() runs before the Voronoi cells are built, finish() after
+//
+// One fracture at a time may use a classifier. The calls come from the thread that called fracture().
 #pragma once
 
 #include <cstdint>
@@ -18,26 +20,28 @@ namespace brittle::fracture {
 
 class Classifier {
   public:
-    static constexpr uint32_t uncertain = 0x80000000u; // a bit of a vertex's answer
+    static constexpr uint32_t uncertain = 0x80000000u; // flag of a vertex: the nearest site is in doubt
 
-    // A triangle's answer is a site, or `crossing` and any of these bits, each of which may be set only where it is true
-    // beyond doubt. a, b, c are the corners' cells, which must be certain and, but for edge_alone, three. They are what the
-    // cut asks first: with them an edge needs no walk, and a triangle of three cells no clipping.
-    //  - edge_alone(e): the edge from corner e to the next runs through its ends' two cells only: no other bisector
-    //    has a sign that matters. Asked of the triangle that runs the edge from its lower vertex to its higher.
-    //  - point_alone: the point of the triangle's plane that is equally far from the sites of a, b and c is farther
-    //    from all others.
-    //  - sign_known(e), sign_first(e): on which side of the bisector between the cells of edge e's ends the third corner
-    //    lies, and whether that is the side of the edge's first corner. The signs of the edge's own ends are known, so
-    //    this is the paper's sign pattern, one of eight.
+    // Result for a triangle: the index of a site, or the flag `crossing` combined with any of the flags below. A flag
+    // may be set only where its statement holds beyond doubt. Let a, b and c be the cells of the three corners; all
+    // three must be certain, and distinct for every flag other than edge_alone. With these flags the cut skips the walk
+    // along an edge or the clipping of a triangle that spans three cells.
+    //  - edge_alone(e): the edge from corner e to the next corner passes through the cells of its two ends only, so no
+    //    other bisector matters. Set in the triangle that traverses the edge from its lower vertex index to the
+    //    higher.
+    //  - point_alone: the point of the triangle's plane that is equidistant from the sites of a, b and c is farther
+    //    from all other sites.
+    //  - sign_known(e), sign_first(e): whether the side of the third corner is known with respect to the bisector
+    //    between the cells at the ends of edge e, and whether it is the side of the edge's first corner. The signs of
+    //    the edge's own ends are known, so these bits complete the sign pattern of the paper, one of eight.
     static constexpr uint32_t crossing = 0x80000000u;
     static constexpr uint32_t edge_alone(uint32_t e) { return 1u << e; }
     static constexpr uint32_t point_alone = 1u << 3;
     static constexpr uint32_t sign_known(uint32_t e) { return 1u << (4 + 2 * e); }
     static constexpr uint32_t sign_first(uint32_t e) { return 1u << (5 + 2 * e); }
 
-    // Coordinates are scaled so that the mesh is about one unit long; vertices lie in the box, sites
-    // anywhere.
+    // Input of a classification. Coordinates are scaled so that the mesh is about one unit long. Vertices lie in the
+    // box, sites may lie outside.
     struct Problem {
         std::span<const glm::dvec3> positions;
         std::span<const Triangle> triangles; // of indices below positions.size()
@@ -47,14 +51,19 @@ class Classifier {
 
     virtual ~Classifier() = default;
 
-    // Begins, and need not wait for the result: what the problem points to stays until finish() or the next
-    // start(). False: not now, and finish() is not called.
+    // Starts the classification; may return before it is complete. The arrays of the problem stay valid until finish()
+    // or the next start(). Returns false if the classifier is unavailable; finish() is then not called.
     virtual bool start(const Problem& problem) = 0;
 
-    // For each vertex the nearest site, with the bit `uncertain` unless rounding cannot have changed the
-    // answer: |x - s_l| must exceed |x - s_c| for all l in exact arithmetic; of equal sites it must be the
-    // lowest index, or uncertain. For each triangle the site of its corners where they all have one, beyond
-    // doubt; else `crossing` and what is known of it. False: nothing was written, or it is worth nothing.
+    // Waits for the results and writes them.
+    //
+    // Vertices: the index of the nearest site, with the bit `uncertain` set wherever the answer is not proved. Without
+    // the bit, |x - s_l| > |x - s_c| must hold in exact arithmetic for every other site l; among coincident sites the
+    // answer must be the lowest index or carry the bit.
+    //
+    // Triangles: the site, if all three corners have it beyond doubt; otherwise `crossing` and its flags.
+    //
+    // Returns false if the results are unusable; the spans may then hold anything.
     virtual bool finish(std::span<uint32_t> site_of_vertex, std::span<uint32_t> site_of_triangle) = 0;
 };
 

@@ -1,10 +1,12 @@
-// The one call: a closed mesh and Voronoi sites go in, watertight pieces come out.
+// The entry point of the library: cuts a closed triangle mesh into the watertight pieces of a Voronoi diagram.
 //
 //     Result<TriangleMesh> mesh = import_mesh("bunny.obj");
-//     auto sites = uniform_sites(bounds(*mesh), 100, 1);
+//     std::vector<glm::dvec3> sites = uniform_sites(bounds(*mesh), 100, 1);
 //     Result<Fragments> fragments = fracture(*mesh, sites);
 //
-// Equal input gives equal output, bit for bit, on every machine and with every thread count.
+// Right-handed coordinates, Y up, metres; triangles counter-clockwise seen from outside (mesh.h). Equal input gives
+// equal output, bit for bit, on every machine and for every thread count. fracture() is reentrant: concurrent calls
+// need a Workspace each and share nothing else.
 #pragma once
 
 #include <memory>
@@ -19,8 +21,9 @@
 
 namespace brittle::fracture {
 
-// Memory of a fracture, kept for the next one: from the second fracture of similar size on hardly anything is allocated,
-// and a mesh that was cut before is not checked anew. Use one for each thread that fractures.
+// Memory that fracture() reuses. From the second fracture of similar size on, hardly anything is allocated, and the
+// validity check of a mesh that the workspace has already seen is skipped. Not synchronised: one workspace for each
+// thread that calls fracture().
 class Workspace {
   public:
     Workspace();
@@ -35,34 +38,40 @@ class Workspace {
     std::unique_ptr<State> state_;
 };
 
-// Cuts the mesh along the bisectors of the sites: one or more pieces (islands) per non-empty cell.
+// Cuts the mesh along the bisectors of the sites. Each Voronoi cell that meets the solid gives one piece per connected
+// part (island).
 //
-// Refused, each by a status of its own, with counts of all faults and the place of the first (check_topology() in
-// topology.h gives the same as numbers):
-//  - empty_mesh: no triangles.
-//  - invalid_mesh: a position that is not finite or beyond 1e50, an index out of range, a triangle that names a vertex
-//    twice, more than 2^28 triangles or vertices.
-//  - not_closed: an edge of one triangle.
-//  - non_manifold: an edge of three triangles or more, cut or not, even where its triangles could be paired.
-//  - not_oriented: an edge whose two triangles face opposite ways.
-//  - no_volume, inside_out: the surface encloses nothing but rounding; its volume is negative.
-//  - invalid_sites: none, one that is not finite or beyond 1e50, for the exact algorithm also beyond 1e30 mesh sizes.
-//  - cancelled: Settings::cancelled said so.
-//  - invalid_setting: more than 1024 threads; groups or weights of which there are not as many as sites; a weight that is not finite; a minimum volume that is
-//    negative or not finite; groups or a minimum volume for the sequential algorithm.
+// Errors. The message counts all faults of the mesh and locates the first one; check_topology() in topology.h returns
+// these figures as numbers.
+//  - empty_mesh: the mesh has no triangles.
+//  - invalid_mesh: a coordinate is not finite or exceeds 1e50 in magnitude, an index is out of range, a triangle names
+//    a vertex twice, or there are more than 2^28 triangles or vertices.
+//  - not_closed: an edge belongs to one triangle only.
+//  - non_manifold: an edge belongs to three triangles or more, whether or not a bisector cuts it, and even where its
+//    triangles could be paired.
+//  - not_oriented: the two triangles of an edge have opposite orientations.
+//  - no_volume: the enclosed volume is zero up to rounding.
+//  - inside_out: the enclosed volume is negative.
+//  - invalid_sites: there are no sites, or a coordinate of a site is not finite or exceeds 1e50 in magnitude (for
+//    Algorithm::exact also: 1e30 times the size of the mesh).
+//  - invalid_setting: more than 1024 threads; a count of groups or weights that differs from the count of sites; a
+//    weight that is not finite (for Algorithm::exact also: above 1e60 times the size of the mesh squared); a minimum
+//    volume that is negative or not finite; groups or a minimum volume together with Algorithm::sequential.
+//  - cancelled: Settings::cancelled returned true.
 //
-// Not refused:
-//  - Solids that touch in a vertex are cut as if each had its own.
-//  - A surface that passes through itself or another is cut as it is: space counts as often as the surface winds around
-//    it. Pieces are closed and their signed volumes sum to the input's, but overlap where the input does; what is
-//    inside out there gives pieces of negative volume (Certificate::smallest_piece tells).
-//  - What encloses nothing is left out: two triangles back to back. Pieces whose volume is only rounding become part of
-//    a neighbour, or are left out where they have none.
-//  - Of duplicate sites the one with the lowest index owns the cell, the others are empty.
+// Degenerate input that is cut:
+//  - Solids that touch in a vertex: each is cut as if the vertex were its own.
+//  - Self-intersecting surfaces: a region of space counts as often as the surface winds around it. Every piece is
+//    closed and the signed volumes sum to the volume of the input, but pieces overlap where the input does. Inside-out
+//    parts give pieces of negative volume (Certificate::smallest_piece).
+//  - Components without volume, for example two triangles back to back: they give no piece.
+//  - Pieces whose volume is zero up to rounding: they are merged into a neighbour, or dropped if they have none.
+//  - Duplicate sites: the cell belongs to the site with the lowest index, the cells of the others are empty.
 [[nodiscard]] Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                          const Settings& settings = {});
 
-// The same into `out`, whose memory is reused; unspecified after an error.
+// Writes the pieces into `out` and reuses the memory of `out` and of the workspace. After an error, `out` is
+// unspecified.
 [[nodiscard]] Result<void> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                     const Settings& settings, Workspace& workspace, Fragments& out);
 

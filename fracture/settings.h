@@ -1,4 +1,4 @@
-// How fracture() cuts: the algorithm, threads, groups and weights of sites, and who watches.
+// Settings of fracture(): algorithm, threads, groups and weights of sites, callbacks. The defaults suit most meshes.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@ class Classifier;
 class WorkLog;
 
 enum class Algorithm {
-    exact,     // a restricted Voronoi diagram decided by exact predicates (exact/exact.h): the fast one
-    sequential // the paper's Algorithm 1, plane by plane: the readable reference
+    exact,     // the default: a restricted Voronoi diagram with exact predicates (exact/exact.h)
+    sequential // the reference: Algorithm 1 of the paper, one plane at a time (sequential/sequential.h)
 };
 
-// The name as on the command line and in recipes.
+// Returns the name that the command line and recipes use.
 [[nodiscard]] constexpr const char* to_string(Algorithm algorithm) {
     switch (algorithm) {
     case Algorithm::exact:
@@ -28,25 +28,27 @@ enum class Algorithm {
 
 struct Settings {
     Algorithm algorithm = Algorithm::exact;
-    uint32_t threads = 0; // cells are worked on side by side; 0 = one thread a core
-    // A group for each site, or none: no cut is made between cells of one group. What of a group hangs together is one
-    // piece, with the least of its sites. For the exact algorithm.
+    uint32_t threads = 0; // cells are processed in parallel; 0 means one thread per core
+    // One group number per site, or empty. No cut is made between cells of one group: the connected cells of a group
+    // form one piece, whose site is the lowest site index among them. Algorithm::exact only.
     std::vector<uint32_t> groups{};
-    // Of each site, m^2, or none: cells of the power diagram, in which a site reaches as far as a ball of that squared radius
-    // would. Graded sizes: heavy sites have large cells, light ones beside them small ones or none.
+    // One weight per site, in m^2, or empty. The cells are then those of the power diagram: the distance of a point x
+    // to site s is |x - s|^2 - weight, that to a ball of radius sqrt(weight). Weights grade the sizes of pieces: a
+    // heavy site has a large cell, a light site beside it a small cell or none.
     std::vector<double> weights{};
-    // m^3. Smaller pieces become part of the neighbour that they have the largest contact with, the smallest first, until
-    // none is left that has a neighbour. 0 keeps all. For the exact algorithm.
+    // Minimum volume of a piece, m^3; 0 keeps all pieces. Smaller pieces, the smallest first, are merged into the
+    // neighbour with the largest contact area, until every piece below the minimum is without neighbours.
+    // Algorithm::exact only.
     double min_volume = 0.0;
-    // What guesses where vertices and triangles lie, on a GPU for instance (classifier.h); null for none. The pieces are
-    // the same. For the exact algorithm.
+    // Classifies vertices and triangles ahead of the exact predicates, for example on a GPU (classifier.h); null for
+    // none. The pieces do not depend on it. Must outlive the call. Algorithm::exact only, and only without weights.
     Classifier* classifier = nullptr;
-    // Receives what each thread did and when (work_log.h); null for nothing. For the exact algorithm.
+    // Receives a time line of the threads (work_log.h); null for none. Must outlive the call. Algorithm::exact only.
     WorkLog* work_log = nullptr;
-    // Called now and then with the share of the work done, in [0, 1], from one thread at a time. May be empty.
+    // Called with the completed share of the work, in [0, 1], by one thread at a time. May be empty.
     std::function<void(double)> progress{};
-    // Asked now and then, by one thread at a time; true ends the fracture with Status::cancelled. May be empty. The exact
-    // algorithm asks between its phases.
+    // Polled by one thread at a time; returning true ends the fracture with Status::cancelled. Algorithm::exact polls
+    // between its phases. May be empty.
     std::function<bool()> cancelled{};
 };
 

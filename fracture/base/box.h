@@ -1,4 +1,4 @@
-// An axis-aligned box.
+// An axis-aligned box, in the unit of its coordinates; min <= max along every axis.
 #pragma once
 
 #include <glm/vec3.hpp>

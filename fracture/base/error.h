@@ -1,6 +1,6 @@
-// Errors that a caller is expected to meet: bad files, bad meshes, bad settings. A bug in Brittle asserts instead.
+// Errors that a caller must expect: bad files, bad meshes, bad settings. A bug in Brittle asserts instead.
 //
-// Result<T> holds a T or an Error. Check before use:
+// Result<T> holds either a T or an Error. Check it before use:
 //
 //     Result<TriangleMesh> mesh = import_mesh("bunny.obj");
 //     if (!mesh) { std::fputs(mesh.error().message.c_str(), stderr); return 1; }
@@ -15,23 +15,23 @@
 namespace brittle::fracture {
 
 enum class Status {
-    file_not_found,     // no such file, or no permission to read it
-    unsupported_format, // a file ending that no reader claims
-    malformed_file,     // the file's content is damaged, truncated or not what its ending says
-    empty_mesh,         // no triangle
-    invalid_mesh,       // a position not finite or too far out, an index out of range, a vertex named twice
-    not_closed,         // the surface has a rim: edges of one triangle
-    non_manifold,       // edges of three triangles or more
-    not_oriented,       // neighbouring triangles face opposite ways
-    inside_out,         // the triangles face inwards: the volume is negative
-    no_volume,          // the surface is closed around nothing
-    invalid_sites,      // no site, or a non-finite one
-    invalid_setting,    // a setting outside its documented range
-    cancelled,          // Settings::cancelled said so
-    write_failed        // the output could not be written; an existing file was left as it was
+    file_not_found,     // the file does not exist, or may not be read
+    unsupported_format, // no reader or writer has this file extension
+    malformed_file,     // the content of the file is damaged, truncated or of another format than the extension says
+    empty_mesh,         // the mesh has no triangles
+    invalid_mesh,  // a coordinate is not finite or too large, an index out of range, or a vertex repeated in a triangle
+    not_closed,    // an edge belongs to one triangle only
+    non_manifold,  // an edge belongs to three triangles or more, or a vertex to several fans
+    not_oriented,  // adjacent triangles have opposite orientations
+    inside_out,    // the enclosed volume is negative: the triangles face inwards
+    no_volume,     // the enclosed volume is zero up to rounding
+    invalid_sites, // there are no sites, or a site is not finite or too far away
+    invalid_setting, // a setting is outside its documented range
+    cancelled,       // Settings::cancelled returned true
+    write_failed     // the output could not be written; an existing file is unchanged
 };
 
-// The status in words, e.g. "malformed_file"; a static string.
+// Returns the name of the status, for example "malformed_file". The string is static.
 [[nodiscard]] constexpr const char* to_string(Status status) {
     switch (status) {
     case Status::file_not_found:
@@ -68,7 +68,7 @@ enum class Status {
 
 struct Error {
     Status status;
-    std::string message; // for people: what is wrong, where (file, line, index, value), what to do
+    std::string message; // for people: the fault, its place (file, line, index, value) and the remedy
 };
 
 template<class T>
@@ -104,7 +104,7 @@ class [[nodiscard]] Result {
     std::variant<T, Error> state_;
 };
 
-// A Result without a value: success, or an Error.
+// The result of a function that returns no value: success or an Error.
 template<>
 class [[nodiscard]] Result<void> {
   public:

@@ -1,4 +1,4 @@
-// Random numbers that are equal on every compiler and platform, which std:: distributions are not.
+// A pseudo-random generator whose numbers are equal on every compiler and platform; std:: distributions differ.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace brittle::fracture {
 
-// SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014). A value type: copy it
-// to fork a sequence.
+// SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014). A value type: a copy
+// forks the sequence.
 class Random {
   public:
     explicit Random(uint64_t seed) : state_(seed) {}
@@ -22,10 +22,10 @@ class Random {
         return z ^ (z >> 31);
     }
 
-    // Uniform in [0, 1), with 53 random bits.
+    // Returns a number uniform in [0, 1), with 53 random bits.
     double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
 
-    // Uniform in the box; x is drawn first, then y, then z.
+    // Returns a point uniform in the box. Draws x, then y, then z.
     glm::dvec3 uniform_in(const Box& box) {
         const double x = uniform();
         const double y = uniform();

@@ -1,8 +1,7 @@
-// Lets the compiler emit a hot loop twice, for the baseline and for AVX2, and choose when the program is
-// loaded.
+// BRITTLE_SIMD: makes the compiler emit a function twice, for baseline x86-64 and for AVX2; the loader picks one.
 //
-// Without contraction both versions round alike, so results do not depend on the machine. Sanitizers run
-// before the choice is made and cannot see through it; they get the baseline.
+// Floating-point contraction is off, so both versions round alike and results do not depend on the machine. The
+// sanitizers get the baseline only: they run before the loader's choice and cannot follow it.
 #pragma once
 
 #if defined(__has_feature)

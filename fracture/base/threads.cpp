@@ -13,12 +13,12 @@
 namespace brittle::fracture {
 
 namespace {
-// Chunks a thread takes on average: more even out unequal work, fewer keep the per-chunk tables small.
+// Chunks per thread, on average. More chunks balance uneven work, fewer keep the tables per chunk small.
 constexpr uint32_t chunks_per_thread = 4;
 constexpr uint32_t max_threads = 256;
 
 #if defined(__SANITIZE_THREAD__)
-// ThreadSanitizer cannot see how Debian's TBB, which is built without it, synchronises: plain threads take its place.
+// Stands in for TBB under ThreadSanitizer, which cannot follow the synchronisation of Debian's uninstrumented TBB.
 template<class Body>
 void parallel(uint32_t threads, uint32_t count, const Body& body) {
     std::atomic<uint32_t> next = 0;

@@ -1,8 +1,7 @@
-// Loops over index ranges, split into chunks that the threads of one TBB arena take.
+// Parallel loops over index ranges, split into chunks for the threads of one TBB arena.
 //
-// Nothing here may influence a result: chunks differ with the number of threads, so every phase that uses
-// them writes to places that depend on the index alone (prefix sums over chunks, in order). TBB appears in
-// threads.cpp only.
+// The number of chunks depends on the number of threads, so no result may depend on chunk boundaries: each phase writes
+// to places that follow from the item index alone (prefix sums over chunks, in order). Only threads.cpp includes TBB.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +14,29 @@ namespace brittle::fracture {
 
 class Threads {
   public:
-    explicit Threads(uint32_t count = 1); // 0 = one thread a core
+    explicit Threads(uint32_t count = 1); // 0 means one thread per core
     ~Threads();
     Threads(Threads&&) noexcept;
     Threads& operator=(Threads&&) noexcept;
 
     [[nodiscard]] uint32_t count() const { return count_; }
 
-    // Where loops from here on are logged; null for nowhere. Not while a loop runs.
+    // Sets the log of all later loops; null for none. Must not be called while a loop runs.
     void log_to(WorkLog* log);
-    // What the loops from here on are part of, for the log; a string literal.
+    // Sets the phase name that later loops log; a string literal.
     void name_step(const char* step) { step_ = step; }
 
-    // How many chunks for_chunks() makes of n items: one with a single thread, else a few for each thread,
-    // none of them smaller than `least` (but for the only one). At least one, also for n = 0.
+    // Returns the number of chunks that for_chunks() splits n items into: 1 for a single thread, otherwise up to a few
+    // per thread, each of at least `least` items. At least 1, also for n = 0.
     [[nodiscard]] uint32_t chunks(uint32_t n, uint32_t least) const;
 
-    // Calls body(chunk, begin, end) for each chunk of [0, n), in any order, and waits for all.
+    // Calls body(chunk, begin, end) for each chunk of [0, n), in any order, and waits for all calls.
     template<class Body>
     void for_chunks(uint32_t n, uint32_t least, Body&& body) {
         run(n, chunks(n, least), &call<std::remove_reference_t<Body>>, &body);
     }
 
-    // Calls body(k) for each k below n, each as a task of its own.
+    // Calls body(k) for each k in [0, n), each as a task of its own, and waits for all calls.
     template<class Body>
     void for_each(uint32_t n, Body&& body) {
         const auto one = [&](uint32_t k, uint32_t, uint32_t) { body(k); };

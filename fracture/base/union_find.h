@@ -1,5 +1,5 @@
-// Disjoint sets as a forest of parents: parent[x] == x marks a root. Begin with parent[x] = x for all x (std::iota).
-// The lower of two roots becomes the root of both, so that a root is the least of its set.
+// Disjoint sets as a forest of parent indices (union-find). A root is its own parent: parent[x] == x. Initialise with
+// std::iota. unite() makes the lower of two roots the root of both, so a root is the minimum of its set.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace brittle::fracture {
 
-// Shortens the way for those who ask later (path halving).
+// Returns the root of x. Path halving shortens later searches.
 [[nodiscard]] inline uint32_t root_of(std::vector<uint32_t>& parent, uint32_t x) {
     while (parent[x] != x) x = parent[x] = parent[parent[x]];
     return x;

@@ -1,11 +1,12 @@
-// What each thread did and when, for a time line:
+// A time line of parallel loops: for each thread, the slices of work that it ran.
 //
-//     WorkLog log;
-//     settings.work_log = &log; // outlives the fracture; then fracture() as ever
+//     WorkLog log; // must outlive the fracture
+//     settings.work_log = &log;
+//     Result<Fragments> fragments = fracture(mesh, sites, settings);
 //     for (size_t k = 0; k < log.threads(); ++k)
-//         for (const WorkLog::Slice& slice : log.of_thread(k)) ...
+//         for (const WorkLog::Slice& slice : log.of_thread(k)) draw(k, slice);
 //
-// Threads write to lists of their own, so nothing is locked. Without a log a loop asks for it once.
+// Each thread appends to a list of its own, without locks. Read the log after the loops have ended.
 #pragma once
 
 #include <cstddef>
@@ -18,15 +19,16 @@ namespace brittle::fracture {
 class WorkLog {
   public:
     struct Slice {
-        const char* step;    // what the loop is part of, as Threads::name_step() had it last
-        uint32_t begin, end; // the run of items: cells, triangles, ...
-        int64_t from, to;    // nanoseconds of std::chrono::steady_clock
+        const char* step;    // the phase, as last set by Threads::name_step(); a string literal
+        uint32_t begin, end; // the range of item indices (cells, triangles, ...)
+        int64_t from, to;    // start and end, nanoseconds of std::chrono::steady_clock
     };
 
-    void clear(); // keeps the memory
-    // All since clear(). A thread has a place in the loops' arena, not always one and the same thread of the system.
+    void clear(); // empties the lists and keeps their memory
+    // The number of slots in the thread arena. Successive loops may run a slot on different system threads.
     [[nodiscard]] size_t threads() const { return slices_.size(); }
-    [[nodiscard]] std::span<const Slice> of_thread(size_t k) const { return slices_[k]; } // in order of time
+    // since clear(), by ascending start time
+    [[nodiscard]] std::span<const Slice> of_thread(size_t k) const { return slices_[k]; }
 
   private:
     friend class Threads;
