@@ -19,16 +19,16 @@ enum class Status {
     unsupported_format, // no reader or writer has this file extension
     malformed_file,     // the content of the file is damaged, truncated or of another format than the extension says
     empty_mesh,         // the mesh has no triangles
-    invalid_mesh,  // a coordinate is not finite or too large, an index out of range, or a vertex repeated in a triangle
-    not_closed,    // an edge belongs to one triangle only
-    non_manifold,  // an edge belongs to three triangles or more, or a vertex to several fans
-    not_oriented,  // adjacent triangles have opposite orientations
-    inside_out,    // the enclosed volume is negative: the triangles face inwards
-    no_volume,     // the enclosed volume is zero up to rounding
-    invalid_sites, // there are no sites, or a site is not finite or too far away
-    invalid_setting, // a setting is outside its documented range
-    cancelled,       // Settings::cancelled returned true
-    write_failed     // the output could not be written; an existing file is unchanged
+    invalid_mesh,       // a coordinate is not finite or too large, an index out of range, a vertex repeated
+    not_closed,         // an edge belongs to one triangle only
+    non_manifold,       // an edge belongs to three triangles or more, or a vertex to several fans
+    not_oriented,       // adjacent triangles have opposite orientations
+    inside_out,         // the enclosed volume is negative: the triangles face inwards
+    no_volume,          // the enclosed volume is zero up to rounding
+    invalid_sites,      // there are no sites, or a site is not finite or too far away
+    invalid_setting,    // a setting is outside its documented range
+    cancelled,          // Settings::cancelled returned true
+    write_failed        // the output could not be written; an existing file is unchanged
 };
 
 // Returns the name of the status, for example "malformed_file". The string is static.

@@ -1,11 +1,12 @@
-// Which points lie inside a solid, for many points: rays along X, through a grid of triangles.
+// Point-in-solid tests for many points: counts crossings of a ray along X, through a grid of triangles.
 //
 //     const InsideTest inside(mesh);
 //     if (inside(p)) ...
 //
-// The surface's turns around the point are counted, so parts that overlap are inside and cavities are not. Whether a ray
-// passes a triangle is decided so that it passes exactly one of two that share an edge; only a point within rounding of
-// the surface may be called either. For sites and pictures, not for cutting.
+// The test computes the winding number of the surface around the point: overlapping parts are inside, cavities are
+// outside. Of two triangles that share an edge, a ray through the edge crosses exactly one. Only points within rounding
+// of the surface may get either answer, so the test serves sites and pictures, not cutting. Several threads may use one
+// test.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,8 @@ namespace brittle::fracture {
 
 class InsideTest {
   public:
-    // The mesh is closed and its indices are in range; it must outlive the test. O(triangles).
+    // Precondition: the mesh is closed and its indices are in range. The mesh must outlive the test. Time and memory
+    // are linear in the number of triangles, if these are of similar size.
     explicit InsideTest(const TriangleMesh& mesh);
 
     [[nodiscard]] bool operator()(const glm::dvec3& point) const;
@@ -29,8 +31,8 @@ class InsideTest {
 
     const TriangleMesh& mesh_;
     Box box_;
-    uint32_t bins_ = 1;                     // along Y and Z
-    std::vector<uint32_t> begin_, members_; // triangles by bin
+    uint32_t bins_ = 1;                     // bins along each of Y and Z
+    std::vector<uint32_t> begin_, members_; // triangles of each bin
 };
 
 } // namespace brittle::fracture

@@ -1,4 +1,4 @@
-// Does a mesh pass through itself? Exact: no tolerance, whatever the coordinates.
+// Finds the self-intersections of a mesh by exact predicates, without tolerances.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,20 @@
 namespace brittle::fracture {
 
 struct Intersections {
-    uint64_t pairs = 0;              // of triangles
-    std::optional<glm::uvec2> first; // the pair with the lowest first triangle, then second
-    std::vector<glm::uvec2> listed;  // the lowest of them in that order, at most as many as asked for
-    bool complete = true;            // false: max_pairs was reached
+    uint64_t pairs = 0;              // pairs of triangles that intersect
+    std::optional<glm::uvec2> first; // the first pair, in ascending order of (x, y), where x < y are triangle indices
+    std::vector<glm::uvec2> listed;  // the first pairs in that order, at most max_listed
+    bool complete = true;            // false if the search ended at max_pairs
 };
 
-// Pairs of triangles that have a point in common besides the vertices and edges that they share: they cross, touch, or
-// lie on each other. Triangles without area and pairs with the same three vertices do not count. At most `max_pairs`
-// pairs with overlapping boxes are looked at. Indices are in range, coordinates finite and below 1e50.
+// Returns the pairs of triangles that have a point in common besides their shared vertices and edges: triangles that
+// cross, touch or overlap in a plane. Triangles without area and pairs with three shared vertices are skipped. The
+// search ends after `max_pairs` pairs with overlapping boxes. Preconditions: indices in range, coordinates finite and
+// below 1e50.
 [[nodiscard]] Intersections find_intersections(const TriangleMesh& mesh, uint64_t max_pairs, size_t max_listed = 0);
 
-// The sign of the volume of a, b, c, d: positive where d lies on the side from which a, b, c turn clockwise; 0 exactly
-// where they lie in one plane.
+// Returns the sign of det(a - d, b - d, c - d): positive if d lies on the side of the plane from which a, b, c are
+// clockwise, 0 exactly if the four points are coplanar. Filtered in double, then exact.
 [[nodiscard]] int orientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
 
 } // namespace brittle::fracture

@@ -1,8 +1,8 @@
-// Exact mass properties of a closed, oriented triangle mesh at density 1, by the divergence (Gauss) theorem.
+// Mass properties of a closed, oriented triangle mesh at density 1, by the divergence (Gauss) theorem.
 //
-// "Real Time Voronoi Fracturing of Polygon Meshes", eq. 5 (signed volume) and eq. 6 (area); centre of mass
-// and inertia by the same sum of signed tetrahedra, integrated about a point near the mesh so that far-away
-// meshes lose no digits.
+// "Real Time Voronoi Fracturing of Polygon Meshes", eq. 5 (signed volume) and eq. 6 (area). Centre of mass and inertia
+// come from the same sum over signed tetrahedra. The integrals are exact for polyhedra, up to rounding. They are taken
+// about the centre of the mesh's box, so that a mesh far from the origin loses no digits.
 #pragma once
 
 #include <span>
@@ -16,18 +16,19 @@ namespace brittle::fracture {
 
 struct MassProperties {
     double volume = 0.0;            // m^3; negative for an inside-out mesh
-    double area = 0.0;              // m^2, of all triangles
-    glm::dvec3 centre_of_mass{0.0}; // m; the mean of the triangles' corners where volume is zero but for rounding
-    glm::dmat3 inertia{0.0};        // m^5, about the centre of mass in world axes; times density gives kg m^2
+    double area = 0.0;              // m^2, sum over all triangles
+    glm::dvec3 centre_of_mass{0.0}; // m; the mean of the triangles' corners if the volume is zero up to rounding
+    glm::dmat3 inertia{0.0};        // m^5, about the centre of mass, in world axes; multiply by the density for kg m^2
 };
 
-// Indices of triangles refer to positions. Linear time, no allocation. An empty mesh gives zeros; volume that
-// is nothing but rounding gives zero inertia. An inside-out mesh negates volume and inertia. For an open mesh
-// the numbers depend on where it lies and mean nothing; only area holds.
+// Returns the mass properties of the triangles, whose indices refer to `positions`. Time is linear, nothing is
+// allocated. An empty mesh gives zeros. A volume that is zero up to rounding gives zero inertia. An inside-out mesh
+// gives negative volume and negated inertia. For an open mesh only the area is meaningful; the other figures depend on
+// the mesh's place.
 [[nodiscard]] MassProperties mass_properties(std::span<const glm::dvec3> positions,
                                              std::span<const Triangle> triangles);
 
-// The volume alone (eq. 5), equal bit for bit to mass_properties().volume, at about half the cost.
+// Returns the volume alone (eq. 5), bit for bit equal to mass_properties().volume, at about half the cost.
 [[nodiscard]] double signed_volume(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
 
 } // namespace brittle::fracture

@@ -1,8 +1,8 @@
-// The mesh that goes into a fracture: an indexed triangle list.
+// An indexed triangle mesh: the input of a fracture.
 //
 // Conventions of the whole library: right-handed coordinates, Y up, metres; triangles counter-clockwise seen from
-// outside; double precision. Plain data: free functions over it live in the headers named for what they compute
-// (topology.h, mass_properties.h, io/).
+// outside; double precision. A mesh is plain data. The functions over it are free functions in the headers named for
+// their results (topology.h, mass_properties.h, io/).
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@
 
 namespace brittle::fracture {
 
-using Triangle = glm::uvec3; // three indices into positions
+using Triangle = glm::uvec3; // three indices into TriangleMesh::positions
 
-// Stands for no vertex, triangle or half-edge.
+// The null index of vertices, triangles and half-edges.
 inline constexpr uint32_t no_index = 0xffffffffu;
 
 struct TriangleMesh {
@@ -25,7 +25,7 @@ struct TriangleMesh {
     std::vector<Triangle> triangles;
 };
 
-// The smallest axis-aligned box around all positions; the zero box where there are none.
+// Returns the smallest axis-aligned box around all positions, used or unused; the zero box if there are none.
 [[nodiscard]] Box bounds(std::span<const glm::dvec3> positions);
 [[nodiscard]] inline Box bounds(const TriangleMesh& mesh) {
     return bounds(mesh.positions);

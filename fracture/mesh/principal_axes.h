@@ -1,4 +1,4 @@
-// Principal axes of an inertia tensor.
+// Principal axes and moments of an inertia tensor.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -7,12 +7,12 @@
 namespace brittle::fracture {
 
 struct PrincipalAxes {
-    glm::dmat3 axes{1.0};    // columns: right-handed orthonormal principal axes
-    glm::dvec3 moments{0.0}; // about them: tensor = axes * diag(moments) * transpose(axes)
+    glm::dmat3 axes{1.0};    // columns: the principal axes, orthonormal and right-handed
+    glm::dvec3 moments{0.0}; // about those axes: tensor = axes * diag(moments) * transpose(axes)
 };
 
-// Eigenvectors and eigenvalues of a symmetric tensor (cyclic Jacobi; the upper triangle is read). A diagonal
-// tensor gives the coordinate axes in their order. Any finite input has a result.
+// Returns the eigenvectors and eigenvalues of a symmetric tensor (cyclic Jacobi; reads the upper triangle). A diagonal
+// tensor gives the coordinate axes in their order. Every finite input has a result.
 [[nodiscard]] PrincipalAxes principal_axes(const glm::dmat3& tensor);
 
 } // namespace brittle::fracture

@@ -1,4 +1,4 @@
-// How thick a solid is: from a place on its surface straight through to the other side.
+// The local thickness of a solid: the distance from a point of its surface to the opposite side.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@ namespace brittle::fracture {
 
 class Thickness {
   public:
-    // Indices are in range; the mesh must outlive this. O(n log n).
+    // Precondition: indices are in range. The mesh must outlive this object. Time O(n log n) for n triangles.
     explicit Thickness(const TriangleMesh& mesh);
 
-    // Metres along the inward normal, from a point of a triangle to the next one; nothing where the triangle has no area
-    // or nothing lies behind it, as in open meshes. O(log n) in expectation.
+    // Returns the distance, in metres, from a point of a triangle along the inward normal to the next triangle. Empty
+    // if the triangle has no area, or if the ray hits nothing, as in an open mesh. Expected time O(log n).
     [[nodiscard]] std::optional<double> at(uint32_t triangle, const glm::dvec3& point) const;
-    [[nodiscard]] glm::dvec3 inward(uint32_t triangle) const; // unit, or zero
+    [[nodiscard]] glm::dvec3 inward(uint32_t triangle) const; // unit inward normal; zero for a triangle without area
 
   private:
     const TriangleMesh& mesh_;

@@ -1,4 +1,6 @@
-// A tree of boxes around triangles, for questions about what is near or in the way.
+// A bounding volume hierarchy of axis-aligned boxes over triangles, for proximity and ray queries.
+//
+// Several threads may query one tree.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +21,20 @@ class TriangleTree {
 
     struct Node {
         glm::dvec3 min, max;
-        uint32_t begin, end;              // into order()
-        uint32_t low = none, high = none; // nodes; none for a leaf
+        uint32_t begin, end;              // range of order()
+        uint32_t low = none, high = none; // child nodes; none for a leaf
     };
 
-    // Of the triangles named; the mesh must outlive the tree. O(n log n), depth log n.
+    // Builds the tree over the given triangle indices. The mesh must outlive the tree. Time O(n log n), depth log n.
     TriangleTree(const TriangleMesh& mesh, std::vector<uint32_t> triangles);
 
-    [[nodiscard]] uint32_t root() const { return root_; } // none where there are no triangles
+    [[nodiscard]] uint32_t root() const { return root_; } // none if there are no triangles
     [[nodiscard]] const Node& operator[](uint32_t node) const { return nodes_[node]; }
     [[nodiscard]] const std::vector<uint32_t>& order() const { return order_; }
 
-    // The least positive distance, in lengths of the direction, at which a ray passes a triangle other than `besides`. In
-    // double, for measuring: what is missed by rounding are rays through edges.
+    // Returns the smallest positive ray parameter, in lengths of `direction`, at which the ray meets a triangle other
+    // than `besides`; empty if there is none. Evaluated in double, for measurements: a ray through an edge may miss by
+    // rounding.
     [[nodiscard]] std::optional<double> first_hit(const glm::dvec3& origin, const glm::dvec3& direction,
                                                   uint32_t besides) const;
 
@@ -44,7 +47,7 @@ class TriangleTree {
     uint32_t root_ = none;
 };
 
-// The same for a few triangles, without a tree.
+// Returns the same ray parameter by testing every triangle; faster than a tree for a few triangles.
 [[nodiscard]] std::optional<double> first_hit(std::span<const glm::dvec3> positions,
                                               std::span<const Triangle> triangles, const glm::dvec3& origin,
                                               const glm::dvec3& direction);
