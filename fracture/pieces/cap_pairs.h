@@ -1,4 +1,4 @@
-// Which cap triangles of a fracture are the two sides of one.
+// Pairs up the cap triangles of a fracture: the two sides of each cap triangle.
 #pragma once
 
 #include <array>
@@ -14,17 +14,19 @@ class CapPairs {
   public:
     static constexpr uint32_t none = 0xffffffffu;
 
-    // Of caps between sites (lower, higher) of which `wanted` says yes. Sides are told by vertex_point, so
-    // the fragments come from Algorithm::exact.
+    // Pairs the triangles of the caps between sites (lower, higher) for which `wanted` returns true. Vertices are
+    // identified by vertex_point, so the fragments must come from Algorithm::exact.
     CapPairs(const Fragments& fragments, const std::function<bool(uint32_t, uint32_t)>& wanted);
 
     [[nodiscard]] uint32_t piece_of(uint32_t triangle) const { return piece_of_[triangle]; }
-    // The other side of a cap triangle; none for what is no cap, was not wanted, or has no other side.
+    // Returns the cap triangle on the other side; none for an exterior triangle, a cap that was not selected or a cap
+    // without other side.
     [[nodiscard]] uint32_t across(uint32_t triangle) const { return across_[triangle]; }
 
   private:
     struct Side {
-        std::array<uint32_t, 5> key; // sites, points from the least on, as seen from the lower site
+        // the two sites, then the three points in the orientation seen from the lower site, smallest first
+        std::array<uint32_t, 5> key;
         bool upper;
         uint32_t triangle;
     };

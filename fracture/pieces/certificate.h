@@ -1,5 +1,7 @@
-// The proof that comes with a fracture: counts, closedness, volumes and a hash, computed from the pieces
-// alone.
+// Verification of a fracture: counts, closedness, volumes and a hash, computed from the pieces alone.
+//
+//     const Certificate certificate = certify(mesh, fragments);
+//     if (!certificate.closed) ...
 #pragma once
 
 #include <cstdint>
@@ -9,18 +11,18 @@
 
 namespace brittle::fracture {
 
-// Checks every piece's topology (topology.h) and sums up volumes anew, trusting neither Piece::mass nor the
-// indices: a piece whose ranges or indices point outside their arrays counts as open, as does one without
-// triangles. volume_error is absolute where the input has no volume. No piece at all counts as closed. Linear
-// time; equal for any number of threads (0 = one a core).
+// Checks the topology of every piece (topology.h) and computes all volumes anew, without trust in Piece::mass or in the
+// indices. A piece with a range or an index outside its array counts as open, as does a piece without triangles; a
+// result without pieces counts as closed. volume_error is absolute if the input has no volume. Linear time. The result
+// is equal for any number of threads (0 means one per core).
 //
-// What `closed` does not say: that pieces do not overlap. They overlap where the input does, and have negative
-// volume where it is inside out (smallest_piece < 0); see fracture().
+// `closed` does not imply that pieces are disjoint. They overlap where the input does, and have negative volume where
+// the input is inside out (smallest_piece < 0); see fracture().
 [[nodiscard]] Certificate certify(const TriangleMesh& input, const Fragments& fragments, uint32_t threads = 0);
 
-// A hash of positions (as IEEE doubles, -0 as +0), triangles and pieces (site, ranges, exterior count), in
-// order; the same on every machine. FNV-1a's scheme on 64-bit words instead of bytes, which costs an eighth,
-// with a shift that spreads high bits. Not cryptographic.
+// Returns a hash of positions (as IEEE doubles, -0 as +0), triangles and pieces (site, ranges, exterior count), in
+// order; equal on every machine. The scheme is FNV-1a on 64-bit words instead of bytes, at an eighth of the cost, with
+// a shift that spreads the high bits. Not cryptographic.
 [[nodiscard]] uint64_t hash(const Fragments& fragments);
 
 } // namespace brittle::fracture

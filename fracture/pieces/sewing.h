@@ -1,4 +1,4 @@
-// One piece out of several: takes out the caps between them and sews what is left. See merge.h.
+// Builds the union of several pieces: removes the caps between them and sews the remaining surfaces. See merge.h.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,17 @@
 
 namespace brittle::fracture {
 
-// What the sewing of all sets has in common.
+// The inputs that all unions of one merge share.
 struct SewingPlan {
     const Fragments& fragments;
-    std::span<const uint32_t> representative;  // of each piece, see choose_mergers()
-    const CapPairs& caps;                      // of all sites that have a piece which changes
-    std::span<const uint32_t> parts_of_source; // of how many exterior triangles each input triangle is the source
+    std::span<const uint32_t> representative; // per piece, see choose_mergers()
+    const CapPairs& caps;                     // pairs of all caps of sites with a changed piece
+    // per input triangle, the count of exterior triangles that come from it
+    std::span<const uint32_t> parts_of_source;
 };
 
-// Appends the union of the pieces, which ascend, to `out` and returns it without site and mass. Its new
-// points, if it needs any, are numbered from next_point on, at most three for each triangle of the pieces.
+// Appends the union of the pieces to `out` and returns it, without site and mass. Precondition: the piece indices
+// ascend. New points, if any, are numbered from next_point on, at most three per triangle of the pieces.
 [[nodiscard]] Piece sew_pieces(const SewingPlan& plan, std::span<const uint32_t> pieces, uint32_t next_point,
                                Fragments& out);
 

@@ -1,11 +1,12 @@
-// Where to break: families of Voronoi sites, from one plain description.
+// Fracture patterns: families of Voronoi sites, made from one plain description.
 //
 //     Result<PatternSites> sites = make_sites({.kind = PatternKind::bricks, .count = 60}, mesh);
 //     settings.groups = sites->groups;
 //     Result<Fragments> fragments = fracture(mesh, sites->sites, settings);
 //
-// A pattern knows nothing of a mesh until it is placed: lengths are shares of the mesh's box, so one description fits
-// any mesh. Equal patterns on equal meshes give equal sites on every machine.
+// A pattern does not depend on the mesh until it is placed: its lengths are relative to the mesh's box, so one
+// description fits any mesh. Equal patterns on equal meshes give equal sites on every machine. All functions are
+// reentrant.
 #pragma once
 
 #include <cstdint>
@@ -21,51 +22,58 @@
 namespace brittle::fracture {
 
 enum class PatternKind {
-    uniform,   // at random in the box
-    clustered, // at random, most of them near the focus
-    radial,    // broken glass: rings and rays around the axis through the focus, shards as deep as the solid
-    grid,      // boxes
-    bricks,    // boxes in running bond, courses along Y, bricks along X; uses groups
-    slices,    // slabs across the axis
-    splinters, // long along the axis, as wood breaks
-    curve,     // a crack along a line of points, as deep along the axis as the solid
-    curvature, // at random near the surface, where it bends most
-    thickness  // at random inside, pieces as large as the solid is thick
+    uniform,   // uniformly random in the box
+    clustered, // random, with a normal distribution around the focus
+    radial,    // broken glass: rings and rays around the axis through the focus; shards extend through the solid
+    grid,      // a regular grid of boxes
+    bricks,    // boxes in running bond, with courses along Y and bricks along X; uses groups
+    slices,    // slabs perpendicular to the axis
+    splinters, // pieces elongated along the axis, as of broken wood
+    curve,     // a crack along a polyline; the crack surface is parallel to the axis
+    curvature, // random near the surface, denser where its curvature is larger
+    thickness  // random inside the solid, spaced by its local thickness
 };
 
-[[nodiscard]] std::span<const std::string_view> pattern_names(); // in the order of the enum
+[[nodiscard]] std::span<const std::string_view> pattern_names(); // names of the kinds, in the order of the enum
 
 struct Pattern {
     PatternKind kind = PatternKind::uniform;
-    uint32_t count = 20;     // of pieces aimed at; exact for uniform, clustered, slices, curvature and thickness
-    double piece_size = 0.0; // m; if positive, count is the solid's volume by its cube
+    // intended count of sites; exact for uniform, clustered, slices, curvature and thickness
+    uint32_t count = 20;
+    // intended edge length of pieces, m; if positive, count becomes the volume of the solid divided by its cube
+    double piece_size = 0.0;
     uint64_t seed = 1;
-    double jitter = -1.0;  // how irregular, 0 to 1; negative: as becomes the kind (0 for grid, bricks and slices)
-    glm::dvec3 focus{0.5}; // in the box: 0 to 1 along each axis
+    // irregularity, 0 to 1; negative selects the default of the kind (0 for grid, bricks and slices)
+    double jitter = -1.0;
+    glm::dvec3 focus{0.5}; // point in the box, 0 to 1 along each axis
     glm::dvec3 axis{0.0, 1.0, 0.0};
-    double spread = 0.15;     // clustered: standard deviation, share of the box's diagonal
-    double slenderness = 8.0; // splinters: length by width
-    std::vector<glm::dvec3> line{{0.0, 0.5, 0.5}, {1.0, 0.5, 0.5}}; // curve: in the box, as focus
-    double grading = 0.0; // 0: cells of like sizes; to 1: from crumbs to lumps, by random weights; not for bricks
-    bool inside = false;  // only sites inside the solid; those of random kinds are drawn anew, others left out
+    double spread = 0.15;     // clustered: standard deviation, as a fraction of the box's diagonal
+    double slenderness = 8.0; // splinters: ratio of length to width
+    // curve: the polyline, in the coordinates of `focus`
+    std::vector<glm::dvec3> line{{0.0, 0.5, 0.5}, {1.0, 0.5, 0.5}};
+    // 0 to 1: spread of the cell sizes, by random weights; 0 for cells of similar size; not for bricks
+    double grading = 0.0;
+    // keep only sites inside the solid: random kinds draw others instead, regular kinds drop theirs
+    bool inside = false;
 };
 
 struct PatternSites {
     std::vector<glm::dvec3> sites;
-    std::vector<uint32_t> groups; // for Settings::groups: one each, or none
-    std::vector<double> weights;  // for Settings::weights: likewise
+    std::vector<uint32_t> groups; // for Settings::groups: one group per site, or empty
+    std::vector<double> weights;  // for Settings::weights: one weight per site, or empty
 };
 
-// Errors: invalid_setting, naming the field and its range; empty_mesh. At most a million sites.
+// Makes the sites of the pattern for a mesh, at most a million. Errors: invalid_setting, with the field, its value and
+// its range, or because no site lies inside the solid; empty_mesh.
 [[nodiscard]] Result<PatternSites> make_sites(const Pattern& pattern, const TriangleMesh& mesh);
 
-// Moves sites that were made for one box onto another, as a whole: turned about the first box's centre (degrees about
-// X, then Y, then Z), scaled evenly to the other box's longest side and by `scale`, and moved to its centre. For
-// diagrams that are made once, in a file, and put on any mesh or piece.
+// Maps sites from one box onto another, for diagrams that are stored in a file and reused on any mesh or piece. The
+// sites are rotated about the centre of the first box (about X, then Y, then Z), scaled uniformly by the ratio of the
+// boxes' longest sides and by `scale`, and translated to the centre of the second box plus `move`.
 struct Placement {
-    glm::dvec3 turn{0.0}; // degrees
+    glm::dvec3 turn{0.0}; // rotation about X, Y and Z, degrees
     double scale = 1.0;
-    glm::dvec3 move{0.0}; // m, in the end
+    glm::dvec3 move{0.0}; // translation, m, applied last
 };
 [[nodiscard]] std::vector<glm::dvec3> place(std::span<const glm::dvec3> sites, const Box& from, const Box& onto,
                                             const Placement& placement = {});

@@ -1,4 +1,4 @@
-// Voronoi sites: the points whose cells become pieces.
+// Voronoi sites: at random, or from a text file. Coordinates are in metres. All functions are reentrant.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,20 @@
 
 namespace brittle::fracture {
 
-// count sites uniform in the box; equal for equal seeds on every machine. The first k of n sites are the k
-// sites.
+// Returns `count` sites uniform in the box. Equal seeds give equal sites on every machine, and the first k of n sites
+// are uniform_sites(box, k, seed).
 [[nodiscard]] std::vector<glm::dvec3> uniform_sites(const Box& box, uint32_t count, uint64_t seed);
 
 struct SiteList {
     std::vector<glm::dvec3> sites;
-    std::vector<double> weights; // for Settings::weights: squared radii; empty where the file has none
+    // for Settings::weights: squared radii, m^2; empty if no site of the file has a radius
+    std::vector<double> weights;
 };
 
-// Reads lines of `x y z`, or `x y z radius` (spaces, tabs or commas between); `#` starts a comment, empty lines are
-// skipped. A site reaches as far as a ball of its radius would; those without one have radius 0. An error names the file,
-// the line and the text it could not read.
+// Reads lines of the form `x y z` or `x y z radius`, separated by spaces, tabs or one comma. `#` starts a comment;
+// empty lines are skipped. A site with a radius extends its cell as a ball of that radius would; sites without one have
+// radius 0 if others have one. Errors, with file, line and offending text: file_not_found, malformed_file, and
+// invalid_sites (no site, too many sites, a number that is not finite, a negative radius).
 [[nodiscard]] Result<SiteList> read_sites(const std::filesystem::path& file);
 
 } // namespace brittle::fracture
