@@ -15,15 +15,15 @@ inline double two_sum(double a, double b, double& error) {
     return sum;
 }
 
-// The same for |a| >= |b| (Dekker).
+// sum + error = a + b exactly, if |a| >= |b| (Dekker).
 inline double fast_two_sum(double a, double b, double& error) {
     const double sum = a + b;
     error = b - (sum - a);
     return sum;
 }
 
-// product + error = a * b exactly (Dekker, Veltkamp's split; with one fused instruction where the target has
-// it: the result is the same, being exact).
+// product + error = a * b exactly (Dekker, Veltkamp's split; one fused instruction on targets that have it gives an
+// equal result, because it is exact).
 inline double two_product(double a, double b, double& error) {
     const double product = a * b;
 #ifdef __FMA__
@@ -41,8 +41,8 @@ inline double two_product(double a, double b, double& error) {
     return product;
 }
 
-// FAST-EXPANSION-SUM with zero elimination: merge by magnitude, then sum upwards. Strongly nonoverlapping in
-// and out under round-to-even. h needs room for m + n terms and must not alias e or f.
+// FAST-EXPANSION-SUM with zero elimination: merges by magnitude, then sums upwards. Keeps "strongly nonoverlapping"
+// under round-to-even. h needs room for m + n terms and must not alias e or f.
 int sum(const double* e, int m, const double* f, int n, double f_sign, double* h) {
     int i = 0;
     int j = 0;
@@ -69,8 +69,8 @@ int sum(const double* e, int m, const double* f, int n, double f_sign, double* h
     return count;
 }
 
-// SCALE-EXPANSION with zero elimination; h needs room for 2m terms. Keeps "strongly nonoverlapping" under
-// round-to-even.
+// SCALE-EXPANSION with zero elimination. Keeps "strongly nonoverlapping" under round-to-even. h needs room for 2m
+// terms.
 int scale(const double* e, int m, double b, double* h) {
     int count = 0;
     double error;
@@ -88,7 +88,7 @@ int scale(const double* e, int m, double b, double* h) {
     return count;
 }
 
-// COMPRESS, in place. Nonadjacent afterwards, at most Expansion::capacity terms (see the header).
+// COMPRESS, in place. The result is nonadjacent, with at most Expansion::capacity terms (see the header).
 int compress(double* e, int m) {
     double error;
     double q = e[m - 1];
@@ -160,7 +160,7 @@ Expansion Expansion::scaled(double power_of_two) const {
 
 Expansion Expansion::add(const Expansion& a, const Expansion& b, double b_sign) {
     Expansion result;
-    if (a.size_ + b.size_ <= capacity) { // in place: the usual case, and on lattice data the only one
+    if (a.size_ + b.size_ <= capacity) { // without a copy: the usual case, and on lattice data the only one
         result.size_ = sum(a.terms_, a.size_, b.terms_, b.size_, b_sign, result.terms_);
         if (result.size_ > lazy_terms) result.size_ = compress(result.terms_, result.size_);
         return result;

@@ -1,9 +1,9 @@
-// Signs of the two determinants that planar triangulation is built on.
+// The two predicates of planar triangulation: orientation and in-circle.
 //
-// Formulas and filters after Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
-// Geometric Predicates" (1997). Both need contraction of a * b + c to be off (-ffp-contract=off) and finite
-// coordinates whose products neither overflow nor underflow (|x| between 1e-140 and 1e150, or zero); beyond
-// that signs may be wrong.
+// Formulas and filters after Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+// Predicates" (1997). Preconditions: contraction of a * b + c is off (-ffp-contract=off), coordinates are finite, and
+// their products neither overflow nor underflow (|x| between 1e-140 and 1e150, or zero). Outside that range signs may
+// be wrong.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@ namespace brittle::fracture {
 
 namespace detail {
 
-// The exact orientation by the sum of its six products, each an exact pair. Only near-collinear points come
-// here.
+// Returns the exact orientation as the sum of its six products, each an exact pair of doubles. Only near-collinear
+// points take this path.
 inline double exact_orientation(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
-    std::array<double, 12> expansion{}; // non-overlapping, from small to large; its sign is that of the last term
+    std::array<double, 12> expansion{}; // non-overlapping, ascending; the last term has the sign of the sum
     size_t size = 0;
     const auto add = [&](double term) {
         size_t kept = 0;
-        for (size_t i = 0; i < size; ++i) { // Shewchuk's Grow-Expansion with zero elimination
+        for (size_t i = 0; i < size; ++i) { // Shewchuk's GROW-EXPANSION with zero elimination
             const double e = expansion[i];
             const double sum = term + e;
             const double virtual_e = sum - term;
@@ -50,8 +50,8 @@ inline double exact_orientation(const glm::dvec2& a, const glm::dvec2& b, const 
 
 } // namespace detail
 
-// Twice the signed area of the triangle: positive where a, b, c turn counter-clockwise. The sign is exact,
-// and zero means exactly collinear; the value is approximate.
+// Returns twice the signed area of the triangle, (a - c) x (b - c): positive if a, b, c are counter-clockwise. The sign
+// is exact and zero means exactly collinear; the magnitude is approximate.
 inline double orientation(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
     const double left = (a.x - c.x) * (b.y - c.y);
     const double right = (a.y - c.y) * (b.x - c.x);
@@ -62,8 +62,8 @@ inline double orientation(const glm::dvec2& a, const glm::dvec2& b, const glm::d
     return detail::exact_orientation(a, b, c);
 }
 
-// True where d certainly lies inside the circle through the counter-clockwise triangle a, b, c. Filtered
-// only: a doubtful sign gives false, which is what stops a chain of edge flips from running in circles.
+// Returns true if d certainly lies inside the circle through the counter-clockwise triangle a, b, c. Filtered only: a
+// doubtful sign gives false, which keeps a sequence of edge flips from cycling.
 inline bool certainly_in_circle(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
     const glm::dvec2 p = a - d, q = b - d, r = c - d;
     const double pq = p.x * q.y, qp = q.x * p.y;

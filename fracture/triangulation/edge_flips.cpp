@@ -5,7 +5,7 @@
 namespace brittle::fracture::triangulation {
 namespace {
 
-// Flips end by themselves; the bound keeps adversarial input from taking quadratic time.
+// The sequence of flips is finite; the bound prevents quadratic time on adversarial input.
 constexpr size_t max_flips_per_triangle = 32;
 
 } // namespace
@@ -31,7 +31,7 @@ void EdgeFlips::run(std::span<const Node> nodes, RingTriangles& triangles, EdgeS
         const Quad q = quad_at(triangles, h);
         if (!should_flip(nodes, q, edges)) continue;
         --flips_left;
-        // The old edge stays in the set: a flip too few is harmless, an edge twice is not.
+        // The old edge stays in the set: a flip too few is harmless, a repeated edge is not.
         if (flip(triangles, h, q) && edges) edges->insert(nodes[q.c].id, nodes[q.d].id);
     }
 }

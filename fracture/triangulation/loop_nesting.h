@@ -1,5 +1,5 @@
-// The loops of a region, split where they visit a point twice and nested: which loop is a hole of which. Internal to
-// triangulate.cpp, which cuts the ears. Keeps its memory for the next region.
+// Splits the loops of a region at points that they visit twice, and nests them: finds the outer loop of each hole.
+// Internal to triangulate.cpp. Reuses its memory for the next region.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +35,7 @@ struct LoopInfo {
     std::vector<uint32_t> ids;
     double area = 0.0; // twice the signed area
     glm::dvec2 low{0.0}, high{0.0};
-    uint32_t hole_of = none; // the loop whose ring this one is bridged to
+    uint32_t hole_of = none; // the outer loop to which this hole is bridged; none for an outer loop
 };
 
 enum class Side { outside, boundary, inside };
@@ -57,10 +57,10 @@ class Nesting {
     [[nodiscard]] std::span<const LoopInfo> loops() const { return {loops_.data(), count_}; }
 
   private:
-    // A loop that visits a point twice is two loops that touch there. Parts of fewer than three points (there
-    // and back again) bound nothing and their edges cancel.
+    // Splits a loop that visits a point twice into loops that touch there. Parts of fewer than three points (there and
+    // back again) bound no area and their edges cancel.
     void split(const Loop& loop) {
-        path_.clear(); // position_ is its inverse, and holds nothing else
+        path_.clear(); // position_ is the inverse of path_ and has no other entries
         for (const uint32_t id : loop) {
             const uint32_t at = position_[id];
             if (at == none) {
@@ -99,10 +99,10 @@ class Nesting {
         if (!std::isfinite(loop.area)) loop.area = 0.0;
     }
 
-    // Along a path of the containment tree, loops match like parentheses: a loop closes the innermost open
-    // one of the other direction, and is then its hole, or else opens. So islands in holes, layers over
-    // layers (self-intersecting input) and inside-out input, where the outermost loops run clockwise, all
-    // find their match.
+    // Nests the loops by containment. Along a path of the containment tree, loops match like parentheses: a loop either
+    // closes the innermost open loop of the opposite direction, and is then its hole, or opens. This also matches
+    // islands in holes, layers over layers (self-intersecting input) and inside-out input, whose outermost loops run
+    // clockwise.
     void nest() {
         order_.resize(count_);
         std::iota(order_.begin(), order_.end(), 0u);
@@ -114,7 +114,7 @@ class Nesting {
         open_around_.assign(count_, none);
         for (size_t k = 0; k < order_.size(); ++k) {
             LoopInfo& loop = loops_[order_[k]];
-            if (loop.area == 0.0) break; // the rest of the order bounds no area: rings of their own
+            if (loop.area == 0.0) break; // the remaining loops bound no area: each is an outer loop
             uint32_t top = none;
             for (size_t j = k; j-- > 0;) {
                 if (!contains(loops_[order_[j]], loop)) continue;
@@ -143,7 +143,8 @@ class Nesting {
         return inside ? Side::inside : Side::outside;
     }
 
-    // Loops may touch: the first vertex, then the first edge midpoint, off the outer boundary decides.
+    // Returns whether `outer` contains `inner`. Loops may touch, so the first vertex off the boundary of `outer`
+    // decides, then the first midpoint of an edge.
     [[nodiscard]] bool contains(const LoopInfo& outer, const LoopInfo& inner) const {
         if (inner.low.x < outer.low.x || inner.low.y < outer.low.y || inner.high.x > outer.high.x
             || inner.high.y > outer.high.y) {
@@ -165,13 +166,13 @@ class Nesting {
     [[nodiscard]] std::span<LoopInfo> all() { return {loops_.data(), count_}; }
 
     std::span<const glm::dvec2> points_;
-    std::vector<LoopInfo> loops_; // the first count_ are the region's
+    std::vector<LoopInfo> loops_; // the first count_ entries are in use
     size_t count_ = 0;
     std::vector<uint32_t> path_;
-    std::vector<uint32_t> position_;       // of each point on the path, or none
-    std::vector<uint32_t> order_;          // from the largest area to the least
-    std::vector<uint32_t> innermost_open_; // for what lies directly inside this loop
-    std::vector<uint32_t> open_around_;    // of an opening loop: the next open one outwards
+    std::vector<uint32_t> position_;       // per point: its index in path_, or none
+    std::vector<uint32_t> order_;          // loops by descending area
+    std::vector<uint32_t> innermost_open_; // per loop: the innermost open loop around its direct interior
+    std::vector<uint32_t> open_around_;    // per opening loop: the next open loop outwards
 };
 
 } // namespace brittle::fracture::triangulation

@@ -14,19 +14,20 @@
 namespace brittle::fracture::triangulation {
 namespace {
 
-// In Node::outer: the edge is one side of the bridge with this bit removed.
+// Flag in Node::outer: the edge is one side of a bridge; the other bits are the index of the bridge.
 constexpr uint32_t bridge_bit = 0x80000000u;
 
-// How many nodes a forced cut compares. All of a small ring; of a big ring only so many, or a loop of n
-// crossings would cost n^2.
+// The count of nodes that a forced cut compares: all of a small ring, but a bounded count of a large one, where a loop
+// of n crossings would otherwise take n^2 time.
 constexpr uint32_t forced_window = 256;
 
-// Bridge candidates tried before the nearest one is taken unseen; only tangled input gets there.
+// The count of bridge candidates that are tested before the nearest one is taken untested; only tangled input has so
+// many.
 constexpr uint32_t max_bridge_tries = 1024;
 
-// Does the edge a -> b of the ring stand between m and q, a vertex of the ring?
+// Returns whether the edge a -> b of the ring obstructs the segment from m to q, a vertex of the ring.
 bool blocks(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& m, const glm::dvec2& q) {
-    if (a == q || b == q) return false; // settled by opens_towards()
+    if (a == q || b == q) return false; // opens_towards() decides these
     if (std::max(a.x, b.x) < std::min(m.x, q.x) || std::min(a.x, b.x) > std::max(m.x, q.x)
         || std::max(a.y, b.y) < std::min(m.y, q.y) || std::min(a.y, b.y) > std::max(m.y, q.y)) {
         return false;
@@ -104,7 +105,7 @@ void Ring::clip() {
             close_off_around(t);
         }
     }
-    if (count_ == 3) cut_last(); // else the rest is an edge there and back
+    if (count_ == 3) cut_last(); // otherwise an edge there and back remains
 }
 
 void Ring::emit(Triangulation& out) const {
@@ -136,7 +137,7 @@ double Ring::turn_at(const Node& n) const {
 
 // --- bridges
 
-// Does the ring's interior, seen from this node, open towards p?
+// Returns whether p lies in the ring's interior angle at this node.
 bool Ring::opens_towards(const Node& n, const glm::dvec2& p) const {
     const bool left_of_in = orientation(nodes_[n.prev].p, n.p, p) > 0.0;
     const bool left_of_out = orientation(n.p, nodes_[n.next].p, p) > 0.0;
@@ -156,7 +157,7 @@ bool Ring::is_bridge(const Node& m, const Node& q) const {
     return true;
 }
 
-// The nearest node of the ring that sees the hole's tip.
+// Returns the nearest node of the ring that sees the hole's rightmost vertex (`tip`).
 uint32_t Ring::find_bridge(uint32_t tip) {
     const Node& m = nodes_[tip];
     std::vector<std::pair<double, uint32_t>>& candidates = candidates_;
@@ -170,7 +171,7 @@ uint32_t Ring::find_bridge(uint32_t tip) {
         }
         i = nodes_[i].next;
     } while (i != start_);
-    if (candidates.empty()) return start_; // not inside at all
+    if (candidates.empty()) return start_; // the hole lies outside the ring
     std::make_heap(candidates.begin(), candidates.end(), std::greater<>());
     const uint32_t nearest = candidates.front().second;
     for (uint32_t tries = 0; tries < max_bridge_tries && !candidates.empty(); ++tries) {
@@ -183,7 +184,7 @@ uint32_t Ring::find_bridge(uint32_t tip) {
 }
 
 void Ring::bridge(uint32_t m, uint32_t q) {
-    if (nodes_[m].id == nodes_[q].id) { // the loops touch: cross over, no bridge is needed
+    if (nodes_[m].id == nodes_[q].id) { // the loops touch: exchange their successors, no bridge is needed
         std::swap(nodes_[m].next, nodes_[q].next);
         std::swap(nodes_[m].outer, nodes_[q].outer);
         nodes_[nodes_[m].next].prev = m;
@@ -210,7 +211,7 @@ void Ring::bridge(uint32_t m, uint32_t q) {
 
 // --- triangles and their neighbours
 
-// Notes what lies across half-edge h, both ways.
+// Links half-edge h with the half-edge, or with the bridge, on its other side.
 void Ring::link(uint32_t h, uint32_t across) {
     if (across != none && (across & bridge_bit) != 0) {
         uint32_t& first = bridge_half_edge_[across & ~bridge_bit];
@@ -220,7 +221,7 @@ void Ring::link(uint32_t h, uint32_t across) {
     if (across != none) triangles_.twin[across] = h;
 }
 
-// The triangle of three nodes in a row whose edges all are edges of the ring.
+// Adds the triangle of three consecutive nodes whose three edges are all edges of the ring.
 void Ring::add_triangle(uint32_t a, uint32_t b, uint32_t c) {
     const auto h = static_cast<uint32_t>(triangles_.twin.size());
     triangles_.corners.emplace_back(a, b, c);
@@ -230,7 +231,7 @@ void Ring::add_triangle(uint32_t a, uint32_t b, uint32_t c) {
     link(h + 2, nodes_[c].outer);
 }
 
-// Cuts the ear at t, whatever it looks like.
+// Cuts the ear at t without a test.
 void Ring::cut(uint32_t t) {
     const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
     const auto h = static_cast<uint32_t>(triangles_.twin.size());
@@ -254,7 +255,7 @@ void Ring::cut_last() {
 
 // --- ears
 
-// Strictly left turns all the way, once around.
+// Returns whether the ring turns strictly left at every node and winds around once.
 bool Ring::is_convex() const {
     uint32_t changes = 0;
     uint32_t i = start_;
@@ -269,7 +270,7 @@ bool Ring::is_convex() const {
     return changes == 2;
 }
 
-// A zigzag strip, which needs fewer flips than a fan.
+// Cuts a convex ring into a zigzag strip, which needs fewer flips than a fan.
 void Ring::clip_convex() {
     uint32_t left = start_, right = nodes_[start_].next;
     for (bool cut_right = true; count_ > 3; cut_right = !cut_right) {
@@ -306,10 +307,10 @@ bool Ring::may_join(const Node& a, const Node& b) const {
     return a.id != b.id && !(edges_ && edges_->contains(a.id, b.id));
 }
 
-// A strict ear: convex, and no other vertex in the closed triangle. Only reflex vertices need to be
-// looked at (ElGindy et al.). Vertices that coincide with a corner are not in the way: their own sector
-// of the plane is another one. A node that is no ear waits for the node that blocks it, so nothing is
-// tested twice in vain.
+// Returns whether t is a strict ear: convex, without other vertices in the closed triangle. Only reflex vertices need a
+// test (ElGindy et al.). A vertex that coincides with a corner does not block the ear, because its own sector of the
+// plane is another one. A node that is not an ear is queued at the node that blocks it, so no node is tested twice in
+// vain.
 bool Ring::is_ear(uint32_t t) {
     const Node& tip = nodes_[t];
     const uint32_t p = tip.prev, n = tip.next;
@@ -364,9 +365,9 @@ void Ring::update(uint32_t i) {
     if (!nodes_[i].reflex) push(i);
 }
 
-// A strict ear whose third edge exists: where loops touch in several vertices the ring pinches off a
-// triangle, f -> b -> c -> g with g the same point as f. It is emitted with its three ring edges, and f
-// goes on after g.
+// Handles a strict ear whose third edge already exists. Where loops touch in several vertices the ring pinches off a
+// triangle, f -> b -> c -> g with g the same point as f. Emits that triangle with its three ring edges and continues f
+// after g.
 void Ring::close_off_around(uint32_t t) {
     const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
     uint32_t f = none;
@@ -375,7 +376,7 @@ void Ring::close_off_around(uint32_t t) {
     } else if (nodes_[nodes_[n].next].id == nodes_[p].id) {
         f = p;
     } else {
-        return; // left to its neighbours, or to a forced cut
+        return; // its neighbours' ears or a forced cut resolve this node
     }
     const uint32_t b = nodes_[f].next, c = nodes_[b].next, g = nodes_[c].next;
     add_triangle(f, b, c);
@@ -388,9 +389,9 @@ void Ring::close_off_around(uint32_t t) {
     if (count_ >= 3) update(f);
 }
 
-// For rings without a strict ear: zero-area ones, and such as cross themselves. Prefers, in this order:
-// ends that may be joined, a triangle that is not inside out, a small one (flat ones first, and of them
-// those whose tip lies between its neighbours). Ends of equal id are cut only where nothing else is left.
+// Returns the best node to cut in a ring without strict ears: a ring of zero area or one that crosses itself. The order
+// of preference: neighbours that may be joined; a triangle that is not inside out; a small triangle (flat ones first,
+// and among them those whose tip lies between its neighbours). Neighbours with equal ids are cut only as a last resort.
 uint32_t Ring::min_bad_ear() const {
     using Badness = std::tuple<int, bool, double, bool>;
     uint32_t best = none;

@@ -1,5 +1,5 @@
-// One ring of an ear clipper: an outer loop, its holes bridged in, and the triangles it falls into. Internal to
-// triangulate.cpp. Keeps its memory for the next ring.
+// One ring of an ear clipper: an outer loop with its holes bridged in, and the triangles that it is cut into. Internal
+// to triangulate.cpp. Reuses its memory for the next ring.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,23 @@
 
 namespace brittle::fracture::triangulation {
 
-// Call start(), then the phases in their order, then emit().
+// Call order: start(), the phases in their order, emit().
 class Ring {
   public:
-    // edges: of all loops and of what has been cut so far; null where no diagonal can repeat an edge.
+    // `edges`: the edges of all loops and of all ears cut so far; null if no diagonal can repeat an edge.
     void start(std::span<const glm::dvec2> points, EdgeSet* edges);
 
-    // Phase 1: the outer loop. Clockwise ones are turned round, and their triangles back when they are
-    // emitted.
+    // Phase 1: adds the outer loop. A clockwise loop is reversed; emit() reverses its triangles back.
     void set_outer(const LoopInfo& loop);
 
-    // Phase 2: holes, by their lexicographically largest vertex, largest first: each can then see a vertex of
-    // what is already merged, and no hole still to come is in the way (Eberly).
+    // Phase 2: bridges the holes in descending lexicographic order of their largest vertex. Each then sees a vertex of
+    // the merged ring, unobstructed by the remaining holes (Eberly).
     void bridge_holes(std::span<const LoopInfo> loops, uint32_t outer);
 
-    // Phase 3: ears until a triangle is left.
+    // Phase 3: cuts ears until one triangle remains.
     void clip();
 
-    // Phase 4: edges are flipped towards Delaunay.
+    // Phase 4: flips edges towards Delaunay.
     void flip_edges() { flips_.run(nodes_, triangles_, edges_, forced_ > 0); }
 
     void emit(Triangulation& out) const;
@@ -70,13 +69,13 @@ class Ring {
     std::span<const glm::dvec2> points_;
     EdgeSet* edges_ = nullptr;
     std::vector<Node> nodes_;
-    std::vector<uint32_t> tips_;                          // of the holes
-    std::vector<std::pair<double, uint32_t>> candidates_; // for a bridge: distance and node
-    uint32_t start_ = none;                               // a node of the ring
-    uint32_t count_ = 0;                                  // nodes in the ring, with those of holes not bridged yet
+    std::vector<uint32_t> tips_;                          // per hole: its lexicographically largest node
+    std::vector<std::pair<double, uint32_t>> candidates_; // bridge candidates: squared distance and node
+    uint32_t start_ = none;                               // any node of the ring
+    uint32_t count_ = 0; // count of nodes in the ring, including holes that are not bridged yet
     bool reversed_ = false;
 
-    std::vector<uint32_t> queue_; // nodes that may be ears; those before head_ are done
+    std::vector<uint32_t> queue_; // nodes that may be ears; entries before head_ are done
     size_t head_ = 0;
     std::vector<Wait> waits_;
     ReflexGrid grid_;
@@ -84,7 +83,7 @@ class Ring {
     uint64_t vertex_tests_ = 0;
 
     RingTriangles triangles_;
-    std::vector<uint32_t> bridge_half_edge_; // per bridge the side that came first
+    std::vector<uint32_t> bridge_half_edge_; // per bridge: the half-edge of the side that was cut first
     EdgeFlips flips_;
 };
 

@@ -1,5 +1,5 @@
-// What an ear clipper works on: the nodes of a ring, a grid of those in the way, and a set of edges. Internal to
-// triangulate.cpp. All keep their memory for the next ring.
+// The data of an ear clipper: the nodes of a ring, a grid of its reflex nodes, and a set of edges. Internal to
+// triangulate.cpp. All reuse their memory for the next ring.
 #pragma once
 
 #include <algorithm>
@@ -17,10 +17,10 @@
 
 namespace brittle::fracture::triangulation {
 
-// A set of undirected edges between point indices: open addressing, grows.
+// A set of undirected edges between point indices, as a growing hash table with open addressing.
 class EdgeSet {
   public:
-    void clear() { // keeps the memory, but not the size: filling that for each small region would take long
+    void clear() { // keeps the memory but not the size: resetting a large table for each small region would be slow
         slots_.clear();
         size_ = 0;
     }
@@ -56,15 +56,15 @@ class EdgeSet {
     size_t size_ = 0;
 };
 
-// A corner of the ring. Points may have several nodes (both ends of a bridge, touching loops).
+// A corner of the ring. A point has several nodes at both ends of a bridge and where loops touch.
 struct Node {
     glm::dvec2 p{0.0};
     uint32_t id = 0;
     uint32_t prev = none;
     uint32_t next = none;
-    uint32_t outer = none;   // what lies across the edge to next: nothing, a half-edge of a triangle, or a bridge
-    uint32_t waiting = none; // first Wait of those whose ear this node blocks
-    bool reflex = false;     // interior angle not strictly below 180 degrees
+    uint32_t outer = none;   // the other side of the edge to next: none, a half-edge of a triangle, or a bridge
+    uint32_t waiting = none; // head of the list of nodes whose ear this node blocks
+    bool reflex = false;     // whether the interior angle is 180 degrees or more
     bool queued = false;
     bool cut = false;
 };
@@ -74,8 +74,8 @@ struct Wait {
     uint32_t next;
 };
 
-// Reflex nodes in a uniform grid, for "which of them lie in this triangle's box". Nodes that stop being
-// reflex are skipped, and dropped when the grid is built anew after half of them have gone.
+// The reflex nodes in a uniform grid, for the query which of them lie in the box of a triangle. Nodes that are no
+// longer reflex are skipped; rebuilding the grid after half of them are gone drops them.
 class ReflexGrid {
   public:
     void build(const std::vector<Node>& nodes) {
@@ -89,7 +89,7 @@ class ReflexGrid {
             members_.push_back(i);
         }
         live_ = built_ = members_.size();
-        // Few nodes are scanned faster than looked up.
+        // A linear scan is faster for few nodes.
         side_ = live_ < 48 ? 1 : std::min(1024u, static_cast<uint32_t>(2.0 * std::sqrt(static_cast<double>(live_))));
         origin_ = low;
         const glm::dvec2 size = high - low;
@@ -103,14 +103,14 @@ class ReflexGrid {
     }
 
     void remove() { --live_; }
-    // Only forced cuts make a node reflex that was not.
+    // Only a forced cut turns a convex node reflex.
     void add(uint32_t node) {
         late_.push_back(node);
         ++live_;
     }
     [[nodiscard]] bool is_stale() const { return (built_ >= 48 && live_ * 2 < built_) || late_.size() > 64; }
 
-    // The first reflex node in the box for which accept() is true, or none.
+    // Returns the first reflex node in the box for which accept() is true, or none.
     template<class Accept>
     uint32_t find(const glm::dvec2& low, const glm::dvec2& high, Accept&& accept) const {
         for (const uint32_t i : late_) {
@@ -128,7 +128,7 @@ class ReflexGrid {
     }
 
   private:
-    // Written so that NaN lands in the first cell.
+    // NaN gives the first cell.
     [[nodiscard]] uint32_t clamp_cell(double at) const {
         if (!(at > 0.0)) return 0;
         return at >= side_ ? side_ - 1 : static_cast<uint32_t>(at);

@@ -20,7 +20,7 @@ bool has_hole(std::span<const LoopInfo> loops) {
 
 struct Triangulator::State {
     [[nodiscard]] bool has_repeated_ids(std::span<const LoopInfo> loops) {
-        if (loops.size() < 2) return false; // within a loop ids are distinct once it is split
+        if (loops.size() < 2) return false; // within one loop the ids are distinct after splitting
         ids.clear();
         for (const LoopInfo& loop : loops) ids.insert(ids.end(), loop.ids.begin(), loop.ids.end());
         std::sort(ids.begin(), ids.end());
@@ -47,8 +47,8 @@ const Triangulation& Triangulator::run(std::span<const glm::dvec2> points, std::
     s.result.vertex_tests = 0;
     s.nesting.run(points, loops);
     const std::span<const LoopInfo> parts = s.nesting.loops();
-    // The ends of a bridge are two nodes each; only then, or where loops share ids, can a diagonal repeat an
-    // edge.
+    // A diagonal can repeat an edge only if a point has several nodes: at the ends of bridges, and where loops share
+    // ids.
     const bool holes = has_hole(parts), repeated = holes || s.has_repeated_ids(parts);
     if (repeated) {
         s.edges.clear();
