@@ -26,21 +26,22 @@ namespace brittle::fracture {
 
 struct Workspace::State {
     exact::Workspace exact;
-    // The sequential algorithm checks its input by the same means.
+    // The sequential algorithm validates its input with these.
     exact::Scene scene;
     exact::Surface surface;
 };
 
 namespace {
 
-// Coordinates beyond this overflow in the inertia tensor, of degree five; in metres.
+// The largest permitted coordinate, m: the inertia tensor is of degree five and would overflow beyond it.
 constexpr double largest_coordinate = 1e50;
 
 constexpr uint32_t max_threads = 1024;
 
-// Below this share of area times size of the box a volume is rounding.
+// The relative volume, in units of the area times the diagonal of the box, that is zero up to rounding.
 constexpr double min_volume = 1e-15;
-// Most solids fill more than this of their box's diagonal cubed; no closer look is needed then.
+// The relative volume, in units of the cubed diagonal of the box, above which a solid needs no closer check. Most
+// solids exceed it.
 constexpr double ample_volume = 1e-6;
 
 bool in_range(const glm::dvec3& p) {
@@ -61,28 +62,31 @@ Result<void> check_coordinates(std::span<const glm::dvec3> points, Status status
     return {};
 }
 
-// What stops a fracture whatever the triangles are.
+// Checks the settings and the coordinates. The topology of the mesh is checked later.
 Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
                           const Settings& settings) {
     if (settings.threads > max_threads)
-        return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; at most "
-                                                  + std::to_string(max_threads) + ", or 0 for one a core"};
+        return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; give at most "
+                                                  + std::to_string(max_threads) + ", or 0 for one per core"};
     if (!settings.groups.empty() && settings.groups.size() != sites.size())
         return Error{Status::invalid_setting, "there are " + std::to_string(settings.groups.size()) + " groups for "
-                                                  + std::to_string(sites.size()) + " sites; give one each, or none"};
+                                                  + std::to_string(sites.size())
+                                                  + " sites; give one group per site, or none"};
     if (!settings.weights.empty() && settings.weights.size() != sites.size())
         return Error{Status::invalid_setting, "there are " + std::to_string(settings.weights.size()) + " weights for "
-                                                  + std::to_string(sites.size()) + " sites; give one each, or none"};
+                                                  + std::to_string(sites.size())
+                                                  + " sites; give one weight per site, or none"};
     for (size_t i = 0; i < settings.weights.size(); ++i)
         if (!std::isfinite(settings.weights[i]))
-            return Error{Status::invalid_setting, "site " + std::to_string(i) + " has a weight that is not finite"};
+            return Error{Status::invalid_setting,
+                         "site " + std::to_string(i) + " has a weight that is not finite; give a finite one"};
     if (!(settings.min_volume >= 0.0) || !std::isfinite(settings.min_volume))
         return Error{Status::invalid_setting, "the minimum volume is " + std::to_string(settings.min_volume)
                                                   + "; it must be finite and not negative"};
     if (settings.algorithm != Algorithm::exact && (!settings.groups.empty() || settings.min_volume > 0.0))
-        return Error{Status::invalid_setting, "groups and a minimum volume need the exact algorithm, whose neighbours "
-                                              "share caps triangle by triangle"};
-    // A NaN may hide from the box; the scene's own check, which costs less than this one, finds it.
+        return Error{Status::invalid_setting, "groups and a minimum volume need the exact algorithm; choose it, or "
+                                              "leave both out"};
+    // The box may miss a NaN; the check in scene.cpp finds it at a lower cost than a scan here.
     if (!in_range(box.min) || !in_range(box.max))
         return check_coordinates(mesh.positions, Status::invalid_mesh, "vertex");
     return check_coordinates(sites, Status::invalid_sites, "site");
@@ -91,15 +95,15 @@ Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<co
 Result<void> check_volume(const TriangleMesh& mesh, const Box& box) {
     const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
     if (std::abs(mass.volume) <= min_volume * mass.area * glm::length(box.size()))
-        return Error{Status::no_volume, "the mesh encloses no volume"};
+        return Error{Status::no_volume, "the mesh encloses no volume; give a surface around a solid"};
     if (mass.volume > 0.0) return {};
     char text[128];
     std::snprintf(text, sizeof text, "the mesh is inside out: its volume is %g; reverse its triangles", mass.volume);
     return Error{Status::inside_out, text};
 }
 
-// Whether a face and its only neighbour are the two sides of one triangle: a component of no volume whose
-// edges are paired, but the only kind of closed mesh in which a cut could leave a loop of two edges.
+// Returns whether a face and its only neighbour are the two sides of one triangle. This component has no volume. It is
+// the only closed one in which a cut can leave a loop of two edges.
 bool is_two_sided(const HalfEdgeMesh& mesh, uint32_t face) {
     const uint32_t a = mesh.faces[face];
     const uint32_t b = mesh[a].next;
@@ -124,14 +128,16 @@ Result<HalfEdgeMesh> build_solid(const TriangleMesh& mesh) {
     return without;
 }
 
-// More volume than is_flat() asks of any piece inside the box: most pieces, and no vertex need be looked at.
+// Returns whether the volume exceeds the threshold of is_flat() for any piece inside the box. Most pieces pass, so
+// their vertices need no scan.
 bool is_ample(const MassProperties& mass, const Box& box, double extent) {
     const double diagonal = glm::length(box.size());
     return mass.volume > 1e-12 * (mass.area * extent + diagonal * diagonal * diagonal);
 }
 
-// Groups and small pieces become one with their neighbours. So do pieces without volume: where a bisector runs along a
-// face of the solid, symbolic perturbation may leave a sheet of no thickness in the cell across.
+// Merges pieces of one group, pieces below the minimum volume, and pieces without volume, with their neighbours. Where
+// a bisector runs along a face of the solid, symbolic perturbation may leave a sheet of zero thickness in the cell
+// across.
 void merge(const Settings& settings, const Box& box, Fragments& fragments) {
     const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
     const double extent = std::max({furthest.x, furthest.y, furthest.z});
@@ -150,12 +156,12 @@ void merge(const Settings& settings, const Box& box, Fragments& fragments) {
     fragments.timings.push_back({"merge", elapsed.count()});
 }
 
-// The only fault is one that split_fans() mends.
+// Returns whether the only fault is one that split_fans() repairs: several fans at a vertex.
 bool only_touches(const TriangleMesh& mesh, const Error& error) {
     return error.status == Status::non_manifold && check_topology(mesh.positions.size(), mesh.triangles).closed();
 }
 
-// Points that are vertices of the split mesh become those of the mesh.
+// Replaces the vertex indices of the split mesh by those of the original mesh.
 void name_vertices_of(const TriangleMesh& mesh, const TriangleMesh& split, Fragments& fragments) {
     std::vector<uint32_t> original(split.positions.size(), no_index);
     for (size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -164,13 +170,13 @@ void name_vertices_of(const TriangleMesh& mesh, const TriangleMesh& split, Fragm
         if (point < original.size()) point = original[point];
 }
 
-// The sequential algorithm has no name for a point but where it is.
+// Numbers the points by position, for the sequential algorithm, which has no other identity for them.
 void number_points(std::span<const glm::dvec3> vertices, Fragments& fragments) {
     constexpr uint32_t first_cut_point = 1u << 30;
     const auto before = [](const glm::dvec3& a, const glm::dvec3& b) {
         return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
     };
-    std::vector<std::pair<glm::dvec3, uint32_t>> places; // vertices first, then the rest in the order of pieces
+    std::vector<std::pair<glm::dvec3, uint32_t>> places; // vertices first, then the others in the order of the pieces
     for (uint32_t v = 0; v < vertices.size(); ++v) places.push_back({vertices[v], v});
     for (const glm::dvec3& p : fragments.positions)
         places.push_back({p, first_cut_point + static_cast<uint32_t>(places.size() - vertices.size())});
@@ -193,7 +199,7 @@ Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const
         if (done) name_vertices_of(mesh, split, out);
     }
     if (!done) return done;
-    // The pieces say what the mesh encloses, so nobody needs to integrate over it beforehand.
+    // The sum over the pieces gives the volume of the mesh, so it is integrated only in doubtful cases.
     double volume = 0.0;
     for (const Piece& piece : out.pieces) volume += piece.mass.volume;
     const double diagonal = glm::length(box.size());

@@ -31,10 +31,9 @@ uint32_t add_edge(HalfEdgeMesh& mesh, uint32_t from, uint32_t to) {
     return forward;
 }
 
-// Two BORDER half-edges meet in a vertex but their fans do not: makes `out` the successor of `in`. The fans
-// between them around the vertex move to the gap at the far end of the fan that `out` begins with. False if
-// there is no gap but the one between `in` and `out`, whose closing would leave those fans behind a complete
-// one.
+// Makes the BORDER half-edge `out` the successor of `in`. Both meet in a vertex, but belong to different fans. The fans
+// between them move to the gap at the far end of the fan that begins with `out`. Returns false if the only gap is the
+// one between `in` and `out`: closing it would separate those fans from a complete one.
 bool bring_together(HalfEdgeMesh& mesh, uint32_t in, uint32_t out) {
     uint32_t gap = mesh[out].twin;
     do {
@@ -50,7 +49,7 @@ bool bring_together(HalfEdgeMesh& mesh, uint32_t in, uint32_t out) {
     return true;
 }
 
-// The next half-edges to write once all corners of a new face are read.
+// The successor links of a new face, written once all its corners have been read.
 struct Links {
     std::array<std::pair<uint32_t, uint32_t>, 9> pairs;
     size_t count = 0;
@@ -58,10 +57,10 @@ struct Links {
     void add(uint32_t half_edge, uint32_t next) { pairs[count++] = {half_edge, next}; }
 };
 
-// The border merges at the corner between edges `in` and `out` of a new face (section 2.1.1).
+// Merges the border at the corner between edges `in` and `out` of a new face (section 2.1.1).
 void merge_border(HalfEdgeMesh& mesh, uint32_t in, bool in_is_new, uint32_t out, bool out_is_new, Links& links) {
     const uint32_t vertex = mesh[out].origin;
-    const uint32_t outer_in = mesh[out].twin; // the BORDER half-edges outside the new edges
+    const uint32_t outer_in = mesh[out].twin; // the BORDER half-edges on the outside of the new edges
     const uint32_t outer_out = mesh[in].twin;
     if (in_is_new && out_is_new) {
         const uint32_t border = mesh.outgoing[vertex];
@@ -82,7 +81,7 @@ void merge_border(HalfEdgeMesh& mesh, uint32_t in, bool in_is_new, uint32_t out,
     links.add(in, out);
 }
 
-// Any BORDER half-edge that leaves the vertex of `start`, else `start`.
+// Returns a BORDER half-edge that leaves the vertex of `start`, or `start` if there is none.
 uint32_t border_around(const HalfEdgeMesh& mesh, uint32_t start) {
     uint32_t half_edge = start;
     do {
@@ -102,10 +101,10 @@ std::string describe(AddFace status, uint32_t index, const Triangle& t) {
         return where + "names a vertex twice; remove it";
     case AddFace::taken_edge:
         return where
-               + "has an edge that another triangle uses in the same direction; its neighbour is turned "
-                 "the wrong way, or three triangles share the edge";
+               + "has an edge that another triangle uses in the same direction; reverse one of the two, "
+                 "or remove one if three triangles share the edge";
     case AddFace::taken_vertex:
-        return where + "touches a vertex whose triangles are complete without it; give it a vertex of its own";
+        return where + "touches a vertex that other triangles already surround; give it a copy of the vertex";
     }
     return where;
 }
@@ -135,7 +134,7 @@ uint32_t find_half_edge(const HalfEdgeMesh& mesh, uint32_t from, uint32_t to) {
     const uint32_t first_out = mesh.outgoing[from];
     const uint32_t first_back = mesh.outgoing[to];
     if (first_out == no_index || first_back == no_index) return no_index;
-    // Around both ends at once, for the sake of fans of a hundred thousand triangles.
+    // Walks around both ends at once: the cost is that of the smaller fan. Fans of a hundred thousand triangles occur.
     uint32_t out = first_out;
     uint32_t back = first_back;
     do {
@@ -151,7 +150,7 @@ AddFace add_face(HalfEdgeMesh& mesh, const Triangle& triangle, FaceSource source
     const Corner3 v{triangle.x, triangle.y, triangle.z};
     if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) return AddFace::repeated_vertex;
 
-    // Which edges exist, and is there room?
+    // Find the existing edges and check that their sides are free.
     Corner3 edge{};
     std::array<bool, 3> is_new{};
     for (int i = 0; i < 3; ++i) {
@@ -162,7 +161,7 @@ AddFace add_face(HalfEdgeMesh& mesh, const Triangle& triangle, FaceSource source
     for (const uint32_t vertex : v)
         if (mesh.outgoing[vertex] != no_index && !mesh.is_border(mesh.outgoing[vertex])) return AddFace::taken_vertex;
 
-    // Old edges that meet in a corner become neighbours in their chain.
+    // Make existing edges that meet in a corner neighbours in their chain.
     for (int i = 0; i < 3; ++i) {
         const uint32_t in = edge[i];
         const uint32_t out = edge[following(i)];
@@ -170,7 +169,7 @@ AddFace add_face(HalfEdgeMesh& mesh, const Triangle& triangle, FaceSource source
         if (!bring_together(mesh, in, out)) return AddFace::taken_vertex;
     }
 
-    // From here on nothing fails.
+    // Nothing fails from here on.
     for (int i = 0; i < 3; ++i)
         if (is_new[i]) edge[i] = add_edge(mesh, v[i], v[following(i)]);
     Links links;
@@ -213,13 +212,12 @@ Result<HalfEdgeMesh> build_half_edges(std::span<const glm::dvec3> positions, std
 }
 
 TriangleMesh split_fans(const TriangleMesh& mesh) {
-    // Corners, three a triangle, are nodes of a union-find: across a paired edge, the corners at each of its
-    // ends are in the same fan.
+    // Union-find over corners, three per triangle: a paired edge unites the corners at each of its ends in one fan.
     const size_t corner_count = 3 * mesh.triangles.size();
     std::vector<uint32_t> parent(corner_count);
     std::iota(parent.begin(), parent.end(), 0u);
 
-    struct Use { // of an undirected edge by the triangle of `corner`, whose edge begins there
+    struct Use { // the use of an undirected edge by the triangle of `corner`, where the edge begins
         uint32_t low, high, corner;
         bool forward;
     };
@@ -244,7 +242,7 @@ TriangleMesh split_fans(const TriangleMesh& mesh) {
     }
 
     TriangleMesh split = mesh;
-    std::vector<uint32_t> copy(corner_count, no_index); // per root
+    std::vector<uint32_t> copy(corner_count, no_index); // per root of the forest
     std::vector<bool> taken(mesh.positions.size(), false);
     for (uint32_t corner = 0; corner < corner_count; ++corner) {
         const uint32_t fan = root_of(parent, corner);

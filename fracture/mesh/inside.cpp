@@ -9,8 +9,8 @@ namespace {
 
 constexpr uint32_t max_bins = 512;
 
-// On which side of the line ab, seen along X, the point is: 1 or -1. The same bits for ba, negated, so that two
-// triangles agree about their common edge; a point on the line is to the left of an edge that leads up.
+// Returns 1 or -1: the side of the line ab, seen along X, on which p lies. Swapping a and b negates the result exactly,
+// so two triangles agree about their common edge. A point on the line is to the left of an edge that points upwards.
 int side(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
     const bool swapped = b.y < a.y || (b.y == a.y && b.z < a.z);
     const glm::dvec3 &from = swapped ? b : a, &to = swapped ? a : b;
@@ -54,7 +54,8 @@ bool InsideTest::operator()(const glm::dvec3& p) const {
         const glm::dvec3 &a = mesh_.positions[t.x], &b = mesh_.positions[t.y], &c = mesh_.positions[t.z];
         const int s = side(a, b, p);
         if (side(b, c, p) != s || side(c, a, p) != s) continue;
-        // The ray passes; is it ahead? By the side of the triangle's plane that p is on.
+        // The line of the ray crosses the triangle. The side of the triangle's plane on which p lies tells whether the
+        // crossing is ahead.
         const glm::dvec3 u = b - a, v = c - a, w = p - a;
         const double behind =
             w.x * (u.y * v.z - u.z * v.y) + w.y * (u.z * v.x - u.x * v.z) + w.z * (u.x * v.y - u.y * v.x);

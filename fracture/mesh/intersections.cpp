@@ -46,7 +46,7 @@ glm::dvec2 without(const glm::dvec3& p, int axis) {
     return {p[(axis + 1) % 3], p[(axis + 2) % 3]};
 }
 
-// The axis along which the triangle is not seen as a line; -1 where it is one.
+// Returns an axis along which the triangle projects to a triangle with area; -1 for a triangle without area.
 int open_axis(const Corners& t) {
     for (int axis = 0; axis < 3; ++axis)
         if (orientation(without(t[0], axis), without(t[1], axis), without(t[2], axis)) != 0.0) return axis;
@@ -66,7 +66,7 @@ bool segments_meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c
     return abc != 0 || abd != 0 || overlap_on_line(a, b, c, d);
 }
 
-// In the plane of the triangle.
+// Returns whether the segment pq, in the plane of the triangle, meets it.
 bool meets_in_plane(const glm::dvec3& p, const glm::dvec3& q, const Corners& t, int axis) {
     std::array<glm::dvec2, 3> c{};
     for (size_t k = 0; k < 3; ++k) c[k] = without(t[k], axis);
@@ -105,7 +105,7 @@ class Finder {
 
     static bool before(const glm::uvec2& a, const glm::uvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 
-    // Triangles with area.
+    // Fills axis_. Returns the triangles with area.
     std::vector<uint32_t> find_axes() {
         std::vector<uint32_t> triangles;
         for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
@@ -157,7 +157,7 @@ class Finder {
         list({std::min(s, t), std::max(s, t)});
     }
 
-    // Keeps the lowest: when twice as many as asked for are there, the upper half goes.
+    // Keeps the lowest pairs: at twice the requested count, the upper half is dropped.
     void list(const glm::uvec2& pair) {
         std::vector<glm::uvec2>& listed = result_.listed;
         listed.push_back(pair);
@@ -170,7 +170,7 @@ class Finder {
     [[nodiscard]] bool intersect(uint32_t s, uint32_t t) const {
         const Triangle &u = mesh_.triangles[s], &v = mesh_.triangles[t];
         const Corners a = corners(s), b = corners(t);
-        std::array<size_t, 3> own{}, other{}; // corners of s and t that are one vertex
+        std::array<size_t, 3> own{}, other{}; // corners of s and t at shared vertices
         size_t shared = 0;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
@@ -179,7 +179,7 @@ class Finder {
                     other[shared++] = static_cast<size_t>(j);
                 }
         if (shared == 3) return false;
-        if (shared == 2) { // folded onto each other?
+        if (shared == 2) { // two shared vertices: the triangles intersect if they fold onto each other
             const size_t i = 3 - own[0] - own[1], j = 3 - other[0] - other[1];
             if (orientation(a[0], a[1], a[2], b[j]) != 0) return false;
             const int axis = axis_[s];
@@ -201,7 +201,7 @@ class Finder {
     const TriangleMesh& mesh_;
     uint64_t max_pairs_, seen_ = 0;
     size_t max_listed_;
-    std::vector<int> axis_; // of each triangle, see open_axis()
+    std::vector<int> axis_; // per triangle, see open_axis()
     TriangleTree tree_;
     Intersections result_;
 };

@@ -14,18 +14,19 @@ namespace brittle::fracture {
 
 namespace {
 
-// Coordinates are rounded to 1e-16 of their size, which moves a volume by area times size times 1e-16; its
-// integral is rounded to 1e-16 of the length cubed. What is smaller is no solid: a plate of a metre's width
-// and coordinates is dropped where it is thinner than 2e-15 m, a needle of a metre's length where it is
-// thinner than 3e-8 m.
+// The relative volume below which an island is not a solid. Rounding coordinates to 1e-16 of their size changes a
+// volume by area times size times 1e-16; its integral is rounded to 1e-16 of the length cubed. For example, a plate
+// with a width and coordinates of one metre is dropped below a thickness of 2e-15 m, a needle of one metre below a
+// thickness of 3e-8 m.
 constexpr double flat_island = 1e-15;
 
-// A triangle is seen from a point on it as half of the sphere: this far from its plane, as the sine of an angle, the
-// sign of the half is noise.
+// The sine of the angle within which a point is on a triangle. From a point on it, a triangle covers half of the
+// sphere; within this angle of its plane the sign of that half is noise.
 constexpr double on_triangle = 1e-9;
 
 Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
               std::span<const FaceSource> sources, std::span<const uint32_t> members,
+              // per vertex, no_index on entry and on return
               std::vector<uint32_t>& local /* per vertex, no_index on entry and on return */) {
     Island island;
     for (const bool interior : {false, true}) {
@@ -71,7 +72,7 @@ void append(Island& island, const Island& cavity) {
 
 struct Winding {
     double number = 0.0;
-    bool on_surface = false; // then the number says nothing
+    bool on_surface = false; // `number` is then meaningless
 };
 
 Winding wind(const glm::dvec3& point, std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
@@ -95,7 +96,7 @@ Winding wind(const glm::dvec3& point, std::span<const glm::dvec3> positions, std
     return winding;
 }
 
-// The index of the smallest island around the cavity, or islands.size().
+// Returns the index of the smallest island around the cavity, or islands.size().
 size_t owner_of(const Island& cavity, std::span<const Island> islands) {
     size_t owner = islands.size();
     for (size_t i = 0; i < islands.size(); ++i) {
@@ -123,7 +124,7 @@ bool encloses(std::span<const glm::dvec3> positions, std::span<const Triangle> t
         if (!winding.on_surface) return winding.number > 0.5;
         sum += winding.number;
     }
-    return sum > 0.5 * static_cast<double>(shell.size()); // it touches everywhere
+    return sum > 0.5 * static_cast<double>(shell.size()); // every triangle of the shell touches the mesh
 }
 
 bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions, double extent) {
@@ -141,7 +142,7 @@ bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions, 
 std::vector<Island> split_islands(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                                   std::span<const FaceSource> sources, double extent) {
     const std::vector<uint32_t> component = triangle_components(positions.size(), triangles);
-    std::vector<std::vector<uint32_t>> members; // triangles per component
+    std::vector<std::vector<uint32_t>> members; // per component: its triangles
     for (uint32_t i = 0; i < triangles.size(); ++i) {
         if (component[i] >= members.size()) members.resize(component[i] + 1);
         members[component[i]].push_back(i);
@@ -155,7 +156,7 @@ std::vector<Island> split_islands(std::span<const glm::dvec3> positions, std::sp
         if (is_flat(island.mass, island.positions, extent)) continue;
         (island.mass.volume < 0.0 ? cavities : islands).push_back(std::move(island));
     }
-    // All owners are found before any cavity moves in, so the islands that are tested are solid.
+    // Find all owners before moving any cavity, so that the tested islands are solid.
     std::vector<size_t> owners;
     for (const Island& cavity : cavities) owners.push_back(owner_of(cavity, islands));
     const size_t solid = islands.size();

@@ -10,30 +10,31 @@ namespace brittle::fracture {
 
 namespace {
 
-constexpr uint8_t crowded = 9; // the degree of a vertex with more corners than slots
+constexpr uint8_t crowded = 9; // the degree that stands for more corners than slots
 
-// Triangles a run: a thread that fills a range of vertices skips runs that refer to none of them.
+// Triangles per run. A thread that fills a range of vertices skips the runs that refer to none of them.
 constexpr uint32_t run_length = 512;
-constexpr uint32_t min_runs = 16;
-constexpr uint32_t min_blocks = 256; // a range of vertices
+constexpr uint32_t min_runs = 16;    // per chunk
+constexpr uint32_t min_blocks = 256; // per range of vertices
 
-// A block holds the corners of eight consecutive vertices: the next of corner s of vertex k at s * lanes + k,
-// its prev as far behind as all nexts take.
+// A block holds the corners of eight consecutive vertices: `next` of corner s of vertex k is at s * lanes + k, `prev`
+// is at the same place after all nexts.
 constexpr uint32_t lanes = 8;
 constexpr uint32_t slots = 8;
 constexpr uint32_t prevs = slots * lanes;
 constexpr uint32_t block_size = 2 * prevs;
 
-// Eight numbers in one register, or in two; GCC and Clang both know the extension.
+// Eight numbers in one or two vector registers; GCC and Clang support the extension.
 using Eight = uint32_t __attribute__((vector_size(4 * lanes)));
 
 } // namespace
 
 namespace simd {
 
-// A walk around eight vertices at once, without branches: a step goes to the corner whose next is the prev of
-// the one before. It is an error to find none or several, or to be back before the last corner. n corners
-// without an error are n different ones: a walk that runs into itself elsewhere never comes back.
+// Walks around eight vertices at once, without branches. A step goes to the corner whose next is the prev of the
+// current corner. Finding none or several is an error, as is returning to the start before the last corner. Without an
+// error, n corners in the walk are n different corners: a walk that enters a cycle elsewhere never returns to its
+// start.
 BRITTLE_SIMD bool are_rings(const uint32_t* corners, const uint8_t* degrees, size_t blocks) {
     Eight bad{};
     for (size_t b = 0; b < blocks; ++b, corners += block_size, degrees += lanes) {
@@ -48,7 +49,7 @@ BRITTLE_SIMD bool are_rings(const uint32_t* corners, const uint8_t* degrees, siz
         for (uint32_t s = 0; s < slots; ++s) {
             std::memcpy(&next[s], corners + s * lanes, sizeof next[s]);
             std::memcpy(&prev[s], corners + prevs + s * lanes, sizeof prev[s]);
-            next[s] |= ~reinterpret_cast<Eight>(degree > s); // no vertex has all bits set
+            next[s] |= ~reinterpret_cast<Eight>(degree > s); // no vertex index has all bits set
         }
         const Eight first = next[0];
         Eight at = prev[0];
@@ -72,7 +73,7 @@ BRITTLE_SIMD bool are_rings(const uint32_t* corners, const uint8_t* degrees, siz
 
 } // namespace simd
 
-// Indices in range, no triangle that names a vertex twice; and what each run refers to.
+// Returns whether all indices are in range and no triangle names a vertex twice. Fills reach_.
 bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads) {
     const auto runs = static_cast<uint32_t>((triangles.size() + run_length - 1) / run_length);
     reach_.resize(runs);
@@ -86,7 +87,8 @@ bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangl
                 reach.highest = std::max({reach.highest, t.x, t.y, t.z});
                 degenerate |= t.x == t.y || t.y == t.z || t.z == t.x;
             }
-            if (degenerate) reach.highest = std::numeric_limits<uint32_t>::max(); // refused like a bad index
+            // rejected like an index out of range
+            if (degenerate) reach.highest = std::numeric_limits<uint32_t>::max();
             reach_[r] = reach;
         }
     });
@@ -95,7 +97,7 @@ bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangl
 
 void ManifoldCheck::fill(uint32_t first, uint32_t last, std::span<const Triangle> triangles, Range& range) {
     const auto place = [&](uint32_t v, uint32_t next, uint32_t prev) {
-        if (v - first >= last - first) return; // below first wraps around
+        if (v - first >= last - first) return; // an index below `first` wraps around
         const uint32_t n = degree_[v];
         if (n < slots) {
             uint32_t* const corner = corners_.data() + size_t{v / lanes} * block_size + n * lanes + v % lanes;
@@ -118,11 +120,11 @@ void ManifoldCheck::fill(uint32_t first, uint32_t last, std::span<const Triangle
     }
 }
 
-// The same walk for vertices of any degree, one after the other.
+// Walks around vertices of any degree, one at a time.
 bool ManifoldCheck::are_crowds_rings(std::vector<Corner>& crowd) const {
     const auto vertex_of = [](const Corner& c) { return c.vertex; };
     std::ranges::sort(crowd, {}, vertex_of);
-    for (size_t k = 0, late = crowd.size(); k < late; ++k) { // those that found room, once for each vertex
+    for (size_t k = 0, late = crowd.size(); k < late; ++k) { // append the corners in the slots, once per vertex
         const uint32_t v = crowd[k].vertex;
         if (k > 0 && crowd[k - 1].vertex == v) continue;
         const uint32_t* const corner = corners_.data() + size_t{v / lanes} * block_size + v % lanes;
@@ -134,7 +136,7 @@ bool ManifoldCheck::are_crowds_rings(std::vector<Corner>& crowd) const {
         const std::span<const Corner> fan(crowd.data() + begin, end - begin);
         uint32_t at = fan[0].prev;
         for (size_t step = 1; step < fan.size(); ++step) {
-            // Not std::ranges: what it returns here does not compile with clang 14 and GCC 12's library.
+            // std::ranges::lower_bound does not compile here with Clang 14 and the library of GCC 12.
             const auto here = std::lower_bound(fan.begin(), fan.end(), at,
                                                [](const Corner& c, uint32_t next) { return c.next < next; });
             const bool found = here != fan.end() && here->next == at;
@@ -151,7 +153,7 @@ bool ManifoldCheck::run(size_t vertex_count, std::span<const Triangle> triangles
     const auto blocks = static_cast<uint32_t>((vertex_count + lanes - 1) / lanes);
     corners_.resize(size_t{blocks} * block_size);
     degree_.resize(size_t{blocks} * lanes);
-    // One range a thread, not several: each looks at all triangles but for the runs it can skip.
+    // One range per thread: each range scans all triangles except skipped runs, so more ranges would cost more.
     const uint32_t ranges = std::clamp(blocks / min_blocks, 1u, threads.count());
     if (ranges_.size() < ranges) ranges_.resize(ranges);
     threads.for_each(ranges, [&](uint32_t r) {

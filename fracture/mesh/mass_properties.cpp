@@ -12,15 +12,15 @@
 namespace brittle::fracture {
 namespace {
 
-// Below this share of (area x radius) a volume is rounding noise of its own sum, and dividing by it would
-// throw the centre of mass anywhere. A slab of relative thickness 1e-14 is still above it.
+// The relative volume, in units of area x radius, below which the volume is rounding noise of its own sum and dividing
+// by it would give an arbitrary centre of mass. A slab of relative thickness 1e-14 is still above it.
 constexpr double volume_noise = 8.0 * std::numeric_limits<double>::epsilon();
 
-// Triangles summed plainly before a block goes into a compensated total: error grows with the block instead
-// of with the mesh, at almost no cost (compensating every addition made the whole three times slower).
+// Triangles per block. Blocks are summed plainly and added to a compensated total: the error grows with the block
+// instead of with the mesh, at almost no cost. Compensating every addition takes three times as long.
 constexpr size_t block_size = 64;
 
-// Neumaier's compensated sum of N quantities side by side.
+// Neumaier's compensated sum of N quantities in parallel.
 template<size_t N>
 struct CompensatedSum {
     std::array<double, N> sum{};
@@ -42,8 +42,7 @@ struct Frame {
     double radius = 0.0; // half the diagonal of the box
 };
 
-// Of the corners rather than of the positions: a stray vertex that no triangle uses must not move the
-// reference.
+// Bounds the corners of triangles instead of all positions: an unused vertex must not move the reference point.
 Frame frame_of(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
     if (triangles.empty()) return {};
     glm::dvec3 low = positions[triangles[0].x];
@@ -67,19 +66,20 @@ glm::dvec3 mean_of_corners(std::span<const glm::dvec3> positions, std::span<cons
     return near + sum / (3.0 * static_cast<double>(triangles.size()));
 }
 
-// The normal of a triangle, as long as twice its area, by its two shorter edges: in a needle the error of the product of
-// two long ones would be many times the area. Of the positions as they are: even moving them to another origin costs a
-// needle digits.
+// Returns the normal of a triangle with a length of twice its area, from its two shorter edges: in a needle, the
+// rounding error of the product of two long edges is many times the area. The edges come from the original positions,
+// because even a translation costs a needle some digits.
 glm::dvec3 area_vector(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     const std::array<glm::dvec3, 5> edges{b - a, c - b, a - c, b - a, c - b};
     const double ab2 = dot(edges[0], edges[0]), bc2 = dot(edges[1], edges[1]), ca2 = dot(edges[2], edges[2]);
-    // By index: which edge is the longest is as good as random, and a branch predicted wrongly costs more than the rest.
+    // Selected by index instead of by branch: the longest edge is as good as random, and a mispredicted branch would
+    // cost more than the rest.
     const bool bc_is_longest = static_cast<bool>((bc2 >= ab2) & (bc2 >= ca2));
     const size_t longest = bc_is_longest ? 1 : 2 * static_cast<size_t>(ca2 >= ab2);
     return cross(edges[longest + 1], edges[longest + 2]);
 }
 
-// Sums term(a, b, c, normal) over all triangles with corners relative to origin.
+// Sums the terms of all triangles. add_term() receives the corners relative to `origin`, the normal and the sums.
 template<size_t N, class Term>
 CompensatedSum<N> integrate(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                             const glm::dvec3& origin, Term&& add_term) {
@@ -111,9 +111,9 @@ MassProperties mass_properties(std::span<const glm::dvec3> positions, std::span<
     if (triangles.empty()) return mass;
     const Frame frame = frame_of(positions, triangles);
 
-    // With d = 6 x the signed volume of the tetrahedron (origin, a, b, c) and s = a + b + c, its integrals
-    // are 1: d/6,  x: d/24 s,  x x^T: d/120 (a a^T + b b^T + c c^T + s s^T). The normal is taken from edges,
-    // not from b x c: its rounding error then shrinks with the triangle.
+    // With d = 6 x the signed volume of the tetrahedron (origin, a, b, c) and s = a + b + c, the integrals over it are
+    // 1: d/6,  x: d/24 s,  x x^T: d/120 (a a^T + b b^T + c c^T + s s^T). The normal comes from edges instead of b x c,
+    // so its rounding error shrinks with the triangle.
     enum { six_volume, two_area, mx, my, mz, cxx, cyy, czz, cxy, cyz, czx, count };
     const auto sums = integrate<count>(positions, triangles, frame.centre,
                                        [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
@@ -145,7 +145,7 @@ MassProperties mass_properties(std::span<const glm::dvec3> positions, std::span<
 
     const glm::dvec3 offset = glm::dvec3(sums[mx], sums[my], sums[mz]) / (24.0 * mass.volume);
     mass.centre_of_mass = frame.centre + offset;
-    // Parallel axis: from the frame's centre to the centre of mass.
+    // Parallel axis theorem: from the centre of the frame to the centre of mass.
     const auto second = [&](int k, int i, int j) {
         return sums[static_cast<size_t>(k)] / 120.0 - mass.volume * offset[i] * offset[j];
     };

@@ -7,14 +7,15 @@ namespace brittle::fracture {
 
 namespace {
 
-// One Jacobi rotation that zeroes tensor[p][q]; axes collects the rotations. For known p and q all of it stays in registers.
+// Applies the Jacobi rotation that zeroes tensor[p][q]; `axes` accumulates the rotations. With p and q as constants
+// everything stays in registers.
 template<int p, int q>
 void rotate_away(glm::dmat3& tensor, glm::dmat3& axes) {
     const double off = tensor[q][p];
     if (off == 0.0) return;
     const double theta = (tensor[q][q] - tensor[p][p]) / (2.0 * off);
-    // The smaller of the two rotation angles keeps the axes in order; 1/(2 theta) where theta^2 would
-    // overflow.
+    // The smaller of the two rotation angles preserves the order of the axes. 1/(2 theta) avoids the overflow of
+    // theta^2.
     const double tangent = std::abs(theta) > 1e150
                                ? 0.5 / theta
                                : std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
@@ -36,7 +37,7 @@ PrincipalAxes principal_axes(const glm::dmat3& tensor) {
     work[0][1] = work[1][0];
     work[0][2] = work[2][0];
     work[1][2] = work[2][1];
-    // Scaled, so that the squares of a crumb's moments (1e-20 kg m^2) neither underflow nor decide
+    // Scaled, so that the squares of a tiny piece's moments (1e-20 kg m^2) neither underflow nor decide the
     // convergence.
     double scale = 0.0;
     for (int column = 0; column < 3; ++column)
@@ -45,7 +46,7 @@ PrincipalAxes principal_axes(const glm::dmat3& tensor) {
     work /= scale;
 
     glm::dmat3 axes(1.0);
-    // Convergence is quadratic: five sweeps reach rounding for any 3x3, the rest is for safety.
+    // Convergence is quadratic: five sweeps reach rounding precision for any 3x3 tensor; twelve are a safe bound.
     for (int sweep = 0; sweep < 12; ++sweep) {
         const double off = std::abs(work[1][0]) + std::abs(work[2][0]) + std::abs(work[2][1]);
         if (off < 1e-15) break;

@@ -11,7 +11,7 @@
 namespace brittle::fracture {
 namespace {
 
-// The corner of a triangle at some vertex v: the triangle is (v, next, prev).
+// The corner at vertex v of the triangle (v, next, prev).
 struct Corner {
     uint32_t next;
     uint32_t prev;
@@ -21,9 +21,9 @@ bool is_degenerate(const Triangle& t) {
     return t.x == t.y || t.y == t.z || t.z == t.x;
 }
 
-// The corners of all non-degenerate triangles, bucketed by vertex: those of v are corners[begin[v] .. begin[v
-// + 1]). Buckets beat sorting the edges: linear, and each vertex is then judged inside one or two cache
-// lines.
+// The corners of all non-degenerate triangles, bucketed by vertex: those of v are corners[begin[v] .. begin[v + 1]).
+// Rejected alternative: sorting the edges. Buckets take linear time, and a vertex is then checked within one or two
+// cache lines.
 struct CornerTable {
     std::vector<uint32_t> begin;
     std::vector<Corner> corners;
@@ -39,7 +39,7 @@ struct CornerTable {
         }
         std::partial_sum(begin.begin(), begin.end(), begin.begin());
         corners.resize(begin.back());
-        // begin is shifted by one place while it serves as the write cursor; filling it moves it into place.
+        // While filling, begin serves as the write cursor, shifted by one entry; filling moves it into place.
         for (const Triangle& t : triangles) {
             if (is_degenerate(t)) continue;
             corners[begin[t.x + size_t{1}]++] = {t.y, t.z};
@@ -52,11 +52,11 @@ struct CornerTable {
     std::span<Corner> of(size_t v) { return std::span(corners).subspan(begin[v], begin[v + 1] - begin[v]); }
 };
 
-// Above this many corners the quadratic walk of is_one_closed_fan() costs more than sorting.
+// The count of corners above which sorting is faster than the quadratic walk of is_one_closed_fan().
 constexpr size_t max_quadratic_fan = 24;
 
-// True where the corners chain up to exactly one ring around the vertex that meets each neighbour once: then
-// all edges of the vertex are paired and its fan is single. Sorts the corners into ring order on the way.
+// Returns whether the corners form exactly one ring around the vertex that visits each neighbour once. Then all edges
+// at the vertex are paired and its fan is single. Sorts the corners into ring order.
 bool is_one_closed_fan(std::span<Corner> fan) {
     const uint32_t first = fan[0].next;
     for (size_t placed = 1; placed < fan.size(); ++placed) {
@@ -87,8 +87,8 @@ std::vector<uint32_t> connect_vertices(size_t vertex_count, std::span<const Tria
     return parent;
 }
 
-// What is known about a vertex that is_one_closed_fan() did not clear. Buffers are members so that a soup of
-// bad vertices allocates once.
+// Classifies a vertex that failed is_one_closed_fan(). The buffers are members, so a mesh with many bad vertices
+// allocates them once.
 class VertexJudge {
   public:
     explicit VertexJudge(TopologyReport& report) : report_(report) {}
@@ -115,7 +115,7 @@ class VertexJudge {
         return static_cast<uint32_t>(at - neighbours_.begin());
     }
 
-    // Each edge is judged at its lower end only.
+    // Each edge is classified at its lower vertex only.
     void classify_edges(uint32_t v, std::span<const Corner> fan) {
         uses_.assign(neighbours_.size(), {0, 0});
         for (const Corner& c : fan) {
@@ -155,7 +155,7 @@ class VertexJudge {
 
     TopologyReport& report_;
     std::vector<uint32_t> neighbours_;
-    std::vector<std::pair<uint32_t, uint32_t>> uses_; // of the edge to each neighbour: outward, inward
+    std::vector<std::pair<uint32_t, uint32_t>> uses_; // per neighbour: uses of the edge, outward and inward
     std::vector<uint32_t> parent_;
 };
 
@@ -178,8 +178,7 @@ TopologyReport check_topology(size_t vertex_count, std::span<const Triangle> tri
     }
 
     const std::vector<uint32_t> parent = connect_vertices(vertex_count, triangles);
-    // A root is an unused vertex or the least vertex of a component; components are counted at their used
-    // vertices.
+    // A root is an unused vertex or the lowest vertex of a component; used roots count the components.
     std::vector<uint8_t> used(vertex_count, 0);
     for (const Triangle& t : triangles) used[t.x] = used[t.y] = used[t.z] = 1;
     for (size_t v = 0; v < vertex_count; ++v) {
@@ -202,7 +201,7 @@ TopologyReport check_topology(size_t vertex_count, std::span<const Triangle> tri
 }
 
 std::string describe(const TopologyReport& report) {
-    std::vector<std::string> faults; // gravest first; only the first one names its offender
+    std::vector<std::string> faults; // gravest first; only the first is located
     const auto add = [&](uint64_t count, const char* singular, const char* plural, auto&& where) {
         if (count == 0) return;
         faults.push_back(count_of(count, singular, plural) + (faults.empty() ? where() : std::string()));

@@ -13,7 +13,8 @@ namespace {
 constexpr uint32_t leaf_size = 4;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Moeller and Trumbore, "Fast, minimum storage ray-triangle intersection", 1997; infinity for a miss.
+// Returns the ray parameter of the hit, infinity for a miss (Moeller and Trumbore, "Fast, minimum storage ray-triangle
+// intersection", 1997).
 double distance_to(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& a, const glm::dvec3& b,
                    const glm::dvec3& c) {
     const glm::dvec3 u = b - a, v = c - a, across = glm::cross(direction, v);
@@ -33,7 +34,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh, std::vector<uint32_t> trian
     if (!order_.empty()) root_ = build(0, static_cast<uint32_t>(order_.size()));
 }
 
-// Depth is the logarithm of the count: halves are equally large.
+// Splits at the median, so the depth is the logarithm of the count.
 uint32_t TriangleTree::build(uint32_t begin, uint32_t end) {
     Node node{glm::dvec3(infinity), glm::dvec3(-infinity), begin, end};
     for (uint32_t k = begin; k < end; ++k)
@@ -65,19 +66,19 @@ uint32_t TriangleTree::build(uint32_t begin, uint32_t end) {
 std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const glm::dvec3& direction,
                                               uint32_t besides) const {
     if (root_ == none) return std::nullopt;
-    const glm::dvec3 inverse = 1.0 / direction; // infinite along an axis that it does not move in
+    const glm::dvec3 inverse = 1.0 / direction; // infinite along an axis with a zero component
     double nearest = infinity;
     const auto reaches = [&](const Node& node) {
         double from = 0.0, to = nearest;
         for (int k = 0; k < 3; ++k) {
             double near = (node.min[k] - origin[k]) * inverse[k], far = (node.max[k] - origin[k]) * inverse[k];
             if (near > far) std::swap(near, far);
-            if (near > from) from = near; // not a number, from 0 x infinity, says nothing
+            if (near > from) from = near; // a NaN from 0 x infinity is ignored
             if (far < to) to = far;
         }
         return from <= to * (1.0 + 1e-12);
     };
-    std::array<uint32_t, 128> stack; // twice the depth for 2^32 triangles is 64
+    std::array<uint32_t, 128> stack; // at most depth + 1 nodes wait here, 33 for 2^32 triangles
     size_t size = 0;
     stack[size++] = root_;
     while (size > 0) {

@@ -11,11 +11,11 @@ namespace {
 
 constexpr uint32_t first_cut_point = 1u << 30; // see Fragments::vertex_point
 
-// A weight below this is rounding: the point lies on the side.
+// The weight below which a point lies on the opposite side, up to rounding.
 constexpr double min_weight = 1e-12;
 
-// Cosine of the angle between a cut and the bisector of the two sites, above which they are one. Pieces that have
-// become one keep only one of their sites, and have cuts across other bisectors.
+// The cosine of the angle between a cut and the bisector of the two sites above which the cut lies on the bisector. A
+// merged piece keeps only one of its sites, so it has cuts on other bisectors.
 constexpr double same_plane = 0.99999;
 
 glm::dvec3 along_longest_side(const glm::dvec3& p, const std::array<glm::dvec3, 3>& corners) {
@@ -53,14 +53,14 @@ glm::dvec3 weights_at(const glm::dvec3& p, const std::array<glm::dvec3, 3>& corn
     return std::isfinite(sum) && sum > 0.0 ? weights / sum : along_longest_side(p, corners);
 }
 
-// The same for both sides of a cut: the first component that is plainly not zero is positive.
+// Returns the unit normal that both sides of a cut share: the first component that is clearly nonzero is positive.
 glm::dvec3 without_side(const glm::dvec3& unit) {
     for (int k = 0; k < 3; ++k)
         if (std::abs(unit[k]) >= 1e-6) return unit[k] > 0.0 ? unit : -unit;
     return unit;
 }
 
-// Level and upward on a plane, of its unit normal.
+// Returns a horizontal and an upward axis on the plane with the given unit normal.
 std::array<glm::dvec3, 2> axes_on(const glm::dvec3& normal) {
     const bool is_level = std::abs(normal.y) > 0.999;
     const glm::dvec3 up = is_level ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);

@@ -14,9 +14,9 @@
 namespace brittle::fracture {
 namespace {
 
-constexpr uint32_t min_pieces = 4; // in a run
+constexpr uint32_t min_pieces = 4; // per run
 
-// What certify() finds out about a piece.
+// The verified properties of one piece.
 struct PieceFacts {
     bool well_formed = false; // ranges and indices are within their arrays
     bool solid = false;       // closed, oriented and manifold
@@ -27,7 +27,7 @@ bool is_within(const Range& range, size_t size) {
     return range.begin <= range.end && range.end <= size;
 }
 
-// A certificate does not trust what it certifies: indices are looked at before they are followed.
+// Checks all indices before they are used: a certificate does not trust its input.
 bool is_well_formed(const Fragments& fragments, const Piece& piece) {
     if (!is_within(piece.vertices, fragments.positions.size())) return false;
     if (!is_within(piece.triangles, fragments.triangles.size())) return false;
@@ -60,11 +60,10 @@ class Hasher {
   public:
     void add(uint64_t word) {
         state_ = (state_ ^ word) * 0x100000001b3ull;
-        // Multiplication carries upwards only; this brings the high bits of a word (sign, exponent) back
-        // down.
+        // Multiplication carries upwards only; this folds the high bits of a word (sign, exponent) back down.
         state_ ^= state_ >> 32;
     }
-    // Adding +0 turns -0 into +0 and leaves every other number as it is.
+    // Adding +0 turns -0 into +0 and leaves every other number unchanged.
     void add(double value) { add(std::bit_cast<uint64_t>(value + 0.0)); }
     void add(uint32_t low, uint32_t high) { add(low | static_cast<uint64_t>(high) << 32); }
 
@@ -83,7 +82,7 @@ Certificate certify(const TriangleMesh& input, const Fragments& fragments, uint3
     certificate.triangles_in = input.triangles.size();
     certificate.triangles_out = fragments.triangles.size();
 
-    // The hash and the input's volume are tasks beside runs of pieces.
+    // The hash and the volume of the input are tasks of their own, beside the runs of pieces.
     std::vector<PieceFacts> facts(count);
     Threads threads(thread_count);
     const uint32_t runs = threads.chunks(count, min_pieces);
@@ -102,7 +101,7 @@ Certificate certify(const TriangleMesh& input, const Fragments& fragments, uint3
     std::vector<uint32_t> sites;
     sites.reserve(count);
     double smallest = std::numeric_limits<double>::infinity();
-    for (uint32_t p = 0; p < count; ++p) { // in their order: sums do not depend on threads
+    for (uint32_t p = 0; p < count; ++p) { // in index order, so that sums do not depend on the threads
         const Piece& piece = fragments.pieces[p];
         sites.push_back(piece.site);
         certificate.open_pieces += facts[p].solid ? 0 : 1;

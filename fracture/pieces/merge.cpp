@@ -22,11 +22,12 @@ namespace {
 
 constexpr uint32_t none = CapPairs::none;
 
-// Up to rounding.
+// Tolerances of sticks_out(): the fraction of a sheet's side that counts as all of it, and the overhang, in units of
+// the box's diagonal, that counts as none.
 constexpr double whole_side = 1.0 - 1e-6;
 constexpr double touching = 1e-9;
 
-// Sets of pieces, with volumes and contacts.
+// Disjoint sets of pieces, with their volumes, surface areas and contacts.
 class PieceSets {
   public:
     explicit PieceSets(const Fragments& fragments)
@@ -45,10 +46,10 @@ class PieceSets {
     }
 
     uint32_t root(uint32_t piece) { return root_of(parent_, piece); }
-    // Of roots:
+    // The functions below take roots.
     [[nodiscard]] double volume(uint32_t root) const { return volume_[root]; }
-    [[nodiscard]] uint32_t name(uint32_t root) const { return name_[root]; } // one of its pieces
-    // The set with the largest contact; none without contacts.
+    [[nodiscard]] uint32_t name(uint32_t root) const { return name_[root]; } // a piece of the set
+    // Returns the set with the largest contact area; none without contacts.
     [[nodiscard]] uint32_t neighbour(uint32_t root) const {
         uint32_t best = none;
         double area = 0.0;
@@ -62,9 +63,9 @@ class PieceSets {
     }
 
     [[nodiscard]] const std::map<uint32_t, double>& contacts(uint32_t root) const { return contacts_[root]; }
-    [[nodiscard]] double area(uint32_t root) const { return area_[root]; } // of the surface
+    [[nodiscard]] double area(uint32_t root) const { return area_[root]; } // surface area
 
-    // Two roots; returns the new one, which is that of the set with more neighbours.
+    // Unites the sets of two roots. Returns the new root, which is the root with more neighbours.
     uint32_t unite(uint32_t a, uint32_t b, uint32_t name) {
         const auto between = contacts_[a].find(b);
         const double contact = between == contacts_[a].end() ? 0.0 : between->second;
@@ -87,7 +88,7 @@ class PieceSets {
   private:
     std::vector<uint32_t> parent_, name_;
     std::vector<double> volume_, area_;
-    std::vector<std::map<uint32_t, double>> contacts_; // of roots, by root
+    std::vector<std::map<uint32_t, double>> contacts_; // per root: contact areas by neighbouring root
 };
 
 } // namespace
@@ -116,7 +117,7 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
             if (a != b) sets.unite(a, b, std::min(sets.name(a), sets.name(b)));
         }
     }
-    std::vector<uint8_t> flat(count, rules.flat.empty() ? 0 : 1); // of roots: all of it is
+    std::vector<uint8_t> flat(count, rules.flat.empty() ? 0 : 1); // per root: 1 if all pieces of the set are flat
     for (uint32_t p = 0; p < rules.flat.size(); ++p)
         if (!rules.flat[p]) flat[sets.root(p)] = 0;
 
@@ -135,13 +136,14 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
         const glm::dvec3 beyond = glm::max(box.min - other.min, other.max - box.max);
         return std::max({beyond.x, beyond.y, beyond.z}) > touching * glm::length(box.size());
     };
-    // A sheet on the outside of several neighbours would stick out from the one that takes it.
+    // Returns whether merging a sheet into one neighbour would leave it sticking out: a sheet on the outside of the
+    // solid may cover several neighbours.
     const auto sticks_out = [&](uint32_t root, uint32_t other) {
         double outside = 0.0;
         for (uint32_t p = 0; p < count; ++p)
             if (sets.root(p) == root) outside += exterior_area(fragments, fragments.pieces[p]);
-        // Half of a sheet's surface is outside, less where the input folds it; nothing of a speck inside the
-        // solid.
+        // About half of the surface of a sheet is exterior, less where the input folds it; a speck inside the solid has
+        // no exterior surface.
         return outside >= 0.25 * sets.area(root)
                && (sets.contacts(root).at(other) < 0.5 * whole_side * sets.area(root) || grows_by(other, root));
     };
@@ -169,7 +171,7 @@ std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRule
         const uint8_t both_flat = flat[root] & flat[other];
         uint32_t united = sets.unite(root, other, sets.name(other));
         flat[united] = both_flat;
-        // What lay between two pieces of a group may be gone.
+        // The merged piece may have separated two pieces of a group; these are now in contact.
         for (uint32_t mate = find_mate(united); mate != none; mate = find_mate(united)) {
             const uint8_t flat_too = flat[united] & flat[mate];
             united = sets.unite(united, mate, std::min(sets.name(united), sets.name(mate)));
@@ -209,7 +211,7 @@ std::vector<Bond> merge_bonds(std::span<const Bond> bonds, std::span<const uint3
     for (auto& [ends, bond] : merged) {
         bond.centroid /= bond.area;
         const double length = glm::length(bond.normal);
-        // One piece all around the other: no direction is right.
+        // No direction is meaningful where one piece surrounds the other.
         bond.normal = length > 1e-9 * bond.area ? bond.normal / length : glm::dvec3(0.0, 1.0, 0.0);
         result.push_back(bond);
     }
@@ -236,7 +238,7 @@ void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative
             ++parts_of_source[source];
         }
     }
-    std::vector<uint8_t> changes; // by site: whether a piece of it is not what it was
+    std::vector<uint8_t> changes; // per site: 1 if one of its pieces changes
     for (const Piece& piece : fragments.pieces)
         if (piece.site >= changes.size()) changes.resize(size_t{piece.site} + 1, 0);
     for (uint32_t p = 0; p < count; ++p)
@@ -254,7 +256,7 @@ void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative
         return true;
     };
     const SewingPlan plan{fragments, representative, caps, parts_of_source};
-    // Sets are sewn side by side, each into fragments of its own, and with points of its own for halved
+    // Sets are sewn in parallel, each into fragments of its own and with a range of its own for the points of halved
     // edges.
     struct Set {
         uint32_t piece;

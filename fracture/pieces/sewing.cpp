@@ -40,8 +40,8 @@ double distance2_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm
     return std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
 }
 
-// The input triangle of a sheet that lies where a triangle of its neighbour is; none where the sheet has
-// none.
+// Returns the input triangle of a sheet that is nearest to a triangle of its neighbour; none if the sheet has no
+// exterior triangle.
 uint32_t source_beyond(const Fragments& fragments, const Piece& of, uint32_t t, const Piece& sheet) {
     const Triangle& c = fragments.triangles[t];
     const auto own = fragments.positions_of(of);
@@ -59,7 +59,7 @@ uint32_t source_beyond(const Fragments& fragments, const Piece& of, uint32_t t, 
     return nearest;
 }
 
-// One set of pieces under the needle. Half-edge 3t + k runs from corner k of triangle t to the next.
+// Sews one set of pieces. Half-edge 3t + k runs from corner k of triangle t to the next corner.
 class Sewing {
   public:
     Sewing(const SewingPlan& plan, std::span<const uint32_t> pieces)
@@ -100,24 +100,24 @@ class Sewing {
 
   private:
     struct Part {
-        std::array<uint32_t, 3> vertex; // into Fragments::positions
-        uint32_t triangle;              // of the fragments
+        std::array<uint32_t, 3> vertex; // indices of Fragments::positions
+        uint32_t triangle;              // index of Fragments::triangles
         uint32_t source;
         bool exterior;
         bool gone = false;
-        bool was_cap = false; // exterior now, because a sheet before it was dropped
+        bool was_cap = false; // exterior now, because the sheet that covered it was dropped
     };
-    // Of a polygon to be triangulated: the half-edge that leaves it, or twin_.size() + h for the middle of
-    // half-edge h. A point that is no corner lies on a side.
+    // A corner of a polygon to triangulate: the half-edge that leaves it, or twin_.size() + h for the midpoint of
+    // half-edge h. A point that is no corner of the triangle lies on one of its sides.
     struct Corner {
         uint32_t h;
         bool is_corner;
     };
-    // The parts of an input triangle that was cut.
+    // The parts of one input triangle.
     struct Patch {
         uint32_t source;
-        uint32_t parts_begin, parts_end; // into parts_
-        uint32_t rim_begin, rim_end;     // into rims_: half-edges around it; in the end those that stay
+        uint32_t parts_begin, parts_end; // range of parts_
+        uint32_t rim_begin, rim_end;     // range of rims_: the half-edges around it, in the end those that remain
         bool whole = false;
     };
 
@@ -137,7 +137,7 @@ class Sewing {
             if (const uint32_t across = caps_.across(t); across != none) look_beyond(piece, across, part);
             triangles_.push_back(part);
         }
-        // A half-edge's twin is among those that leave the vertex where it ends.
+        // The twin of a half-edge is one of the half-edges that leave its target vertex.
         const uint32_t vertices = piece.vertices.size(), begin = 3 * first;
         leaving_begin_.assign(vertices + 2, 0);
         const auto local = [&](uint32_t h) { return from(h) - piece.vertices.begin; };
@@ -160,7 +160,7 @@ class Sewing {
         }
     }
 
-    // What a cap's triangle faces once all pieces have changed: another piece, or the open.
+    // Finds the source of a cap triangle after the merge: another piece, or the surface of the input.
     void look_beyond(const Piece& piece, uint32_t across, Part& part) const {
         const uint32_t beyond = caps_.piece_of(across);
         if (representative_[beyond] != dropped) {
@@ -186,12 +186,12 @@ class Sewing {
         }
     }
 
-    // The same edge on the other side of a cap that was taken out, in the other direction.
+    // Returns the opposite half-edge on the other side of a removed cap.
     [[nodiscard]] uint32_t through(uint32_t h) const {
         const uint32_t other = partner_[h / 3];
         for (uint32_t g = 3 * other; g < 3 * other + 3; ++g)
             if (point(g) == point(after(h))) return g;
-        return none; // unreachable: the two have the same points
+        return none; // unreachable: both sides have equal points
     }
 
     void sew() {
@@ -204,7 +204,7 @@ class Sewing {
         }
     }
 
-    // Half-edges leave the same vertex when going around it leads from one to the other.
+    // Two half-edges leave one vertex if a walk around the vertex leads from one to the other.
     void find_vertices() {
         vertex_of_.resize(twin_.size());
         std::iota(vertex_of_.begin(), vertex_of_.end(), 0u);
@@ -252,7 +252,7 @@ class Sewing {
         }
     }
 
-    // Whether no two edges have the same ends. Solids that touch in their cuts may be sewn so.
+    // Returns whether no two edges have equal ends. Sewing solids that touch in their cuts may create such a pair.
     bool is_simple() {
         leaving_begin_.assign(twin_.size() + 1, 0);
         const auto each_edge = [&](const auto& visit) {
@@ -277,8 +277,8 @@ class Sewing {
         return simple;
     }
 
-    // All but one of the edges with the same ends get a point in the middle; those of caps last, as the
-    // neighbours have them too.
+    // Gives all but one of the edges with equal ends a midpoint. Edges of caps come last, because the neighbours share
+    // them.
     void halve_repeated_edges(uint32_t next_point) {
         struct Edge {
             uint32_t from, to;
@@ -301,7 +301,7 @@ class Sewing {
         }
     }
 
-    // Of the input triangle that this triangle will be part of again as a whole; none where it stays a part.
+    // Returns the patch that replaces this triangle by a whole input triangle; none if the triangle remains a part.
     [[nodiscard]] uint32_t patch_of(uint32_t t) const {
         return patch_of_[t] != none && patches_[patch_of_[t]].whole ? patch_of_[t] : none;
     }
@@ -331,7 +331,7 @@ class Sewing {
 
     [[nodiscard]] bool is_rim(uint32_t h) const { return patch_of_[sewn_[h] / 3] != patch_of_[h / 3]; }
 
-    // Whether the parts form a disc with the three corners of the input triangle on its rim.
+    // Returns whether the parts form a disc with the three corners of the input triangle on its rim.
     bool walk_rim(Patch& patch) {
         uint32_t rims = 0, first = none;
         for (uint32_t k = patch.parts_begin; k < patch.parts_end; ++k) {
@@ -355,7 +355,7 @@ class Sewing {
         return patch.rim_end - patch.rim_begin == rims && corners == 3;
     }
 
-    // Points on the side towards another input triangle that is whole again are needed by neither.
+    // Drops the points on a side towards another input triangle that is whole again: neither needs them.
     void drop_points(Patch& patch) {
         const auto whole_beyond = [&](uint32_t h) { return patch_of(sewn_[h] / 3); };
         const std::span rim(rims_.data() + patch.rim_begin, patch.rim_end - patch.rim_begin);
@@ -369,13 +369,13 @@ class Sewing {
         patch.rim_end = patch.rim_begin + kept;
     }
 
-    // Triangulates polygon_, a triangle with points on its sides: ears at corners beside such points first,
-    // so that none is flat.
+    // Triangulates polygon_, a triangle with points on its sides. Ears at corners beside these points are cut first, so
+    // that no triangle is flat.
     template<class Emit>
     void triangulate(uint32_t source, const Emit& emit) {
         while (polygon_.size() > 3) {
             const size_t n = polygon_.size();
-            size_t ear = 0; // where all are corners, any
+            size_t ear = 0; // any corner, if all points are corners
             for (size_t k = 0; k < n; ++k) {
                 if (!polygon_[k].is_corner || (polygon_[(k + 1) % n].is_corner && polygon_[(k + n - 1) % n].is_corner))
                     continue;
@@ -395,18 +395,19 @@ class Sewing {
     const CapPairs& caps_;
     std::span<const uint32_t> parts_of_source_;
     std::vector<Part> triangles_;
-    std::vector<uint32_t> first_triangle_; // of each piece
-    std::vector<uint32_t> twin_;           // in the half-edge's own piece
-    std::vector<uint32_t> partner_;        // of triangles that are gone
-    std::vector<uint32_t> sewn_;           // twins in the new piece
-    std::vector<uint32_t> vertex_of_;      // a forest over half-edges
-    std::vector<uint32_t> local_;          // of the roots of vertex_of_, then of half-edges' middles
-    std::vector<uint32_t> middle_;         // of the lower half-edge of each edge: the point in its middle; or empty
+    std::vector<uint32_t> first_triangle_; // per piece
+    std::vector<uint32_t> twin_;           // per half-edge: its twin within its own piece
+    std::vector<uint32_t> partner_;        // per removed triangle: its other side
+    std::vector<uint32_t> sewn_;           // per half-edge: its twin in the new piece
+    std::vector<uint32_t> vertex_of_;      // union-find over half-edges that leave one vertex
+    // per root of vertex_of_, then per midpoint of a half-edge: the vertex of the new piece
+    std::vector<uint32_t> local_;
+    std::vector<uint32_t> middle_; // per edge, at its lower half-edge: the number of its midpoint; may be empty
     std::vector<Corner> polygon_;
     std::vector<Patch> patches_;
-    std::vector<uint32_t> patch_of_; // of triangles
+    std::vector<uint32_t> patch_of_; // per triangle
     std::vector<uint32_t> parts_, rims_;
-    std::vector<uint32_t> leaving_begin_, leaving_; // scratch: edges by the vertex that they leave
+    std::vector<uint32_t> leaving_begin_, leaving_; // scratch: edges by their first vertex
 };
 
 } // namespace

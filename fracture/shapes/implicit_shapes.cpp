@@ -1,4 +1,4 @@
-// The shapes of shapes.h that are implicit surfaces, polygonised.
+// The implicit surfaces of shapes.h, polygonised by marching tetrahedra.
 #include "fracture/shapes/shapes.h"
 
 #include <algorithm>
@@ -16,15 +16,15 @@
 namespace brittle::fracture {
 namespace {
 
-// A segment with a radius at each end; nearer than that is inside.
+// A segment with a radius at each end (a tapered capsule).
 struct Bone {
     glm::dvec3 a, b;
     double radius_a, radius_b;
-    double blend;          // m, how far the joint with what came before is smoothed
-    bool mirrored = false; // has a twin at -x
+    double blend;          // m, the extent of the smooth blend with the preceding primitives
+    bool mirrored = false; // whether it has a mirror image at -x
 };
 
-// Half-left of the animal, in metres, feet near y = 0, looking along +Z.
+// The animal, in metres: feet near y = 0, looking along +Z. Mirrored bones describe its half at x > 0.
 constexpr std::array<Bone, 14> calf = {{
     {{0, 0.98, -0.52}, {0, 0.96, 0.45}, 0.33, 0.35, 0.0},                // trunk
     {{0, 0.86, -0.10}, {0, 0.85, 0.20}, 0.29, 0.29, 0.15},               // belly
@@ -42,7 +42,7 @@ constexpr std::array<Bone, 14> calf = {{
     {{0, 0.62, -1.06}, {0, 0.52, -1.06}, 0.075, 0.06, 0.04},             // tuft
 }};
 
-// Round minimum (Quilez): equal to the minimum where the two differ by more than k.
+// Returns a smooth minimum (Quilez), equal to the minimum if the arguments differ by more than k.
 double smooth_min(double a, double b, double k) {
     if (k <= 0.0) return std::min(a, b);
     const double h = std::max(k - std::abs(a - b), 0.0) / k;
@@ -59,13 +59,13 @@ double distance_to(const Bone& bone, const glm::dvec3& p) {
 struct Slab {
     glm::dvec3 centre, half;
     double radius; // of the edges
-    double blend;  // as of a bone
+    double blend;  // as in Bone
 };
 
 // A man in a long robe on a plinth, one arm raised: y from 0 to 2 m, looking along +Z.
 constexpr std::array<Bone, 15> robed_man = {{
     {{0, 0.40, 0.00}, {0, 0.98, 0.0}, 0.215, 0.125, 0.0},        // robe
-    {{0.09, 0.40, 0.10}, {0.06, 0.90, 0.05}, 0.085, 0.06, 0.05}, // its folds
+    {{0.09, 0.40, 0.10}, {0.06, 0.90, 0.05}, 0.085, 0.06, 0.05}, // folds of the robe
     {{-0.10, 0.40, 0.09}, {-0.07, 0.90, 0.04}, 0.08, 0.06, 0.05},
     {{0.0, 0.40, 0.16}, {0.0, 0.85, 0.08}, 0.06, 0.05, 0.04},
     {{0, 1.00, 0.0}, {0, 1.28, 0.01}, 0.125, 0.13, 0.10},        // chest
@@ -75,10 +75,10 @@ constexpr std::array<Bone, 15> robed_man = {{
     {{0, 1.52, 0.07}, {0, 1.55, 0.07}, 0.045, 0.05, 0.06},       // beard
     {{0.20, 1.36, 0.0}, {0.34, 1.56, 0.06}, 0.065, 0.055, 0.06}, // the raised arm
     {{0.34, 1.56, 0.06}, {0.36, 1.84, 0.14}, 0.052, 0.042, 0.03},
-    {{0.36, 1.88, 0.15}, {0.36, 1.95, 0.17}, 0.05, 0.035, 0.03},   // its hand
-    {{-0.21, 1.34, 0.0}, {-0.27, 1.08, 0.04}, 0.065, 0.055, 0.06}, // the other
+    {{0.36, 1.88, 0.15}, {0.36, 1.95, 0.17}, 0.05, 0.035, 0.03},   // hand of the raised arm
+    {{-0.21, 1.34, 0.0}, {-0.27, 1.08, 0.04}, 0.065, 0.055, 0.06}, // lowered arm
     {{-0.27, 1.08, 0.04}, {-0.08, 1.00, 0.17}, 0.052, 0.045, 0.03},
-    {{-0.08, 1.02, 0.10}, {-0.05, 0.55, 0.17}, 0.05, 0.07, 0.05}, // the robe's end over it
+    {{-0.08, 1.02, 0.10}, {-0.05, 0.55, 0.17}, 0.05, 0.07, 0.05}, // end of the robe over the lowered arm
 }};
 constexpr std::array<Slab, 3> plinth = {{
     {{0, 0.05, 0}, {0.38, 0.06, 0.38}, 0.015, 0.0},
@@ -91,12 +91,12 @@ double distance_to(const Slab& slab, const glm::dvec3& p) {
     return length(max(out, 0.0)) + std::min(std::max({out.x, out.y, out.z}), 0.0) - slab.radius;
 }
 
-// What is polygonised.
+// The union of primitives whose surface is polygonised.
 struct Body {
     std::span<const Bone> bones;
     std::span<const Slab> slabs{};
 
-    // Negative inside; near the surface about the distance to it.
+    // Returns a signed field: negative inside, approximately the distance near the surface.
     [[nodiscard]] double field(const glm::dvec3& p) const {
         const glm::dvec3 mirrored(std::abs(p.x), p.y, p.z);
         double field = std::numeric_limits<double>::max();
@@ -117,7 +117,7 @@ struct Body {
         return gradient;
     }
 
-    // Newton's method towards the surface, in steps no longer than given.
+    // Moves p onto the surface by Newton's method, with a bound on the length of a step.
     [[nodiscard]] glm::dvec3 onto(glm::dvec3 p, double longest_step) const {
         constexpr double near_enough = 1e-4; // m
         for (int k = 0; k < 4; ++k) {
@@ -133,8 +133,8 @@ struct Body {
     }
 };
 
-// Marching tetrahedra over Kuhn's six tetrahedra of each lattice cube: no ambiguous case, so the surface is
-// closed and manifold whatever the field does, as long as it is positive on the lattice's rim.
+// Marching tetrahedra over Kuhn's six tetrahedra of each lattice cube. There are no ambiguous cases, so the surface is
+// closed and manifold for any field that is positive on the rim of the lattice.
 class TetrahedraMarcher {
   public:
     TetrahedraMarcher(const Body& body, const glm::dvec3& origin, const glm::uvec3& cells, double spacing)
@@ -163,7 +163,8 @@ class TetrahedraMarcher {
 
     void march_cube(const glm::uvec3& at) {
         constexpr std::array<std::array<int, 3>, 6> paths = {
-            {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}}; // the last three odd
+            // permutations of the axes; the last three are odd
+            {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
         for (size_t k = 0; k < paths.size(); ++k) {
             std::array<size_t, 4> tetrahedron{};
             glm::uvec3 corner = at;
@@ -172,7 +173,7 @@ class TetrahedraMarcher {
                 ++corner[paths[k][step]];
                 tetrahedron[step + 1] = index(corner);
             }
-            if (k >= 3) std::swap(tetrahedron[1], tetrahedron[2]); // right-handed, all of them
+            if (k >= 3) std::swap(tetrahedron[1], tetrahedron[2]); // makes odd ones right-handed
             march_tetrahedron(tetrahedron);
         }
     }
@@ -182,7 +183,7 @@ class TetrahedraMarcher {
         size_t count = 0;
         for (size_t k = 0; k < 4; ++k) count += inside(k);
         if (count == 0 || count == 4) return;
-        // Even renumberings, of which one brings the vertices inside to the front, or the one outside.
+        // Even permutations. One of them brings the inside vertices to the front, or the single outside one.
         constexpr std::array<std::array<size_t, 4>, 12> even = {{{0, 1, 2, 3},
                                                                  {0, 2, 3, 1},
                                                                  {0, 3, 1, 2},
@@ -197,7 +198,7 @@ class TetrahedraMarcher {
                                                                  {3, 2, 1, 0}}};
         for (const auto& [i, j, k, l] : even) {
             if (count == 2 ? !(inside(i) && inside(j)) : inside(i) != (count == 1)) continue;
-            // In braces, which fix the order of evaluation and with it the numbering of vertices.
+            // Braced lists fix the order of evaluation, and with it the numbering of the vertices.
             const auto cut = [&](size_t a, size_t b) { return vertex_between(v[a], v[b]); };
             if (count == 1) mesh_.triangles.push_back({cut(i, j), cut(i, k), cut(i, l)});
             if (count == 3) mesh_.triangles.push_back({cut(i, j), cut(i, l), cut(i, k)});
@@ -214,7 +215,7 @@ class TetrahedraMarcher {
         const uint64_t key = static_cast<uint64_t>(a) << 32 | b;
         const auto [at, is_new] = vertices_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
         if (is_new) {
-            // Kept off the lattice points: vertices that crowd around one make slivers.
+            // Kept away from lattice points: vertices that crowd around one form slivers.
             const double t = std::clamp(values_[a] / (values_[a] - values_[b]), 0.15, 0.85);
             mesh_.positions.push_back(position(a) + (position(b) - position(a)) * t);
         }
@@ -229,7 +230,7 @@ class TetrahedraMarcher {
     TriangleMesh mesh_;
 };
 
-// Moves each vertex towards the middle of its neighbours, within the surface's tangent plane.
+// Moves each vertex towards the mean of its neighbours, within the tangent plane of the surface.
 void relax(const Body& body, TriangleMesh& mesh, double spacing, int rounds) {
     std::vector<glm::dvec3> sum(mesh.positions.size());
     std::vector<double> weight(mesh.positions.size());
@@ -256,10 +257,10 @@ void relax(const Body& body, TriangleMesh& mesh, double spacing, int rounds) {
 
 TriangleMesh four_legged_animal(uint32_t resolution) {
     const Body body{calf};
-    // Below 56 cells along its length the tips of the horns fall between lattice points.
+    // Below 56 cells along the length, the tips of the horns fall between lattice points.
     const double spacing = 2.7 / std::clamp(resolution, 56u, 160u);
     const glm::dvec3 low(-0.5, -0.1, -1.22), high(0.5, 1.9, 1.54);
-    // Half a cell off the plane of symmetry, which no lattice point should lie on.
+    // The lattice is half a cell off the plane of symmetry, so that no lattice point lies on that plane.
     const auto half_width = static_cast<uint32_t>(std::ceil(high.x / spacing)) + 1;
     const glm::dvec3 size = high - low;
     const glm::uvec3 cells(2 * half_width - 1, static_cast<uint32_t>(size.y / spacing) + 2,
@@ -274,7 +275,7 @@ TriangleMesh four_legged_animal(uint32_t resolution) {
 
 TriangleMesh statue(uint32_t resolution) {
     const Body body{robed_man, plinth};
-    // Below 40 cells along its height the raised arm is a string of beads.
+    // Below 40 cells along the height, the raised arm breaks into separate beads.
     const double spacing = 2.0 / std::clamp(resolution, 40u, 160u);
     const glm::dvec3 low(-0.5, -0.1, -0.5);
     const auto half_width = static_cast<uint32_t>(std::ceil(0.5 / spacing)) + 1;

@@ -32,7 +32,7 @@ void append(TriangleMesh& mesh, const TriangleMesh& other) {
     for (const Triangle& t : other.triangles) mesh.triangles.push_back(t + Triangle(offset));
 }
 
-// Vertices of a mesh on the points of a cube's lattice of n steps, each made when it is first asked for.
+// The vertices of a mesh on a cube's lattice of n steps, created on first use.
 class LatticeVertices {
   public:
     LatticeVertices(TriangleMesh& mesh, uint32_t n, double edge) : mesh_(mesh), n_(n), edge_(edge) {}
@@ -51,8 +51,8 @@ class LatticeVertices {
     std::unordered_map<uint64_t, uint32_t> index_of_;
 };
 
-// Triangles of a grid of n x m points that wraps around both ways; point (i, j) has index i * m + j. Facing
-// the side from which a step in i followed by a step in j turns counter-clockwise.
+// Returns the triangles of a grid of n x m points that wraps around in both directions; point (i, j) has index i * m +
+// j. They face the side from which a step in i followed by a step in j turns counter-clockwise.
 std::vector<Triangle> wrapped_grid(uint32_t n, uint32_t m) {
     std::vector<Triangle> triangles;
     triangles.reserve(size_t{2} * n * m);
@@ -86,7 +86,7 @@ TriangleMesh icosahedron() {
              {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
 }
 
-// Each triangle into four at the midpoints of its edges.
+// Divides each triangle into four at the midpoints of its edges.
 void subdivide(TriangleMesh& mesh) {
     std::unordered_map<uint64_t, uint32_t> midpoints;
     midpoints.reserve(mesh.triangles.size() * 3 / 2);
@@ -118,7 +118,7 @@ TriangleMesh lattice_cube(uint32_t n, double edge) {
     LatticeVertices vertex(mesh, n, edge);
     for (int axis = 0; axis < 3; ++axis) {
         for (const uint32_t side : {0u, n}) {
-            // u, v and the outward axis are right-handed on the far side, left-handed on the near one.
+            // u, v and the outward axis form a right-handed frame on the far side, a left-handed one on the near side.
             const int u = (axis + (side == n ? 1 : 2)) % 3;
             const int v = (axis + (side == n ? 2 : 1)) % 3;
             const auto corner = [&](uint32_t i, uint32_t j) {
@@ -187,8 +187,7 @@ TriangleMesh torus_knot(uint32_t p, uint32_t q, uint32_t segments, uint32_t ring
         const glm::dvec3 outward(std::sin(u), 0, std::cos(u));
         const glm::dvec3 along(std::cos(u), 0, -std::sin(u));
         const glm::dvec3 centre = outward * from_axis + glm::dvec3(0, minor_radius * std::sin(v), 0);
-        // The curve lies on a torus, whose normal is perpendicular to it: a frame that closes without twist
-        // correction.
+        // The curve lies on a torus, whose normal is perpendicular to it. This frame closes without a twist correction.
         const glm::dvec3 normal = outward * std::cos(v) + glm::dvec3(0, std::sin(v), 0);
         const glm::dvec3 up = -outward * std::sin(v) + glm::dvec3(0, std::cos(v), 0);
         const glm::dvec3 tangent = normalize(along * (turns_major * from_axis) + up * (turns_minor * minor_radius));
@@ -212,7 +211,7 @@ TriangleMesh hollow_sphere(uint32_t subdivisions, double radius, double cavity) 
 TriangleMesh menger_sponge(uint32_t level, double edge) {
     uint32_t n = 1;
     for (uint32_t k = 0; k < std::min(level, max_sponge_level); ++k) n *= 3;
-    const auto solid = [n](glm::uvec3 p) { // coordinates below 0 have wrapped around
+    const auto solid = [n](glm::uvec3 p) { // coordinates below 0 wrap around
         if (p.x >= n || p.y >= n || p.z >= n) return false;
         for (; p != glm::uvec3(0); p /= 3u) {
             const uint32_t middle = (p.x % 3 == 1) + (p.y % 3 == 1) + (p.z % 3 == 1);
@@ -274,8 +273,8 @@ TriangleMesh arch(uint32_t segments) {
     return mesh;
 }
 
-// A wall one cell thick of 48 x 8 cells around the axis; what is no opening is filled, and gets a quad towards each cell
-// that is not. Cells are (around from +Z towards +X, up, outwards), which is right-handed.
+// A wall of 48 x 8 cells around the axis, one cell thick. Every cell outside the openings is filled and has a quad
+// towards each empty neighbour. Cell coordinates are (around from +Z towards +X, up, outwards), which is right-handed.
 TriangleMesh tower() {
     struct Level {
         double height, radius;
@@ -295,7 +294,7 @@ TriangleMesh tower() {
         if (cell.y < 0 || cell.y >= 8 || cell.z != 0) return false;
         const int i = (cell.x + static_cast<int>(around)) % static_cast<int>(around);
         if (cell.y < 2 && (i < 3 || i >= 45)) return false;                   // the door
-        if (cell.y == 3 && i > 6 && i < 42 && (i + 1) % 12 < 2) return false; // windows to the other three sides
+        if (cell.y == 3 && i > 6 && i < 42 && (i + 1) % 12 < 2) return false; // windows on the other three sides
         return cell.y != 7 || (i + 2) % 6 < 4;                                // merlons
     };
     TriangleMesh mesh;
@@ -339,7 +338,7 @@ std::span<const std::string_view> shape_names() {
 
 namespace {
 
-// Nothing where the name is unknown, has no size, or the size is no number.
+// Returns nothing if the name is unknown or has no size parameter, or if the size is not a number.
 std::optional<TriangleMesh> shape_of_size(std::string_view name, std::string_view size) {
     uint32_t n = 0;
     const auto [end, status] = std::from_chars(size.data(), size.data() + size.size(), n);

@@ -24,10 +24,11 @@ namespace {
 constexpr uint32_t max_sites = 1'000'000;
 constexpr double pi = std::numbers::pi;
 
-// Of the mean distance between sites: what a ball of grading 1 may have as radius.
+// The largest radius of a site's ball at grading 1, as a fraction of the mean distance between sites.
 constexpr double largest_ball = 0.9;
 
-// Points are drawn so often, at most, for each that is to be inside: a solid fills more of its box than this.
+// Draws per requested inside point before giving up: a solid that fills less than 1 in 2000 of its box gets fewer
+// points.
 constexpr uint64_t max_draws = 2000;
 
 constexpr std::array<std::string_view, 10> names = {"uniform", "clustered", "radial", "grid",      "bricks",
@@ -61,11 +62,11 @@ Result<void> check(const Pattern& p) {
     return {};
 }
 
-// An orthonormal frame of the pattern in the mesh's box.
+// An orthonormal frame of the pattern in the box of the mesh.
 struct Frame {
-    glm::dvec3 along, u, v; // the axis, and two directions across
+    glm::dvec3 along, u, v; // the axis and two directions perpendicular to it
     glm::dvec3 centre;
-    double length = 0.0; // of the box along the axis
+    double length = 0.0; // extent of the box along the axis
     double width_u = 0.0, width_v = 0.0;
 };
 
@@ -133,7 +134,7 @@ class Maker {
     [[nodiscard]] glm::dvec3 focus() const { return box_.min + pattern_.focus * box_.size(); }
     void add(const glm::dvec3& site) { result_.sites.push_back(site); }
 
-    // count_ points, if they are to be inside each drawn until it is.
+    // Adds count_ points; with pattern_.inside, each is drawn until it lies inside the solid.
     template<class Draw>
     void draw(const Draw& point) {
         for (uint64_t tries = 0; result_.sites.size() < count_ && tries < max_draws * count_; ++tries) {
@@ -142,7 +143,7 @@ class Maker {
         }
     }
 
-    double normal() { // Box and Muller
+    double normal() { // standard normal distribution, after Box and Muller
         const double r = std::sqrt(-2.0 * std::log(1.0 - random_.uniform()));
         return r * std::cos(2.0 * pi * random_.uniform());
     }
@@ -172,7 +173,7 @@ class Maker {
         }
     }
 
-    // Whole numbers of cells along the box's sides, about count_ in all and about as long as wide.
+    // Returns whole numbers of cells along the sides of the box: about count_ in total, with the given proportions.
     [[nodiscard]] glm::uvec3 cells(const glm::dvec3& proportions) const {
         const glm::dvec3 size = glm::max(box_.size() / proportions, glm::dvec3(1e-9 * glm::length(box_.size())));
         const double edge = std::cbrt(size.x * size.y * size.z / count_);
@@ -191,7 +192,7 @@ class Maker {
                 }
     }
 
-    // Cells of half a brick, of which two are a group: their bisectors are the bricks' faces.
+    // Makes cells of half a brick, two of which form a group: the bisectors between groups are the faces of the bricks.
     void bricks() {
         const glm::uvec3 n = cells(glm::dvec3(2.0, 0.7, 1.0));
         const glm::dvec3 half = box_.size() / glm::dvec3(2.0 * n.x, n.y, n.z);
@@ -212,7 +213,7 @@ class Maker {
         for (uint32_t k = 0; k < count_; ++k) {
             const double at = ((k + 0.5 + irregular * centred()) / count_ - 0.5) * frame_.length;
             const double a = centred(), b = centred();
-            // To the side as well: slices that are not parallel.
+            // A lateral offset as well, so that slices are not parallel.
             const double tilt = irregular * frame_.length / count_;
             add(frame_.centre + at * frame_.along + tilt * (a * frame_.u + b * frame_.v));
         }
@@ -235,7 +236,7 @@ class Maker {
         }
     }
 
-    // Pairs of sites, mirrored in the line.
+    // Makes pairs of sites that mirror each other in the line.
     void curve() {
         std::vector<glm::dvec3> line;
         std::vector<double> at{0.0};
@@ -263,7 +264,8 @@ class Maker {
         }
     }
 
-    // Edges drawn by length times bend, and from there a little way in.
+    // Draws edges with a probability proportional to length times bend angle, and places a site slightly below the
+    // surface.
     void curvature() {
         struct Edge {
             uint32_t low, high, triangle;
@@ -284,7 +286,7 @@ class Maker {
             const double length = glm::length(n);
             return length > 0.0 ? n / length : glm::dvec3(0.0);
         };
-        std::vector<double> weight; // running sum, over pairs
+        std::vector<double> weight; // running sum over pairs
         std::vector<size_t> pairs;
         double sum = 0.0;
         for (size_t k = 0; k + 1 < edges.size(); k += 2) {
@@ -305,8 +307,8 @@ class Maker {
         });
     }
 
-    // A place on the surface, and one behind it on the way to the other side. Pieces as wide as the solid is thick there
-    // mean that volumes weigh by the inverse cube of it, so places on the surface by the inverse square.
+    // Draws a point of the surface and a site between it and the opposite side. Pieces as wide as the local thickness
+    // mean a site density of its inverse cube in the volume, hence of its inverse square on the surface.
     void thickness() {
         const Thickness through(mesh_);
         const double least = 0.02 * glm::length(box_.size());
@@ -334,7 +336,7 @@ class Maker {
         });
     }
 
-    // Balls of up to most of the mean distance between sites; squares make small ones common.
+    // Gives the sites random balls as weights, up to largest_ball. Squaring the random number makes small balls common.
     void grade() {
         const glm::dvec3 size = box_.size();
         const double spacing = std::cbrt(size.x * size.y * size.z / static_cast<double>(result_.sites.size()));

@@ -15,12 +15,12 @@
 namespace brittle::fracture {
 namespace {
 
-constexpr size_t max_line_length = 4096; // bytes; no honest site line comes near, a binary file soon passes it
-constexpr size_t max_sites = 10'000'000; // 240 MB of sites; far above what a fracture can use
+constexpr size_t max_line_length = 4096; // bytes; far longer than any line of a site, soon exceeded in a binary file
+constexpr size_t max_sites = 10'000'000; // 240 MB of sites, far more than a fracture can use
 
 enum class LineEnd { newline, end_of_file, too_long };
 
-// Like std::getline, but with bounded memory.
+// std::getline with bounded memory.
 LineEnd read_line(std::streambuf& in, std::string& line) {
     using Traits = std::streambuf::traits_type;
     line.clear();
@@ -33,7 +33,7 @@ LineEnd read_line(std::streambuf& in, std::string& line) {
     }
 }
 
-// The text as it may be printed in a message: short, on one line, without control characters.
+// Returns the text as a message may print it: short, on one line, without control characters.
 std::string printable(std::string_view text) {
     constexpr size_t longest = 60;
     std::string out = "'";
@@ -51,7 +51,7 @@ std::string_view skip_blanks(std::string_view text) {
     return text;
 }
 
-// A separator is blanks with at most one comma among them. Nothing where there is none.
+// Skips a separator: blanks with at most one comma. Returns nothing if there is none.
 std::optional<std::string_view> skip_separator(std::string_view text) {
     std::string_view rest = skip_blanks(text);
     if (!rest.empty() && rest.front() == ',') rest = skip_blanks(rest.substr(1));
@@ -62,7 +62,7 @@ std::optional<std::string_view> skip_separator(std::string_view text) {
 struct ParsedLine {
     glm::dvec3 site{0.0};
     std::optional<double> radius{};
-    std::string complaint; // empty: the site holds
+    std::string complaint; // empty for a valid line
     Status status = Status::malformed_file;
 };
 
@@ -85,7 +85,7 @@ ParsedLine parse_site(std::string_view line) {
                                + " is missing in " + printable(line);
             return parsed;
         }
-        // std::from_chars knows no plus sign; "+-1" must not slip through by dropping it.
+        // std::from_chars does not accept a plus sign. Dropping it must not make "+-1" valid.
         const bool plus = rest.size() > 1 && rest[0] == '+' && rest[1] != '-' && rest[1] != '+';
         double value = 0.0;
         const char* const begin = rest.data() + (plus ? 1 : 0);
@@ -98,7 +98,7 @@ ParsedLine parse_site(std::string_view line) {
         if (code == std::errc::result_out_of_range || !std::isfinite(value)) {
             const auto length = static_cast<size_t>(stop - rest.data());
             parsed.complaint =
-                "a site needs finite numbers that a double can hold, found " + printable(rest.substr(0, length));
+                "expected a finite number within the range of a double, found " + printable(rest.substr(0, length));
             parsed.status = Status::invalid_sites;
             return parsed;
         }
@@ -108,17 +108,17 @@ ParsedLine parse_site(std::string_view line) {
         } else if (value >= 0.0) {
             parsed.radius = value;
         } else {
-            parsed.complaint = "a radius cannot be negative";
+            parsed.complaint = "the radius is negative; give 0 or more";
             parsed.status = Status::invalid_sites;
             return parsed;
         }
     }
     rest = skip_blanks(rest);
-    if (!rest.empty()) parsed.complaint = "expected 'x y z' or 'x y z radius', found more: " + printable(rest);
+    if (!rest.empty()) parsed.complaint = "expected 'x y z' or 'x y z radius', found more text: " + printable(rest);
     return parsed;
 }
 
-// The part of the line that holds data: without comment, carriage return and blanks at the ends.
+// Returns the data of a line: without comment, carriage return and blanks at the ends.
 std::string_view data_of(std::string_view line) {
     line = skip_blanks(line.substr(0, line.find('#')));
     while (!line.empty() && (is_blank(line.back()) || line.back() == '\r')) line.remove_suffix(1);
@@ -138,10 +138,12 @@ Result<SiteList> read_sites(const std::filesystem::path& file) {
     const std::string name = file.string();
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored)) {
-        return Error{Status::file_not_found, name + ": is a folder, not a file of sites"};
+        return Error{Status::file_not_found, name + ": is a folder; give a text file of 'x y z' lines"};
     }
     std::ifstream in(file, std::ios::binary);
-    if (!in) return Error{Status::file_not_found, name + ": no such file, or no permission to read it"};
+    if (!in)
+        return Error{Status::file_not_found,
+                     name + ": cannot be read; check that the file exists and that you may read it"};
 
     SiteList list;
     std::string line;
@@ -151,7 +153,7 @@ Result<SiteList> read_sites(const std::filesystem::path& file) {
         const auto at_line = [&] { return name + ":" + std::to_string(number) + ": "; };
         if (end == LineEnd::too_long) {
             return Error{Status::malformed_file, at_line() + "longer than " + std::to_string(max_line_length)
-                                                     + " bytes; is this a text file of 'x y z' lines? It starts "
+                                                     + " bytes; give a text file of 'x y z' lines. The line starts "
                                                      + printable(line)};
         }
         std::string_view text = line;
@@ -162,7 +164,8 @@ Result<SiteList> read_sites(const std::filesystem::path& file) {
         const ParsedLine parsed = parse_site(text);
         if (!parsed.complaint.empty()) return Error{parsed.status, at_line() + parsed.complaint};
         if (list.sites.size() == max_sites) {
-            return Error{Status::invalid_sites, at_line() + "more than " + std::to_string(max_sites) + " sites"};
+            return Error{Status::invalid_sites,
+                         at_line() + "more than " + std::to_string(max_sites) + " sites; give fewer"};
         }
         list.sites.push_back(parsed.site);
         if (!parsed.radius && list.weights.empty()) continue;
@@ -170,7 +173,7 @@ Result<SiteList> read_sites(const std::filesystem::path& file) {
         list.weights.push_back(parsed.radius.value_or(0.0) * parsed.radius.value_or(0.0));
     }
     if (list.sites.empty()) {
-        return Error{Status::invalid_sites, name + ": holds no site; expected lines of 'x y z'"};
+        return Error{Status::invalid_sites, name + ": holds no site; give lines of 'x y z'"};
     }
     return list;
 }

@@ -64,7 +64,7 @@ TEST_CASE("errors name the line and the text that could not be read") {
     check_error("0 0 0\n1 2\n", Status::malformed_file, ":2: ", "z is missing in '1 2'");
     check_error("1\n", Status::malformed_file, ":1: ", "y is missing");
     check_error("# one\n# two\n1 2 x3\n", Status::malformed_file, ":3: ", "found 'x3'");
-    check_error("1 2 3 4 5\n", Status::malformed_file, ":1: ", "found more: '5'");
+    check_error("1 2 3 4 5\n", Status::malformed_file, ":1: ", "found more text: '5'");
     check_error("1 2 3d\n", Status::malformed_file, ":1: ", "comma before 'd'");
     check_error("1 2 3 x\n", Status::malformed_file, ":1: ", "found 'x'");
     check_error("1 2 3 -4\n", Status::invalid_sites, ":1: ", "negative");
