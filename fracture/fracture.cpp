@@ -162,7 +162,7 @@ bool only_touches(const TriangleMesh& mesh, const Error& error) {
 }
 
 // Replaces the vertex indices of the split mesh by those of the original mesh.
-void name_vertices_of(const TriangleMesh& mesh, const TriangleMesh& split, Fragments& fragments) {
+void restore_vertex_indices(const TriangleMesh& mesh, const TriangleMesh& split, Fragments& fragments) {
     std::vector<uint32_t> original(split.positions.size(), no_index);
     for (size_t t = 0; t < mesh.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) original[split.triangles[t][k]] = mesh.triangles[t][k];
@@ -196,7 +196,7 @@ Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const
     if (!done && only_touches(mesh, done.error())) {
         const TriangleMesh split = split_fans(mesh);
         done = exact::fracture_exact(split, sites, settings, state.exact, out);
-        if (done) name_vertices_of(mesh, split, out);
+        if (done) restore_vertex_indices(mesh, split, out);
     }
     if (!done) return done;
     // The sum over the pieces gives the volume of the mesh, so it is integrated only in doubtful cases.

@@ -54,9 +54,9 @@ Threads::~Threads() = default;
 Threads::Threads(Threads&&) noexcept = default;
 Threads& Threads::operator=(Threads&&) noexcept = default;
 
-uint32_t Threads::chunks(uint32_t n, uint32_t least) const {
+uint32_t Threads::chunks(uint32_t n, uint32_t min_size) const {
     if (count_ == 1) return 1;
-    return std::clamp(n / std::max(least, 1u), 1u, chunks_per_thread * count_);
+    return std::clamp(n / std::max(min_size, 1u), 1u, chunks_per_thread * count_);
 }
 
 void Threads::log_to(WorkLog* log) {

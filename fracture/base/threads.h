@@ -27,13 +27,13 @@ class Threads {
     void name_step(const char* step) { step_ = step; }
 
     // Returns the number of chunks that for_chunks() splits n items into: 1 for a single thread, otherwise up to a few
-    // per thread, each of at least `least` items. At least 1, also for n = 0.
-    [[nodiscard]] uint32_t chunks(uint32_t n, uint32_t least) const;
+    // per thread, each of at least `min_size` items. At least 1, also for n = 0.
+    [[nodiscard]] uint32_t chunks(uint32_t n, uint32_t min_size) const;
 
     // Calls body(chunk, begin, end) for each chunk of [0, n), in any order, and waits for all calls.
     template<class Body>
-    void for_chunks(uint32_t n, uint32_t least, Body&& body) {
-        run(n, chunks(n, least), &call<std::remove_reference_t<Body>>, &body);
+    void for_chunks(uint32_t n, uint32_t min_size, Body&& body) {
+        run(n, chunks(n, min_size), &call<std::remove_reference_t<Body>>, &body);
     }
 
     // Calls body(k) for each k in [0, n), each as a task of its own, and waits for all calls.

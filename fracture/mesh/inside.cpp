@@ -48,7 +48,7 @@ bool InsideTest::operator()(const glm::dvec3& p) const {
     for (int k = 0; k < 3; ++k)
         if (!(p[k] >= box_.min[k] && p[k] <= box_.max[k])) return false;
     const uint32_t bin = bin_of(p.y, 1) * bins_ + bin_of(p.z, 2);
-    int turns = 0;
+    int winding = 0;
     for (uint32_t k = begin_[bin]; k < begin_[bin + 1]; ++k) {
         const Triangle& t = mesh_.triangles[members_[k]];
         const glm::dvec3 &a = mesh_.positions[t.x], &b = mesh_.positions[t.y], &c = mesh_.positions[t.z];
@@ -59,9 +59,9 @@ bool InsideTest::operator()(const glm::dvec3& p) const {
         const glm::dvec3 u = b - a, v = c - a, w = p - a;
         const double behind =
             w.x * (u.y * v.z - u.z * v.y) + w.y * (u.z * v.x - u.x * v.z) + w.z * (u.x * v.y - u.y * v.x);
-        if (behind * s < 0.0) turns += s;
+        if (behind * s < 0.0) winding += s;
     }
-    return turns > 0;
+    return winding > 0;
 }
 
 } // namespace brittle::fracture

@@ -10,7 +10,7 @@ namespace brittle::fracture {
 
 namespace {
 
-constexpr uint8_t crowded = 9; // the degree that stands for more corners than slots
+constexpr uint8_t overflowing = 9; // the degree that stands for more corners than slots
 
 // Triangles per run. A thread that fills a range of vertices skips the runs that refer to none of them.
 constexpr uint32_t run_length = 512;
@@ -41,7 +41,7 @@ BRITTLE_SIMD bool are_rings(const uint32_t* corners, const uint8_t* degrees, siz
         Eight degree{};
         uint32_t most = 0;
         for (uint32_t k = 0; k < lanes; ++k) {
-            const uint32_t n = degrees[k] == crowded ? 0 : degrees[k];
+            const uint32_t n = degrees[k] == overflowing ? 0 : degrees[k];
             degree[k] = n;
             most = n > most ? n : most;
         }
@@ -73,26 +73,27 @@ BRITTLE_SIMD bool are_rings(const uint32_t* corners, const uint8_t* degrees, siz
 
 } // namespace simd
 
-// Returns whether all indices are in range and no triangle names a vertex twice. Fills reach_.
-bool ManifoldCheck::look_at_indices(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads) {
+// Returns whether all indices are in range and no triangle names a vertex twice. Fills index_ranges_.
+bool ManifoldCheck::check_indices(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads) {
     const auto runs = static_cast<uint32_t>((triangles.size() + run_length - 1) / run_length);
-    reach_.resize(runs);
+    index_ranges_.resize(runs);
     threads.for_chunks(runs, min_runs, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t r = begin; r < end; ++r) {
             const size_t first = size_t{r} * run_length;
-            Reach reach{std::numeric_limits<uint32_t>::max(), 0};
+            IndexRange indices{std::numeric_limits<uint32_t>::max(), 0};
             bool degenerate = false;
             for (const Triangle& t : triangles.subspan(first, std::min<size_t>(run_length, triangles.size() - first))) {
-                reach.lowest = std::min({reach.lowest, t.x, t.y, t.z});
-                reach.highest = std::max({reach.highest, t.x, t.y, t.z});
+                indices.lowest = std::min({indices.lowest, t.x, t.y, t.z});
+                indices.highest = std::max({indices.highest, t.x, t.y, t.z});
                 degenerate |= t.x == t.y || t.y == t.z || t.z == t.x;
             }
             // rejected like an index out of range
-            if (degenerate) reach.highest = std::numeric_limits<uint32_t>::max();
-            reach_[r] = reach;
+            if (degenerate) indices.highest = std::numeric_limits<uint32_t>::max();
+            index_ranges_[r] = indices;
         }
     });
-    return std::all_of(reach_.begin(), reach_.end(), [&](const Reach& r) { return r.highest < vertex_count; });
+    return std::all_of(index_ranges_.begin(), index_ranges_.end(),
+                       [&](const IndexRange& r) { return r.highest < vertex_count; });
 }
 
 void ManifoldCheck::fill(uint32_t first, uint32_t last, std::span<const Triangle> triangles, Range& range) {
@@ -105,12 +106,12 @@ void ManifoldCheck::fill(uint32_t first, uint32_t last, std::span<const Triangle
             corner[prevs] = prev;
             degree_[v] = static_cast<uint8_t>(n + 1);
         } else {
-            range.crowd.push_back({v, next, prev});
-            degree_[v] = crowded;
+            range.overflow.push_back({v, next, prev});
+            degree_[v] = overflowing;
         }
     };
-    for (size_t r = 0; r < reach_.size(); ++r) {
-        if (reach_[r].lowest >= last || reach_[r].highest < first) continue;
+    for (size_t r = 0; r < index_ranges_.size(); ++r) {
+        if (index_ranges_[r].lowest >= last || index_ranges_[r].highest < first) continue;
         const size_t begin = r * run_length;
         for (const Triangle& t : triangles.subspan(begin, std::min<size_t>(run_length, triangles.size() - begin))) {
             place(t.x, t.y, t.z);
@@ -121,19 +122,19 @@ void ManifoldCheck::fill(uint32_t first, uint32_t last, std::span<const Triangle
 }
 
 // Walks around vertices of any degree, one at a time.
-bool ManifoldCheck::are_crowds_rings(std::vector<Corner>& crowd) const {
+bool ManifoldCheck::overflow_forms_rings(std::vector<Corner>& overflow) const {
     const auto vertex_of = [](const Corner& c) { return c.vertex; };
-    std::ranges::sort(crowd, {}, vertex_of);
-    for (size_t k = 0, late = crowd.size(); k < late; ++k) { // append the corners in the slots, once per vertex
-        const uint32_t v = crowd[k].vertex;
-        if (k > 0 && crowd[k - 1].vertex == v) continue;
+    std::ranges::sort(overflow, {}, vertex_of);
+    for (size_t k = 0, late = overflow.size(); k < late; ++k) { // append the corners in the slots, once per vertex
+        const uint32_t v = overflow[k].vertex;
+        if (k > 0 && overflow[k - 1].vertex == v) continue;
         const uint32_t* const corner = corners_.data() + size_t{v / lanes} * block_size + v % lanes;
-        for (uint32_t s = 0; s < slots; ++s) crowd.push_back({v, corner[s * lanes], corner[prevs + s * lanes]});
+        for (uint32_t s = 0; s < slots; ++s) overflow.push_back({v, corner[s * lanes], corner[prevs + s * lanes]});
     }
-    std::ranges::sort(crowd, {}, [](const Corner& c) { return uint64_t{c.vertex} << 32 | c.next; });
-    for (size_t begin = 0, end = 0; begin < crowd.size(); begin = end) {
-        while (end < crowd.size() && crowd[end].vertex == crowd[begin].vertex) ++end;
-        const std::span<const Corner> fan(crowd.data() + begin, end - begin);
+    std::ranges::sort(overflow, {}, [](const Corner& c) { return uint64_t{c.vertex} << 32 | c.next; });
+    for (size_t begin = 0, end = 0; begin < overflow.size(); begin = end) {
+        while (end < overflow.size() && overflow[end].vertex == overflow[begin].vertex) ++end;
+        const std::span<const Corner> fan(overflow.data() + begin, end - begin);
         uint32_t at = fan[0].prev;
         for (size_t step = 1; step < fan.size(); ++step) {
             // std::ranges::lower_bound does not compile here with Clang 14 and the library of GCC 12.
@@ -149,7 +150,7 @@ bool ManifoldCheck::are_crowds_rings(std::vector<Corner>& crowd) const {
 }
 
 bool ManifoldCheck::run(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads) {
-    if (!look_at_indices(vertex_count, triangles, threads)) return false;
+    if (!check_indices(vertex_count, triangles, threads)) return false;
     const auto blocks = static_cast<uint32_t>((vertex_count + lanes - 1) / lanes);
     corners_.resize(size_t{blocks} * block_size);
     degree_.resize(size_t{blocks} * lanes);
@@ -160,14 +161,14 @@ bool ManifoldCheck::run(size_t vertex_count, std::span<const Triangle> triangles
         Range& range = ranges_[r];
         const auto first = static_cast<uint32_t>(uint64_t{blocks} * r / ranges);
         const auto last = static_cast<uint32_t>(uint64_t{blocks} * (r + 1) / ranges);
-        range.crowd.clear();
+        range.overflow.clear();
         std::fill(degree_.begin() + first * lanes, degree_.begin() + last * lanes, uint8_t{0});
         fill(first * lanes, last * lanes, triangles, range);
-        range.sound =
+        range.manifold =
             simd::are_rings(corners_.data() + size_t{first} * block_size, degree_.data() + first * lanes, last - first)
-            && are_crowds_rings(range.crowd);
+            && overflow_forms_rings(range.overflow);
     });
-    return std::all_of(ranges_.begin(), ranges_.begin() + ranges, [](const Range& r) { return r.sound; });
+    return std::all_of(ranges_.begin(), ranges_.begin() + ranges, [](const Range& r) { return r.manifold; });
 }
 
 } // namespace brittle::fracture

@@ -34,23 +34,23 @@ class ManifoldCheck {
     struct Corner {
         uint32_t vertex, next, prev;
     };
-    // The state of one range of vertices; `crowd` holds the corners of vertices that exceed the slots of their block.
+    // The state of one range of vertices; `overflow` holds corners of vertices with more corners than slots.
     struct Range {
-        std::vector<Corner> crowd;
-        bool sound = true;
+        std::vector<Corner> overflow;
+        bool manifold = true;
     };
     // The lowest and the highest vertex index in a run of triangles.
-    struct Reach {
+    struct IndexRange {
         uint32_t lowest, highest;
     };
 
-    [[nodiscard]] bool look_at_indices(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads);
+    [[nodiscard]] bool check_indices(size_t vertex_count, std::span<const Triangle> triangles, Threads& threads);
     void fill(uint32_t first, uint32_t last, std::span<const Triangle> triangles, Range& range);
-    [[nodiscard]] bool are_crowds_rings(std::vector<Corner>& crowd) const;
+    [[nodiscard]] bool overflow_forms_rings(std::vector<Corner>& overflow) const;
 
-    std::vector<uint32_t> corners_; // in blocks of eight vertices, see manifold_check.cpp
-    std::vector<uint8_t> degree_;   // per vertex, padded to whole blocks
-    std::vector<Reach> reach_;      // per run of triangles
+    std::vector<uint32_t> corners_;        // in blocks of eight vertices, see manifold_check.cpp
+    std::vector<uint8_t> degree_;          // per vertex, padded to whole blocks
+    std::vector<IndexRange> index_ranges_; // per run of triangles
     std::vector<Range> ranges_;
 };
 

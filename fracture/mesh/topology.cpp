@@ -89,11 +89,11 @@ std::vector<uint32_t> connect_vertices(size_t vertex_count, std::span<const Tria
 
 // Classifies a vertex that failed is_one_closed_fan(). The buffers are members, so a mesh with many bad vertices
 // allocates them once.
-class VertexJudge {
+class VertexClassifier {
   public:
-    explicit VertexJudge(TopologyReport& report) : report_(report) {}
+    explicit VertexClassifier(TopologyReport& report) : report_(report) {}
 
-    void judge(uint32_t v, std::span<const Corner> fan) {
+    void classify(uint32_t v, std::span<const Corner> fan) {
         collect_neighbours(fan);
         classify_edges(v, fan);
         count_fans(v, fan);
@@ -187,14 +187,14 @@ TopologyReport check_topology(size_t vertex_count, std::span<const Triangle> tri
     }
 
     CornerTable table(vertex_count, triangles);
-    VertexJudge judge(report);
+    VertexClassifier classifier(report);
     for (uint32_t v = 0; v < vertex_count; ++v) {
         const std::span<Corner> fan = table.of(v);
         if (fan.empty()) continue;
         if (fan.size() <= max_quadratic_fan && is_one_closed_fan(fan)) {
             for (const Corner& c : fan) report.edges += c.next > v;
         } else {
-            judge.judge(v, fan);
+            classifier.classify(v, fan);
         }
     }
     return report;

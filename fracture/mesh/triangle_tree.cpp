@@ -64,7 +64,7 @@ uint32_t TriangleTree::build(uint32_t begin, uint32_t end) {
 }
 
 std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const glm::dvec3& direction,
-                                              uint32_t besides) const {
+                                              uint32_t excluded) const {
     if (root_ == none) return std::nullopt;
     const glm::dvec3 inverse = 1.0 / direction; // infinite along an axis with a zero component
     double nearest = infinity;
@@ -90,7 +90,7 @@ std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const gl
             continue;
         }
         for (uint32_t k = node.begin; k < node.end; ++k) {
-            if (order_[k] == besides) continue;
+            if (order_[k] == excluded) continue;
             const Triangle& t = mesh_.triangles[order_[k]];
             const double at =
                 distance_to(origin, direction, mesh_.positions[t.x], mesh_.positions[t.y], mesh_.positions[t.z]);

@@ -33,10 +33,10 @@ class TriangleTree {
     [[nodiscard]] const std::vector<uint32_t>& order() const { return order_; }
 
     // Returns the smallest positive ray parameter, in lengths of `direction`, at which the ray meets a triangle other
-    // than `besides`; empty if there is none. Evaluated in double, for measurements: a ray through an edge may miss by
+    // than `excluded`; empty if there is none. Evaluated in double, for measurements: a ray through an edge may miss by
     // rounding.
     [[nodiscard]] std::optional<double> first_hit(const glm::dvec3& origin, const glm::dvec3& direction,
-                                                  uint32_t besides) const;
+                                                  uint32_t excluded) const;
 
   private:
     uint32_t build(uint32_t begin, uint32_t end);

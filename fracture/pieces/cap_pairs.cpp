@@ -6,7 +6,7 @@
 
 namespace brittle::fracture {
 
-CapPairs::CapPairs(const Fragments& fragments, const std::function<bool(uint32_t, uint32_t)>& wanted)
+CapPairs::CapPairs(const Fragments& fragments, const std::function<bool(uint32_t, uint32_t)>& selects)
     : piece_of_(fragments.triangles.size()), across_(fragments.triangles.size(), none) {
     std::vector<Side> sides;
     for (uint32_t p = 0; p < fragments.pieces.size(); ++p) {
@@ -15,7 +15,7 @@ CapPairs::CapPairs(const Fragments& fragments, const std::function<bool(uint32_t
             piece_of_[t] = p;
             if (t < piece.triangles.begin + piece.exterior_triangles) continue;
             const uint32_t other = fragments.triangle_source[t];
-            if (wanted(std::min(piece.site, other), std::max(piece.site, other)))
+            if (selects(std::min(piece.site, other), std::max(piece.site, other)))
                 sides.push_back(side(fragments, piece, t));
         }
     }

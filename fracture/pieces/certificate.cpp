@@ -38,7 +38,7 @@ bool is_well_formed(const Fragments& fragments, const Piece& piece) {
     });
 }
 
-void look_at_pieces(const Fragments& fragments, uint32_t first, uint32_t last, std::vector<PieceFacts>& facts) {
+void check_pieces(const Fragments& fragments, uint32_t first, uint32_t last, std::vector<PieceFacts>& facts) {
     ManifoldCheck check;
     Threads alone;
     for (uint32_t p = first; p < last; ++p) {
@@ -94,7 +94,7 @@ Certificate certify(const TriangleMesh& input, const Fragments& fragments, uint3
         } else {
             const auto first = static_cast<uint32_t>(uint64_t{count} * (task - 2) / runs);
             const auto last = static_cast<uint32_t>(uint64_t{count} * (task - 1) / runs);
-            look_at_pieces(fragments, first, last, facts);
+            check_pieces(fragments, first, last, facts);
         }
     });
 

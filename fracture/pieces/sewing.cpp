@@ -42,7 +42,7 @@ double distance2_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm
 
 // Returns the input triangle of a sheet that is nearest to a triangle of its neighbour; none if the sheet has no
 // exterior triangle.
-uint32_t source_beyond(const Fragments& fragments, const Piece& of, uint32_t t, const Piece& sheet) {
+uint32_t nearest_source(const Fragments& fragments, const Piece& of, uint32_t t, const Piece& sheet) {
     const Triangle& c = fragments.triangles[t];
     const auto own = fragments.positions_of(of);
     const glm::dvec3 centre = (own[c.x] + own[c.y] + own[c.z]) / 3.0;
@@ -69,7 +69,7 @@ class Sewing {
             first_triangle_.push_back(static_cast<uint32_t>(triangles_.size()));
             add(piece);
         }
-        take_out_caps(pieces);
+        remove_caps(pieces);
         sew();
         find_vertices();
     }
@@ -104,7 +104,7 @@ class Sewing {
         uint32_t triangle;              // index of Fragments::triangles
         uint32_t source;
         bool exterior;
-        bool gone = false;
+        bool removed = false;
         bool was_cap = false; // exterior now, because the sheet that covered it was dropped
     };
     // A corner of a polygon to triangulate: the half-edge that leaves it, or twin_.size() + h for the midpoint of
@@ -134,7 +134,7 @@ class Sewing {
                       t,
                       fragments_.triangle_source[t],
                       t < piece.triangles.begin + piece.exterior_triangles};
-            if (const uint32_t across = caps_.across(t); across != none) look_beyond(piece, across, part);
+            if (const uint32_t across = caps_.across(t); across != none) find_source(piece, across, part);
             triangles_.push_back(part);
         }
         // The twin of a half-edge is one of the half-edges that leave its target vertex.
@@ -161,19 +161,19 @@ class Sewing {
     }
 
     // Finds the source of a cap triangle after the merge: another piece, or the surface of the input.
-    void look_beyond(const Piece& piece, uint32_t across, Part& part) const {
+    void find_source(const Piece& piece, uint32_t across, Part& part) const {
         const uint32_t beyond = caps_.piece_of(across);
         if (representative_[beyond] != dropped) {
             part.source = fragments_.pieces[representative_[beyond]].site;
             return;
         }
-        const uint32_t source = source_beyond(fragments_, piece, part.triangle, fragments_.pieces[beyond]);
+        const uint32_t source = nearest_source(fragments_, piece, part.triangle, fragments_.pieces[beyond]);
         if (source == none) return;
         part.source = source;
         part.exterior = part.was_cap = true;
     }
 
-    void take_out_caps(std::span<const uint32_t> pieces) {
+    void remove_caps(std::span<const uint32_t> pieces) {
         partner_.assign(triangles_.size(), none);
         for (uint32_t t = 0; t < triangles_.size(); ++t) {
             const uint32_t across = caps_.across(triangles_[t].triangle);
@@ -182,7 +182,7 @@ class Sewing {
             if (beyond == pieces.end() || *beyond != caps_.piece_of(across)) continue;
             const uint32_t first = first_triangle_[static_cast<size_t>(beyond - pieces.begin())];
             partner_[t] = first + across - fragments_.pieces[*beyond].triangles.begin;
-            triangles_[t].gone = true;
+            triangles_[t].removed = true;
         }
     }
 
@@ -197,9 +197,9 @@ class Sewing {
     void sew() {
         sewn_.assign(twin_.size(), none);
         for (uint32_t h = 0; h < twin_.size(); ++h) {
-            if (triangles_[h / 3].gone) continue;
+            if (triangles_[h / 3].removed) continue;
             uint32_t g = twin_[h];
-            while (triangles_[g / 3].gone) g = twin_[through(g)];
+            while (triangles_[g / 3].removed) g = twin_[through(g)];
             sewn_[h] = g;
         }
     }
@@ -233,7 +233,7 @@ class Sewing {
     void for_each_triangle(bool exterior, const Emit& emit) {
         for (uint32_t t = 0; t < triangles_.size(); ++t) {
             const Part& part = triangles_[t];
-            if (part.gone || part.exterior != exterior || patch_of(t) != none) continue;
+            if (part.removed || part.exterior != exterior || patch_of(t) != none) continue;
             polygon_.clear();
             for (uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
                 polygon_.push_back({h, true});
