@@ -22,18 +22,19 @@ namespace {
 
 constexpr uint32_t none = CapPairs::none;
 
-// Tolerances of sticks_out(): the fraction of a sheet's side that counts as all of it, and the overhang, in units of
-// the box's diagonal, that counts as none.
+// The fraction of a sheet's side that counts as the whole side, up to rounding.
 constexpr double whole_side = 1.0 - 1e-6;
-constexpr double touching = 1e-9;
+
+// The overhang, in units of the diagonal of a set's box, that is zero up to rounding.
+constexpr double max_overhang = 1e-9;
 
 // Disjoint sets of pieces, with their volumes, surface areas and contacts.
 class PieceSets {
   public:
     explicit PieceSets(const Fragments& fragments)
-        : parent_(fragments.pieces.size()), name_(parent_.size()), contacts_(parent_.size()) {
+        : parent_(fragments.pieces.size()), representative_(parent_.size()), contacts_(parent_.size()) {
         std::iota(parent_.begin(), parent_.end(), 0u);
-        std::iota(name_.begin(), name_.end(), 0u);
+        std::iota(representative_.begin(), representative_.end(), 0u);
         volume_.reserve(parent_.size());
         for (const Piece& piece : fragments.pieces) {
             volume_.push_back(piece.mass.volume);
@@ -48,13 +49,13 @@ class PieceSets {
     uint32_t root(uint32_t piece) { return root_of(parent_, piece); }
     // The functions below take roots.
     [[nodiscard]] double volume(uint32_t root) const { return volume_[root]; }
-    [[nodiscard]] uint32_t name(uint32_t root) const { return name_[root]; } // a piece of the set
+    [[nodiscard]] uint32_t representative(uint32_t root) const { return representative_[root]; } // a piece of the set
     // Returns the set with the largest contact area; none without contacts.
     [[nodiscard]] uint32_t neighbour(uint32_t root) const {
         uint32_t best = none;
         double area = 0.0;
         for (const auto& [other, contact] : contacts_[root]) {
-            if (contact > area || (contact == area && best != none && name_[other] < name_[best])) {
+            if (contact > area || (contact == area && best != none && representative_[other] < representative_[best])) {
                 area = contact;
                 best = other;
             }
@@ -66,34 +67,30 @@ class PieceSets {
     [[nodiscard]] double area(uint32_t root) const { return area_[root]; } // surface area
 
     // Unites the sets of two roots. Returns the new root, which is the root with more neighbours.
-    uint32_t unite(uint32_t a, uint32_t b, uint32_t name) {
+    uint32_t unite(uint32_t a, uint32_t b, uint32_t representative) {
         const auto between = contacts_[a].find(b);
         const double contact = between == contacts_[a].end() ? 0.0 : between->second;
         contacts_[a].erase(b);
         contacts_[b].erase(a);
-        const bool a_stays = contacts_[a].size() >= contacts_[b].size();
-        const uint32_t stays = a_stays ? a : b, goes = a_stays ? b : a;
-        parent_[goes] = stays;
-        name_[stays] = name;
-        volume_[stays] += volume_[goes];
-        area_[stays] += area_[goes] - 2.0 * contact;
-        for (const auto& [other, area] : contacts_[goes]) {
-            contacts_[other].erase(goes);
-            contacts_[other][stays] = contacts_[stays][other] += area;
+        const bool keep_a = contacts_[a].size() >= contacts_[b].size();
+        const uint32_t kept = keep_a ? a : b, absorbed = keep_a ? b : a;
+        parent_[absorbed] = kept;
+        representative_[kept] = representative;
+        volume_[kept] += volume_[absorbed];
+        area_[kept] += area_[absorbed] - 2.0 * contact;
+        for (const auto& [other, area] : contacts_[absorbed]) {
+            contacts_[other].erase(absorbed);
+            contacts_[other][kept] = contacts_[kept][other] += area;
         }
-        contacts_[goes].clear();
-        return stays;
+        contacts_[absorbed].clear();
+        return kept;
     }
 
   private:
-    std::vector<uint32_t> parent_, name_;
+    std::vector<uint32_t> parent_, representative_;
     std::vector<double> volume_, area_;
-    std::vector<std::map<uint32_t, double>> contacts_; // per root: contact areas by neighbouring root
+    std::vector<std::map<uint32_t, double>> contacts_; // per root: contact area with each neighbouring root
 };
-
-} // namespace
-
-namespace {
 
 double exterior_area(const Fragments& fragments, const Piece& piece) {
     const auto positions = fragments.positions_of(piece);
@@ -103,88 +100,128 @@ double exterior_area(const Fragments& fragments, const Piece& piece) {
     return sum;
 }
 
-} // namespace
+// The decisions of choose_mergers(). Call the phases in their order.
+class MergerChoice {
+  public:
+    MergerChoice(const Fragments& fragments, const MergeRules& rules)
+        : fragments_(fragments), rules_(rules), count_(static_cast<uint32_t>(fragments.pieces.size())),
+          sets_(fragments) {}
 
-std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRules& rules) {
-    const auto count = static_cast<uint32_t>(fragments.pieces.size());
-    PieceSets sets(fragments);
-    if (!rules.group_of_site.empty()) {
-        const CapPairs caps(fragments,
-                            [&](uint32_t a, uint32_t b) { return rules.group_of_site[a] == rules.group_of_site[b]; });
-        for (uint32_t t = 0; t < fragments.triangles.size(); ++t) {
+    // Phase 1: unites adjacent pieces of one group.
+    void unite_groups() {
+        if (rules_.group_of_site.empty()) return;
+        const std::span<const uint32_t> group = rules_.group_of_site;
+        const CapPairs caps(fragments_, [&](uint32_t a, uint32_t b) { return group[a] == group[b]; });
+        for (uint32_t t = 0; t < fragments_.triangles.size(); ++t) {
             if (caps.across(t) == none) continue;
-            const uint32_t a = sets.root(caps.piece_of(t)), b = sets.root(caps.piece_of(caps.across(t)));
-            if (a != b) sets.unite(a, b, std::min(sets.name(a), sets.name(b)));
+            const uint32_t a = sets_.root(caps.piece_of(t)), b = sets_.root(caps.piece_of(caps.across(t)));
+            if (a != b) sets_.unite(a, b, std::min(sets_.representative(a), sets_.representative(b)));
         }
     }
-    std::vector<uint8_t> flat(count, rules.flat.empty() ? 0 : 1); // per root: 1 if all pieces of the set are flat
-    for (uint32_t p = 0; p < rules.flat.size(); ++p)
-        if (!rules.flat[p]) flat[sets.root(p)] = 0;
 
-    const auto box_of = [&](uint32_t root) {
+    // Phase 2: merges flat and small sets into their neighbours, in ascending order of volume.
+    void absorb_small_sets() {
+        flat_.assign(count_, rules_.flat.empty() ? 0 : 1);
+        for (uint32_t p = 0; p < rules_.flat.size(); ++p)
+            if (!rules_.flat[p]) flat_[sets_.root(p)] = 0;
+        for (uint32_t p = 0; p < count_; ++p)
+            if (sets_.root(p) == p) enqueue(p);
+        while (!smallest_.empty()) {
+            const auto [volume, piece, root] = smallest_.top();
+            smallest_.pop();
+            if (sets_.root(root) != root || volume != std::abs(sets_.volume(root))
+                || piece != sets_.representative(root))
+                continue; // an outdated entry
+            const uint32_t other = sets_.neighbour(root);
+            if (other == none || (flat_[root] && sticks_out(root, other))) continue;
+            uint32_t united = unite(root, other, sets_.representative(other));
+            // The absorbed set may have separated two pieces of a group, which are now in contact.
+            for (uint32_t mate = find_mate(united); mate != none; mate = find_mate(united))
+                united = unite(united, mate, std::min(sets_.representative(united), sets_.representative(mate)));
+            enqueue(united);
+        }
+    }
+
+    [[nodiscard]] std::vector<uint32_t> representatives() {
+        std::vector<uint32_t> representative(count_);
+        for (uint32_t p = 0; p < count_; ++p) {
+            const uint32_t root = sets_.root(p);
+            representative[p] = flat_[root] ? dropped : sets_.representative(root);
+        }
+        return representative;
+    }
+
+  private:
+    using Entry = std::tuple<double, uint32_t, uint32_t>; // volume, representative, root
+
+    void enqueue(uint32_t root) {
+        const double volume = std::abs(sets_.volume(root));
+        if (flat_[root] || volume < rules_.min_volume) smallest_.push({volume, sets_.representative(root), root});
+    }
+
+    uint32_t unite(uint32_t a, uint32_t b, uint32_t representative) {
+        const uint8_t both_flat = flat_[a] & flat_[b];
+        const uint32_t united = sets_.unite(a, b, representative);
+        flat_[united] = both_flat;
+        return united;
+    }
+
+    // Returns an adjacent set of the same group, or none.
+    [[nodiscard]] uint32_t find_mate(uint32_t root) const {
+        if (rules_.group_of_site.empty()) return none;
+        const auto group = [&](uint32_t r) {
+            return rules_.group_of_site[fragments_.pieces[sets_.representative(r)].site];
+        };
+        for (const auto& [other, contact] : sets_.contacts(root))
+            if (group(other) == group(root)) return other;
+        return none;
+    }
+
+    [[nodiscard]] Box box_of(uint32_t root) {
         constexpr double infinity = std::numeric_limits<double>::infinity();
         Box box{glm::dvec3(infinity), glm::dvec3(-infinity)};
-        for (uint32_t p = 0; p < count; ++p) {
-            if (sets.root(p) != root) continue;
-            for (const glm::dvec3& v : fragments.positions_of(fragments.pieces[p]))
+        for (uint32_t p = 0; p < count_; ++p) {
+            if (sets_.root(p) != root) continue;
+            for (const glm::dvec3& v : fragments_.positions_of(fragments_.pieces[p]))
                 box = {glm::min(box.min, v), glm::max(box.max, v)};
         }
         return box;
-    };
-    const auto grows_by = [&](uint32_t root, uint32_t by) {
-        const Box box = box_of(root), other = box_of(by);
+    }
+
+    // Returns whether the box of the set with the given root grows if `added` is merged into it.
+    [[nodiscard]] bool grows_by(uint32_t root, uint32_t added) {
+        const Box box = box_of(root), other = box_of(added);
         const glm::dvec3 beyond = glm::max(box.min - other.min, other.max - box.max);
-        return std::max({beyond.x, beyond.y, beyond.z}) > touching * glm::length(box.size());
-    };
-    // Returns whether merging a sheet into one neighbour would leave it sticking out: a sheet on the outside of the
-    // solid may cover several neighbours.
-    const auto sticks_out = [&](uint32_t root, uint32_t other) {
+        return std::max({beyond.x, beyond.y, beyond.z}) > max_overhang * glm::length(box.size());
+    }
+
+    // Returns whether a sheet would stick out of the neighbour that absorbs it: a sheet on the outside of the solid may
+    // cover several neighbours.
+    [[nodiscard]] bool sticks_out(uint32_t root, uint32_t other) {
         double outside = 0.0;
-        for (uint32_t p = 0; p < count; ++p)
-            if (sets.root(p) == root) outside += exterior_area(fragments, fragments.pieces[p]);
+        for (uint32_t p = 0; p < count_; ++p)
+            if (sets_.root(p) == root) outside += exterior_area(fragments_, fragments_.pieces[p]);
         // About half of the surface of a sheet is exterior, less where the input folds it; a speck inside the solid has
         // no exterior surface.
-        return outside >= 0.25 * sets.area(root)
-               && (sets.contacts(root).at(other) < 0.5 * whole_side * sets.area(root) || grows_by(other, root));
-    };
-    const auto find_mate = [&](uint32_t root) {
-        if (rules.group_of_site.empty()) return none;
-        const auto group = [&](uint32_t r) { return rules.group_of_site[fragments.pieces[sets.name(r)].site]; };
-        for (const auto& [other, contact] : sets.contacts(root))
-            if (group(other) == group(root)) return other;
-        return none;
-    };
-    using Entry = std::tuple<double, uint32_t, uint32_t>; // volume, name, root
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> smallest;
-    const auto enqueue = [&](uint32_t root) {
-        const double volume = std::abs(sets.volume(root));
-        if (flat[root] || volume < rules.min_volume) smallest.push({volume, sets.name(root), root});
-    };
-    for (uint32_t p = 0; p < count; ++p)
-        if (sets.root(p) == p) enqueue(p);
-    while (!smallest.empty()) {
-        const auto [volume, name, root] = smallest.top();
-        smallest.pop();
-        if (sets.root(root) != root || volume != std::abs(sets.volume(root)) || name != sets.name(root)) continue;
-        const uint32_t other = sets.neighbour(root);
-        if (other == none || (flat[root] && sticks_out(root, other))) continue;
-        const uint8_t both_flat = flat[root] & flat[other];
-        uint32_t united = sets.unite(root, other, sets.name(other));
-        flat[united] = both_flat;
-        // The merged piece may have separated two pieces of a group; these are now in contact.
-        for (uint32_t mate = find_mate(united); mate != none; mate = find_mate(united)) {
-            const uint8_t flat_too = flat[united] & flat[mate];
-            united = sets.unite(united, mate, std::min(sets.name(united), sets.name(mate)));
-            flat[united] = flat_too;
-        }
-        enqueue(united);
+        return outside >= 0.25 * sets_.area(root)
+               && (sets_.contacts(root).at(other) < 0.5 * whole_side * sets_.area(root) || grows_by(other, root));
     }
-    std::vector<uint32_t> representative(count);
-    for (uint32_t p = 0; p < count; ++p) {
-        const uint32_t root = sets.root(p);
-        representative[p] = flat[root] ? dropped : sets.name(root);
-    }
-    return representative;
+
+    const Fragments& fragments_;
+    const MergeRules& rules_;
+    uint32_t count_; // of pieces
+    PieceSets sets_;
+    std::vector<uint8_t> flat_; // per root: 1 if all pieces of the set are flat
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> smallest_;
+};
+
+} // namespace
+
+std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRules& rules) {
+    MergerChoice choice(fragments, rules);
+    choice.unite_groups();
+    choice.absorb_small_sets();
+    return choice.representatives();
 }
 
 namespace {
@@ -218,6 +255,29 @@ std::vector<Bond> merge_bonds(std::span<const Bond> bonds, std::span<const uint3
     return result;
 }
 
+// Returns, per input triangle, the count of exterior triangles that are parts of it.
+std::vector<uint32_t> count_parts_of_sources(const Fragments& fragments) {
+    std::vector<uint32_t> parts;
+    for (const Piece& piece : fragments.pieces) {
+        for (uint32_t t = piece.triangles.begin; t < piece.triangles.begin + piece.exterior_triangles; ++t) {
+            const uint32_t source = fragments.triangle_source[t];
+            if (source >= parts.size()) parts.resize(size_t{source} + 1, 0);
+            ++parts[source];
+        }
+    }
+    return parts;
+}
+
+// Returns, per site, 1 if one of its pieces changes.
+std::vector<uint8_t> find_changing_sites(const Fragments& fragments, std::span<const uint32_t> representative) {
+    std::vector<uint8_t> changes;
+    for (const Piece& piece : fragments.pieces)
+        if (piece.site >= changes.size()) changes.resize(size_t{piece.site} + 1, 0);
+    for (uint32_t p = 0; p < fragments.pieces.size(); ++p)
+        if (representative[p] != p) changes[fragments.pieces[p].site] = 1;
+    return changes;
+}
+
 } // namespace
 
 void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative, Threads& threads) {
@@ -230,19 +290,8 @@ void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative
     }
     if (!any) return;
 
-    std::vector<uint32_t> parts_of_source;
-    for (const Piece& piece : fragments.pieces) {
-        for (uint32_t t = piece.triangles.begin; t < piece.triangles.begin + piece.exterior_triangles; ++t) {
-            const uint32_t source = fragments.triangle_source[t];
-            if (source >= parts_of_source.size()) parts_of_source.resize(size_t{source} + 1, 0);
-            ++parts_of_source[source];
-        }
-    }
-    std::vector<uint8_t> changes; // per site: 1 if one of its pieces changes
-    for (const Piece& piece : fragments.pieces)
-        if (piece.site >= changes.size()) changes.resize(size_t{piece.site} + 1, 0);
-    for (uint32_t p = 0; p < count; ++p)
-        if (representative[p] != p) changes[fragments.pieces[p].site] = 1;
+    const std::vector<uint32_t> parts_of_source = count_parts_of_sources(fragments);
+    const std::vector<uint8_t> changes = find_changing_sites(fragments, representative);
     const CapPairs caps(fragments, [&](uint32_t a, uint32_t b) {
         return (a < changes.size() && changes[a]) || (b < changes.size() && changes[b]);
     });
