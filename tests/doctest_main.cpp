@@ -9,7 +9,7 @@
 
 namespace {
 
-// After a test case that failed, the command that runs it alone, under the variables that tests look at.
+// Prints, after a failed test case, the command that repeats it alone, with the BRITTLE_ variables of the environment.
 class Repeat final : public doctest::IReporter {
   public:
     explicit Repeat(const doctest::ContextOptions& options) : options_(options) {}
@@ -41,13 +41,13 @@ class Repeat final : public doctest::IReporter {
     void test_case_skipped(const doctest::TestCaseData&) override {}
 
   private:
-    // For a shell.
+    // Quotes the text for a POSIX shell.
     static std::string quoted(std::string_view text) {
         std::string result = "'";
         for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
         return result + "'";
     }
-    // Commas divide doctest's patterns.
+    // Returns the name of the test case as a doctest pattern: commas, which separate patterns, are escaped.
     [[nodiscard]] std::string pattern() const {
         std::string result;
         for (const char c : name_) result += c == ',' || c == '\\' ? std::string("\\") + c : std::string(1, c);

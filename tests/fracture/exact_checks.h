@@ -1,4 +1,4 @@
-// What holds for every exact fracture, whatever the input, and inputs that several tests share.
+// Checks that hold for every exact fracture, and inputs that several tests share.
 #pragma once
 
 #include <algorithm>
@@ -67,8 +67,8 @@ inline uint64_t topology_faults(const Fragments& fragments) {
     return faults;
 }
 
-// A point is a vertex of the input or something that a cut made; wherever it appears it is the same, and no piece has
-// it twice.
+// Checks that equal point numbers have equal positions in all pieces, that no piece has a point twice, and that numbers
+// below 2^30 are vertices of the input.
 inline void check_points(const TriangleMesh& mesh, const Fragments& f) {
     REQUIRE(f.vertex_point.size() == f.positions.size());
     std::map<uint32_t, glm::dvec3> positions;
@@ -83,9 +83,8 @@ inline void check_points(const TriangleMesh& mesh, const Fragments& f) {
     }
 }
 
-// Whatever the input, as long as its triangles pair up: pieces closed, oriented, manifold and without stray
-// vertices, arrays that fit together, volumes that sum to the mesh's, the same bits with any number of
-// threads.
+// Fractures a mesh with paired edges and checks: pieces are closed, oriented, manifold and without unused vertices,
+// arrays are consistent, volumes sum to that of the mesh, and the result is bit-equal for any number of threads.
 inline Fragments check_fracture(const TriangleMesh& mesh, const Sites& sites, double tolerance = 1e-12) {
     const Result<Fragments> result = fracture_exact(mesh, sites, {.threads = 1});
     REQUIRE_MESSAGE(result, (result ? std::string() : result.error().message));
@@ -132,7 +131,7 @@ inline Fragments check_fracture(const TriangleMesh& mesh, const Sites& sites, do
     return *result;
 }
 
-// The least height of a triangle that a cut made.
+// Returns the smallest height of a triangle with a vertex that a cut made.
 inline double thinnest_cut(const Fragments& f) {
     double least = std::numeric_limits<double>::infinity();
     for (const Piece& piece : f.pieces) {
@@ -148,7 +147,7 @@ inline double thinnest_cut(const Fragments& f) {
     return least;
 }
 
-// Caps of both sides of a facet hold the same triangles, turned over, and the same bits.
+// Checks that both sides of a facet have the same cap triangles, reversed and bit-equal.
 inline void check_caps_match(const Fragments& f) {
     using Corner = std::array<double, 3>;
     using Key = std::array<Corner, 3>;
@@ -186,7 +185,8 @@ inline void check_caps_match(const Fragments& f) {
     }
 }
 
-// Positions and faces of a plain OBJ file, vertices welded by position; empty where there is no such file.
+// Reads positions and faces of a plain OBJ file and welds vertices by position. Returns an empty mesh if there is no
+// file.
 inline TriangleMesh read_obj(const char* path) {
     TriangleMesh mesh;
     std::map<std::array<double, 3>, uint32_t> known;

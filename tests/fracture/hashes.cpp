@@ -1,5 +1,5 @@
-// Prints the hash of each of a dozen fractures: what every compiler, optimisation level and number of threads must
-// agree on. tests/fracture/hashes.txt holds what it printed; tools/check-hashes compares, --update writes it anew.
+// Prints the hashes of thirteen fractures, on which every compiler, optimisation level and thread count must agree.
+// tests/fracture/hashes.txt holds the expected output; tools/check-hashes compares, and --update rewrites the file.
 #include <cinttypes>
 #include <cstdio>
 #include <vector>

@@ -1,4 +1,4 @@
-// Sites in the middles of n^3 equal boxes of the cube from -1 to 1: ties everywhere.
+// Sites in the centres of n^3 equal boxes of the cube from -1 to 1: degenerate positions everywhere.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Oracles for mesh tests, written apart from the code under test and as plainly as can be.
+// Oracles for mesh tests, independent of the code under test and as plain as possible.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@ namespace brittle::fracture::test {
 using brittle::test_files::Folder;
 using brittle::test_files::read_text;
 
-// Every edge is used as often in one direction as in the other, and at most once.
+// Returns whether every edge is used exactly once in each direction.
 inline bool is_closed(std::span<const Triangle> triangles) {
     std::map<std::pair<uint32_t, uint32_t>, int> uses;
     for (const Triangle& t : triangles) {

@@ -1,4 +1,4 @@
-// The oracle of the exact predicates, in rational numbers, and the scenes that they are asked about.
+// The oracle of the exact predicates in rational numbers, and the scenes that the tests evaluate them on.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -20,7 +20,6 @@ using glm::dvec3;
 using Rational = boost::multiprecision::cpp_rational;
 
 // ---- The oracle: definitions in rational numbers, absolute coordinates, weights as actual numbers
-// -------------
 
 struct Vec {
     Rational x, y, z;
@@ -44,7 +43,7 @@ struct Plane {
     Rational k;
 };
 
-// The point of three planes by Cramer's rule; false where there is none.
+// Computes the intersection of three planes by Cramer's rule. Returns false if there is none.
 inline bool meet(const Plane& a, const Plane& b, const Plane& c, Vec& point) {
     const Vec bc = cross(b.n, c.n);
     const Vec ca = cross(c.n, a.n);
@@ -56,8 +55,8 @@ inline bool meet(const Plane& a, const Plane& b, const Plane& c, Vec& point) {
     return true;
 }
 
-// Sites with weights w_i = e^(r + 1), r the rank of i among the sites involved, e = 2^-bits; bits = 0: no
-// weights.
+// Sites with weights w_i = e^(r + 1), where r is the rank of i among the sites involved and e = 2^-bits. bits = 0 means
+// no weights.
 struct Oracle {
     const Diagram* diagram;
     std::vector<SiteId> involved;
@@ -90,7 +89,7 @@ struct Oracle {
         return {n, dot(n, vec(q[0]))};
     }
 
-    // Each: false where the point does not exist, else the value whose sign is asked for.
+    // Each returns false if the point does not exist, and otherwise the value whose sign is tested.
     bool side1(SiteId c, SiteId l, const dvec3& q, Rational& result) const {
         result = g(c, l, vec(q));
         return true;
@@ -126,9 +125,8 @@ struct Oracle {
     }
 };
 
-// The sign for infinitesimal weights; 2 where the point does not exist. Weights enter only where their
-// absence gives zero, and are then made so small that the order of magnitudes is settled: halving the
-// exponent must not change the sign.
+// Returns the sign for infinitesimal weights; 2 if the point does not exist. Weights enter only if their absence gives
+// zero. They are then small enough to settle the order of magnitudes: halving the exponent must not change the sign.
 template<class Ask>
 int oracle_sign(const Diagram& diagram, std::vector<SiteId> involved, unsigned bits, bool& perturbed, Ask ask) {
     Oracle oracle{&diagram, std::move(involved), 0};
@@ -147,16 +145,15 @@ int oracle_sign(const Diagram& diagram, std::vector<SiteId> involved, unsigned b
 }
 
 // ---- Inputs
-// ---------------------------------------------------------------------------------------------------
 
 struct Scene {
     std::string name;
     std::vector<dvec3> sites;
     std::vector<dvec3> points;
     Box box{dvec3(-1.0), dvec3(1.0)};
-    unsigned bits; // per infinitesimal, enough for the coordinates at hand
+    unsigned bits; // per infinitesimal; enough for the scene's coordinates
     int cases;     // per predicate
-    int zeros = 0; // at least so many in a thousand answers are exact zeros, in every predicate
+    int zeros = 0; // minimum count of exact zeros per thousand answers, for every predicate
 };
 
 inline dvec3 lattice_point(Random& random, int size) {
@@ -182,8 +179,8 @@ inline Scene lattice_scene(Random& random, int size) {
     return scene;
 }
 
-// The 48 points (+-1,+-2,+-3)/4 in every order and their centre; mesh points are the centre, as often as not,
-// and points of the symmetry planes.
+// The 48 points (+-1,+-2,+-3)/4 in every order and their centre. Half of the mesh points are the centre, the others lie
+// in the symmetry planes.
 inline Scene cospherical_scene(Random& random) {
     Scene scene{"cospherical", {dvec3(0.0)}, {}, unit_box, 120, 2000, 20};
     std::array<double, 3> p{0.25, 0.5, 0.75};
@@ -199,8 +196,8 @@ inline Scene cospherical_scene(Random& random) {
     return scene;
 }
 
-// Sites that mirror each other in a mesh vertex v, in edges and in faces through it: bisectors contain them.
-// The images are exact, because everything is a multiple of 2^-20.
+// Sites that mirror each other in a mesh vertex v and in edges and faces through v, so bisectors contain these. The
+// images are exact, because all coordinates are multiples of 2^-20.
 inline Scene mirrored_scene(Random& random) {
     Scene scene{"mirrored", {}, {}, unit_box, 400, 1000, 20};
     const auto dyadic = [&] { return std::round((random.uniform() - 0.5) * 0x1.0p+20) * 0x1.0p-20; };
@@ -229,7 +226,7 @@ inline Scene mirrored_scene(Random& random) {
     return scene;
 }
 
-// Any scene with a third of its coordinates moved by one unit in the last place.
+// A scene with a third of its coordinates moved by one unit in the last place.
 inline Scene shaken(Scene scene, Random& random) {
     const auto shake = [&](std::vector<dvec3>& points) {
         for (dvec3& p : points) {
@@ -279,7 +276,7 @@ struct Draw {
     PlaneId box_plane() { return kBoxMinX + static_cast<PlaneId>(random.next() % 6); }
 };
 
-// How a scene's cases came out, so that a test can require that it tested something.
+// Counts the outcomes of a scene's cases, so that a test can require a minimum of informative ones.
 struct Tally {
     int asked = 0;
     int perturbed = 0;

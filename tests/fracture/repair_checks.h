@@ -1,4 +1,4 @@
-// What holds for every repair, and small meshes to break.
+// Checks that hold for every repair, and small meshes to damage.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace brittle::fracture::test {
 
-// A cube of edge 2 around the origin; vertex x y z in binary, 0 for -1.
+// A cube of edge 2 around the origin. The bits of a vertex index are x y z, with 0 for -1.
 inline TriangleMesh plain_cube() {
     TriangleMesh mesh;
     for (int v = 0; v < 8; ++v) mesh.positions.emplace_back(v & 4 ? 1 : -1, v & 2 ? 1 : -1, v & 1 ? 1 : -1);
@@ -31,7 +31,7 @@ inline bool is_manifold(const TriangleMesh& mesh) {
     return check_topology(mesh.positions.size(), mesh.triangles).manifold();
 }
 
-// Corners of the triangle in space, the same for all three ways to name them.
+// Returns the positions of the triangle's corners, equal for its three cyclic orders.
 inline std::array<glm::dvec3, 3> corners_of(const TriangleMesh& mesh, uint32_t t) {
     std::array<glm::dvec3, 3> c;
     for (int k = 0; k < 3; ++k) c[static_cast<size_t>(k)] = mesh.positions[mesh.triangles[t][k]];
@@ -42,7 +42,7 @@ inline std::array<glm::dvec3, 3> corners_of(const TriangleMesh& mesh, uint32_t t
     return c;
 }
 
-// What holds for every repair, whatever came in.
+// Checks the guarantees of every repair, for any input.
 inline void check_promises(const TriangleMesh& input, const Repaired& repaired, const RepairSettings& settings = {}) {
     const TriangleMesh& mesh = repaired.mesh;
     REQUIRE(repaired.source_triangle.size() == mesh.triangles.size());
@@ -58,7 +58,7 @@ inline void check_promises(const TriangleMesh& input, const Repaired& repaired, 
     CHECK(!again.report.changed());
 }
 
-// The repair of a mesh is a closed manifold of that volume.
+// Repairs a mesh and checks that the result is a closed manifold of the given volume.
 inline Repaired check_solid(const TriangleMesh& input, double volume, const RepairSettings& settings,
                             double tolerance = 1e-12) {
     const Repaired repaired = repair(input, settings);
@@ -73,7 +73,7 @@ inline Repaired check_solid(const TriangleMesh& input, double volume, double tol
     return check_solid(input, volume, {}, tolerance);
 }
 
-// Triangles that are there still lie where their sources did, turned or not.
+// Checks that the remaining triangles lie where their sources did, reversed or not.
 inline void check_sources(const TriangleMesh& input, const Repaired& repaired, bool turned_too = false) {
     for (uint32_t t = 0; t < repaired.mesh.triangles.size(); ++t) {
         const uint32_t source = repaired.source_triangle[t];

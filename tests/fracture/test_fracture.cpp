@@ -36,7 +36,7 @@ double distance_to_nearest(const Sites& sites, const glm::dvec3& point) {
     return nearest;
 }
 
-// Layout, closedness, positive volumes, volume sum, and that each piece lies in its site's cell.
+// Checks layout, closedness, positive volumes, the volume sum, and that each piece lies in the cell of its site.
 void check_fragments(const TriangleMesh& mesh, const Sites& sites, const Fragments& fragments, double tolerance) {
     const double size = glm::length(bounds(mesh).size());
     uint32_t vertex = 0;
@@ -80,14 +80,14 @@ void check_fragments(const TriangleMesh& mesh, const Sites& sites, const Fragmen
     CHECK(certificate.volume_error <= tolerance);
 }
 
-// Volume of each site's pieces together.
+// Returns the sum of the volumes of each site's pieces.
 std::vector<double> cell_volumes(const Fragments& fragments, size_t sites) {
     std::vector<double> volumes(sites);
     for (const Piece& piece : fragments.pieces) volumes[piece.site] += piece.mass.volume;
     return volumes;
 }
 
-// Both algorithms give sound pieces, and cells of the same volume. Returns the pieces of the default one.
+// Checks that both algorithms give valid pieces and cells of equal volume. Returns the pieces of the default algorithm.
 Fragments fracture_and_check(const TriangleMesh& mesh, const Sites& sites, double tolerance = 1e-9) {
     Result<Fragments> exact = fracture(mesh, sites);
     REQUIRE_MESSAGE(exact, (exact ? "" : exact.error().message));
@@ -137,7 +137,7 @@ std::set<Point> points_of(const Fragments& fragments, const Piece& piece) {
     return points;
 }
 
-// Only `v` and triangular `f` lines of plain indices; the importer has tests of its own.
+// Reads `v` and triangular `f` lines with plain indices only; the importer has tests of its own.
 TriangleMesh read_plain_obj(const std::filesystem::path& file) {
     TriangleMesh mesh;
     std::ifstream in(file);
@@ -191,7 +191,7 @@ TEST_CASE("settings out of range are refused") {
     CHECK(mentions(error_of(cube(), {{0, 0, 0}}, settings), Status::invalid_setting, "5000"));
 }
 
-TEST_CASE("a mesh that bounds no solid is refused by the name of its gravest fault, with counts and a place") {
+TEST_CASE("a mesh that bounds no solid is refused with the status of its gravest fault, the counts and a location") {
     const Sites one{{0, 0, 0}};
     TriangleMesh open = cube();
     open.triangles.pop_back();
@@ -210,7 +210,7 @@ TEST_CASE("a mesh that bounds no solid is refused by the name of its gravest fau
     CHECK(mentions(error_of(several, one), Status::not_closed, "edges used by three triangles or more"));
 }
 
-TEST_CASE("a surface around no volume or less is refused by name") {
+TEST_CASE("a surface that encloses zero or negative volume is refused with its own status") {
     const Sites sites = uniform_sites({glm::dvec3(-1), glm::dvec3(1)}, 5, 1);
     for (const Algorithm algorithm : {Algorithm::exact, Algorithm::sequential}) {
         const Settings settings{.algorithm = algorithm};
@@ -228,7 +228,8 @@ TEST_CASE("a surface around no volume or less is refused by name") {
     }
 }
 
-TEST_CASE("an edge of four triangles is refused, whether the cut meets it or not and however it could be paired") {
+TEST_CASE("an edge of four triangles is refused, whether or not a bisector cuts it and even if its triangles could be "
+          "paired") {
     // Two tetrahedra that share the edge from vertex 0 to 1.
     TriangleMesh mesh{{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {}};
     for (const glm::uvec4& v : {glm::uvec4(0, 2, 3, 1), glm::uvec4(0, 4, 5, 1)})
@@ -243,7 +244,7 @@ TEST_CASE("an edge of four triangles is refused, whether the cut meets it or not
     }
 }
 
-TEST_CASE("two triangles back to back beside a solid are left out, and nothing else changes") {
+TEST_CASE("two triangles back to back beside a solid give no piece and change no other piece") {
     const TriangleMesh ball = icosphere(2);
     TriangleMesh mesh = ball;
     const auto n = static_cast<uint32_t>(mesh.positions.size());
@@ -258,7 +259,7 @@ TEST_CASE("two triangles back to back beside a solid are left out, and nothing e
     CHECK(with.triangles == without.triangles);
 }
 
-TEST_CASE("surfaces that pass through each other give closed pieces whose signed volumes sum up") {
+TEST_CASE("intersecting surfaces give closed pieces whose signed volumes sum to the input's") {
     const auto together = [](TriangleMesh a, const TriangleMesh& b) {
         const auto n = static_cast<uint32_t>(a.positions.size());
         a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
@@ -275,14 +276,14 @@ TEST_CASE("surfaces that pass through each other give closed pieces whose signed
     };
     const TriangleMesh ball = icosphere(3);
     check(together(ball, transformed(ball, 1.0, {0.7, 0.1, 0.2})), false);
-    check(torus_knot(2, 9, 300, 12, 0.4), false); // its tube runs through itself
-    // A small ball turned inside out, half inside a large one: what is outside has negative volume.
+    check(torus_knot(2, 9, 300, 12, 0.4), false); // its tube intersects itself
+    // A small inside-out ball, half inside a large one: the part outside has negative volume.
     TriangleMesh hole = transformed(ball, 0.4, {1.0, 0.0, 0.0});
     for (Triangle& t : hole.triangles) std::swap(t.x, t.y);
     check(together(ball, hole), true);
 }
 
-TEST_CASE("a workspace gives the same pieces the second time, for the same mesh and for another, and after an error") {
+TEST_CASE("a reused workspace gives equal pieces, for the same mesh, for another mesh and after an error") {
     Workspace workspace;
     Fragments out;
     TriangleMesh mesh = torus(40, 20);
@@ -291,7 +292,7 @@ TEST_CASE("a workspace gives the same pieces the second time, for the same mesh 
         REQUIRE(fracture(mesh, sites, {}, workspace, out));
         CHECK(hash(out) == hash(*fracture(mesh, sites)));
     }
-    // The same counts, one triangle turned: what is known about the mesh before must not hide it.
+    // Equal counts, one triangle reversed: the cached result of the previous mesh must not hide the fault.
     std::swap(mesh.triangles[100].x, mesh.triangles[100].y);
     const Result<void> turned = fracture(mesh, sites, {}, workspace, out);
     REQUIRE_FALSE(turned);
@@ -301,7 +302,7 @@ TEST_CASE("a workspace gives the same pieces the second time, for the same mesh 
     CHECK(hash(out) == hash(*fracture(other, sites)));
 }
 
-TEST_CASE("one site gives the mesh back") {
+TEST_CASE("one site returns the mesh itself") {
     const TriangleMesh mesh = torus(24, 12);
     const Fragments fragments = fracture_and_check(mesh, {{7, 7, 7}}, 1e-14);
     REQUIRE(fragments.pieces.size() == 1);
@@ -320,13 +321,13 @@ TEST_CASE("two sites cut once, and both pieces have the same points on the cut")
     std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::inserter(shared, shared.end()));
     std::set<Point> input;
     for (const glm::dvec3& p : mesh.positions) input.insert({p.x, p.y, p.z});
-    // Every point that is not of the input is in both pieces, and every point of the input is in one.
+    // Every point of a cut is in both pieces, every vertex of the input in one.
     CHECK(a.size() + b.size() == input.size() + 2 * shared.size());
     CHECK(shared.size() > 20);
     for (const Point& p : shared) CHECK_FALSE(input.contains(p));
 }
 
-TEST_CASE("duplicate sites leave empty cells behind the first") {
+TEST_CASE("of duplicate sites only the first has a cell") {
     const Fragments fragments =
         fracture_and_check(cube(), {{0.5, 0, 0}, {0.5, 0, 0}, {-0.5, 0, 0}, {0.5, 0, 0}}, 1e-14);
     REQUIRE(fragments.pieces.size() == 2);
@@ -335,7 +336,7 @@ TEST_CASE("duplicate sites leave empty cells behind the first") {
     CHECK(fracture_and_check(cube(), Sites(20, glm::dvec3(0.1)), 1e-14).pieces.size() == 1);
 }
 
-TEST_CASE("sites outside the box cut it too") {
+TEST_CASE("sites outside the box of the mesh cut it") {
     const Fragments fragments = fracture_and_check(cube(), {{100, 0, 0}, {-100, 1, 0}, {0, 300, 1}});
     CHECK(fragments.pieces.size() == 2);
     fracture_and_check(icosphere(2), {{1e6, 0, 0}, {-1e6, 1, 3}, {2, 1e6, 1}, {0, 5, -1e6}}, 1e-8);
@@ -343,12 +344,12 @@ TEST_CASE("sites outside the box cut it too") {
     const Result<Fragments> sequential = fracture(icosphere(2), far, {.algorithm = Algorithm::sequential});
     REQUIRE(sequential);
     check_fragments(icosphere(2), far, *sequential, 1e-9);
-    // The exact algorithm holds to 1e30 mesh sizes and says so beyond.
+    // The exact algorithm supports coordinates up to 1e30 mesh sizes and returns an error beyond.
     fracture_and_check(icosphere(2), {{0, 0, 0}, {1e20, 0, 0}, {0, -1e29, 1e29}});
     CHECK(mentions(error_of(icosphere(2), far), Status::invalid_sites, "site 2"));
 }
 
-TEST_CASE("pieces close and volumes sum up on all shapes, seeds and numbers of sites") {
+TEST_CASE("pieces are closed and their volumes sum to the input's for all shapes, seeds and counts of sites") {
     const std::vector<std::pair<const char*, TriangleMesh>> shapes{{"cube", cube()},
                                                                    {"icosphere", icosphere(3)},
                                                                    {"torus", torus(40, 20)},
@@ -366,7 +367,7 @@ TEST_CASE("pieces close and volumes sum up on all shapes, seeds and numbers of s
     }
 }
 
-TEST_CASE("planes through vertices, edges and faces leave closed pieces") {
+TEST_CASE("bisectors through vertices, edges and faces give closed pieces") {
     SUBCASE("lattice sites in a lattice cube: planes run in faces and through edges") {
         const Fragments fragments = fracture_and_check(lattice_cube(4, 2.0), lattice_sites(4, 0.5), 1e-12);
         CHECK(fragments.pieces.size() == 64);
@@ -406,7 +407,7 @@ TEST_CASE("planes through vertices, edges and faces leave closed pieces") {
     }
 }
 
-TEST_CASE("scale and offset do not matter") {
+TEST_CASE("scale and offset of the input do not change the count of pieces") {
     const TriangleMesh mesh = torus(24, 12);
     const Sites sites = uniform_sites(bounds(mesh), 12, 4);
     const size_t pieces = fracture_and_check(mesh, sites).pieces.size();
@@ -419,12 +420,12 @@ TEST_CASE("scale and offset do not matter") {
     const glm::dvec3 offset(1e6, -1e6, 3e5);
     Sites moved = sites;
     for (glm::dvec3& s : moved) s += offset;
-    // A coordinate of 1e6 has steps of 1e-10, and so have the points of the cuts.
+    // Doubles near 1e6 are spaced by 1e-10, which limits the precision of cut points.
     CHECK(fracture_and_check(transformed(mesh, 1.0, offset), moved, 1e-8).pieces.size() == pieces);
 }
 
-TEST_CASE("solids that touch in a vertex are cut as two") {
-    TriangleMesh mesh = cube(1.0); // corners at half
+TEST_CASE("solids that touch in a vertex are cut as two solids") {
+    TriangleMesh mesh = cube(1.0); // corners at +-0.5
     const TriangleMesh first = mesh;
     const auto corner = static_cast<uint32_t>(std::find(first.positions.begin(), first.positions.end(), glm::dvec3(0.5))
                                               - first.positions.begin());
@@ -442,7 +443,7 @@ TEST_CASE("solids that touch in a vertex are cut as two") {
     fracture_and_check(mesh, uniform_sites(bounds(mesh), 10, 1));
 }
 
-TEST_CASE("a two-sided triangle beside a solid has no volume and leaves no piece") {
+TEST_CASE("a two-sided triangle beside a solid has no volume and gives no piece") {
     TriangleMesh mesh = icosphere(1);
     const auto n = static_cast<uint32_t>(mesh.positions.size());
     mesh.positions.insert(mesh.positions.end(), {{2, 0, 0}, {3, 0, 0}, {2, 1, 0}});
@@ -453,7 +454,7 @@ TEST_CASE("a two-sided triangle beside a solid has no volume and leaves no piece
     fracture_and_check(mesh, {{1.8, 0, 0}, {2.8, 0, 0}, {2, 0.7, 0}, {0, 0, 0}});
 }
 
-TEST_CASE("a hollow sphere in one cell is one piece, four legs below a plane are four") {
+TEST_CASE("a hollow sphere in one cell is one piece, four legs below a plane are four pieces") {
     const TriangleMesh mesh = hollow_sphere(2);
     CHECK(fracture_and_check(mesh, {{0, 0, 0}}).pieces.size() == 1);
     const TriangleMesh animal = four_legged_animal(40);
@@ -479,7 +480,7 @@ TEST_CASE("the result does not depend on the number of threads or on the run") {
     CHECK_FALSE(hashes.contains(hash(*fracture(mesh, uniform_sites(bounds(mesh), 30, 10)))));
 }
 
-TEST_CASE("a fracture is cancelled between any two phases, and the workspace is good for the next") {
+TEST_CASE("a fracture can be cancelled between any two phases, and its workspace remains usable") {
     const TriangleMesh mesh = icosphere(3);
     const Sites sites = uniform_sites(bounds(mesh), 30, 1);
     for (const Algorithm algorithm : {Algorithm::exact, Algorithm::sequential}) {
@@ -503,7 +504,7 @@ TEST_CASE("a fracture is cancelled between any two phases, and the workspace is 
     }
 }
 
-TEST_CASE("progress rises to one, from one thread at a time, and phases are timed") {
+TEST_CASE("progress rises to 1, is reported by one thread at a time, and phases are timed") {
     Settings settings;
     std::vector<std::string> expected;
     SUBCASE("exact") {
@@ -534,7 +535,7 @@ TEST_CASE("progress rises to one, from one thread at a time, and phases are time
     CHECK(phases == expected);
 }
 
-TEST_CASE("the Stanford bunny falls to closed pieces") {
+TEST_CASE("the Stanford bunny breaks into closed pieces") {
     const std::filesystem::path file = "/usr/share/glmark2/models/bunny.obj";
     if (!std::filesystem::exists(file)) {
         MESSAGE("skipped: " << file << " is missing (Debian package glmark2-data)");

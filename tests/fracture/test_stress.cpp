@@ -18,7 +18,7 @@
 using namespace brittle;
 using namespace brittle::fracture;
 
-TEST_CASE("every fracture that ever failed holds") {
+TEST_CASE("every case of the corpus passes the stress checks") {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(BRITTLE_CORPUS "/fractures"))
         files.push_back(entry.path());
@@ -32,7 +32,7 @@ TEST_CASE("every fracture that ever failed holds") {
     }
 }
 
-TEST_CASE("random cases of every family hold") {
+TEST_CASE("random cases of every family pass the stress checks") {
     for (const std::string_view family : stress::mesh_families()) {
         for (uint64_t seed = 1; seed <= 15; ++seed) {
             CAPTURE(family);
@@ -42,7 +42,7 @@ TEST_CASE("random cases of every family hold") {
     }
 }
 
-TEST_CASE("the checks of the stress driver see what is wrong") {
+TEST_CASE("the checks of the stress driver detect unexpected outcomes") {
     stress::Case c;
     c.mesh = icosphere(1);
     c.sites = uniform_sites(bounds(c.mesh), 5, 1);
@@ -55,7 +55,7 @@ TEST_CASE("the checks of the stress driver see what is wrong") {
     CHECK(stress::complaint(c).starts_with("refused: "));
 }
 
-TEST_CASE("a case survives being written and read, to the bit") {
+TEST_CASE("a case is written and read back bit for bit") {
     const test::Folder folder;
     for (uint64_t seed = 1; seed <= 30; ++seed) {
         const stress::Case c = stress::random_case(seed);
@@ -68,7 +68,7 @@ TEST_CASE("a case survives being written and read, to the bit") {
     }
 }
 
-TEST_CASE("more than 65,536 sites") {
+TEST_CASE("more than 65,536 sites are supported") {
     const TriangleMesh ball = icosphere(2);
     const auto sites = uniform_sites(bounds(ball), 70'000, 1);
     const auto fragments = fracture::fracture(ball, sites);

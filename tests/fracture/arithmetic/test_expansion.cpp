@@ -24,7 +24,7 @@ int sign(const Rational& r) {
     return r.sign();
 }
 
-// The lowest bit set in x.
+// Returns the lowest bit set in x.
 double lowest_bit(double x) {
     int exponent;
     const double mantissa = std::frexp(x, &exponent);
@@ -37,7 +37,7 @@ double lowest_bit(double x) {
     return std::ldexp(1.0, shift);
 }
 
-// Value, sign and the invariants that the next operation relies on.
+// Checks value, sign and the invariants that the next operation relies on.
 void check(const Expansion& e, const Rational& expected) {
     REQUIRE(exact(e) == expected);
     REQUIRE(e.sign() == sign(expected));
@@ -52,7 +52,7 @@ void check(const Expansion& e, const Rational& expected) {
     }
 }
 
-// Mantissas that stress rounding: random, few bits, runs of ones; exponents within +-range.
+// Returns a double whose mantissa stresses rounding (random, few bits, runs of ones), with an exponent within +-range.
 double awkward(Random& random, int range) {
     double x;
     switch (random.next() % 4) {
@@ -90,7 +90,7 @@ TEST_CASE("an expansion of zero has no terms and no sign") {
     CHECK(Expansion().approximation() == 0.0);
 }
 
-TEST_CASE("the sign of an expansion survives total cancellation of the leading parts") {
+TEST_CASE("the sign of an expansion is exact after total cancellation of the leading parts") {
     const Expansion one(1.0);
     const Expansion tiny(0x1.0p-300);
     const Expansion square = (one + tiny) * (one + tiny);
@@ -98,7 +98,7 @@ TEST_CASE("the sign of an expansion survives total cancellation of the leading p
     check(-square + one, -(Rational(0x1.0p-299) + Rational(0x1.0p-300) * Rational(0x1.0p-300)));
 }
 
-TEST_CASE("random expressions agree with rational arithmetic and keep the invariants") {
+TEST_CASE("random expressions agree with rational arithmetic and satisfy the invariants") {
     Random random(1);
     for (int run = 0; run < 3000; ++run) {
         const int range = run % 3 == 0 ? 0 : (run % 3 == 1 ? 40 : 100);
@@ -127,7 +127,7 @@ TEST_CASE("random expressions agree with rational arithmetic and keep the invari
                 expected.push_back(-2 * expected[i]);
                 break;
             default:
-                if (i >= 6 || j >= 6) continue; // keeps the degree, and with it the exponents, in range
+                if (i >= 6 || j >= 6) continue; // limits the degree, and with it the exponents
                 values.push_back(values[i] * values[j]);
                 expected.push_back(expected[i] * expected[j]);
                 break;
@@ -137,7 +137,7 @@ TEST_CASE("random expressions agree with rational arithmetic and keep the invari
     }
 }
 
-TEST_CASE("terms across the whole range of doubles fit the proven capacity") {
+TEST_CASE("terms across the whole range of doubles fit the proven capacity of an expansion") {
     Random random(2);
     int longest = 0;
     for (int run = 0; run < 20; ++run) {
@@ -151,7 +151,7 @@ TEST_CASE("terms across the whole range of doubles fit the proven capacity") {
         }
         check(total, expected);
     }
-    CHECK(longest > 30); // the case that the bound of 41 is about was reached
+    CHECK(longest > 30); // the input nearly reaches the bound of 41 terms
 
     Expansion a;
     Expansion b;

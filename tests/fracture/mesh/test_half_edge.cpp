@@ -31,7 +31,7 @@ std::vector<size_t> loop_lengths(const HalfEdgeMesh& mesh) {
     return lengths;
 }
 
-// Fisher and Yates, with our own random numbers so that a failure repeats everywhere.
+// A Fisher-Yates shuffle with Brittle's own random numbers, so that a failure repeats on every machine.
 template<class T>
 void shuffle(std::vector<T>& items, Random& random) {
     for (size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random.next() % i]);
@@ -68,7 +68,7 @@ TEST_CASE("a single triangle has a border of three half-edges around it") {
     CHECK(is_valid(mesh));
     CHECK_FALSE(is_closed(mesh));
     REQUIRE(loop_lengths(mesh) == std::vector<size_t>{3});
-    // The border runs the other way around: 0, 2, 1.
+    // The border runs in the opposite direction: 0, 2, 1.
     const uint32_t border = find_half_edge(mesh, 0, 2);
     CHECK(mesh.is_border(border));
     CHECK(mesh[mesh[border].next].origin == 2);
@@ -83,7 +83,7 @@ TEST_CASE("a face against one border half-edge is spliced into the chain") {
     CHECK(loop_lengths(mesh) == std::vector<size_t>{4});
 }
 
-TEST_CASE("two borders that meet in a vertex become one chain, and filling between them parts it") {
+TEST_CASE("two borders that meet in a vertex become one chain, and triangles between them shorten it") {
     HalfEdgeMesh mesh = isolated_vertices(5);
     REQUIRE(add(mesh, 0, 1, 2) == AddFace::added);
     REQUIRE(add(mesh, 0, 3, 4) == AddFace::added);
@@ -118,7 +118,7 @@ TEST_CASE("three fans around a vertex can be joined in either order") {
     }
 }
 
-TEST_CASE("faces that do not fit are refused and leave the mesh as it was") {
+TEST_CASE("faces that do not fit are refused and leave the mesh unchanged") {
     HalfEdgeMesh mesh = isolated_vertices(7);
     for (const Triangle& t : tetrahedron) REQUIRE(add_face(mesh, t, {}) == AddFace::added);
     REQUIRE(is_closed(mesh));
@@ -130,7 +130,7 @@ TEST_CASE("faces that do not fit are refused and leave the mesh as it was") {
     CHECK(triangle_list(mesh) == tetrahedron);
 }
 
-TEST_CASE("closing one fan of a vertex while another is left outside is refused") {
+TEST_CASE("closing one fan of a vertex that has another open fan is refused") {
     HalfEdgeMesh mesh = isolated_vertices(6);
     REQUIRE(add(mesh, 0, 1, 2) == AddFace::added);
     REQUIRE(add(mesh, 0, 2, 3) == AddFace::added);
@@ -140,7 +140,7 @@ TEST_CASE("closing one fan of a vertex while another is left outside is refused"
     CHECK(mesh.faces.size() == 3);
 }
 
-TEST_CASE("building names the triangle that is wrong") {
+TEST_CASE("an error of build_half_edges() names the faulty triangle") {
     const std::vector<glm::dvec3> positions(4, glm::dvec3(0.0));
     const auto message = [&](std::vector<Triangle> triangles) {
         const Result<HalfEdgeMesh> mesh = build_half_edges(positions, triangles);
@@ -154,7 +154,7 @@ TEST_CASE("building names the triangle that is wrong") {
     CHECK(message({{0, 1, 2}, {1, 0, 3}, {0, 1, 3}}).find("triangle 2") != std::string::npos);
 }
 
-TEST_CASE("a shape goes in and comes out triangle by triangle") {
+TEST_CASE("the triangles of a shape are returned in order") {
     for (const std::string_view name : shape_names()) {
         CAPTURE(name);
         const TriangleMesh mesh = *shape(name);
@@ -166,7 +166,7 @@ TEST_CASE("a shape goes in and comes out triangle by triangle") {
     }
 }
 
-TEST_CASE("faces may come in any order, and the border is whole after each") {
+TEST_CASE("faces may be added in any order, and the border is valid after each") {
     const TriangleMesh mesh = icosphere(1);
     Random random(7);
     for (int round = 0; round < 40; ++round) {
@@ -198,7 +198,7 @@ TEST_CASE("a fan of many triangles in random order is built in reasonable time")
     CHECK(is_closed(*mesh));
 }
 
-TEST_CASE("validity notices damage") {
+TEST_CASE("is_valid() detects damage") {
     const TriangleMesh shape = cube();
     const HalfEdgeMesh good = *build_half_edges(shape.positions, shape.triangles);
     REQUIRE(is_valid(good));
@@ -216,7 +216,7 @@ TEST_CASE("validity notices damage") {
     CHECK_FALSE(damaged([](HalfEdgeMesh& m) { m.sources.pop_back(); }));
 }
 
-TEST_CASE("solids that touch in a vertex get a vertex each") {
+TEST_CASE("split_fans() gives solids that touch in a vertex a vertex each") {
     const TriangleMesh touching = tetrahedra_at_one_vertex();
     const Result<HalfEdgeMesh> refused = build_half_edges(touching.positions, touching.triangles);
     REQUIRE_FALSE(refused);
@@ -231,7 +231,7 @@ TEST_CASE("solids that touch in a vertex get a vertex each") {
     CHECK(is_closed(*mesh));
 }
 
-TEST_CASE("splitting fans leaves a manifold mesh as it is") {
+TEST_CASE("split_fans() leaves a manifold mesh unchanged") {
     const TriangleMesh mesh = torus(12, 8);
     const TriangleMesh split = split_fans(mesh);
     CHECK(split.positions == mesh.positions);

@@ -42,7 +42,7 @@ void check(const Island& island) {
 
 } // namespace
 
-TEST_CASE("nothing has no islands") {
+TEST_CASE("an empty mesh has no islands") {
     CHECK(split_islands({}, {}, {}).empty());
 }
 
@@ -52,7 +52,7 @@ TEST_CASE("a sheet without thickness is no island") {
     CHECK(islands_of(flat).empty());
 }
 
-TEST_CASE("one solid is one island with its own vertices only") {
+TEST_CASE("one solid is one island without unused vertices") {
     TriangleMesh mesh = icosphere(2);
     mesh.positions.emplace_back(100, 100, 100); // no triangle uses it
     const auto islands = islands_of(mesh);
@@ -74,7 +74,7 @@ TEST_CASE("solids side by side are islands in the order of their triangles") {
 }
 
 TEST_CASE("a cavity belongs to the smallest island around it") {
-    // A ball in the cavity of a hollow ball, itself hollow; and a bystander smaller than all.
+    // A hollow ball in the cavity of a larger hollow ball, and a separate ball smaller than all others.
     TriangleMesh mesh;
     append(mesh, icosphere(2, 0.6), {}, true);
     append(mesh, icosphere(2, 0.1), {2, 0, 0});

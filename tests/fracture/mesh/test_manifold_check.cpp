@@ -16,7 +16,7 @@ namespace {
 
 using Triangles = std::vector<Triangle>;
 
-// The same answer from a fresh and from a used checker, with one thread and with three.
+// Checks the answers of a new and of a reused checker, with one thread and with three.
 bool check(size_t vertices, const Triangles& triangles) {
     static ManifoldCheck used;
     static Threads three(3);
@@ -28,7 +28,7 @@ bool check(size_t vertices, const Triangles& triangles) {
     return answer;
 }
 
-// A double pyramid over a ring of n: poles of degree n.
+// A double pyramid over a ring of n vertices: both poles have degree n.
 Triangles double_pyramid(uint32_t n) {
     Triangles triangles;
     for (uint32_t k = 0; k < n; ++k) {
@@ -39,7 +39,7 @@ Triangles double_pyramid(uint32_t n) {
     return triangles;
 }
 
-// Gives the vertices other numbers and the triangles another order and first corner.
+// Permutes the vertices, the triangles and the first corner of each triangle.
 Triangles shuffled(Triangles triangles, uint32_t vertices, Random& random) {
     std::vector<uint32_t> number(vertices);
     for (uint32_t v = 0; v < vertices; ++v) number[v] = v;
@@ -54,7 +54,7 @@ Triangles shuffled(Triangles triangles, uint32_t vertices, Random& random) {
 
 } // namespace
 
-TEST_CASE("the quick check: no triangles, bad indices and degenerate triangles") {
+TEST_CASE("manifold check: no triangles, bad indices and degenerate triangles") {
     CHECK(check(0, {}));
     CHECK(check(5, {}));
     CHECK_FALSE(check(0, {{0, 1, 2}}));
@@ -68,7 +68,7 @@ TEST_CASE("the quick check: no triangles, bad indices and degenerate triangles")
     CHECK_FALSE(check(3, {{0, 1, 2}, {0, 2, 1}, {0, 1, 2}, {0, 2, 1}}));
 }
 
-TEST_CASE("the quick check: shapes pass, and fail with any one triangle missing, doubled or turned") {
+TEST_CASE("manifold check: shapes pass, and fail with any one triangle missing, doubled or reversed") {
     for (const std::string_view name : shape_names()) {
         CAPTURE(name);
         const TriangleMesh mesh = *shape(name);
@@ -90,7 +90,7 @@ TEST_CASE("the quick check: shapes pass, and fail with any one triangle missing,
     }
 }
 
-TEST_CASE("the quick check: vertices of any degree, and fans that touch in them") {
+TEST_CASE("manifold check: vertices of any degree, with one or two fans") {
     Random random(5);
     for (const uint32_t n : {3u, 4u, 7u, 8u, 9u, 10u, 24u, 1000u}) {
         CAPTURE(n);
@@ -101,7 +101,7 @@ TEST_CASE("the quick check: vertices of any degree, and fans that touch in them"
             missing.erase(missing.begin() + static_cast<std::ptrdiff_t>(t));
             CHECK_FALSE(check(n + 2, missing));
         }
-        // Twice, with a pole in common: every edge pairs up, but the pole has two fans.
+        // Two double pyramids with a common pole: every edge is paired, but the pole has two fans.
         Triangles touching = double_pyramid(n);
         for (const Triangle& t : double_pyramid(n)) {
             const auto other = [&](uint32_t v) { return v == 0 ? 0 : v + n + 1; };
@@ -114,7 +114,7 @@ TEST_CASE("the quick check: vertices of any degree, and fans that touch in them"
     }
 }
 
-TEST_CASE("the quick check answers as the full one on random soups and on shuffled, damaged spheres") {
+TEST_CASE("manifold check: agrees with check_topology() on random soups and on shuffled, damaged spheres") {
     Random random(11);
     int sound = 0;
     for (int round = 0; round < 3000; ++round) {
@@ -122,7 +122,7 @@ TEST_CASE("the quick check answers as the full one on random soups and on shuffl
         Triangles soup(2 + 2 * (random.next() % 4));
         for (Triangle& t : soup)
             for (int k = 0; k < 3; ++k) t[k] = static_cast<uint32_t>(random.next() % vertices);
-        if (round % 2 == 0) // halves back to back are often closed
+        if (round % 2 == 0) // pairs of opposite triangles are often closed
             for (size_t t = 1; t < soup.size(); t += 2) soup[t] = {soup[t - 1].x, soup[t - 1].z, soup[t - 1].y};
         const bool manifold = check_topology(vertices, soup).manifold();
         sound += manifold;
@@ -134,7 +134,7 @@ TEST_CASE("the quick check answers as the full one on random soups and on shuffl
     for (int round = 0; round < 60; ++round) {
         Triangles triangles = shuffled(ball.triangles, vertices, random);
         CHECK(check(vertices, triangles));
-        // Two corners change places: nearly always a fault, of any kind.
+        // Swaps two corners, which nearly always causes a fault, of any kind.
         Triangle &a = triangles[random.next() % triangles.size()], &b = triangles[random.next() % triangles.size()];
         std::swap(a[static_cast<int>(random.next() % 3)], b[static_cast<int>(random.next() % 3)]);
         CHECK(check(vertices, triangles) == check_topology(vertices, triangles).manifold());

@@ -45,7 +45,7 @@ TriangleMesh moved(TriangleMesh mesh, const glm::dmat3& rotation, const glm::dve
     return mesh;
 }
 
-// Rodrigues' formula.
+// Returns a rotation matrix by Rodrigues' formula.
 glm::dmat3 rotation_about(glm::dvec3 axis, double angle) {
     axis = normalize(axis);
     const glm::dmat3 k({0, axis.z, -axis.y}, {-axis.z, 0, axis.x}, {axis.y, -axis.x, 0});
@@ -62,7 +62,7 @@ TEST_CASE("an empty mesh has no mass") {
     CHECK(signed_volume({}, {}) == 0.0);
 }
 
-TEST_CASE("a flat mesh has area, no volume, no inertia and its centre in the mean of its corners") {
+TEST_CASE("a flat mesh has area, no volume, no inertia and its centre at the mean of its corners") {
     const std::vector<glm::dvec3> positions = {{0.1, 0.2, 0.3}, {1.1, 0.7, 0.9}, {0.3, 1.7, 0.2}, {9e9, 9e9, 9e9}};
     const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 1}};
     const MassProperties mass = mass_properties(positions, triangles);
@@ -81,7 +81,7 @@ TEST_CASE("triangles without area change nothing") {
     CHECK(mass_of(mesh).inertia == before.inertia);
 }
 
-TEST_CASE("a cube and a box have the textbook's inertia") {
+TEST_CASE("a cube and a box have the inertia of the closed formula") {
     const MassProperties unit = mass_of(cube(2.0));
     CHECK(unit.volume == 8.0);
     CHECK(unit.area == 24.0);
@@ -152,7 +152,7 @@ TEST_CASE("an inside-out mesh negates volume and inertia and keeps its centre") 
     check_near(inverted.inertia, -right.inertia, 1e-13);
 }
 
-TEST_CASE("inertia turns with the mesh and does not depend on where it lies") {
+TEST_CASE("inertia rotates with the mesh and is invariant under translation") {
     Random random(3);
     const TriangleMesh mesh = moved(box({1, 2, 3}), glm::dmat3(1.0), {0.3, -0.2, 0.9});
     const MassProperties still = mass_of(mesh);
@@ -177,8 +177,8 @@ TEST_CASE("the inertia of two separate boxes obeys the parallel axis theorem") {
     check_near(mass.inertia, diagonal(2.0 / 6, across, across), 1e-13);
 }
 
-TEST_CASE("a million metres from the origin no digit is lost") {
-    // Coordinates of the lattice cube are exact at both places, so nothing but the integration could differ.
+TEST_CASE("a mesh a million metres from the origin loses no digit") {
+    // The coordinates of the lattice cube are exact at both places, so only the integration can differ.
     const TriangleMesh near = lattice_cube(16, 2.0);
     const MassProperties here = mass_of(near);
     const MassProperties there = mass_of(moved(near, glm::dmat3(1.0), glm::dvec3(1048576.0)));
@@ -209,7 +209,7 @@ TEST_CASE("a million triangles sum to thirteen digits, in any order") {
     CHECK(std::abs(mass_of(mesh).volume - 1.0) < 1e-13);
 }
 
-TEST_CASE("the volume alone equals the volume among all properties bit for bit") {
+TEST_CASE("signed_volume() equals the volume of mass_properties() bit for bit") {
     for (const TriangleMesh& mesh : {icosphere(3), torus(), torus_knot(), cube()}) {
         CHECK(signed_volume(mesh.positions, mesh.triangles) == mass_of(mesh).volume);
     }

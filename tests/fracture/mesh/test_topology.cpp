@@ -39,7 +39,7 @@ std::vector<Triangle> torus_grid(uint32_t n, uint32_t m) {
     return mesh;
 }
 
-// Two fans of n triangles between a ring and two poles; a vertex of any degree.
+// Two fans of n triangles between a ring and two poles: the poles have degree n.
 std::vector<Triangle> bipyramid(uint32_t n) {
     std::vector<Triangle> mesh;
     for (uint32_t i = 0; i < n; ++i) {
@@ -53,7 +53,7 @@ struct NaiveEdges {
     uint64_t edges = 0, open = 0, misoriented = 0, non_manifold = 0;
 };
 
-// The definitions of the header, word by word, over a map.
+// The definitions of the header, implemented literally over a map.
 NaiveEdges naive_edges(const std::vector<Triangle>& mesh) {
     std::map<std::pair<uint32_t, uint32_t>, std::pair<int, int>> uses;
     for (const Triangle& t : mesh) {
@@ -77,7 +77,7 @@ NaiveEdges naive_edges(const std::vector<Triangle>& mesh) {
 
 } // namespace
 
-TEST_CASE("an empty mesh is closed and has nothing to report") {
+TEST_CASE("an empty mesh is closed and has no faults") {
     const TopologyReport report = check_topology(0, {});
     CHECK(report.manifold());
     CHECK(report.vertices == 0);
@@ -92,7 +92,7 @@ TEST_CASE("vertices that no triangle uses do not count") {
     CHECK(report.manifold());
 }
 
-TEST_CASE("a lone triangle has three open edges and one fan a vertex") {
+TEST_CASE("a single triangle has three open edges and one fan per vertex") {
     const std::vector<Triangle> mesh = {{4, 7, 5}};
     const TopologyReport report = check_topology(8, mesh);
     CHECK(report.open_edges == 3);
@@ -102,7 +102,7 @@ TEST_CASE("a lone triangle has three open edges and one fan a vertex") {
     CHECK(describe(report) == "3 open edges, the first between vertices 4 and 5");
 }
 
-TEST_CASE("a triangle that names a vertex twice is degenerate and leaves the edges alone") {
+TEST_CASE("a triangle that names a vertex twice is degenerate and does not affect edges") {
     const TopologyReport report = check_topology(4, tetrahedron + std::vector<Triangle>{{0, 0, 1}, {2, 2, 2}});
     CHECK(report.degenerate_triangles == 2);
     CHECK(report.first_degenerate_triangle == 4u);
@@ -124,7 +124,7 @@ TEST_CASE("a flipped triangle makes its three edges misoriented") {
 }
 
 TEST_CASE("an edge shared by two closed solids is non-manifold although its uses balance") {
-    // The second tetrahedron has vertices 0 and 1 in common with the first.
+    // The second tetrahedron shares vertices 0 and 1 with the first.
     std::vector<Triangle> second = tetrahedron;
     for (Triangle& t : second) {
         for (int k = 0; k < 3; ++k) t[k] = t[k] < 2 ? t[k] : t[k] + 2;
@@ -169,7 +169,7 @@ TEST_CASE("Euler characteristics are 2 for a tetrahedron, 0 for a torus and add 
     CHECK(both.components == 3);
 }
 
-TEST_CASE("a vertex of high degree is judged like any other") {
+TEST_CASE("a vertex of high degree is classified like any other") {
     for (const uint32_t n : {3u, 24u, 25u, 5000u}) {
         std::vector<Triangle> mesh = bipyramid(n);
         const TopologyReport whole = check_topology(n + 2, mesh);
@@ -180,12 +180,12 @@ TEST_CASE("a vertex of high degree is judged like any other") {
         CHECK(holed.open_edges == 3);
         CHECK(holed.non_manifold_vertices == 0);
         mesh.erase(mesh.begin() + 2 * (n / 2) + 1);
-        // The gaps are opposite, so the lower pole's fan falls in two where enough is left of it.
+        // The gaps are opposite, so the fan of the lower pole splits in two if enough triangles remain.
         CHECK(check_topology(n + 2, mesh).non_manifold_vertices == (n > 3 ? 1 : 0));
     }
 }
 
-TEST_CASE("the sentence names the gravest fault's first offender and counts the rest") {
+TEST_CASE("the description locates the first of the gravest faults and counts the others") {
     TopologyReport report;
     report.open_edges = 12;
     report.first_open_edge = glm::uvec2(4, 7);
@@ -204,7 +204,7 @@ TEST_CASE("components are numbered by their first triangle") {
     CHECK(triangle_components(12, {}).empty());
 }
 
-TEST_CASE("counts on random triangle soups equal those of the definitions") {
+TEST_CASE("counts on random triangle soups equal those of the literal definitions") {
     Random random(7);
     for (int round = 0; round < 200; ++round) {
         const auto vertices = static_cast<uint32_t>(3 + random.next() % 40);

@@ -19,7 +19,7 @@ using namespace brittle::fracture::test;
 
 namespace {
 
-// A function that is linear in position is what weighting its values at the corners gives.
+// Checks that barycentric weights reproduce a function that is linear in position.
 void check_barycentrics(const TriangleMesh& mesh, const Fragments& f) {
     const auto value = [](const glm::dvec3& p) { return 0.3 * p.x - 1.7 * p.y + 0.9 * p.z + 0.25; };
     size_t vertices = 0;
@@ -45,7 +45,7 @@ void check_barycentrics(const TriangleMesh& mesh, const Fragments& f) {
 }
 
 void check_interior_uv(const Sites& sites, const Fragments& f) {
-    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, glm::dvec2> uv_at; // sites and point
+    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, glm::dvec2> uv_at; // by both sites and the point
     size_t seen_twice = 0;
     for (const Piece& piece : f.pieces) {
         for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end; ++t) {
@@ -71,11 +71,11 @@ void check_interior_uv(const Sites& sites, const Fragments& f) {
 
 } // namespace
 
-TEST_CASE("attributes: what is linear on the input is linear on the pieces, and cuts are mapped in metres") {
+TEST_CASE("attributes: linear functions of the input stay linear on the pieces, and cuts are mapped in metres") {
     const std::pair<TriangleMesh, Sites> cases[] = {
         {lattice_cube(4), lattice(3)}, // cuts through vertices, edges and faces
         {lattice_cube(4), lattice(4)},
-        {cube(), {{-1.0, 0.0, 0.0}, {3.0, 0.0, 0.0}}}, // in a face
+        {cube(), {{-1.0, 0.0, 0.0}, {3.0, 0.0, 0.0}}}, // bisector in a face
         {icosphere(2), icosphere(0).positions},
         {torus(24, 12), uniform_sites(bounds(torus(24, 12)), 30, 1)},
         {hollow_sphere(2), uniform_sites(bounds(hollow_sphere(2)), 30, 2)},
@@ -91,7 +91,7 @@ TEST_CASE("attributes: what is linear on the input is linear on the pieces, and 
     }
 }
 
-TEST_CASE("attributes: pieces that have become one have cuts across several bisectors") {
+TEST_CASE("attributes: merged pieces have cuts on several bisectors") {
     const TriangleMesh ball = icosphere(3);
     const Sites sites = uniform_sites(bounds(ball), 60, 5);
     Settings settings;
@@ -114,7 +114,7 @@ TEST_CASE("attributes: pieces that have become one have cuts across several bise
     }
 }
 
-TEST_CASE("attributes: a level cut and an upright one have upright texture coordinates") {
+TEST_CASE("attributes: a horizontal and a vertical cut have upright texture coordinates") {
     const Sites level = {{0.0, -0.5, 0.0}, {0.0, 0.5, 0.0}}, upright = {{-0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}};
     for (const Sites& sites : {level, upright}) {
         const auto f = fracture(cube(), sites);

@@ -13,7 +13,7 @@ using namespace brittle::fracture;
 
 namespace {
 
-// Pieces made of whole meshes, one a site; a certificate need not care how they came about.
+// Makes one piece of each mesh, with its index as the site. A certificate does not depend on the origin of pieces.
 Fragments fragments_of(const std::vector<TriangleMesh>& meshes) {
     Fragments fragments;
     for (const TriangleMesh& mesh : meshes) {
@@ -40,7 +40,7 @@ TriangleMesh half_cube(double sign) {
 
 } // namespace
 
-TEST_CASE("no pieces at all are certified as nothing") {
+TEST_CASE("a result without pieces has an empty certificate") {
     const Certificate c = certify({}, {});
     CHECK(c.pieces == 0);
     CHECK(c.closed);
@@ -48,7 +48,7 @@ TEST_CASE("no pieces at all are certified as nothing") {
     CHECK(c.smallest_piece == 0.0);
 }
 
-TEST_CASE("ranges and indices that point outside make a piece open, not a crash") {
+TEST_CASE("a piece with ranges or indices out of bounds counts as open") {
     const Fragments sound = fragments_of({cube()});
     const auto open_after = [&](auto&& damage) {
         Fragments fragments = sound;
@@ -66,7 +66,7 @@ TEST_CASE("ranges and indices that point outside make a piece open, not a crash"
     CHECK(open_after([](Fragments& f) { f.pieces[0].triangles.end = 0, f.pieces[0].exterior_triangles = 0; }) == 1);
 }
 
-TEST_CASE("two halves of a cube certify with exact volumes") {
+TEST_CASE("two halves of a cube have exact volumes in their certificate") {
     const Certificate c = certify(cube(), fragments_of({half_cube(-1), half_cube(1)}));
     CHECK(c.pieces == 2);
     CHECK(c.cells == 2);
@@ -81,7 +81,7 @@ TEST_CASE("two halves of a cube certify with exact volumes") {
     CHECK(c.cap_triangles == 4);
 }
 
-TEST_CASE("a missing half, an open piece and a lying mass are told") {
+TEST_CASE("a missing half, an open piece and a wrong mass are detected") {
     CHECK(certify(cube(), fragments_of({half_cube(1)})).volume_error == 0.5);
 
     Fragments fragments = fragments_of({half_cube(-1), half_cube(1)});
@@ -100,7 +100,7 @@ TEST_CASE("several pieces of one site are one cell") {
     CHECK(certify(cube(), fragments).cells == 2);
 }
 
-TEST_CASE("the hash sees every bit of positions, every index and every range, but not the sign of zero") {
+TEST_CASE("the hash depends on every bit of positions, every index and every range, but not on the sign of zero") {
     const Fragments sound = fragments_of({half_cube(-1), icosphere(1)});
     const uint64_t before = hash(sound);
     CHECK(hash(Fragments(sound)) == before);
@@ -125,7 +125,7 @@ TEST_CASE("the hash sees every bit of positions, every index and every range, bu
     CHECK(hash(zeros) == plus);
 }
 
-TEST_CASE("no two of many random fragments hash alike") {
+TEST_CASE("the hashes of many random fragments are distinct") {
     Random random(1);
     std::vector<uint64_t> hashes;
     Fragments fragments = fragments_of({cube()});
@@ -137,7 +137,7 @@ TEST_CASE("no two of many random fragments hash alike") {
     CHECK(std::adjacent_find(hashes.begin(), hashes.end()) == hashes.end());
 }
 
-TEST_CASE("the hash is pinned, so that compilers and versions can be compared") {
+TEST_CASE("the hash of a fixed input is constant across compilers and versions") {
     CHECK(hash({}) == 12479642235849220231ull);
     CHECK(hash(fragments_of({cube(), lattice_cube(3)})) == 6243463692793084084ull);
 }

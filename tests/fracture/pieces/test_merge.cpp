@@ -34,7 +34,7 @@ Fragments run(const TriangleMesh& mesh, const Sites& sites, Settings settings) {
     return *fragments;
 }
 
-// Triangles by the positions of their corners, the least first.
+// Returns the triangles as positions of their corners, smallest first.
 std::multiset<Corners> triangles_of(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
     std::multiset<Corners> result;
     for (const Triangle& t : triangles) {
@@ -67,14 +67,14 @@ TEST_CASE("merge: all cells in one group give back the input, triangle by triang
             REQUIRE(f.pieces.size() == 1);
             CHECK(f.bonds.empty());
             CHECK(f.pieces[0].exterior_triangles == f.triangles.size());
-            // There the sponge's own vertices lie on bisectors in its own faces, and sides are split at them.
+            // Here vertices of the sponge lie on bisectors in its own faces, and sides are split at them.
             if (mesh.triangles.size() == 144 && sites.size() == 27) continue;
             CHECK(triangles_of(f.positions, f.triangles) == triangles_of(mesh.positions, mesh.triangles));
         }
     }
 }
 
-TEST_CASE("merge: groups are cut from each other and not inside") {
+TEST_CASE("merge: cuts separate groups and leave their interiors whole") {
     const TriangleMesh ball = icosphere(4);
     const Sites sites = uniform_sites(bounds(ball), 80, 3);
     Settings settings;
@@ -87,7 +87,7 @@ TEST_CASE("merge: groups are cut from each other and not inside") {
     for (const Piece& piece : apart.pieces) expected[settings.groups[piece.site]] += piece.mass.volume;
     for (const auto& [group, v] : expected) CHECK(volume[group] == doctest::Approx(v).epsilon(1e-12));
     CHECK(bonded_area(f) < 0.4 * bonded_area(apart));
-    // The caps that remain are those of the fracture without groups.
+    // The remaining caps equal those of the fracture without groups.
     size_t kept = 0;
     std::multiset<Corners> before;
     for (const Piece& piece : apart.pieces)
@@ -100,7 +100,7 @@ TEST_CASE("merge: groups are cut from each other and not inside") {
         }
     }
     CHECK(kept > 100);
-    // An input triangle in one group has no point that only another group's cut would need.
+    // An input triangle inside one group has no point that only another group's cut needs.
     std::map<uint32_t, std::set<uint32_t>> groups_of;
     for (uint32_t p = 0; p < f.pieces.size(); ++p) {
         const Piece& piece = f.pieces[p];
@@ -122,21 +122,21 @@ TEST_CASE("merge: parts of a group that do not touch are pieces of their own") {
     for (const Bond& bond : f.bonds) CHECK(bond.area == doctest::Approx(4.0));
 }
 
-TEST_CASE("merge: cubes of a lattice that meet in an edge alone stay two fans") {
+TEST_CASE("merge: lattice cubes that meet only in an edge keep two fans") {
     // A chessboard: cells of one colour touch along edges and in corners.
     const Sites sites = lattice(4);
     Settings settings;
     for (int k = 0; k < 64; ++k) settings.groups.push_back(static_cast<uint32_t>((k + k / 4 + k / 16) % 2));
     CHECK(run(lattice_cube(4), sites, settings).pieces.size() == 64);
-    // Three of the four cells around an edge, and both diagonals of a cube of eight.
+    // Three of the four cells around an edge, and both diagonals of a cube of eight cells.
     const Fragments corner = run(cube(), lattice(2), {.groups = {0, 0, 0, 1, 2, 3, 4, 5}});
     CHECK(corner.pieces.size() == 6);
-    // A ring of groups that is one piece, and touches itself along an edge.
+    // A ring of groups that forms one piece and touches itself along an edge.
     const Fragments ring = run(cube(), lattice(2), {.groups = {0, 0, 1, 0, 0, 2, 0, 0}});
     CHECK(ring.pieces.size() == 3);
 }
 
-TEST_CASE("merge: pieces below the minimum volume go to the neighbour with the largest contact") {
+TEST_CASE("merge: pieces below the minimum volume join the neighbour with the largest contact") {
     const TriangleMesh ball = icosphere(4);
     const Sites sites = uniform_sites(bounds(ball), 150, 9);
     const Fragments all = run(ball, sites, {});
@@ -156,7 +156,7 @@ TEST_CASE("merge: pieces below the minimum volume go to the neighbour with the l
     REQUIRE(two.pieces.size() == 2);
     CHECK(two.pieces[0].site == 1);
     CHECK(two.pieces[0].mass.volume == doctest::Approx(4.4));
-    // Two balls that do not touch: the small one has nobody to go to.
+    // Two separate balls: the small one has no neighbour.
     TriangleMesh balls = icosphere(2);
     for (const glm::dvec3& p : icosphere(2).positions) balls.positions.push_back(0.1 * p + glm::dvec3(3.0, 0.0, 0.0));
     for (const Triangle& t : icosphere(2).triangles)
@@ -164,8 +164,8 @@ TEST_CASE("merge: pieces below the minimum volume go to the neighbour with the l
     CHECK(run(balls, {{0.0, 0.0, 0.0}, {3.0, 0.0, 0.0}}, {.min_volume = 1.0}).pieces.size() == 2);
 }
 
-TEST_CASE("merge: a sheet without volume becomes the outside of the piece that it lies on") {
-    // The bisectors run in the faces of the cube.
+TEST_CASE("merge: a sheet without volume becomes the exterior of the piece below it") {
+    // The bisectors coincide with faces of the cube.
     const Sites sites = {{0.0, 0.0, 0.0}, {2.0, 0.0, 0.0}, {-2.0, 0.0, 0.0}, {0.0, 2.0, 0.0}, {0.0, 0.0, -2.0}};
     const Fragments f = run(lattice_cube(4), sites, {});
     REQUIRE(f.pieces.size() == 1);
@@ -174,7 +174,7 @@ TEST_CASE("merge: a sheet without volume becomes the outside of the piece that i
     CHECK(f.bonds.empty());
 }
 
-TEST_CASE("merge: settings that make no sense are refused") {
+TEST_CASE("merge: invalid settings are refused") {
     const Sites sites = {{-0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}};
     const auto status = [&](const Settings& settings) {
         const auto result = fracture(cube(), sites, settings);

@@ -30,7 +30,7 @@ double volume(const TriangleMesh& mesh) {
     return signed_volume(mesh.positions, mesh.triangles);
 }
 
-// The corners of triangles that face away from the area-weighted normal of their vertex.
+// Returns the count of triangle corners that face away from the area-weighted normal of their vertex.
 int count_folded_corners(const TriangleMesh& mesh) {
     const auto area_vector = [&](const Triangle& t) {
         return cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
@@ -46,7 +46,7 @@ int count_folded_corners(const TriangleMesh& mesh) {
 
 } // namespace
 
-TEST_CASE("counts without sense are clamped and still give solids") {
+TEST_CASE("counts out of range are clamped and still give solids") {
     check_solid(lattice_cube(0), 1, 2);
     check_solid(torus(0, 1), 1, 0);
     check_solid(torus_knot(0, 0, 0, 0), 1, 0);
@@ -59,7 +59,8 @@ TEST_CASE("cuboids and the arch have their volumes") {
     for (const uint32_t segments : {2u, 7u, 24u, 100u}) {
         const TriangleMesh mesh = arch(segments);
         CHECK(describe(check_topology(mesh.positions.size(), mesh.triangles)) == "");
-        // The outline's rectangle without the opening: a rectangle under half of a polygon of 2 n sides.
+        // The rectangle of the outline minus the opening, which is a rectangle below half of a regular polygon with 2 n
+        // sides.
         const double polygon = 0.5 * segments * 0.36 * std::sin(std::numbers::pi / segments);
         CHECK(volume(mesh) == doctest::Approx(0.3 * (2.0 * 1.5 - 1.2 * 0.7 - polygon)).epsilon(1e-12));
     }
@@ -70,7 +71,8 @@ TEST_CASE("the tower is a tube with three windows, and has its volume") {
     check_solid(mesh, 1, 2 - 2 * (1 + 3));
     CHECK(bounds(mesh).min.y == 0.0);
     CHECK(bounds(mesh).max.y == 2.0);
-    // Frustums of a polygon of 48 sides less the shaft inside, by the share that is no door, window or gap of the parapet.
+    // Frustums over a regular polygon with 48 sides minus the shaft, times the fraction without door, windows and the
+    // gaps of the parapet.
     const auto ring = [](double height, double below, double above, int sides) {
         const double triangle = 0.5 * std::sin(2.0 * pi / 48.0);
         return sides * triangle * height * ((below * below + below * above + above * above) / 3.0 - 0.27 * 0.27);
@@ -81,7 +83,7 @@ TEST_CASE("the tower is a tube with three windows, and has its volume") {
     CHECK(volume(mesh) == doctest::Approx(expected).epsilon(1e-12));
 }
 
-TEST_CASE("cubes have the volume of cubes") {
+TEST_CASE("cubes have their exact volume") {
     check_solid(cube(), 1, 2);
     CHECK(cube().triangles.size() == 12);
     CHECK(volume(cube()) == 8.0);
@@ -113,8 +115,8 @@ TEST_CASE("icospheres converge to the sphere from inside, four times nearer with
 }
 
 TEST_CASE("the torus has the volume of its polyhedron") {
-    // A horizontal cut is a regular n-gon less another, of area n/2 sin(2 pi / n) r^2 each; integrated over
-    // the height that is n sin(2 pi / n) times the first moment of the minor polygon.
+    // A horizontal section is a regular n-gon minus another, each of area n/2 sin(2 pi / n) r^2. Integrated over the
+    // height, that is n sin(2 pi / n) times the first moment of the minor polygon.
     for (const auto& [n, m] : {std::pair{3u, 3u}, {8u, 5u}, {96u, 48u}}) {
         const TriangleMesh mesh = torus(n, m, 1.0, 0.4);
         check_solid(mesh, 1, 0);
@@ -154,13 +156,13 @@ TEST_CASE("the statue is one solid with one handle that stands on its plinth") {
     for (const uint32_t resolution : {40u, 64u, 90u}) {
         CAPTURE(resolution);
         const TriangleMesh mesh = statue(resolution);
-        check_solid(mesh, 1, 0); // the arm with the hand at the belt
+        check_solid(mesh, 1, 0); // the handle is the arm whose hand is at the belt
         const Box box = bounds(mesh);
         CHECK(box.min.y == 0.0);
         CHECK(box.size().y == doctest::Approx(2.0).epsilon(0.01));
         if (previous > 0.0) CHECK(volume(mesh) == doctest::Approx(previous).epsilon(0.01));
         previous = volume(mesh);
-        // What is upright stays so: its centre of mass is above the plinth.
+        // The statue stands stably: its centre of mass is above the plinth.
         const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
         CHECK(std::hypot(mass.centre_of_mass.x, mass.centre_of_mass.z) < 0.1);
     }
@@ -181,7 +183,7 @@ TEST_CASE("the animal is one smooth solid of genus 0 on four legs") {
         if (previous > 0.0) CHECK(volume(mesh) == doctest::Approx(previous).epsilon(0.01));
         previous = volume(mesh);
 
-        // Left and right halves weigh the same, and no triangle is folded over.
+        // Left and right halves have equal mass, and no triangle is folded over.
         const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
         CHECK(std::abs(mass.centre_of_mass.x) < 1e-3);
         CHECK(count_folded_corners(mesh) == 0);
@@ -197,7 +199,7 @@ TEST_CASE("the animal is one smooth solid of genus 0 on four legs") {
     CHECK((triangles > 10'000 && triangles < 35'000));
 }
 
-TEST_CASE("every name that is listed gives a solid, any other nothing") {
+TEST_CASE("every listed name gives a solid, any other name nothing") {
     for (const std::string_view name : shape_names()) {
         CAPTURE(name);
         const auto mesh = shape(name);

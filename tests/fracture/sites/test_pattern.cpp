@@ -55,7 +55,7 @@ TriangleMesh wall() {
 
 TEST_CASE("pattern: grading spreads the sizes of pieces") {
     const TriangleMesh mesh = cube();
-    const auto spread = [&](double grading) { // standard deviation of volumes by their mean
+    const auto spread = [&](double grading) { // standard deviation of the volumes, divided by their mean
         const PatternSites made = make({.kind = PatternKind::uniform, .count = 200, .grading = grading}, mesh);
         CHECK(made.weights.size() == (grading > 0.0 ? made.sites.size() : 0));
         const auto fragments = fracture(mesh, made.sites, {.weights = made.weights});
@@ -73,8 +73,8 @@ TEST_CASE("pattern: grading spreads the sizes of pieces") {
     CHECK(spread(1.0) > 1.3 * even);
 }
 
-TEST_CASE("pattern: where the solid is thin there are more sites for its volume") {
-    // A cube and a plate of a tenth of its height, apart.
+TEST_CASE("pattern: thin parts of a solid have more sites per volume") {
+    // A cube and a separate plate with a tenth of its height.
     TriangleMesh mesh = cube(1.0);
     for (glm::dvec3 p : cube(1.0).positions) mesh.positions.emplace_back(p.x + 2.0, p.y * 0.1, p.z);
     for (const Triangle& t : cube(1.0).triangles) mesh.triangles.push_back(t + glm::uvec3(8));
@@ -87,12 +87,12 @@ TEST_CASE("pattern: where the solid is thin there are more sites for its volume"
         CHECK((in_cube || in_plate));
         plate += in_plate ? 1.0 : 0.0;
     }
-    // Faces of the plate's ends and of the cube are a metre from their opposite, the plate's sides a tenth: weights of
-    // 2 x 100 and 4 x 0.1 to 6.
+    // The cube's faces and the plate's two ends have their opposite side at one metre, the plate's large faces at a
+    // tenth of a metre: weights of 2 x 100 and 4 x 0.1 to 6.
     CHECK(plate / 2000.0 == doctest::Approx(200.4 / 206.4).epsilon(0.02));
 }
 
-TEST_CASE("inside: the same answer as the solid angle of the surface") {
+TEST_CASE("inside: agrees with the winding number by solid angles") {
     TriangleMesh two = hollow_sphere(2);
     for (const Triangle& t : cube(1.0).triangles)
         two.triangles.push_back(t + Triangle(static_cast<uint32_t>(two.positions.size())));
@@ -129,7 +129,7 @@ TEST_CASE("inside: rays through vertices and along edges and faces") {
     CHECK_FALSE(InsideTest(sponge)({0.0, 0.0, 0.0}));
 }
 
-TEST_CASE("pattern: every kind breaks every shape, equal seeds equally, and says what it cannot do") {
+TEST_CASE("pattern: every kind breaks every shape, reproducibly, or returns an error") {
     for (const PatternKind kind : all_kinds) {
         CAPTURE(pattern_names()[static_cast<size_t>(kind)]);
         for (const TriangleMesh& mesh : {icosphere(2), torus(24, 12), wall()}) {
@@ -144,7 +144,7 @@ TEST_CASE("pattern: every kind breaks every shape, equal seeds equally, and says
     }
 }
 
-TEST_CASE("pattern: counts are as promised, and sites inside are inside") {
+TEST_CASE("pattern: counts are as documented, and the inside setting keeps inside sites only") {
     const TriangleMesh ring = torus(32, 16);
     for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::slices,
                                    PatternKind::curvature, PatternKind::thickness})
@@ -152,7 +152,7 @@ TEST_CASE("pattern: counts are as promised, and sites inside are inside") {
     for (const PatternKind kind : all_kinds) {
         CAPTURE(pattern_names()[static_cast<size_t>(kind)]);
         const auto made = make_sites({.kind = kind, .count = 200, .inside = true}, ring);
-        // No slice has its centre in the ring.
+        // No slice has its centre inside the ring.
         if (!made) {
             CHECK(kind == PatternKind::slices);
             CHECK(made.error().message.find("inside") != std::string::npos);
@@ -161,11 +161,11 @@ TEST_CASE("pattern: counts are as promised, and sites inside are inside") {
         for (const glm::dvec3& site : made->sites) CHECK(winding_number(site, ring.positions, ring.triangles) > 0.4);
         if (kind == PatternKind::uniform || kind == PatternKind::clustered) CHECK(made->sites.size() == 200);
     }
-    // Pieces of a quarter of a metre in a cube of two: 8^3.
+    // Pieces of a quarter of a metre in a cube of edge two: 8^3.
     CHECK(make({.piece_size = 0.25}, cube()).sites.size() == 512);
 }
 
-TEST_CASE("pattern: a grid without jitter is boxes of one size") {
+TEST_CASE("pattern: a grid without jitter gives boxes of equal size") {
     const Fragments f = break_by({.kind = PatternKind::grid, .count = 27}, cube());
     REQUIRE(f.pieces.size() == 27);
     for (const Piece& piece : f.pieces) {
@@ -188,17 +188,17 @@ TEST_CASE("pattern: bricks are boxes in running bond") {
     }
     CHECK(courses.size() >= 3);
     for (const double x : starts[0]) CHECK((x == -2.0 || !starts[1].contains(x)));
-    // The same number of whole bricks in even courses, one more, two of them half, in odd ones.
+    // Even courses have whole bricks only. Odd courses have one brick more, and two of theirs are halves.
     CHECK(starts[1].size() == starts[0].size() + 1);
 }
 
-TEST_CASE("pattern: slices are flat and equally thick") {
+TEST_CASE("pattern: slices are flat and of equal thickness") {
     const Fragments f = break_by({.kind = PatternKind::slices, .count = 8, .axis = {1.0, 0.0, 0.0}}, wall());
     REQUIRE(f.pieces.size() == 8);
     for (const Piece& piece : f.pieces) CHECK(box_of(f, piece).size().x == doctest::Approx(0.5));
 }
 
-TEST_CASE("pattern: splinters are long along the axis, glass is cut through and finest at the blow") {
+TEST_CASE("pattern: splinters are long along the axis, radial shards cross the solid and are smallest at the focus") {
     const Fragments wood = break_by({.kind = PatternKind::splinters, .count = 60, .axis = {1.0, 0.0, 0.0}}, cube());
     double longer = 0.0;
     for (const Piece& piece : wood.pieces) {
@@ -219,7 +219,7 @@ TEST_CASE("pattern: splinters are long along the axis, glass is cut through and 
 }
 
 TEST_CASE("pattern: a crack follows its line") {
-    // Straight, without jitter: two rows of boxes, cut along the middle.
+    // A straight line without jitter gives two rows of boxes, split along the middle.
     const Fragments f = break_by({.kind = PatternKind::curve, .count = 16, .jitter = 0.0}, wall());
     CHECK(f.pieces.size() == 16);
     for (const Piece& piece : f.pieces) {
@@ -228,7 +228,7 @@ TEST_CASE("pattern: a crack follows its line") {
     }
 }
 
-TEST_CASE("pattern: nonsense is refused by the name of the field") {
+TEST_CASE("pattern: an invalid setting is refused with the name of its field") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const auto refused = [](const Pattern& pattern, const char* field) {
         const auto made = make_sites(pattern, cube());
@@ -250,10 +250,10 @@ TEST_CASE("pattern: nonsense is refused by the name of the field") {
     CHECK(make_sites({}, {}).error().status == Status::empty_mesh);
 }
 
-TEST_CASE("pattern: a diagram is turned, scaled and moved onto another box") {
+TEST_CASE("pattern: a diagram is rotated, scaled and translated onto another box") {
     const Box from{{0.0, 0.0, 0.0}, {2.0, 1.0, 1.0}}, onto{{9.0, 9.0, 9.0}, {10.0, 13.0, 10.0}};
     const std::vector<glm::dvec3> sites = {{1.0, 0.5, 0.5}, {2.0, 0.5, 0.5}};
     const auto placed = place(sites, from, onto, {.turn = {0.0, 0.0, 90.0}, .scale = 0.5, .move = {0.0, 0.0, 1.0}});
     CHECK(glm::length(placed[0] - glm::dvec3(9.5, 11.0, 10.5)) < 1e-12);
-    CHECK(glm::length(placed[1] - glm::dvec3(9.5, 12.0, 10.5)) < 1e-12); // X became Y, twice as long, by half
+    CHECK(glm::length(placed[1] - glm::dvec3(9.5, 12.0, 10.5)) < 1e-12); // X became Y, twice as long, scaled by half
 }

@@ -10,7 +10,7 @@ using namespace brittle::fracture;
 
 namespace {
 
-// A file that lives as long as the test case.
+// A temporary file, removed at the end of its scope.
 class TemporaryFile {
   public:
     explicit TemporaryFile(const std::string& content) {
@@ -45,7 +45,7 @@ void check_error(const std::string& content, Status status, const std::string& w
 
 } // namespace
 
-TEST_CASE("a missing file and a folder are named") {
+TEST_CASE("an error for a missing file or a folder names it") {
     const auto missing = read_sites("no/such/sites.txt");
     REQUIRE_FALSE(missing.has_value());
     CHECK(missing.error().status == Status::file_not_found);
@@ -60,7 +60,7 @@ TEST_CASE("a file without a site is an error") {
     check_error("# only a comment\n\n   \t\r\n", Status::invalid_sites, ": ", "holds no site");
 }
 
-TEST_CASE("errors name the line and the text that could not be read") {
+TEST_CASE("errors name the line and the offending text") {
     check_error("0 0 0\n1 2\n", Status::malformed_file, ":2: ", "z is missing in '1 2'");
     check_error("1\n", Status::malformed_file, ":1: ", "y is missing");
     check_error("# one\n# two\n1 2 x3\n", Status::malformed_file, ":3: ", "found 'x3'");
@@ -83,7 +83,7 @@ TEST_CASE("numbers that are not finite or do not fit a double are refused") {
     check_error("0 1e999 0\n", Status::invalid_sites, ":1: ", "'1e999'");
 }
 
-TEST_CASE("endless lines and binary files end in an error that can be printed") {
+TEST_CASE("endless lines and binary files give a printable error") {
     check_error(std::string(100'000, '7'), Status::malformed_file, ":1: ", "longer than 4096 bytes");
     check_error(std::string("glTF\0\x02\x1b[31m\n", 12), Status::malformed_file, ":1: ", "'glTF???[31m'");
     check_error("0 0 0\n" + std::string(5000, ' ') + "1 2 3\n", Status::malformed_file, ":2: ", "longer than");
@@ -117,11 +117,11 @@ TEST_CASE("a fourth number is a radius, whose square is the weight") {
     CHECK(sites->weights == std::vector<double>{0.0, 0.25, 9.0, 0.0});
 }
 
-TEST_CASE("no site is asked for, none is given") {
+TEST_CASE("a count of zero gives no sites") {
     CHECK(uniform_sites({}, 0, 1).empty());
 }
 
-TEST_CASE("uniform sites lie in the box, repeat for a seed and extend each other") {
+TEST_CASE("uniform sites lie in the box, repeat for equal seeds and extend shorter lists") {
     const Box box{{-1, 2, 5}, {3, 2.5, 50}};
     const auto sites = uniform_sites(box, 1000, 42);
     REQUIRE(sites.size() == 1000);

@@ -30,8 +30,8 @@ struct Polygons {
     bool simple = false;
 };
 
-// Lines of `x y`, a blank line between loops, `#` comments, of which `# simple: yes|no` and `# area: A` say
-// what to expect: a simple region needs no forced ear.
+// Reads a corpus polygon: lines of `x y`, a blank line between loops, `#` comments. `# simple: yes|no` and `# area: A`
+// state the expected result; a simple region needs no forced ear.
 Polygons read_polygons(const std::filesystem::path& file) {
     Polygons p;
     p.name = file.stem().string();
@@ -71,7 +71,7 @@ std::vector<Polygons> corpus() {
     return all;
 }
 
-// The same loops with one id for points in one place: loops then touch themselves and each other by id.
+// Returns the loops with one id per position, so that loops touch themselves and each other by id.
 Polygons welded(Polygons p) {
     std::map<std::pair<double, double>, uint32_t> first;
     for (Loop& loop : p.loops) {
@@ -113,8 +113,8 @@ void add_edges(EdgeCounts& counts, std::initializer_list<uint32_t> cycle) {
     }
 }
 
-// The promise: loop edges once in their direction, all others once each way. Where ids repeat, loop edges may
-// cancel each other and only the balance can be asked for.
+// Checks the contract: every loop edge appears once in its direction, every other edge once in each direction. If ids
+// repeat, loop edges may cancel each other, and only the balance of directions is checked.
 void check_edges(const Polygons& p, const Triangulation& t) {
     EdgeCounts have, want;
     for (const Triangle& tri : t.triangles) add_edges(have, {tri.x, tri.y, tri.z});
@@ -176,7 +176,7 @@ Polygons single(std::string name, std::vector<glm::dvec2> points, bool simple) {
     return p;
 }
 
-// Star-shaped, hence simple: random radii at increasing angles.
+// A star-shaped, hence simple polygon: random radii at increasing angles.
 std::vector<glm::dvec2> random_star(Random& random, uint32_t n, double low, double high) {
     std::vector<glm::dvec2> points;
     for (uint32_t i = 0; i < n; ++i) {
@@ -193,14 +193,14 @@ TEST_CASE("no loops give no triangles") {
     CHECK(triangulate({}, {}).triangles.empty());
 }
 
-TEST_CASE("loops that only go there and back bound nothing") {
+TEST_CASE("loops that only go there and back give no triangles") {
     const std::vector<glm::dvec2> points = {{0, 0}, {1, 0}, {2, 0}};
     for (const Loop& loop : {Loop{0, 1, 0, 1}, Loop{0, 0, 0}, Loop{0, 1, 2, 1}, Loop{0, 1, 0, 2}}) {
         CHECK(triangulate(points, std::vector<Loop>{loop}).triangles.empty());
     }
 }
 
-TEST_CASE("every corpus polygon closes, keeps its area and needs force only where it is not simple") {
+TEST_CASE("every corpus polygon closes, keeps its area and needs forced ears only if it is not simple") {
     const std::vector<Polygons> all = corpus();
     REQUIRE(all.size() >= 30);
     for (const Polygons& p : all) {
@@ -219,14 +219,14 @@ TEST_CASE("a loop of n points gives n - 2 triangles whatever its geometry") {
     }
 }
 
-TEST_CASE("a loop that crosses itself in a vertex is two loops and needs no force") {
+TEST_CASE("a loop that touches itself in a vertex is two loops and needs no forced ears") {
     const Polygons p{"figure eight", {{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}}, {{0, 1, 2, 4, 3, 2}}, 0.0, false};
     const Triangulation t = check(p);
     CHECK(t.triangles.size() == 2);
     CHECK(t.forced_ears == 0);
 }
 
-TEST_CASE("loops that touch in a shared vertex need no bridge and no force") {
+TEST_CASE("loops that touch in a shared vertex need no bridge and no forced ears") {
     for (Polygons p : corpus()) {
         if (p.name != "hole_touches_vertex" && p.name != "hole_inscribed" && p.name != "keyhole") continue;
         CAPTURE(p.name);
@@ -236,7 +236,7 @@ TEST_CASE("loops that touch in a shared vertex need no bridge and no force") {
     }
 }
 
-TEST_CASE("points that are not finite still give the promised triangles") {
+TEST_CASE("points that are not finite give the documented count of triangles") {
     const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
     const std::vector<glm::dvec2> points = {{0, 0}, {nan, 0}, {1, inf},  {nan, nan}, {-inf, 2},
                                             {0, 1}, {.2, .2}, {.4, nan}, {.3, .3}};
@@ -247,7 +247,7 @@ TEST_CASE("points that are not finite still give the promised triangles") {
 }
 
 TEST_CASE("a convex loop becomes a Delaunay triangulation") {
-    // No point lies inside the circle of any triangle; tested by distances to circumcentres, in long double.
+    // No point lies inside the circumcircle of any triangle, tested by distances to circumcentres in long double.
     Random random(9);
     std::vector<glm::dvec2> points;
     for (int i = 0; i < 60; ++i) {
@@ -265,7 +265,7 @@ TEST_CASE("a convex loop becomes a Delaunay triangulation") {
     }
 }
 
-TEST_CASE("random star polygons of any size are triangulated without force") {
+TEST_CASE("random star polygons of any size are triangulated without forced ears") {
     Random random(1);
     for (uint32_t n = 3; n < 60; ++n) {
         for (int round = 0; round < 10; ++round) {
@@ -274,7 +274,7 @@ TEST_CASE("random star polygons of any size are triangulated without force") {
     }
 }
 
-TEST_CASE("random stars with random holes and islands are triangulated without force") {
+TEST_CASE("random stars with random holes and islands are triangulated without forced ears") {
     Random random(2);
     for (int round = 0; round < 100; ++round) {
         Polygons p;
@@ -303,14 +303,14 @@ TEST_CASE("random stars with random holes and islands are triangulated without f
     }
 }
 
-TEST_CASE("a triangulator used before gives the same triangles as a fresh one") {
+TEST_CASE("a reused triangulator gives the triangles of a new one") {
     Triangulator used;
     const double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<Polygons> all = corpus();
     for (const Polygons& p : corpus()) all.push_back(welded(p));
     all.push_back({"nothing", {}, {}, 0.0, false});
     all.push_back({"not finite", {{0, 0}, {nan, 0}, {1, nan}, {2, 2}}, {{0, 1, 2, 3}}, 0.0, false});
-    // Twice, the second time backwards: large regions after small ones, and the other way round.
+    // Twice, the second time in reverse order: large regions after small ones, and small after large.
     for (int pass = 0; pass < 2; ++pass) {
         for (const Polygons& p : all) {
             CAPTURE(p.name);
@@ -324,7 +324,7 @@ TEST_CASE("a triangulator used before gives the same triangles as a fresh one") 
     }
 }
 
-TEST_CASE("random tangles on a coarse lattice never fail to close") {
+TEST_CASE("random tangled loops on a coarse lattice always close") {
     Random random(3);
     for (int round = 0; round < 3000; ++round) {
         Polygons p;
@@ -344,7 +344,7 @@ TEST_CASE("random tangles on a coarse lattice never fail to close") {
     }
 }
 
-TEST_CASE("the work on big loops grows little faster than the loops") {
+TEST_CASE("the count of vertex tests is near linear in the size of large loops") {
     Random random(8);
     for (const uint32_t n : {1000u, 10'000u, 40'000u}) {
         CAPTURE(n);
@@ -368,8 +368,8 @@ TEST_CASE("the work on big loops grows little faster than the loops") {
     }
 }
 
-TEST_CASE("points rounded to a line, a hair apart, are triangulated without force") {
-    // Collinear up to rounding: only exact signs tell which triangles are positive.
+TEST_CASE("points rounded to a line, one unit in the last place apart, are triangulated without forced ears") {
+    // Collinear up to rounding: only exact signs decide which triangles are positive.
     Random random(4);
     for (int round = 0; round < 200; ++round) {
         std::vector<glm::dvec2> points;
@@ -381,7 +381,7 @@ TEST_CASE("points rounded to a line, a hair apart, are triangulated without forc
     }
 }
 
-TEST_CASE("projection keeps counter-clockwise loops counter-clockwise seen against the normal") {
+TEST_CASE("projection keeps loops counter-clockwise as seen against the normal") {
     Random random(6);
     for (int round = 0; round < 300; ++round) {
         const Box box{glm::dvec3(-1), glm::dvec3(1)};
