@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "fracture/base/random.h"
+#include "fracture/fracture.h"
 #include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"

@@ -8,6 +8,7 @@
 
 #include "fracture/base/random.h"
 #include "fracture/base/work_log.h"
+#include "fracture/fracture.h"
 #include "fracture/pieces/certificate.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
