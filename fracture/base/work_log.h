@@ -27,7 +27,7 @@ class WorkLog {
     void clear(); // empties the lists and keeps their memory
     // The number of slots in the thread arena. Successive loops may run a slot on different system threads.
     [[nodiscard]] size_t threads() const { return slices_.size(); }
-    // since clear(), by ascending start time
+    // Returns the slices since clear(), by ascending start time.
     [[nodiscard]] std::span<const Slice> of_thread(size_t k) const { return slices_[k]; }
 
   private:

@@ -28,7 +28,7 @@ namespace brittle::fracture {
 
 // The origin of a face.
 struct FaceSource {
-    // the input triangle (exterior face), or the site on the other side of the cap (interior face)
+    // The input triangle (exterior face), or the site on the other side of the cap (interior face).
     uint32_t index = 0;
     bool interior = false; // whether the face is part of a cap
 

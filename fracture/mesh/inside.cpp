@@ -54,8 +54,8 @@ bool InsideTest::operator()(const glm::dvec3& p) const {
         const glm::dvec3 &a = mesh_.positions[t.x], &b = mesh_.positions[t.y], &c = mesh_.positions[t.z];
         const int s = side(a, b, p);
         if (side(b, c, p) != s || side(c, a, p) != s) continue;
-        // The line of the ray crosses the triangle. The side of the triangle's plane on which p lies tells whether the
-        // crossing is ahead.
+        // The line of the ray crosses the triangle. The crossing is ahead or behind by the side of the triangle's plane
+        // on which p lies.
         const glm::dvec3 u = b - a, v = c - a, w = p - a;
         const double behind =
             w.x * (u.y * v.z - u.z * v.y) + w.y * (u.z * v.x - u.x * v.z) + w.z * (u.x * v.y - u.y * v.x);

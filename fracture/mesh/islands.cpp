@@ -26,7 +26,6 @@ constexpr double on_triangle = 1e-9;
 
 Island gather(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
               std::span<const FaceSource> sources, std::span<const uint32_t> members,
-              // per vertex, no_index on entry and on return
               std::vector<uint32_t>& local /* per vertex, no_index on entry and on return */) {
     Island island;
     for (const bool interior : {false, true}) {

@@ -87,7 +87,7 @@ bool ManifoldCheck::check_indices(size_t vertex_count, std::span<const Triangle>
                 indices.highest = std::max({indices.highest, t.x, t.y, t.z});
                 degenerate |= t.x == t.y || t.y == t.z || t.z == t.x;
             }
-            // rejected like an index out of range
+            // Rejected like an index out of range.
             if (degenerate) indices.highest = std::numeric_limits<uint32_t>::max();
             index_ranges_[r] = indices;
         }

@@ -2,7 +2,7 @@
 //
 // Definitions. An edge is *paired* if it is used exactly once in each direction. A mesh is closed and oriented if every
 // edge is paired, and manifold if in addition the triangles around each vertex form a single fan. Vertices that no
-// triangle uses do not count. Degenerate triangles (those that name a vertex twice) count as triangles but take no part
+// triangle uses do not count. Degenerate triangles (with a repeated vertex) count as triangles but take no part
 // in edges and fans: their two other edges cancel. The *first* of several faults is the one with the lowest index.
 // Edges are given as (smaller, larger) vertex index and ordered by the smaller, then by the larger.
 //

@@ -47,7 +47,8 @@ class TriangleTree {
     uint32_t root_ = none;
 };
 
-// Returns the same ray parameter by testing every triangle; faster than a tree for a few triangles.
+// Returns the smallest positive ray parameter at which the ray meets a triangle, by testing each of them; faster than a
+// tree for a few triangles.
 [[nodiscard]] std::optional<double> first_hit(std::span<const glm::dvec3> positions,
                                               std::span<const Triangle> triangles, const glm::dvec3& origin,
                                               const glm::dvec3& direction);

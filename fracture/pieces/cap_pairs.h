@@ -25,7 +25,7 @@ class CapPairs {
 
   private:
     struct Side {
-        // the two sites, then the three points in the orientation seen from the lower site, smallest first
+        // The two sites, then the three points in the orientation seen from the lower site, smallest first.
         std::array<uint32_t, 5> key;
         bool upper;
         uint32_t triangle;

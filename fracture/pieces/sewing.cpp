@@ -400,7 +400,7 @@ class Sewing {
     std::vector<uint32_t> partner_;        // per removed triangle: its other side
     std::vector<uint32_t> sewn_;           // per half-edge: its twin in the new piece
     std::vector<uint32_t> vertex_of_;      // union-find over half-edges that leave one vertex
-    // per root of vertex_of_, then per midpoint of a half-edge: the vertex of the new piece
+    // Per root of vertex_of_, then per midpoint of a half-edge: the vertex of the new piece.
     std::vector<uint32_t> local_;
     std::vector<uint32_t> middle_; // per edge, at its lower half-edge: the number of its midpoint; may be empty
     std::vector<Corner> polygon_;

@@ -14,7 +14,7 @@ struct SewingPlan {
     const Fragments& fragments;
     std::span<const uint32_t> representative; // per piece, see choose_mergers()
     const CapPairs& caps;                     // pairs of all caps of sites with a changed piece
-    // per input triangle, the count of exterior triangles that come from it
+    // Per input triangle, the count of exterior triangles that come from it.
     std::span<const uint32_t> parts_of_source;
 };
 

@@ -163,7 +163,7 @@ class TetrahedraMarcher {
 
     void march_cube(const glm::uvec3& at) {
         constexpr std::array<std::array<int, 3>, 6> paths = {
-            // permutations of the axes; the last three are odd
+            // Permutations of the axes; the last three are odd.
             {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
         for (size_t k = 0; k < paths.size(); ++k) {
             std::array<size_t, 4> tetrahedron{};

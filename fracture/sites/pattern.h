@@ -38,22 +38,22 @@ enum class PatternKind {
 
 struct Pattern {
     PatternKind kind = PatternKind::uniform;
-    // intended count of sites; exact for uniform, clustered, slices, curvature and thickness
+    // Intended count of sites; exact for uniform, clustered, slices, curvature and thickness.
     uint32_t count = 20;
-    // intended edge length of pieces, m; if positive, count becomes the volume of the solid divided by its cube
+    // Intended edge length of pieces, m; if positive, count becomes the volume of the solid divided by its cube.
     double piece_size = 0.0;
     uint64_t seed = 1;
-    // irregularity, 0 to 1; negative selects the default of the kind (0 for grid, bricks and slices)
+    // Irregularity, 0 to 1; negative selects the default of the kind (0 for grid, bricks and slices).
     double jitter = -1.0;
     glm::dvec3 focus{0.5}; // point in the box, 0 to 1 along each axis
     glm::dvec3 axis{0.0, 1.0, 0.0};
     double spread = 0.15;     // clustered: standard deviation, as a fraction of the box's diagonal
     double slenderness = 8.0; // splinters: ratio of length to width
-    // curve: the polyline, in the coordinates of `focus`
+    // Curve: the polyline, in the coordinates of `focus`.
     std::vector<glm::dvec3> line{{0.0, 0.5, 0.5}, {1.0, 0.5, 0.5}};
-    // 0 to 1: spread of the cell sizes, by random weights; 0 for cells of similar size; not for bricks
+    // Spread of the cell sizes, by random weights: 0 for cells of similar size, to 1; not for bricks.
     double grading = 0.0;
-    // keep only sites inside the solid: random kinds draw others instead, regular kinds drop theirs
+    // Keeps only sites inside the solid: random kinds draw others instead, regular kinds drop theirs.
     bool inside = false;
 };
 

@@ -18,7 +18,7 @@ namespace brittle::fracture {
 
 struct SiteList {
     std::vector<glm::dvec3> sites;
-    // for Settings::weights: squared radii, m^2; empty if no site of the file has a radius
+    // For Settings::weights: squared radii, m^2; empty if no site of the file has a radius.
     std::vector<double> weights;
 };
 

@@ -366,8 +366,8 @@ void Ring::update(uint32_t i) {
 }
 
 // Handles a strict ear whose third edge already exists. Where loops touch in several vertices the ring pinches off a
-// triangle, f -> b -> c -> g with g the same point as f. Emits that triangle with its three ring edges and continues f
-// after g.
+// triangle, f -> b -> c -> g, where f and g are nodes of one point. Emits that triangle with its three ring edges; f
+// takes over the successor of g.
 void Ring::close_off_around(uint32_t t) {
     const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
     uint32_t f = none;
