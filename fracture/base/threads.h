@@ -27,7 +27,7 @@ class Threads {
     void name_step(const char* step) { step_ = step; }
 
     // Returns the number of chunks that for_chunks() splits n items into: 1 for a single thread, otherwise up to a few
-    // per thread, each of at least `min_size` items. At least 1, also for n = 0.
+    // per thread. Each has at least `min_size` items, unless it is the only one. At least 1, also for n = 0.
     [[nodiscard]] uint32_t chunks(uint32_t n, uint32_t min_size) const;
 
     // Calls body(chunk, begin, end) for each chunk of [0, n), in any order, and waits for all calls.

@@ -26,8 +26,8 @@ struct MergeRules {
 
 // Returns the representative of each piece: within a group the piece with the lowest index, for a small piece the
 // neighbour that absorbs it. Pieces are absorbed in ascending order of volume; among contacts of equal area the
-// neighbour with the lower index is chosen. A small piece without neighbours remains; a flat one is `dropped`. O(n log
-// n).
+// neighbour with the lower index is chosen. A small piece without neighbours remains; a flat piece without a neighbour
+// that covers it is `dropped`. Time is O(n log n).
 [[nodiscard]] std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRules& rules);
 
 // Merges all pieces with the same representative into one piece, at the place of the representative and with its site,
