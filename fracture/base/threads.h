@@ -2,6 +2,11 @@
 //
 // The number of chunks depends on the number of threads, so no result may depend on chunk boundaries: each phase writes
 // to places that follow from the item index alone (prefix sums over chunks, in order). Only threads.cpp includes TBB.
+//
+//     Threads threads(4);
+//     threads.for_chunks(n, 1024, [&](uint32_t, uint32_t begin, uint32_t end) { ... });
+//
+// Not synchronised: one loop at a time.
 #pragma once
 
 #include <cstdint>

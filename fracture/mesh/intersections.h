@@ -1,4 +1,9 @@
 // Finds the self-intersections of a mesh by exact predicates, without tolerances.
+//
+//     const Intersections found = find_intersections(mesh, 10'000'000, 100);
+//     if (found.first) ... // triangles found.first->x and found.first->y intersect
+//
+// All functions are reentrant.
 #pragma once
 
 #include <cstdint>

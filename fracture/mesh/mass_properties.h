@@ -3,6 +3,11 @@
 // "Real Time Voronoi Fracturing of Polygon Meshes", eq. 5 (signed volume) and eq. 6 (area). Centre of mass and inertia
 // come from the same sum over signed tetrahedra. The integrals are exact for polyhedra, up to rounding. They are taken
 // about the centre of the mesh's box, so that a mesh far from the origin loses no digits.
+//
+//     const MassProperties mass = mass_properties(mesh.positions, mesh.triangles);
+//     const double kilograms = density * mass.volume;
+//
+// All functions are reentrant.
 #pragma once
 
 #include <span>

@@ -3,6 +3,9 @@
 // Conventions of the whole library: right-handed coordinates, Y up, metres; triangles counter-clockwise seen from
 // outside; double precision. A mesh is plain data. The functions over it are free functions in the headers named for
 // their results (topology.h, mass_properties.h, io/).
+//
+//     const TriangleMesh tetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+//                                    {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
 #pragma once
 
 #include <cstdint>

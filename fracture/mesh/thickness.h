@@ -1,4 +1,9 @@
 // The local thickness of a solid: the distance from a point of its surface to the opposite side.
+//
+//     const Thickness thickness(mesh);
+//     const std::optional<double> metres = thickness.at(triangle, centroid);
+//
+// Several threads may query one object.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,8 @@
 // A bounding volume hierarchy of axis-aligned boxes over triangles, for proximity and ray queries.
 //
+//     const TriangleTree tree(mesh, triangles);
+//     const std::optional<double> t = tree.first_hit(origin, direction, TriangleTree::none); // origin + t * direction
+//
 // Several threads may query one tree.
 #pragma once
 

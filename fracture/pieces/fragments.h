@@ -9,6 +9,9 @@
 // (sequential.h).
 //
 // Coordinates are those of the input: right-handed, Y up, metres. Plain data, not synchronised.
+//
+//     for (const Piece& piece : fragments.pieces)
+//         upload(fragments.positions_of(piece), fragments.triangles_of(piece));
 #pragma once
 
 #include <cstdint>

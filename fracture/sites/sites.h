@@ -1,4 +1,7 @@
 // Voronoi sites: at random, or from a text file. Coordinates are in metres. All functions are reentrant.
+//
+//     const std::vector<glm::dvec3> sites = uniform_sites(bounds(mesh), 100, 1); // 100 sites, seed 1
+//     Result<SiteList> list = read_sites("sites.txt");
 #pragma once
 
 #include <cstdint>
