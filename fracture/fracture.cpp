@@ -26,7 +26,7 @@ namespace brittle::fracture {
 
 struct Workspace::State {
     exact::Workspace exact;
-    // The sequential algorithm validates its input with these.
+    // The sequential algorithm checks its input by the same means.
     exact::Scene scene;
     exact::Surface surface;
 };

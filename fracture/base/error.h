@@ -104,7 +104,7 @@ class [[nodiscard]] Result {
     std::variant<T, Error> state_;
 };
 
-// The result of a function that returns no value: success or an Error.
+// A Result without a value: success, or an Error.
 template<>
 class [[nodiscard]] Result<void> {
   public:

@@ -62,11 +62,11 @@ Result<void> check(const Pattern& p) {
     return {};
 }
 
-// An orthonormal frame of the pattern in the box of the mesh.
+// An orthonormal frame of the pattern in the mesh's box.
 struct Frame {
-    glm::dvec3 along, u, v; // the axis and two directions perpendicular to it
+    glm::dvec3 along, u, v; // the axis, and two directions across
     glm::dvec3 centre;
-    double length = 0.0; // extent of the box along the axis
+    double length = 0.0; // of the box along the axis
     double width_u = 0.0, width_v = 0.0;
 };
 
