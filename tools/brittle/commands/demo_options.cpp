@@ -1,0 +1,25 @@
+#include <memory>
+
+#include "tools/brittle/commands/command_line.h"
+#include "tools/brittle/commands/option_groups.h"
+
+namespace brittle::tools {
+
+void add_demo(CLI::App& app, Run& run) {
+    const auto command = std::make_shared<DemoCommand>();
+    command->fracture.mesh = "shape:animal";
+    CLI::App& demo = *app.add_subcommand(
+        "demo", "Break meshes in a window with tools, panels and a preview. Space breaks, H lists all keys.");
+    add_fracture_options(demo, command->fracture);
+    demo.get_option("mesh")->capture_default_str();
+    add_world_options(demo, command->fracture.world);
+    demo.add_option("--ui-scale", command->ui_scale,
+                    "Scale of text and panels; 2 suits a display of high density. The default is the display's.")
+        ->check(CLI::Range(0.5, 4.0));
+    add_classify_option(demo, command->classify);
+    add_record_option(demo, command->record);
+    add_view_options(demo, command->view);
+    demo.callback([&run, command] { run = [command] { return run_demo(*command); }; });
+}
+
+} // namespace brittle::tools

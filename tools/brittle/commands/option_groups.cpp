@@ -1,0 +1,102 @@
+#include "tools/brittle/commands/option_groups.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "fracture/io/export.h"
+#include "tools/brittle/commands/option_values.h"
+
+namespace brittle::tools {
+
+void add_view_options(CLI::App& command, ViewOptions& view) {
+    const auto set_size = [&view](const std::string& text) {
+        const glm::uvec2 size = parse_size(text);
+        view.width = size.x;
+        view.height = size.y;
+    };
+    command
+        .add_option_function<std::string>("--size", set_size, "Size of pictures, or of the window of `demo`, in pixels")
+        ->type_name("WIDTHxHEIGHT")
+        ->default_str("1280x720");
+    command
+        .add_option("--device", view.device,
+                    "Vulkan device: cpu, gpu, an index or a part of its name. The default is the best device.")
+        ->type_name("DEVICE");
+    command
+        .add_option("--quality", view.quality,
+                    "auto: as the device can afford. fast: hard shadows, no antialiasing. best: antialiasing, soft "
+                    "shadows, ambient occlusion.")
+        ->check(CLI::IsMember({"auto", "fast", "best"}))
+        ->type_name("NAME")
+        ->capture_default_str();
+    command.add_flag("--validation", view.validation,
+                     "Run under the Vulkan validation layer, and fail if it reports anything");
+}
+
+void add_threads_option(CLI::App& command, uint32_t& threads) {
+    command
+        .add_option("--threads", threads,
+                    "Number of worker threads; 0 stands for one per core. The result does not depend on it.")
+        ->check(CLI::Range(0u, 1024u))
+        ->capture_default_str();
+}
+
+void add_classify_option(CLI::App& command, std::string& processor) {
+    command
+        .add_option("--classify", processor,
+                    "Processor that classifies vertices and triangles: cpu, gpu (the Vulkan device, even if it runs on "
+                    "the CPU) or auto (the faster one in a few trials). The result does not depend on it.")
+        ->check(CLI::IsMember({"auto", "cpu", "gpu"}))
+        ->type_name("WHERE")
+        ->capture_default_str();
+}
+
+void add_record_option(CLI::App& command, std::string& file) {
+    command.add_option("--record", file, "File for a log of the run, which `brittle replay` repeats")
+        ->type_name("FILE.log");
+}
+
+void add_export_options(CLI::App& command, ExportSettings& files) {
+    command.add_flag("--per-piece", files.per_piece, "Write one file for each piece: FILE_000, FILE_001, ...");
+    command
+        .add_option("--hulls", files.hulls,
+                    "Add collision hulls to a GLB file, under the names that this engine recognises")
+        ->check(CLI::IsMember({"godot", "unreal"}))
+        ->type_name("ENGINE");
+    command.add_flag("--rigid-bodies", files.rigid_bodies,
+                     "Add masses and hulls to a GLB file, by the 2024 draft of KHR_physics_rigid_bodies");
+    command
+        .add_option("--density", files.density,
+                    "Density for the masses of --rigid-bodies, kg/m^3. The default is the material's.")
+        ->check(CLI::PositiveNumber);
+    command
+        .add_option("--interior-texture", files.interior_texture,
+                    "Image for the cut faces, repeated every metre (PNG or JPEG)")
+        ->type_name("FILE");
+}
+
+void add_state_export(CLI::App& command, StateExport& pieces) {
+    command
+        .add_option("--export", pieces.files.output,
+                    "File for the pieces at the end of the run, with all cuts made by blows: .glb, .obj, .ply or .stl")
+        ->check(check_export_ending)
+        ->type_name("FILE");
+    command
+        .add_option("--export-as", pieces.as,
+                    "Pose of the pieces of --export. lie: as they lie at the end. made: where they were cut.")
+        ->check(CLI::IsMember({"lie", "made"}))
+        ->type_name("HOW")
+        ->capture_default_str();
+    add_export_options(command, pieces.files);
+}
+
+std::string check_export_ending(const std::string& file) {
+    const auto& known = fracture::exportable_extensions();
+    const std::string ending = std::filesystem::path(file).extension().string();
+    if (std::find(known.begin(), known.end(), ending) != known.end()) return {};
+    std::string list;
+    for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
+    return "'" + file + "' does not end with one of " + list;
+}
+
+} // namespace brittle::tools

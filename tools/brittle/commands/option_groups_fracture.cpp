@@ -1,0 +1,179 @@
+// The options of FractureOptions: mesh, recipe, pattern, sites and algorithm.
+#include <algorithm>
+#include <vector>
+
+#include "fracture/io/import.h"
+#include "fracture/shapes/shapes.h"
+#include "tools/brittle/commands/option_groups.h"
+#include "tools/brittle/commands/option_values.h"
+#include "tools/brittle/recipe/recipe.h"
+
+namespace brittle::tools {
+
+namespace {
+
+void add_vector_option(CLI::App& command, const char* name, glm::dvec3& target, const char* help) {
+    command
+        .add_option_function<std::vector<double>>(
+            name,
+            [&target](const std::vector<double>& v) {
+                target = {v[0], v[1], v[2]};
+            },
+            help)
+        ->expected(3)
+        ->delimiter(',')
+        ->type_name("X,Y,Z");
+}
+
+void add_mesh_options(CLI::App& command, FractureOptions& options) {
+    command
+        .add_option_function<std::string>(
+            "--recipe", [&options](const std::string& file) { read_recipe(file, options); },
+            "Recipe that gives mesh and options (assets/recipe.schema.json). Options on the command line override it.")
+        ->type_name("FILE.json");
+    command
+        .add_option("--save-recipe", options.save_recipe,
+                    "File to which mesh and options are written as a recipe, besides other outputs")
+        ->type_name("FILE.json");
+    command
+        .add_option_function<std::string>(
+            "mesh",
+            [&options](const std::string& mesh) {
+                if (mesh.ends_with(".json"))
+                    read_recipe(mesh, options);
+                else
+                    options.mesh = mesh;
+            },
+            mesh_help() + ", or a recipe (.json)")
+        ->type_name("MESH");
+}
+
+// --material comes before --pattern and its shape, which override it.
+void add_pattern_options(CLI::App& command, FractureOptions& options) {
+    fracture::Pattern& pattern = options.pattern;
+    auto* count = command
+                      .add_option("-n,--pieces", pattern.count,
+                                  "Number of Voronoi sites. A site whose cell misses the solid gives no piece.")
+                      ->check(CLI::Range(1u, 1'000'000u))
+                      ->capture_default_str();
+    command
+        .add_option("--seed", pattern.seed,
+                    "Seed of all random numbers: those of patterns and of the cuts that blows make. Equal seeds give "
+                    "equal pieces.")
+        ->capture_default_str();
+    command
+        .add_option_function<std::string>(
+            "--material", [&options](const std::string& name) { use_material(name, options); },
+            "Material, which decides how the mesh breaks, moves and looks: glass, stone, concrete, wood, ceramic or "
+            "brick")
+        ->type_name("NAME");
+    const auto names = fracture::pattern_names();
+    const auto set_kind = [&pattern, names](const std::string& name) {
+        pattern.kind = static_cast<fracture::PatternKind>(std::find(names.begin(), names.end(), name) - names.begin());
+    };
+    command
+        .add_option_function<std::string>(
+            "--pattern", set_kind,
+            "Arrangement of the sites: uniform, clustered (dense at the focus), radial (as glass breaks), grid, "
+            "bricks, slices, splinters (as wood breaks), curve (a crack), curvature (dense where the surface bends), "
+            "thickness (small pieces where the solid is thin)")
+        ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
+        ->type_name("NAME")
+        ->default_str("uniform");
+    add_vector_option(command, "--focus", pattern.focus,
+                      "Point where the pattern is densest, from 0 to 1 along each side of the mesh's box");
+    add_vector_option(command, "--axis", pattern.axis,
+                      "Direction along which shards and splinters run, and across which slices are cut");
+    command
+        .add_option("--jitter", pattern.jitter,
+                    "Irregularity of the pattern, from 0 to 1. The default depends on the pattern.")
+        ->check(CLI::Range(0.0, 1.0));
+    command
+        .add_option("--piece-size", pattern.piece_size,
+                    "Size of a piece, metres. The number of sites is the volume of the solid divided by its cube.")
+        ->check(CLI::PositiveNumber)
+        ->excludes(count);
+    command
+        .add_option("--grading", pattern.grading,
+                    "Spread of the sizes of pieces: from 0 (nearly equal) to 1 (from crumbs to lumps)")
+        ->check(CLI::Range(0.0, 1.0));
+    command.add_flag("--inside", pattern.inside, "Place sites inside the solid only, so that each site makes a piece");
+}
+
+void add_site_options(CLI::App& command, FractureOptions& options) {
+    command
+        .add_option("--sites", options.sites_file,
+                    "File of sites to use instead of a pattern: one line `x y z` for each, or `x y z radius` for cells "
+                    "of graded sizes")
+        ->type_name("FILE")
+        ->excludes("--pieces")
+        ->excludes("--pattern");
+    command.add_flag("--fit-sites", options.fit_sites, "Scale and move the sites of --sites onto the mesh's box");
+    add_vector_option(command, "--turn-sites", options.sites_placement.turn,
+                      "Rotation of the sites of --sites, degrees about X, then Y, then Z");
+    command
+        .add_option("--scale-sites", options.sites_placement.scale,
+                    "Factor by which the sites of --sites are scaled about the centre of their box")
+        ->check(CLI::PositiveNumber);
+    add_vector_option(command, "--move-sites", options.sites_placement.move,
+                      "Translation of the sites of --sites, metres");
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--strike",
+            [&options](const std::vector<std::string>& strikes) {
+                options.strikes.clear();
+                for (const std::string& text : strikes) {
+                    const Ball ball = parse_ball("--strike", text);
+                    Strike strike;
+                    strike.at = ball.centre;
+                    strike.radius = ball.radius;
+                    options.strikes.push_back(strike);
+                }
+            },
+            "Break only the part of the mesh within RADIUS of a point, metres. The rest stays one piece. May be given "
+            "several times.")
+        ->type_name("X,Y,Z,RADIUS");
+}
+
+void add_algorithm_options(CLI::App& command, FractureOptions& options) {
+    command.add_flag("--repair", options.repair,
+                     "Repair the mesh first, as `brittle repair` does, and print what was done");
+    const auto set_algorithm = [&options](const std::string& name) {
+        options.algorithm = name == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
+    };
+    command
+        .add_option_function<std::string>(
+            "--algorithm", set_algorithm,
+            "exact: fast, and every decision is made by exact predicates. sequential: clips by one bisector after the "
+            "other, as the paper does.")
+        ->check(CLI::IsMember({"exact", "sequential"}))
+        ->type_name("NAME")
+        ->default_str("exact");
+    command
+        .add_option("--min-volume", options.min_volume,
+                    "Minimum volume of a piece, cubic metres. A smaller piece joins the neighbour with the largest "
+                    "contact area.")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    add_threads_option(command, options.threads);
+}
+
+} // namespace
+
+std::string mesh_help() {
+    std::string endings;
+    for (const std::string& e : fracture::importable_extensions()) endings += (endings.empty() ? "" : " ") + e;
+    std::string shapes;
+    for (const std::string_view s : fracture::shape_names())
+        shapes.append(shapes.empty() ? "shape:" : " shape:").append(s);
+    return "Triangle mesh: a file (" + endings + ") or a shape that is built in (" + shapes + ")";
+}
+
+void add_fracture_options(CLI::App& command, FractureOptions& options) {
+    add_mesh_options(command, options);
+    add_pattern_options(command, options);
+    add_site_options(command, options);
+    add_algorithm_options(command, options);
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,67 @@
+#include "tools/brittle/commands/option_values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace brittle::tools {
+
+Ball parse_ball(const std::string& option, const std::string& text) {
+    Ball ball;
+    char rest = 0;
+    const bool read = std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%c", &ball.centre.x, &ball.centre.y, &ball.centre.z,
+                                  &ball.radius, &rest)
+                      == 4;
+    if (!read || !std::isfinite(ball.centre.x + ball.centre.y + ball.centre.z + ball.radius))
+        throw CLI::ValidationError(option, "'" + text + "' is not X,Y,Z,RADIUS");
+    return ball;
+}
+
+Anchor parse_anchor(const std::string& text) {
+    const Ball ball = parse_ball("--anchor", text);
+    if (ball.radius < 0.001 || ball.radius > 10.0)
+        throw CLI::ValidationError("--anchor", "'" + text + "' has a radius that is not in [0.001, 10]");
+    return {ball.centre, ball.radius};
+}
+
+Shot parse_shot(const std::string& text) {
+    std::vector<double> numbers;
+    std::istringstream stream(text);
+    double number = 0.0;
+    char comma = ',';
+    while (comma == ',' && stream >> number) {
+        numbers.push_back(number);
+        comma = '\0';
+        stream >> comma;
+    }
+    const bool read = comma == '\0' && (numbers.size() == 7 || numbers.size() == 8);
+    if (!read || !std::ranges::all_of(numbers, [](double value) { return std::isfinite(value); }))
+        throw CLI::ValidationError("--shot", "'" + text + "' is not X,Y,Z,VX,VY,VZ,RADIUS or that and ,SECONDS");
+    const Shot shot{.time = numbers.size() == 8 ? numbers[7] : 0.0,
+                    .from = {numbers[0], numbers[1], numbers[2]},
+                    .velocity = {numbers[3], numbers[4], numbers[5]},
+                    .radius = numbers[6]};
+    if (shot.radius < 0.001 || shot.radius > 10.0)
+        throw CLI::ValidationError("--shot", "'" + text + "' has a radius that is not in [0.001, 10]");
+    if (shot.time < 0.0 || shot.time > 1e4)
+        throw CLI::ValidationError("--shot", "'" + text + "' has a time that is not in [0, 10000]");
+    return shot;
+}
+
+glm::uvec2 parse_size(const std::string& text) {
+    unsigned width = 0;
+    unsigned height = 0;
+    char rest = 0;
+    const bool read = std::sscanf(text.c_str(), "%5ux%5u%c", &width, &height, &rest) == 2;
+    if (!read || width < 16 || height < 16 || width > 8192 || height > 8192)
+        throw CLI::ValidationError("--size", "'" + text
+                                                 + "' is not a size; give WIDTHxHEIGHT, each between 16 and 8192, "
+                                                   "e.g. 1280x720");
+    return {width, height};
+}
+
+} // namespace brittle::tools

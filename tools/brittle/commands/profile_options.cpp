@@ -1,0 +1,93 @@
+#include <memory>
+
+#include "tools/brittle/commands/command_line.h"
+#include "tools/brittle/commands/option_groups.h"
+
+namespace brittle::tools {
+
+namespace {
+
+// Before all other options, which override the file.
+void add_scenario_file(CLI::App& profile, ProfilePlan& plan) {
+    profile
+        .add_option_function<std::string>(
+            "--scenarios", [&plan](const std::string& file) { read_profile_plan(file, plan); },
+            "File of scenarios to measure (assets/profile.schema.json). The command line gives all settings that the "
+            "file leaves open.")
+        ->type_name("FILE.json");
+}
+
+void add_scenario_lists(CLI::App& profile, ScenarioGroup& lists) {
+    profile.add_option("--meshes", lists.meshes, "Several meshes instead of MESH")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->excludes("mesh")
+        ->type_name("MESH,MESH,...");
+    profile.add_option("--counts", lists.counts, "Several numbers of sites instead of --pieces")
+        ->check(CLI::Range(1u, 1'000'000u))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->excludes("--pieces")
+        ->excludes("--piece-size")
+        ->type_name("N,N,...");
+    profile
+        .add_option("--classify", lists.classify,
+                    "Processor that classifies vertices and triangles: cpu, gpu (the Vulkan device, even if it runs on "
+                    "the CPU), auto (the faster one in a few trials), or several of them")
+        ->check(CLI::IsMember({"auto", "cpu", "gpu"}))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("WHERE,...")
+        ->default_str("cpu");
+}
+
+void add_repetitions(CLI::App& profile, ProfilePlan& plan) {
+    profile.add_option("--warm-up", plan.warm_up, "Number of fractures before the measured ones")
+        ->check(CLI::Range(0u, 10'000u))
+        ->capture_default_str();
+    profile.add_option("--repeats", plan.repeats, "Number of measured fractures")
+        ->check(CLI::Range(1u, 10'000u))
+        ->capture_default_str();
+    profile
+        .add_option("--frames", plan.frames,
+                    "Number of measured frames before the fracture, and again after it. 0 measures none and needs no "
+                    "device.")
+        ->check(CLI::Range(0u, 100'000u))
+        ->capture_default_str();
+}
+
+void add_outputs(CLI::App& profile, ProfileCommand& command) {
+    profile.add_flag("--json", command.json, "Print JSON instead of a table");
+    profile.add_option("-o,--output", command.output, "File for the JSON")->type_name("FILE.json");
+    profile.add_option("--csv", command.csv, "File for a table with one line per phase")->type_name("FILE.csv");
+    profile.add_option("--trace", command.trace, "File for a time line that Perfetto (ui.perfetto.dev) shows")
+        ->type_name("FILE.json");
+    auto* compare = profile.add_option("--compare", command.compare, "Earlier profile, written by -o, to compare with")
+                        ->type_name("OLD.json");
+    profile
+        .add_option("--threshold", command.threshold,
+                    "Ratio of new to old above which --compare calls a time slower. Both median and minimum must "
+                    "exceed it.")
+        ->check(CLI::Range(1.0, 1000.0))
+        ->needs(compare)
+        ->capture_default_str();
+}
+
+} // namespace
+
+void add_profile(CLI::App& app, Run& run) {
+    const auto command = std::make_shared<ProfileCommand>();
+    CLI::App& profile = *app.add_subcommand(
+        "profile", "Measure fractures and frames, compare with an earlier profile, write a time line");
+    add_scenario_file(profile, command->plan);
+    add_fracture_options(profile, command->fracture);
+    add_scenario_lists(profile, command->lists);
+    add_repetitions(profile, command->plan);
+    add_outputs(profile, *command);
+    add_view_options(profile, command->view);
+    profile.footer("The exit code is 7 if --compare finds the total of a fracture, or the frames before or after it, "
+                   "slower.");
+    profile.callback([&run, command] { run = [command] { return run_profile(*command); }; });
+}
+
+} // namespace brittle::tools

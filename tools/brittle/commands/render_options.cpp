@@ -1,0 +1,91 @@
+#include <memory>
+
+#include "tools/brittle/commands/command_line.h"
+#include "tools/brittle/commands/option_groups.h"
+
+namespace brittle::tools {
+
+namespace {
+
+// The contents of a picture, as in the "picture" of a recipe.
+void add_picture_options(CLI::App& render, PictureOptions& picture) {
+    render.add_flag("--whole", picture.whole, "Draw the unbroken mesh at rest");
+    render.add_option("--planes", picture.planes,
+                      "Cut out only the cell of the first site, by this many of its planes");
+    render
+        .add_option("--explode", picture.explode,
+                    "Distance by which pieces are drawn apart, as a share of their distance from the middle")
+        ->check(CLI::Range(0.0f, 10.0f))
+        ->capture_default_str();
+    render.add_flag("--show-sites", picture.sites, "Draw the sites as red spheres");
+    render.add_flag("--show-hulls", picture.hulls, "Draw the collision hulls as red lines");
+    render.add_flag("--smooth", picture.smooth, "Shade exteriors smoothly instead of by facets");
+    render.add_flag("--wireframe", picture.wireframe, "Draw the edges of triangles");
+    render.add_flag("--show-cells", picture.cells, "Draw the edges of the Voronoi cells as blue lines");
+    render.add_option("--azimuth", picture.azimuth, "Azimuth of the camera, degrees from +Z towards +X")
+        ->capture_default_str();
+    render.add_option("--elevation", picture.elevation, "Elevation of the camera above the ground, degrees")
+        ->check(CLI::Range(-89.0f, 89.0f))
+        ->capture_default_str();
+    render
+        .add_option("--distance", picture.distance,
+                    "Distance of the camera. 1 shows the mesh, the ground and some room around them.")
+        ->check(CLI::Range(0.1f, 10.0f))
+        ->capture_default_str();
+}
+
+void add_frame_options(CLI::App& render, RenderCommand& command) {
+    render
+        .add_option("--frames", command.fracture.picture.frames,
+                    "Number of frames to simulate after the first picture, at 60 per second")
+        ->check(CLI::Range(0u, 100'000u))
+        ->capture_default_str();
+    render.add_option("--every", command.every, "Interval between the frames that are written")
+        ->check(CLI::Range(1u, 100'000u))
+        ->capture_default_str();
+    render
+        .add_option("-o,--output", command.output,
+                    "Name of the pictures. %04d stands for the number of the frame; a name without it gives one "
+                    "picture, of the last frame.")
+        ->type_name("FILE_%04d.png")
+        ->capture_default_str();
+}
+
+void add_other_outputs(CLI::App& render, RenderCommand& command) {
+    render
+        .add_option("--video", command.video,
+                    "File for a video of all frames, made by the program ffmpeg. With --video or --export, pictures "
+                    "are written only if -o is given.")
+        ->type_name("FILE.mp4");
+    add_record_option(render, command.record);
+    render
+        .add_option("--ids", command.ids,
+                    "PNG file, beside each picture, for the piece that each pixel shows, one colour per piece "
+                    "(docs/files.md)")
+        ->type_name("FILE.png");
+    render.add_option("--graph", command.graph, "File for the frame graph of the last picture, for `dot -Tsvg`")
+        ->type_name("FILE.dot");
+    add_state_export(render, command.pieces);
+}
+
+} // namespace
+
+void add_render(CLI::App& app, Run& run) {
+    const auto command = std::make_shared<RenderCommand>();
+    CLI::App& render =
+        *app.add_subcommand("render", "Break a mesh, simulate the pieces and write pictures. Needs no display.");
+    add_fracture_options(render, command->fracture);
+    add_frame_options(render, *command);
+    add_picture_options(render, command->fracture.picture);
+    add_other_outputs(render, *command);
+    add_world_options(render, command->fracture.world);
+    add_classify_option(render, command->classify);
+    add_view_options(render, command->view);
+    render.callback([&run, &render, command] {
+        const bool has_other_output = !command->video.empty() || !command->pieces.files.output.empty();
+        if (has_other_output && render.count("--output") == 0) command->output.clear();
+        run = [command] { return run_render(*command); };
+    });
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,35 @@
+#include <memory>
+
+#include "tools/brittle/commands/command_line.h"
+#include "tools/brittle/commands/option_groups.h"
+
+namespace brittle::tools {
+
+void add_repair(CLI::App& app, Run& run) {
+    const auto command = std::make_shared<RepairCommand>();
+    CLI::App& repair = *app.add_subcommand(
+        "repair", "Repair a mesh: weld cracks, drop duplicates, orient faces, close holes, split non-manifold edges");
+    repair.add_option("mesh", command->mesh, mesh_help())->required()->type_name("MESH");
+    repair.add_option("-o,--output", command->output, "File for the repaired mesh: .glb, .obj, .ply or .stl")
+        ->required()
+        ->check(check_export_ending)
+        ->type_name("FILE");
+    repair
+        .add_option("--weld", command->settings.weld_distance,
+                    "Distance within which vertices on the rims of holes are merged, metres. The default is a "
+                    "millionth of the mesh's size.")
+        ->check(CLI::NonNegativeNumber);
+    repair
+        .add_option("--close-holes", command->settings.close_holes,
+                    "Maximum length of the rim of a hole that is closed, metres. By default all holes are closed.")
+        ->check(CLI::NonNegativeNumber);
+    repair.add_flag("--cavities", command->settings.cavities,
+                    "Make each part that lies wholly inside another a cavity of it, whichever way it faces");
+    repair.add_flag("--overlaps", command->settings.covered_parts,
+                    "Remove parts that lie wholly inside others, so that space counts once. Parts that cross stay.");
+    repair.footer(
+        "The exit code is 0 if the result can be fractured, and 4 if it cannot. A sound mesh stays as it is.");
+    repair.callback([&run, command] { run = [command] { return run_repair(*command); }; });
+}
+
+} // namespace brittle::tools

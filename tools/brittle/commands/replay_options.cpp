@@ -1,0 +1,31 @@
+#include <memory>
+
+#include "tools/brittle/commands/command_line.h"
+#include "tools/brittle/commands/option_groups.h"
+
+namespace brittle::tools {
+
+void add_replay(CLI::App& app, Run& run) {
+    const auto command = std::make_shared<ReplayCommand>();
+    CLI::App& replay =
+        *app.add_subcommand("replay", "Repeat a recorded run without a display and compare the state after each step");
+    replay.add_option("log", command->log, "Log that --record wrote")->required()->type_name("FILE.log");
+    replay
+        .add_option("--render", command->pictures,
+                    "Name of pictures of the run. %04d stands for the number of the frame.")
+        ->type_name("FILE_%04d.png");
+    replay.add_option("--every", command->every, "Interval between the frames that are written, of 60 per second")
+        ->check(CLI::Range(1u, 100'000u))
+        ->capture_default_str();
+    replay.add_option("--video", command->video, "File for a video of the run, made by the program ffmpeg")
+        ->type_name("FILE.mp4");
+    add_threads_option(replay, command->threads);
+    add_state_export(replay, command->pieces);
+    // Pictures and videos may run past the last step of the log, so the state at their end is not that of the log.
+    replay.get_option("--export")->excludes("--render")->excludes("--video");
+    add_view_options(replay, command->view);
+    replay.footer("The exit code is 0 if all states equal the recorded ones, and 8 if one differs.");
+    replay.callback([&run, command] { run = [command] { return run_replay(*command); }; });
+}
+
+} // namespace brittle::tools
