@@ -51,6 +51,21 @@ TEST_CASE("no command, an unknown one and bad options are usage errors with a wa
     CHECK(folder.files() == 0);
 }
 
+TEST_CASE("--most-colliding is a hidden alias of --max-colliding") {
+    const Folder folder;
+    CHECK_FALSE(run_brittle(folder, "render --help").has("--most-colliding"));
+    for (const char* option : {"--max-colliding", "--most-colliding"}) {
+        const std::string plain = "render shape:cube -n 2 --frames 0 --size 64x48 -o " + (folder / "a.png");
+        const std::string recipe = folder / "recipe.json";
+        const Outcome outcome = run_brittle(folder, plain + " --save-recipe " + recipe + " " + option + " 70");
+        INFO(outcome.output);
+        if (no_vulkan(outcome)) return;
+        CHECK(outcome.exit_code == 0);
+        CHECK(nlohmann::json::parse(read_text(recipe))["world"]["max_colliding"] == 70);
+    }
+    CHECK(run_brittle(folder, "render shape:cube --max-colliding 1 --most-colliding 1").exit_code == 2);
+}
+
 TEST_CASE("help and version succeed and name every command and exit code") {
     const Folder folder;
     const Outcome help = run_brittle(folder, "--help");

@@ -292,9 +292,12 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "strikes": [{"at": [0, 0, 0]}, {"radius": -1}]})", "/strikes/1/radius: expected a number");
     says(R"({"brittle": 1, "strikes": [{"where": 1}]})", "/strikes/0/where: unknown key");
     says(R"({"brittle": 1, "strikes": {}})", "/strikes: expected a list");
-    says(R"({"brittle": 1, "world": {"most_colliding": -1}})",
-         "/world/most_colliding: expected a whole number from 0 to 1000000, found -1");
-    says(R"({"brittle": 1, "world": {"most_colliding": 1000001}})", "/world/most_colliding: expected a whole number");
+    says(R"({"brittle": 1, "world": {"max_colliding": -1}})",
+         "/world/max_colliding: expected a whole number from 0 to 1000000, found -1");
+    says(R"({"brittle": 1, "world": {"max_colliding": 1000001}})", "/world/max_colliding: expected a whole number");
+    says(R"({"brittle": 1, "world": {"most_colliding": -1}})", "/world/most_colliding: expected a whole number");
+    says(R"({"brittle": 1, "world": {"most_colliding": 5, "max_colliding": 5}})",
+         "/world/most_colliding: is the former name of max_colliding; give only one of the two");
     says(R"({"brittle": 1, "world": {"anchors": 1}})", "/world/anchors: expected a list");
     says(R"({"brittle": 1, "world": {"anchors": [{"radius": 0}]}})", "/world/anchors/0/radius: expected a number");
     says(R"({"brittle": 1, "world": {"anchors": [{"at": [0, 0, 0], "size": 1}]}})", "/world/anchors/0");
@@ -311,6 +314,18 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     const std::string deep = R"(, "repair": )" + std::string(100'000, '[') + std::string(100'000, ']') + "}";
     says(R"({"brittle": 1, "mesh": ")" + std::string(200'000, ']') + "\"" + deep, "nested too deeply");
     says(std::string(size_t{2} << 20, ' '), "more than 1 MiB");
+}
+
+TEST_CASE("recipe: max_colliding is also read under its former name most_colliding, and written under the new one") {
+    const Folder folder;
+    for (const std::string key : {"max_colliding", "most_colliding"}) {
+        FractureOptions options;
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "world": {")" + key + R"(": 1000}})"), options);
+        CHECK(options.world.max_colliding == 1000);
+        const auto world = nlohmann::json::parse(recipe_json(options))["world"];
+        CHECK(world["max_colliding"] == 1000);
+        CHECK_FALSE(world.contains("most_colliding"));
+    }
 }
 
 TEST_CASE("recipe: a brick has length, height and thickness, and an axis that its length lies along") {
@@ -369,7 +384,7 @@ TEST_CASE("recipe: the schema knows the keys that are written and read, and no o
     for (const auto& [key, value] : schema["properties"].items()) CHECK(all.contains(key));
     for (const char* part : {"picture", "world"})
         for (const auto& [key, value] : schema["properties"][part]["properties"].items())
-            CHECK(all[part].contains(key));
+            CHECK(all[part].contains(key) != value.value("deprecated", false)); // former names are read, not written
     for (const auto& [key, value] : all["world"].items())
         CHECK(schema["properties"]["world"]["properties"].contains(key));
     for (const auto& [key, value] : all["picture"].items())

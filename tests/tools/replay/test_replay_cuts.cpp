@@ -239,7 +239,7 @@ TEST_CASE("replay: bonded pieces that go as debris, by who looks, are the same a
             CHECK_FALSE(replayed(*log, started(with_threads(log->recipe, threads))));
 }
 
-TEST_CASE("replay: who may collide no more as there are too many is the same again") {
+TEST_CASE("replay: pieces beyond max_colliding become debris in the replay as in the run") {
     const Folder folder;
     FractureOptions options = breakable_options(false);
     const ReplayLog free = recorded(options, started(options), 120, blows(), folder.path / "free.log");
@@ -247,6 +247,12 @@ TEST_CASE("replay: who may collide no more as there are too many is the same aga
     const ReplayLog crowd = recorded(options, started(options), 120, blows(), folder.path / "crowd.log");
     CHECK(crowd.recipe.world.max_colliding == 3);
     CHECK(hashes(crowd) != hashes(free));
+    // A log from before the limit was renamed.
+    std::string text = read_text(folder.path / "crowd.log");
+    const size_t key = text.find("\"max_colliding\"");
+    REQUIRE(key != std::string::npos);
+    write_text(folder.path / "former.log", text.replace(key, 15, "\"most_colliding\""));
+    CHECK(read_replay_log(folder.path / "former.log").recipe.world.max_colliding == 3);
     for (const uint32_t threads : {1u, 3u}) {
         const FractureOptions again = with_threads(crowd.recipe, threads);
         CHECK_FALSE(replayed(crowd, started(again)));

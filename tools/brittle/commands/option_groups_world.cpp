@@ -68,13 +68,19 @@ void add_air_and_crowd_options(CLI::App& command, WorldOptions& world) {
                     "Density of the air, which slows moving pieces, kg/m^3. 0 is a vacuum.")
         ->check(CLI::Range(0.0, 1e4))
         ->capture_default_str();
-    command
-        .add_option("--most-colliding", world.max_colliding,
-                    "Maximum number of awake pieces that collide with each other. Further pieces that break off "
-                    "collide only with the ground, fixed pieces, balls and pieces at least twice as long, and may "
-                    "overlap each other. The limit keeps frames short; 0 removes it.")
+    auto* max_colliding =
+        command
+            .add_option("--max-colliding", world.max_colliding,
+                        "Maximum number of awake pieces that collide with each other. Further pieces that break off "
+                        "collide only with the ground, fixed pieces, balls and pieces at least twice as long, and may "
+                        "overlap each other. The limit keeps frames short; 0 removes it.")
+            ->check(CLI::Range(0u, 1'000'000u))
+            ->capture_default_str();
+    // The former name of --max-colliding. The empty group hides it from the help.
+    command.add_option("--most-colliding", world.max_colliding)
         ->check(CLI::Range(0u, 1'000'000u))
-        ->capture_default_str();
+        ->excludes(max_colliding)
+        ->group("");
     command
         .add_option("--height", world.height,
                     "Initial height of the mesh above the ground, metres. Ignored with --anchored.")

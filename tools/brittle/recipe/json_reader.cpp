@@ -73,6 +73,12 @@ const Json* JsonReader::find(const std::string& key) {
     return at == json_.end() ? nullptr : &*at;
 }
 
+std::string JsonReader::renamed(const std::string& key, const std::string& former) const {
+    if (!json_.contains(former)) return key;
+    if (json_.contains(key)) throw failure(former, "is the former name of " + key + "; give only one of the two");
+    return former;
+}
+
 void JsonReader::number(const std::string& key, double& target, double low, double high) {
     if (const Json* value = find(key)) target = number_of(key, *value, low, high);
 }

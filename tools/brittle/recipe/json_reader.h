@@ -43,6 +43,9 @@ class JsonReader {
 
     // The value of a key, or null.
     const nlohmann::ordered_json* find(const std::string& key);
+    // The name under which the object holds a renamed key: `former` where it is present, else `key`. Both at once are a
+    // failure.
+    [[nodiscard]] std::string renamed(const std::string& key, const std::string& former) const;
 
     void number(const std::string& key, double& target, double low, double high);
     void flag(const std::string& key, bool& target);

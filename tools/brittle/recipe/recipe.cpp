@@ -103,7 +103,7 @@ Json world_json(const WorldOptions& world) {
     if (world.anchored) json["anchored"] = true;
     if (world.height != plain.height) json["height"] = world.height;
     if (world.air_density != plain.air_density) json["air_density"] = world.air_density;
-    if (world.max_colliding != plain.max_colliding) json["most_colliding"] = world.max_colliding;
+    if (world.max_colliding != plain.max_colliding) json["max_colliding"] = world.max_colliding;
     if (world.strength != plain.strength) json["strength"] = world.strength;
     if (world.breakable) json["breakable"] = true;
     if (world.min_size != plain.min_size) json["min_size"] = world.min_size;
@@ -286,7 +286,7 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     reader.flag("anchored", world.anchored);
     reader.number("height", world.height, 0.0, 100.0);
     reader.number("air_density", world.air_density, 0.0, 1e4);
-    reader.whole("most_colliding", world.max_colliding, 0, 1'000'000);
+    reader.whole(reader.renamed("max_colliding", "most_colliding"), world.max_colliding, 0, 1'000'000);
     reader.number("strength", world.strength, 1e-6, 1e6);
     reader.flag("breakable", world.breakable);
     reader.number("min_size", world.min_size, 1e-4, 10.0);
