@@ -1,6 +1,6 @@
-// How a command of `brittle` ends badly: an exit code and a message for people, thrown up to main().
+// The failure of a command: an exit code and a message for people, thrown up to main().
 //
-// The libraries below report errors as Result values; must() turns them into the value or a Failure:
+// The libraries report errors as Result values; must() turns a Result into its value or throws a Failure:
 //
 //     fracture::TriangleMesh mesh = must(fracture::import_mesh(file));
 #pragma once
@@ -13,18 +13,18 @@
 
 namespace brittle::tools {
 
-// What the shell sees. Listed in `brittle --help`; scripts rely on them.
+// Exit codes of the program. `brittle --help` lists them, and scripts rely on them.
 enum ExitCode {
     exit_success = 0,
     exit_failure = 1,      // anything not listed below
     exit_usage = 2,        // a wrong command line
     exit_input = 3,        // an input file is missing, unreadable or damaged
     exit_mesh = 4,         // the mesh or the sites cannot be fractured
-    exit_output = 5,       // an output could not be written; an old file is left as it was
-    exit_environment = 6,  // no Vulkan device, a lost one, no display
-    exit_slower = 7,       // `profile --compare` found something slower
-    exit_differs = 8,      // `replay` came to another state than the log tells
-    exit_interrupted = 130 // by Ctrl+C; nothing half-written is left
+    exit_output = 5,       // an output could not be written; an existing file is unchanged
+    exit_environment = 6,  // no display, no Vulkan device, or the device was lost
+    exit_slower = 7,       // `profile --compare` found a slower time
+    exit_differs = 8,      // `replay` reached a state that differs from the log's
+    exit_interrupted = 130 // Ctrl+C; no half-written file is left
 };
 
 class Failure : public std::runtime_error {

@@ -13,7 +13,7 @@ class Progress {
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    // share in [0, 1]; shows a percentage and, after two seconds, an estimate of the time left.
+    // Shows `share`, from 0 to 1, as a percentage and, after two seconds, an estimate of the remaining time.
     void update(double share);
 
   private:

@@ -1,4 +1,4 @@
-// What a profile says of a list of samples.
+// Summary statistics of a list of samples.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,8 @@ struct Statistics {
     double max = 0.0;
 };
 
-// Minimum, median (the mean of the middle two for an even count), 95th and 99th percentile (nearest rank: the maximum of
-// fewer than 20 or 100 samples) and maximum; zeros for no sample.
+// Returns minimum, median (the mean of the middle two for an even count), 95th and 99th percentile (nearest rank; with
+// fewer than 20 or 100 samples this is the maximum) and maximum. All are zero without samples.
 [[nodiscard]] Statistics statistics(std::vector<double> samples);
 
 } // namespace brittle::tools

@@ -1,4 +1,5 @@
-// From command-line words to a mesh, sites and fragments; shared by all commands. Errors are thrown (failure.h).
+// The input of a fracture: the options of the command line or a recipe, the mesh and the sites that they name, and the
+// fracture itself. All commands share it. Errors are thrown as Failure (base/failure.h).
 #pragma once
 
 #include <cstdint>
@@ -15,52 +16,52 @@
 
 namespace brittle::tools {
 
-// A site by itself, in the coordinates of the mesh.
+// A single site in the coordinates of the mesh.
 struct PlacedSite {
     glm::dvec3 at{0.0};
-    double weight = 0.0; // m^2, of fracture::Settings::weights
-    uint32_t group = 0;  // sites of one number make one piece (fracture::Settings::groups); 0: by itself
+    double weight = 0.0; // m^2, as in fracture::Settings::weights
+    uint32_t group = 0;  // sites with equal numbers make one piece (fracture::Settings::groups); 0: a piece of its own
 
     friend bool operator==(const PlacedSite&, const PlacedSite&) = default;
 };
 
 struct FractureOptions {
-    std::string mesh;               // a file, or shape:NAME
-    std::string material;           // --material: the name of a preset, or empty; its pattern is in `pattern` already
-    fracture::Pattern pattern;      // --pattern, -n, --seed and more: makes the sites
-    std::string sites_file;         // --sites: takes the place of the pattern
-    std::vector<PlacedSite> points; // outdo the file and the pattern
-    std::vector<Strike> strikes;    // --strike: only what they hit breaks; outdo all sites, the pattern says how
-    bool fit_sites = false;         // --fit-sites: moves and scales them onto the mesh's box, before the placement
+    std::string mesh;     // path of a file, or shape:NAME
+    std::string material; // --material: name of a preset, or empty; use_material() has copied its pattern to `pattern`
+    fracture::Pattern pattern;      // --pattern, -n, --seed ...: generates the sites
+    std::string sites_file;         // --sites: replaces the pattern
+    std::vector<PlacedSite> points; // sites listed one by one; override the file and the pattern
+    std::vector<Strike> strikes;    // --strike: only the balls that they hit break, by the pattern; override all sites
+    bool fit_sites = false;         // --fit-sites: moves and scales the sites onto the mesh's box, before the placement
     fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
-    std::string save_recipe;             // --save-recipe: where load_input() writes all this; or empty
-    bool repair = false;                 // --repair: fracture::repair() first, and say what it did
+    std::string save_recipe;             // --save-recipe: file to which load_input() writes these options; or empty
+    bool repair = false;                 // --repair: fracture::repair() before the fracture, with a report
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
-    double min_volume = 0.0; // --min-volume, m^3: smaller pieces join a neighbour
-    uint32_t threads = 0;    // 0: one a core
-    PictureOptions picture;  // what `brittle render` shows
-    WorldOptions world;      // its seed and blows are not looked at: world_of()
+    double min_volume = 0.0; // --min-volume, m^3: a smaller piece is merged with a neighbour
+    uint32_t threads = 0;    // 0: one per core
+    PictureOptions picture;  // contents of the pictures of `brittle render`
+    WorldOptions world;      // physics; world_of() sets its seed and blows
 };
 
-// The world, in which blows cut by the pattern's seed: equal seeds, equal cuts. What starts whole is cut in the manner of the
-// pattern (of slices and the like as by uniform), or along the diagram of sites_file, which is read here. Throws a
-// Failure where it cannot be.
+// Returns the world of the options, with the pattern's seed as the seed of blows: equal seeds give equal cuts. In a
+// world that starts whole, blows cut by the kind of the pattern (slices and other kinds without a local form count as
+// uniform) or along the diagram of sites_file, which is read here. Throws a Failure if that file cannot be read.
 [[nodiscard]] WorldOptions world_of(const FractureOptions& options);
 
 // A mesh and the sites to break it by.
 struct Input {
-    std::string name;      // the file's stem or the shape's name
-    fracture::Model model; // without looks for shapes, and unless they are asked for
+    std::string name;      // stem of the file, or name of the shape
+    fracture::Model model; // materials and textures only on request, and never for shapes
     std::vector<glm::dvec3> sites;
-    std::vector<uint32_t> groups; // of the sites; or none
-    std::vector<double> weights;  // of the sites, m^2; or none
+    std::vector<uint32_t> groups; // group of each site; or empty
+    std::vector<double> weights;  // weight of each site, m^2; or empty
     double import_milliseconds = 0.0;
 };
 
 struct Broken {
     fracture::Fragments fragments;
     fracture::Certificate certificate;
-    double milliseconds = 0.0; // of the fracture, without the certificate
+    double milliseconds = 0.0; // duration of the fracture, without the certificate
 };
 
 struct SiteSet {
@@ -69,28 +70,31 @@ struct SiteSet {
     std::vector<double> weights;
 };
 
-// The sites that the options make for a mesh, in its coordinates. Throws a Failure.
+// Returns the sites that the options give for a mesh, in its coordinates. Throws a Failure.
 [[nodiscard]] SiteSet sites_for(const FractureOptions& options, const fracture::TriangleMesh& mesh);
 
-// Such sites as a recipe lists them: groups are numbered from 1, and none for a site that is alone in its own.
+// Returns the sites in the form in which a recipe lists them: groups are numbered from 1, and a site that is alone in
+// its group has number 0.
 [[nodiscard]] std::vector<PlacedSite> placed_sites(const SiteSet& set);
 
-// `shape:NAME` gives a procedural shape, anything else is read as a file. A pattern is placed in the mesh's box.
+// Loads the mesh (`shape:NAME` is a procedural shape, any other name a file), saves the recipe if asked to, prepares
+// the mesh and generates the sites. A pattern is placed in the mesh's box. Throws a Failure. `with_looks`: with
+// materials and textures.
 [[nodiscard]] Input load_input(const FractureOptions& options, bool with_looks = false);
 
-// Takes over the preset's way to break; count, seed and the like stay. Throws a Failure with exit_usage for an unknown
-// name, and says which there are.
+// Sets the material and copies the kind and shape of its fracture pattern; count, seed and the rest of the pattern
+// stay. Throws a Failure with exit_usage that lists the presets if the name is unknown.
 void use_material(const std::string& name, FractureOptions& options);
 
-// The mesh alone, as it is in the file.
+// Loads the mesh alone, without repair or checks.
 [[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
 
-// Makes the mesh fit to be broken: repairs it if the options say so; else throws a Failure with exit_mesh that names
-// --repair where that would help.
+// Repairs the mesh if the options ask for it. Otherwise throws a Failure with exit_mesh that names --repair if the mesh
+// is not closed but repair would close it.
 void prepare_mesh(const FractureOptions& options, Input& input);
 
-// Fractures, or leaves the mesh in one piece where options.world starts whole. With `progress` called, `classifier` asked,
-// `cancelled` watched and `work_log` filled as in fracture::Settings; Ctrl+C cancels in any case.
+// Fractures the mesh; in a world that starts whole the mesh becomes one piece per island instead. `progress`,
+// `classifier`, `cancelled` and `work_log` are as in fracture::Settings; Ctrl+C cancels in any case.
 [[nodiscard]] Broken break_input(const Input& input, const FractureOptions& options,
                                  const std::function<void(double)>& progress = {},
                                  fracture::Classifier* classifier = nullptr,

@@ -1,10 +1,5 @@
-// Reads JSON files that people write, with messages that say where and what was expected. Throws a Failure with
-// exit_input everywhere.
-//
-//     const auto json = read_json_file(file, "recipe", 1 << 20);
-//     JsonReader reader(file, json, "");
-//     reader.whole("count", count, 1, 1'000'000);
-//     reader.refuse_unknown_keys();
+// Reader of JSON files written by people. Messages name the place in the file, the expected and the actual value. All
+// functions throw a Failure with exit_input.
 #pragma once
 
 #include <cstddef>
@@ -21,30 +16,31 @@
 
 namespace brittle::tools {
 
-// The text; `where` and `what` name it in messages ("run.log:7", "recipe"); no more than 64 brackets deep.
+// Parses a text of at most 64 nested brackets. `where` and `what` name it in messages ("run.log:7", "recipe").
 [[nodiscard]] nlohmann::ordered_json parse_json(const std::filesystem::path& where, const std::string& text,
                                                 const std::string& what);
-// The whole file. `what` names it in messages ("recipe"); no more than `longest` bytes.
+// Reads and parses a file of at most `longest` bytes. `what` names it in messages ("recipe").
 [[nodiscard]] nlohmann::ordered_json read_json_file(const std::filesystem::path& file, const std::string& what,
                                                     size_t longest);
 
-// A value for a message: short, without what a terminal would obey.
+// Returns a value as text for a message: shortened, with control characters escaped.
 [[nodiscard]] std::string shown(const nlohmann::ordered_json& value);
 
-// One object of the file. A key that is missing leaves the target as it is; keys that nobody asked for are unknown.
+// One object of the file. A missing key leaves its target unchanged. refuse_unknown_keys() refuses all keys that no
+// call has read.
 class JsonReader {
   public:
-    // `path` leads to the object from the top of the file: "" or "/pattern". Keeps references to all three.
+    // `path` leads to the object from the top of the file: "" or "/pattern". `file` and `json` must outlive the reader.
     JsonReader(const std::filesystem::path& file, const nlohmann::ordered_json& json, std::string path);
 
     [[nodiscard]] Failure failure(const std::string& key, const std::string& what) const;
     [[noreturn]] void fail(const std::string& key, const std::string& expected,
                            const nlohmann::ordered_json& found) const;
 
-    // The value of a key, or null.
+    // Returns the value of a key, or null.
     const nlohmann::ordered_json* find(const std::string& key);
-    // The name under which the object holds a renamed key: `former` where it is present, else `key`. Both at once are a
-    // failure.
+    // Returns the name under which the object holds a renamed key: `former` if it is present, else `key`. Both at once
+    // are a failure.
     [[nodiscard]] std::string renamed(const std::string& key, const std::string& former) const;
 
     void number(const std::string& key, double& target, double low, double high);

@@ -1,4 +1,4 @@
-// Pieces into files, as the options of `brittle fracture` say.
+// Export of the pieces of a fracture to files, by the options of `brittle fracture`.
 #pragma once
 
 #include <filesystem>
@@ -11,25 +11,26 @@
 namespace brittle::tools {
 
 struct ExportSettings {
-    std::string output{};   // its ending says the format; empty: nothing is written
-    bool per_piece = false; // a file for each
-    std::string hulls{};    // "godot" or "unreal": how collision hulls are named; empty: none
+    std::string output{};   // file whose ending gives the format; empty: no export
+    bool per_piece = false; // one file per piece
+    std::string hulls{};    // "godot" or "unreal": naming scheme of collision hulls; empty: no hulls
     bool rigid_bodies = false;
-    double density = 0.0;           // kg/m^3, of rigid_bodies; 0: the material's
-    std::string interior_texture{}; // an image for the cuts; empty: none
+    double density = 0.0;           // kg/m^3, for rigid_bodies; 0: the material's
+    std::string interior_texture{}; // image file for the cut faces; empty: none
 };
 
-// What both kinds of pieces have in common: looks, names, density. It points into `source`. Throws a Failure where the
-// texture cannot be read.
+// Returns the export options that pieces of a fracture and pieces of a running simulation share: looks, names, density.
+// The result points into `source`. Throws a Failure if the texture cannot be read.
 [[nodiscard]] fracture::ExportOptions export_options(const ExportSettings& settings, const FractureOptions& recipe,
                                                      const Input& source);
-// Whether the settings ask for hulls.
+// Returns whether the settings include collision hulls.
 [[nodiscard]] bool wants_hulls(const ExportSettings& settings);
 
-// The hull of one piece as a mesh, in its coordinates.
+// Returns the collision hull of a piece as a mesh, in the coordinates of the fragments.
 [[nodiscard]] fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, const fracture::Piece& piece);
 
-// The pieces of a fracture where they were cut, with the recipe. The files written, the one to open first. Throws a Failure.
+// Writes the pieces of a fracture at the places where they were cut, with the recipe. Returns the files written, the
+// one to open first. Throws a Failure.
 std::vector<std::filesystem::path> write_pieces(const ExportSettings& settings, const FractureOptions& recipe,
                                                 const Input& input, const Broken& broken);
 

@@ -1,4 +1,4 @@
-// How pictures are drawn, whatever they show: options of every command that draws.
+// Size, device and quality of pictures: options of every command that draws.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ struct ViewOptions {
     uint32_t width = 1280;
     uint32_t height = 720;
     std::string quality = "auto"; // auto, fast or best
-    bool validation = false;      // fail if the Vulkan validation layer finds fault
+    bool validation = false;      // run under the Vulkan validation layer, and fail if it reports anything
 };
 
 } // namespace brittle::tools

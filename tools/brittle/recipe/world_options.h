@@ -1,4 +1,5 @@
-// What the pieces do after the fracture: options of `brittle render` and `brittle demo`, and the "world" of a recipe.
+// Physics of the pieces after the fracture: options of `brittle render` and `brittle demo`, and the "world" of a
+// recipe.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +13,18 @@
 
 namespace brittle::tools {
 
-// A ball that is shot at what is there. In the coordinates of the stage: metres, the mesh 2 m long around the Y axis.
+// A ball shot at the mesh, in the coordinates of the stage: metres, with the mesh 2 m long around the Y axis.
 struct Shot {
-    double time = 0.0; // s, after the beginning
+    double time = 0.0; // s, after the start
     glm::dvec3 from{0.0, 1.0, 4.0};
     glm::dvec3 velocity{0.0, 0.0, -12.0}; // m/s
     double radius = 0.1;                  // m
     double density = 7800.0;              // kg/m^3; steel
 };
 
-// A spot that was painted: the world holds what of the mesh reaches into a ball. In metres of the stage from the foot of
-// the mesh, which is in the middle below it: so it stays where it is when the mesh is lifted.
+// A ball within which the mesh is fixed to the world. The coordinates are metres of the stage, relative to the foot of
+// the mesh (the middle of its box, at its lowest point), so that an anchor keeps its place on the mesh when the mesh is
+// lifted.
 struct Anchor {
     glm::dvec3 at{0.0};
     double radius = 0.1; // m
@@ -30,47 +32,51 @@ struct Anchor {
     friend bool operator==(const Anchor&, const Anchor&) = default;
 };
 
-// How blows cut what starts whole: in the manner of a pattern, or along a diagram made beforehand. That is fitted to the box
-// of each piece that is hit, turned about Y by the blow's seed, and then placed (physics::ImpactPattern).
+// Cuts of blows in a world that starts whole: by the kind of a pattern, or along a given diagram. The diagram is fitted
+// to the box of each piece that is hit, turned about Y by the seed of the blow, and then placed
+// (physics::ImpactPattern).
 struct BlowPattern {
     fracture::PatternKind kind = fracture::PatternKind::uniform;
-    double slenderness = 8.0;          // of splinters
-    std::vector<glm::dvec3> diagram{}; // sites, in coordinates of any kind; or none
-    fracture::Placement placement{};   // of the diagram
+    double slenderness = 8.0;          // length by width of splinters
+    std::vector<glm::dvec3> diagram{}; // sites of the diagram, in any coordinates; or empty
+    fracture::Placement placement{};   // placement of the diagram
 };
 
 struct WorldOptions {
-    bool bonded = false;          // pieces hold together until blows, loads or wear break their bonds
-    bool anchored = false;        // bonded unless it is breakable, and what stands on the ground is held by it
-    double height = 0.5;          // m, of the mesh above the ground at first; 0 where it is anchored
-    double air_density = 1.2;     // kg/m^3; 0 is a vacuum, 1000 water in which nothing floats
-    uint32_t max_colliding = 500; // awake, with each other; what comes off beyond is debris; 0: no limit
-    double strength = 1.0;        // of bonds and pieces, in the material's; 0.075 is stone laid in weak mortar
-    // Cut anew where it is hit, again and again. Where it is not bonded as well, it starts whole: the pattern says how blows
-    // cut, and anchored means that what of it comes near the ground is held.
+    bool bonded = false;      // pieces hold together until blows, loads or wear break their bonds
+    bool anchored = false;    // parts that stand on the ground are fixed; bonded, unless breakable
+    double height = 0.5;      // m, initial height of the mesh above the ground; ignored if anchored
+    double air_density = 1.2; // kg/m^3; 0 is a vacuum, 1000 is water, but nothing floats
+    // limit on awake bodies that collide with each other; further pieces that break off are debris; 0: none
+    uint32_t max_colliding = 500;
+    // strength of bonds and pieces, as a multiple of the material's; 0.075 is stone laid in weak mortar
+    double strength = 1.0;
+    // Blows cut pieces again and again. A world that is breakable and not bonded starts whole: the pattern gives the
+    // cuts of blows, and `anchored` fixes pieces that come near the ground.
     bool breakable = false;
-    double min_size = 0.05;      // m, cube root of volume; no smaller piece is made
-    uint32_t blow_pieces = 48;   // at most, of one blow
-    physics::RunningBond bond{}; // of bricks that blows take out, to be fitted: its corner is not looked at
+    double min_size = 0.05;    // m, cube root of the volume of the smallest piece that a blow makes
+    uint32_t blow_pieces = 48; // maximum number of pieces of one blow
+    // size and orientation of the bricks that blows take out; the bond is fitted to the mesh, and its corner is ignored
+    physics::RunningBond bond{};
     uint32_t piece_limit =
-        2000; // in the world; beyond it debris goes, what is unseen, then what is small and old first
-    std::vector<Anchor> anchors{};      // bonded unless it is breakable, and held there
-    uint64_t seed = 1;                  // of where blows cut: see world_of()
-    std::optional<BlowPattern> blows{}; // see world_of(); unset: as the material breaks
+        2000; // maximum number of pieces; beyond it debris is removed, first unseen, then small and old pieces
+    std::vector<Anchor> anchors{};      // fixed balls; bonded, unless breakable
+    uint64_t seed = 1;                  // seed of the cuts of blows; set by world_of()
+    std::optional<BlowPattern> blows{}; // set by world_of(); empty: as the material breaks
     std::vector<Shot> shots{};
 };
 
-// Of the mesh's foot above the ground, m.
+// Returns the height of the mesh's foot above the ground, m.
 [[nodiscard]] inline double foot_height(const WorldOptions& world) {
     return world.anchored ? 0.0 : world.height;
 }
 
-// Whether pieces that are there from the beginning hold together.
+// Returns whether the pieces of the initial fracture are bonded.
 [[nodiscard]] inline bool holds_together(const WorldOptions& world) {
     return world.bonded || world.anchored || !world.anchors.empty();
 }
 
-// Whether the mesh is not cut beforehand.
+// Returns whether the mesh starts as one piece.
 [[nodiscard]] inline bool starts_whole(const WorldOptions& world) {
     return world.breakable && !world.bonded;
 }
