@@ -1,4 +1,5 @@
-// One function a command of the `brittle` program. Each returns the exit code or throws a Failure.
+// The commands of the `brittle` program: one struct of options and one function for each. The functions return the exit
+// code or throw a Failure. command_line.h parses the options.
 #pragma once
 
 #include <cstdint>
@@ -19,31 +20,31 @@ struct FractureCommand {
     std::string report;           // empty: none
 };
 
-// The pieces of the last moment; nowhere without an output.
+// Export of the pieces at the end of a run; none without an output file.
 struct StateExport {
     ExportSettings files;
-    std::string as = "lie"; // or made: see pieces_as()
+    std::string as = "lie"; // lie or made: see pieces_as()
 };
 
 struct RenderCommand {
     FractureOptions fracture;
     ViewOptions view;
     std::string output = "frame_%04d.png"; // empty: no pictures
-    uint32_t every = 10;                   // write each so many-th frame
-    std::string video;                     // a file of all frames, by ffmpeg; empty: none
-    std::string record;                    // a replay log; empty: none
-    std::string ids;   // where each picture's piece numbers go (id_picture.h), named like output; empty: nowhere
-    std::string graph; // where the frame graph goes, as DOT; empty: nowhere
+    uint32_t every = 10;                   // interval between frames that are written
+    std::string video;                     // video file of all frames, by ffmpeg; empty: none
+    std::string record;                    // file of the replay log; empty: none
+    std::string ids;   // name, in the manner of `output`, of pictures of piece numbers (id_picture.h); empty: none
+    std::string graph; // file of the frame graph, as DOT; empty: none
     std::string classify = "cpu"; // auto, cpu or gpu
     StateExport pieces;
 };
 
 struct ReplayCommand {
     std::string log;
-    std::string pictures; // as RenderCommand::output; empty: none
+    std::string pictures; // pictures, as RenderCommand::output; empty: none
     uint32_t every = 10;
     std::string video;    // empty: none
-    uint32_t threads = 0; // of the fracture; 0: one a core
+    uint32_t threads = 0; // threads of the fracture; 0: one per core
     StateExport pieces;
     ViewOptions view;
 };
@@ -51,22 +52,22 @@ struct ReplayCommand {
 struct DemoCommand {
     FractureOptions fracture;
     ViewOptions view;
-    std::string record;            // a replay log of the last break; empty: none
-    double ui_scale = 0.0;         // of text and panels; 0: as the display wants it
+    std::string record;            // file of the replay log of the last break; empty: none
+    double ui_scale = 0.0;         // scale of text and panels; 0: as the display reports it
     std::string classify = "auto"; // auto, cpu or gpu
 };
 
 struct ProfileCommand {
     FractureOptions fracture;
     ViewOptions view;
-    ProfilePlan plan;    // --scenarios, and what of it the command line outdoes
+    ProfilePlan plan;    // --scenarios, and the options that override it
     ScenarioGroup lists; // --meshes, --counts, --classify
     bool json = false;
-    std::string output;     // where the JSON goes besides; empty: nowhere
-    std::string csv;        // likewise
-    std::string trace;      // a time line; empty: none
-    std::string compare;    // a profile to compare with; empty: none
-    double threshold = 1.1; // ratios of medians and minima above this are slower
+    std::string output;     // file of the JSON, besides standard output; empty: none
+    std::string csv;        // file of the table with one line per phase; empty: none
+    std::string trace;      // file of the time line; empty: none
+    std::string compare;    // earlier profile to compare with; empty: none
+    double threshold = 1.1; // ratio of medians and minima above which a time counts as slower
 };
 
 struct InspectCommand {
@@ -74,24 +75,24 @@ struct InspectCommand {
     bool json = false;
     std::string marks;   // GLB file; empty: none
     std::string picture; // PNG file; empty: none
-    ViewOptions view;    // of the picture
+    ViewOptions view;    // size, device and quality of the picture
 };
 
 struct RepairCommand {
     std::string mesh;
-    std::string output; // its ending says the format
+    std::string output; // file whose ending gives the format
     fracture::RepairSettings settings;
 };
 
-// Both return exit_mesh where fracture would refuse the mesh, the second for what was written.
+// Returns exit_mesh if the mesh cannot be fractured.
 int run_inspect(const InspectCommand& command);
 int run_repair(const RepairCommand& command);
 int run_fracture(const FractureCommand& command);
 int run_render(const RenderCommand& command);
-// Returns exit_differs where a state differs from the recorded one.
+// Returns exit_differs if a state differs from the recorded one.
 int run_replay(const ReplayCommand& command);
 int run_demo(const DemoCommand& command);
-// Returns exit_slower where --compare finds something slower.
+// Returns exit_slower if --compare finds a slower time.
 int run_profile(const ProfileCommand& command);
 
 } // namespace brittle::tools

@@ -1,4 +1,4 @@
-// The report of a fracture, as text for people and as JSON for machines.
+// The report of a fracture, as text for people and as JSON for programs.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace brittle::tools {
 
-// A few lines: pieces, proof, volumes, triangles, milliseconds.
+// Returns a few lines: pieces, certificate, volumes, triangles, milliseconds.
 [[nodiscard]] std::string report_text(const Input& input, const Broken& broken);
 
-// Keys: mesh, cells, pieces, islands (pieces beyond the first of their cell), closed, open_pieces, volume_input,
-// volume_sum, volume_error, smallest_piece, triangles_in, triangles_out, cap_triangles, milliseconds {phase: number,
-// ..., total}, hash (16 hexadecimal digits), recipe.
+// Returns an object with the keys mesh, cells, pieces, islands (pieces beyond the first of their cell), closed,
+// open_pieces, volume_input, volume_sum, volume_error, smallest_piece, triangles_in, triangles_out, cap_triangles,
+// milliseconds {phase: number, ..., total}, hash (16 hexadecimal digits), recipe.
 [[nodiscard]] std::string report_json(const Input& input, const Broken& broken, const std::string& recipe);
 
 } // namespace brittle::tools

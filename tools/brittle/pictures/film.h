@@ -1,5 +1,5 @@
-// Draws a stage frame by frame into numbered pictures, one picture of the end, or a video: what `brittle
-// render` and `brittle replay --render` have in common.
+// Draws a stage frame by frame into numbered pictures, one picture of the last frame, or a video. Shared by `brittle
+// render` and `brittle replay --render`.
 #pragma once
 
 #include <cstdint>
@@ -17,30 +17,30 @@ namespace brittle::tools {
 constexpr double film_frame_seconds = 1.0 / 60.0;
 
 struct FilmOptions {
-    std::string output{}; // of pictures, with %04d for the frame's number or without; empty: none
-    std::string ids{};    // of each picture's piece numbers (id_picture.h), named like output; empty: none
-    uint32_t every = 10;  // so many-th frame becomes a picture
-    std::string video{};  // a file of all frames; empty: none
+    std::string output{}; // name of the pictures, with or without %04d for the frame's number; empty: none
+    std::string ids{};    // name, in the manner of `output`, of pictures of piece numbers (id_picture.h); empty: none
+    uint32_t every = 10;  // interval between frames that become pictures
+    std::string video{};  // video file of all frames; empty: none
 };
 
-// Throws a Failure with exit_usage for what is no name of a picture.
+// Throws a Failure with exit_usage if a name of pictures is invalid.
 void check_film(const FilmOptions& options);
 
 class Film {
   public:
-    // The renderer must outlive it.
+    // The renderer must outlive the film.
     Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture, const ViewOptions& view,
          const engine::Bounds& mesh);
 
-    // Tells the stage what its pictures show, before it advances.
+    // Passes the film's camera to the stage, before the stage advances.
     void watch(Stage& stage) const;
-    // Draws what is wanted of this frame. Throws a Failure.
+    // Draws the outputs that a frame belongs to. Throws a Failure.
     void frame(Stage& stage, uint32_t number, bool last);
-    // Ends the video.
+    // Completes the video.
     void finish();
 
     [[nodiscard]] uint32_t pictures() const { return pictures_; }
-    // "12 pictures, the last fall_0110.png, and fall.mp4".
+    // Returns a text for people: "12 pictures, the last fall_0110.png, and fall.mp4".
     [[nodiscard]] std::string summary() const;
 
   private:

@@ -1,4 +1,4 @@
-// What an inspection found, to be seen: lines in a colour for each kind.
+// The faults found by an inspection as coloured lines, one colour per kind of fault.
 #pragma once
 
 #include <array>
@@ -19,10 +19,10 @@ struct Marks {
     std::vector<std::array<glm::dvec3, 2>> segments;
 };
 
-// Kinds of which there are none are left out. Edges as they are, triangles by their outlines, vertices by crosses.
+// Returns one entry per kind of fault that occurs: edges as segments, triangles as outlines, vertices as crosses.
 [[nodiscard]] std::vector<Marks> marks_of(const fracture::TriangleMesh& mesh, const fracture::Inspection& inspection);
 
-// The mesh, translucent, with the marks as thin bars, each kind in a material of its own.
+// Returns the mesh in a translucent material, with the marks as thin bars in one material per kind.
 [[nodiscard]] fracture::Model marked_model(const fracture::TriangleMesh& mesh, const std::vector<Marks>& marks);
 
 } // namespace brittle::tools

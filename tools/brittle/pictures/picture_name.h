@@ -1,4 +1,4 @@
-// File names of picture sequences, such as `fall_%04d.png`.
+// File names of sequences of pictures, e.g. `fall_%04d.png`.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,16 @@
 
 namespace brittle::tools {
 
-// True when the pattern holds exactly one `%d`, `%4d` or `%04d` (any width up to 9) and no other `%` but `%%`.
+// Returns whether the pattern holds exactly one `%d`, `%4d` or `%04d` (with any width up to 9) and no other `%` but
+// `%%`.
 [[nodiscard]] bool is_numbered(const std::string& pattern);
-// True when the pattern has no `%` but `%%`.
+// Returns whether the pattern has no `%` but `%%`.
 [[nodiscard]] bool is_plain(const std::string& pattern);
 
-// The file name of a frame; the pattern must be numbered or plain.
+// Returns the file name of a frame. The pattern must be numbered or plain.
 [[nodiscard]] std::string picture_name(const std::string& pattern, uint32_t frame);
-// The first name of a numbered pattern, up to number 999, that no file has; the last one where all are taken.
+// Returns the first name of a numbered pattern, with numbers up to 999, that no file has; the last one if all are
+// taken.
 [[nodiscard]] std::string unused_name(const std::string& pattern);
 
 } // namespace brittle::tools

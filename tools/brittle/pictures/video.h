@@ -1,12 +1,12 @@
-// A video file made by ffmpeg, which gets the frames as they are drawn. Needs the program `ffmpeg` in PATH
-// and no library.
+// A video file encoded by ffmpeg, which receives the frames as they are drawn. Needs the program `ffmpeg` in PATH and
+// no library.
 //
 //     Video video("fall.mp4", 60.0);
-//     video.add(image);            // all of one size
-//     video.finish();              // the file is there
+//     video.add(image);            // all frames have one size
+//     video.finish();              // completes the file
 //
-// Atomic: ffmpeg writes `fall.part.mp4`, which is renamed at the end; without finish() the destructor removes
-// it.
+// The file is written atomically: ffmpeg writes `fall.part.mp4`, which finish() renames. Without finish() the
+// destructor removes it.
 #pragma once
 
 #include <filesystem>
@@ -19,20 +19,20 @@ namespace brittle::tools {
 
 class Video {
   public:
-    // The file's ending says the format: mp4, mkv, webm, gif and what else ffmpeg knows.
+    // The ending of the file gives the format: mp4, mkv, webm, gif or another one that ffmpeg knows.
     Video(std::filesystem::path file, double frames_per_second);
     ~Video();
     Video(const Video&) = delete;
     Video& operator=(const Video&) = delete;
 
-    // Both throw a Failure: exit_usage where there is no ffmpeg, exit_output where it fails; its own words
-    // are on standard error by then.
+    // add() and finish() throw a Failure: exit_usage if there is no ffmpeg, exit_output if it fails. ffmpeg's own
+    // messages are on standard error by then.
     void add(const engine::Bitmap& image);
     void finish();
 
   private:
     void start(const engine::Bitmap& first);
-    // Ends the stream and returns whether ffmpeg was content.
+    // Ends the stream and returns whether ffmpeg succeeded.
     bool close();
 
     std::filesystem::path file_, part_;

@@ -1,4 +1,4 @@
-// What the commands that draw have in common: the device, the camera, the check of the validation layer.
+// Device, renderer settings, view and validation check, shared by the commands that draw.
 #pragma once
 
 #include <memory>
@@ -10,19 +10,23 @@
 
 namespace brittle::tools {
 
-// With the failures that the variable BRITTLE_FAULTS orders, for tests (engine/gpu/fault.h).
+// Opens the device of the options. For tests, the environment variable BRITTLE_FAULTS injects failures
+// (engine/gpu/fault.h). Throws a Failure.
 [[nodiscard]] std::unique_ptr<engine::Device> open_device(const ViewOptions& view);
 
-// By ViewOptions::quality: what the device is good for, or the least, or the most whatever it costs.
+// Returns the settings for ViewOptions::quality: those that the device can afford, the lowest, or the highest at any
+// cost.
 [[nodiscard]] engine::RendererSettings renderer_settings(const ViewOptions& view);
 
-// Of pictures that go to files: the same with a finer shadow map, as a file takes longer to write than that to draw.
+// Returns renderer_settings() with a finer shadow map, for pictures in files: writing a file takes longer than drawing
+// that shadow map.
 [[nodiscard]] engine::RendererSettings film_settings(const ViewOptions& view);
 
-// Around the unbroken mesh, the ground below it and some room for pieces to spread: what the camera looks at.
+// Returns the bounds that the camera looks at: the unbroken mesh, the ground below it and some room for pieces to
+// spread.
 [[nodiscard]] engine::Bounds stage_view(const engine::Bounds& mesh);
 
-// Throws a Failure when validation was asked for and had something to say; the messages are on standard error by then.
+// Throws a Failure if the validation layer was on and reported anything. Its messages are on standard error by then.
 void check_validation(const engine::Device& device);
 
 } // namespace brittle::tools

@@ -1,10 +1,10 @@
-// Two profiles side by side: did something become slower?
+// Comparison of two profiles, to find times that became slower.
 //
-// Scenarios are the same where their names are. A phase is `slower` where both its median and its minimum are more than
-// `threshold` times the old ones: slower code is slower every time, while other work on the machine spares the luckiest
-// sample. Where the median alone is, it is `noise`. `faster` is the other way round. Fewer than five samples on either
-// side tell nothing (`few`). Only the fracture's total and the frames before and after it decide; the phases say where
-// it comes from. Still, compare runs of one machine that has nothing else to do.
+// Scenarios correspond by name. A phase is `slower` if both its median and its minimum exceed `threshold` times the old
+// values: slower code is slower every time, while other load on the machine spares the best sample. If only the median
+// exceeds it, the phase is `noise`. `faster` is the converse. Fewer than five samples on either side allow no verdict
+// (`few`). Only the total of the fracture and the frames before and after it decide; the other phases show the cause.
+// Compare runs on one idle machine.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +25,7 @@ struct ComparedPhase {
     std::string phase;
     double before = 0.0; // medians, ms
     double after = 0.0;
-    double ratio = 1.0; // after / before; infinite where only `before` is zero
+    double ratio = 1.0; // after / before; infinite if only `before` is zero
     Verdict verdict = Verdict::same;
     bool decides = false;
 };
@@ -33,14 +33,15 @@ struct ComparedPhase {
 struct Comparison {
     double threshold = 1.0;
     std::vector<ComparedPhase> phases;
-    std::vector<std::string> notes; // what makes the two hard to compare, for people
-    bool slower = false;            // a phase that decides is
+    std::vector<std::string> notes; // differences that make the comparison doubtful, for people
+    bool slower = false;            // whether a phase that decides is slower
 };
 
-// A profile that was written before. Throws a Failure with exit_input that says what is wrong with the file.
+// Reads an earlier profile. Throws a Failure with exit_input that says what is wrong with the file.
 [[nodiscard]] nlohmann::ordered_json read_profile(const std::filesystem::path& file);
 
-// Both as read_profile() gives them. Throws a Failure with exit_input where they have no scenario in common.
+// Compares two profiles in the form of read_profile(). Throws a Failure with exit_input if they have no scenario in
+// common.
 [[nodiscard]] Comparison compare_profiles(const nlohmann::ordered_json& before, const nlohmann::ordered_json& after,
                                           double threshold);
 

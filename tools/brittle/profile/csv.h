@@ -7,8 +7,9 @@
 
 namespace brittle::tools {
 
-// The column names, then a line a phase: scenario,mesh,triangles,sites,pieces,classify,group,phase,min_ms,median_ms,
-// p95_ms,p99_ms,max_ms,samples. `group` is "fracture" or "frames whole" and so on.
+// Returns a line of column names and one line per phase:
+// scenario,mesh,triangles,sites,pieces,classify,group,phase,min_ms, median_ms,p95_ms,p99_ms,max_ms,samples. `group` is
+// "fracture", "frames whole" and so on.
 [[nodiscard]] std::string profile_csv(const nlohmann::ordered_json& profile);
 
 } // namespace brittle::tools

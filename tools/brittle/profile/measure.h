@@ -18,24 +18,26 @@ namespace brittle::tools {
 
 class Profiler {
   public:
-    // `trace` may be null; it and the other two must outlive the profiler.
+    // `trace` may be null. All three must outlive the profiler.
     Profiler(const ProfilePlan& plan, const ViewOptions& view, Trace* trace);
 
-    // Keys: name, mesh, vertices, triangles, sites, pieces, closed, classify ("cpu" or "gpu"), classify_why (for people),
-    // recipe; import and first (ms: reading the mesh, and
-    // the fracture before any warm-up); fracture {phase: statistics of ms, ..., rest, total, pass NAME, ...}.
-    // With frames also
+    // Measures a scenario and returns an object.
+    //
+    // Keys: name, mesh, vertices, triangles, sites, pieces, closed, classify ("cpu" or "gpu"), classify_why (for
+    // people), recipe; import and first (ms: reading the mesh, and the fracture before any warm-up); fracture {phase:
+    // statistics of ms, ..., rest, total, pass NAME, ...}. With frames also
     //   frames {whole, breaking, taking over, falling: {frame, physics, scene, draw, pass NAME, ...}}
-    //   frame_series {milliseconds [of each frame], breaking_from, fracture_frame}, the last two indices of frames: the
-    //   first beside which the mesh is being broken, as in the demo by another thread, and the one that takes its
-    //   pieces over.
+    //   frame_series {milliseconds [of each frame], breaking_from, fracture_frame}
+    // breaking_from is the index of the first frame beside which another thread breaks the mesh, as in the demo;
+    // fracture_frame is the index of the frame that takes over the pieces.
+    //
     // Throws a Failure.
     [[nodiscard]] nlohmann::ordered_json measure(const Scenario& scenario);
 
-    // {device, driver, common_clock} of the device that was used; empty where none was.
+    // Returns {device, driver, common_clock} of the device in use; empty if there is none.
     [[nodiscard]] nlohmann::ordered_json device() const;
 
-    // Throws a Failure where the validation layer had something to say.
+    // Throws a Failure if the validation layer reported anything.
     void check() const;
 
   private:
@@ -45,7 +47,7 @@ class Profiler {
     const ProfilePlan& plan_;
     const ViewOptions& view_;
     Trace* trace_;
-    // Two devices, because one thread may classify while another draws.
+    // Two devices, because one thread may classify while another one draws.
     std::unique_ptr<engine::Device> compute_device_, render_device_;
     std::unique_ptr<engine::Renderer> renderer_;
 };

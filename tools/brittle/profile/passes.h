@@ -1,4 +1,4 @@
-// Passes of the device in a profile's series and on its time line.
+// Adds the passes of a device to a series and to a time line.
 #pragma once
 
 #include <cmath>

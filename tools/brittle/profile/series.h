@@ -1,4 +1,4 @@
-// Named series of milliseconds, in the order in which the names first came up.
+// Named series of milliseconds, in the order in which the names first appeared.
 #pragma once
 
 #include <string>

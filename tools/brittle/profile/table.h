@@ -5,7 +5,7 @@
 
 namespace brittle::tools {
 
-// Each scenario's rows, and where there are several a line for each with its medians.
+// Prints the rows of each scenario and, if there are several scenarios, one line with the medians of each.
 void print_profile(const nlohmann::ordered_json& profile);
 
 } // namespace brittle::tools

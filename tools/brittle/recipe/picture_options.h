@@ -9,7 +9,7 @@ namespace brittle::tools {
 struct PictureOptions {
     uint32_t frames = 120; // number of frames of 1/60 s after the first picture
     bool whole = false;    // draw the unbroken mesh
-    // cut out only the cell of site 0, by this many of its planes, nearest first; 0: fracture the whole mesh
+    // Cut out only the cell of site 0, by this many of its planes, nearest first; 0: fracture the whole mesh.
     uint32_t planes = 0;
     float explode = 0.0f;    // draw the pieces apart, by this share of their distance from the middle
     bool sites = false;      // draw the sites as spheres

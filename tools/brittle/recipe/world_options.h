@@ -47,16 +47,16 @@ struct WorldOptions {
     bool anchored = false;    // parts that stand on the ground are fixed; bonded, unless breakable
     double height = 0.5;      // m, initial height of the mesh above the ground; ignored if anchored
     double air_density = 1.2; // kg/m^3; 0 is a vacuum, 1000 is water, but nothing floats
-    // limit on awake bodies that collide with each other; further pieces that break off are debris; 0: none
+    // Limit on awake bodies that collide with each other; further pieces that break off are debris; 0: none.
     uint32_t max_colliding = 500;
-    // strength of bonds and pieces, as a multiple of the material's; 0.075 is stone laid in weak mortar
+    // Strength of bonds and pieces, as a multiple of the material's; 0.075 is stone laid in weak mortar.
     double strength = 1.0;
     // Blows cut pieces again and again. A world that is breakable and not bonded starts whole: the pattern gives the
     // cuts of blows, and `anchored` fixes pieces that come near the ground.
     bool breakable = false;
     double min_size = 0.05;    // m, cube root of the volume of the smallest piece that a blow makes
     uint32_t blow_pieces = 48; // maximum number of pieces of one blow
-    // size and orientation of the bricks that blows take out; the bond is fitted to the mesh, and its corner is ignored
+    // Size and orientation of the bricks that blows take out. The bond is fitted to the mesh; its corner is ignored.
     physics::RunningBond bond{};
     uint32_t piece_limit =
         2000; // maximum number of pieces; beyond it debris is removed, first unseen, then small and old pieces

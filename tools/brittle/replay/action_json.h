@@ -1,5 +1,5 @@
-// Actions as JSON: an object of one key, the action's name, with its fields: {"push": {"piece": 4, ...}}.
-// assets/replay.schema.json describes them.
+// JSON of actions: an object with one key, the name of the action, whose value holds the fields: {"push": {"piece": 4,
+// ...}}. assets/replay.schema.json describes them.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@ namespace brittle::tools {
 // Adds the action to an object.
 void write_action(nlohmann::ordered_json& object, const Action& action);
 
-// The action among an object's keys, or nothing. `where` is the file for messages; all fields are required.
-// Throws a Failure that names the field, also for what fault_of() finds.
+// Returns the action among the keys of an object, or nothing. `where` is the file for messages. All fields are
+// required. Throws a Failure that names the field if a field is invalid by type or by fault_of().
 [[nodiscard]] std::optional<Action> read_action(const std::filesystem::path& where, JsonReader& reader,
                                                 size_t piece_count);
 

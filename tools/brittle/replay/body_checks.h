@@ -1,7 +1,6 @@
-// What a replay log keeps of each body after a step, to tell which one differs: sixteen bits of a hash over
-// its pose and velocities, of bodies that changed. Simulation::state_hash() says that something differs, and
-// misses nothing.
-// body_text.h says how they are written.
+// Check values of bodies in a replay log: for each body that changed in a step, sixteen bits of a hash of its pose and
+// velocities. They locate a difference that Simulation::state_hash(), which covers the whole state, has found.
+// body_text.h describes their text.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,7 @@ namespace brittle::tools {
 
 class BodyChecks {
   public:
-    // The text of the world's bodies after another step.
+    // Returns the text for the bodies of the world after the next step.
     [[nodiscard]] std::string next(const physics::World& world);
 
   private:

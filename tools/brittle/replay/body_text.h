@@ -1,7 +1,7 @@
-// The text by which a replay log tells the bodies after a step (BodyChecks), to be counted and compared.
+// The text of body checks (BodyChecks) in a replay log: functions to count and compare.
 //
-// In body order: four hexadecimal digits for a body, `(3)` for three bodies in a row that are as
-// they were after the step before.
+// In body order: four hexadecimal digits for a body, or `(3)` for three bodies in a row that did not change in the
+// step.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace brittle::tools {
 
-// How many bodies a text is about; nothing if it is no such text.
+// Returns the number of bodies in a text; nothing if the text is malformed.
 [[nodiscard]] std::optional<uint64_t> count_bodies(std::string_view text);
 
-// The first body, in order, for which the texts differ, both of as many bodies. Nothing where they agree.
+// Returns the index of the first body that differs between two texts of equally many bodies; nothing if they are equal.
 [[nodiscard]] std::optional<uint64_t> first_difference(std::string_view a, std::string_view b);
 
 } // namespace brittle::tools

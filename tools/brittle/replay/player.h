@@ -1,4 +1,4 @@
-// Repeats what a replay log tells and compares the state after each step.
+// Repeats the run of a replay log and compares the state after each step.
 //
 //     ReplayLog log = read_replay_log("run.log");
 //     Player player(log);
@@ -9,7 +9,7 @@
 //     while (!player.done()) simulation.step();
 //     if (player.difference()) ...
 //
-// It may as well be driven by Simulation::advance(), at any frame rate; steps beyond the log's are not
+// Simulation::advance() may drive the simulation instead, at any frame rate. Steps beyond the end of the log are not
 // compared.
 #pragma once
 
@@ -24,13 +24,13 @@
 namespace brittle::tools {
 
 struct Difference {
-    uint64_t step;    // the first that differs; 0 is the state before the first step
+    uint64_t step;    // first step whose state differs; 0: the state before the first step
     std::string what; // for people
 };
 
 class Player : public SimulationObserver {
   public:
-    explicit Player(const ReplayLog& log); // which must outlive it
+    explicit Player(const ReplayLog& log); // `log` must outlive the player
 
     [[nodiscard]] bool done() const { return compared_ >= log_.states.size(); }
     [[nodiscard]] const std::optional<Difference>& difference() const { return difference_; }
@@ -48,13 +48,13 @@ class Player : public SimulationObserver {
     std::optional<Difference> difference_;
 };
 
-// Before the start: what is cut anew comes as the log says.
+// Makes the simulation commit cuts at the steps of the log. Call before the start.
 void follow(const ReplayLog& log, Simulation& simulation);
-// After it: the log's actions, each at its step.
+// Schedules the actions of the log at their steps. Call after the start.
 void schedule(const ReplayLog& log, Simulation& simulation);
 
-// What differs between the build that recorded and this one, for people; empty where nothing that matters
-// does.
+// Returns the differences between the recording build and this one, for people; empty if none of them can change a
+// state.
 [[nodiscard]] std::string other_build(const ReplayLog& log);
 
 } // namespace brittle::tools

@@ -1,19 +1,19 @@
-// Writes a replay log of a simulation. The log is kept in memory and written at the end, whole or not at all:
-// about a hundred bytes a step and four for each body that moves in it.
+// Records a replay log of a simulation. The log is kept in memory (about a hundred bytes per step and four per step for
+// each moving body) and written at the end, as a whole or not at all.
 //
-//     Recorder recorder("run.log", options);      // before the pieces are there
+//     Recorder recorder("run.log", options);      // before the pieces exist
 //     simulation.observe(&recorder);
 //     simulation.start(...), apply(...), advance(...) ...
 //     recorder.finish();
 //
-// Without a file it only remembers, until save() is asked for:
+// A recorder without a file only keeps the log until save():
 //
 //     Recorder recorder(options);
 //     ...
 //     recorder.save("run.log");
 //
-// Without finish(), as when Ctrl+C or a failure throws, the destructor writes what there is and says so on
-// standard error. Each start begins a new log, so the file tells the last run.
+// Without finish(), as after Ctrl+C or an exception, the destructor writes the log so far and reports that on standard
+// error. Each start begins a new log, so the file holds the last run.
 #pragma once
 
 #include <filesystem>
@@ -27,19 +27,20 @@ namespace brittle::tools {
 
 class Recorder : public SimulationObserver {
   public:
-    // `options` is the recipe of the next start's pieces; its world is taken from the start itself.
+    // `options` is the recipe of the pieces at the next start; the world is taken from the start itself.
     Recorder(std::filesystem::path file, const FractureOptions& options);
     explicit Recorder(const FractureOptions& options) : Recorder({}, options) {} // without a file
     ~Recorder() override;
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    // Of what is started from now on.
+    // Sets the recipe for the next start.
     void use_recipe(const FractureOptions& options) { options_ = options; }
 
-    // Writes the log, atomically; nothing where nothing was started or no file was named. Throws a Failure.
+    // Writes the log atomically. No effect if no simulation was started or no file was named. Throws a Failure.
     void finish();
-    // Writes the log so far, atomically, and goes on. Throws a Failure, with exit_usage where nothing was started.
+    // Writes the log so far atomically; recording goes on. Throws a Failure, with exit_usage if no simulation was
+    // started.
     void save(const std::filesystem::path& file) const;
 
     void started(const Simulation& simulation, const fracture::Fragments& fragments,
@@ -49,14 +50,14 @@ class Recorder : public SimulationObserver {
 
   private:
     void add_state(const Simulation& simulation);
-    // The log so far as `file` is to hold it: paths in it are relative to the file's folder.
+    // Returns the log so far. Paths in it are relative to the folder of `file`.
     [[nodiscard]] std::string text(const std::filesystem::path& file, const std::string& end) const;
 
     std::filesystem::path file_;
     FractureOptions options_;
     BodyChecks checks_;
     ReplayLog header_;
-    std::string text_; // after the header; empty: nothing was started
+    std::string text_; // all lines after the header; empty: no simulation was started
     uint64_t steps_ = 0;
     bool finished_ = false;
 };

@@ -1,8 +1,8 @@
-// One mesh on a stage: whole at first, then broken into pieces that fall. Draws a Simulation: fragments become geometry,
-// and the poses of pieces that moved go straight into the renderer's instance buffer. Of what is cut anew, the new pieces
-// alone are uploaded; the thread that cut them has made them ready (PieceLook).
+// A mesh on a stage: whole at first, then broken into pieces that fall. The stage draws a Simulation: fragments become
+// geometry, and the poses of moved pieces go straight into the renderer's instance buffer. Of pieces that blows cut,
+// only the new ones are uploaded; the thread that cut them has prepared their geometry (PieceLook).
 //
-// Metres: the mesh is scaled and floats above the ground (y = 0), or stands on it (stage_placement.h).
+// Lengths are metres: the mesh is scaled and stands on the ground (y = 0) or above it (stage_placement.h).
 //
 //     Input input = placed_on_stage(load_input(options));
 //     Stage stage(renderer, input.mesh);
@@ -28,63 +28,66 @@
 
 namespace brittle::tools {
 
-// Mesh, sites and weights as placement_on_stage() wants them.
+// Returns the input with mesh, sites and weights moved by placement_on_stage().
 [[nodiscard]] Input placed_on_stage(Input input, const WorldOptions& world = {});
 
-// The unbroken mesh, ready to be drawn. On any thread. Throws a Failure.
+// Returns the unbroken mesh in the form that the renderer draws. On any thread. Throws a Failure.
 [[nodiscard]] engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh);
 
-// All that costs milliseconds of putting pieces on the stage.
+// Results of the slow part of putting pieces on the stage.
 struct PreparedPieces {
     PreparedBodies bodies;
-    engine::PieceBatch batch; // of what is not breakable
-    std::vector<float> radii; // of each piece in it around its centre of mass, m
+    engine::PieceBatch batch; // geometry of a world that is not breakable
+    std::vector<float> radii; // radius of each piece of `batch` around its centre of mass, m
 };
 
-// On any thread, for the stage's renderer and material. threads: 0 is one a core. Throws a Failure.
+// Prepares pieces for the renderer and material of a stage, on any thread. `threads` 0 is one per core. Throws a
+// Failure.
 [[nodiscard]] PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
                                             const WorldOptions& world, const std::string& material,
                                             uint32_t threads = 0);
 
 class Stage {
   public:
-    // Shows the unbroken mesh, or what was made of it, in its box. The renderer must outlive the stage.
-    // `material` is a preset's name, or empty.
+    // Shows the unbroken mesh, or a batch made from it, in its box. The renderer must outlive the stage. `material` is
+    // the name of a preset, or empty.
     Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material = {});
     Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole,
           const std::string& material = {});
 
-    // Replaces the unbroken mesh by pieces that fall from where they are.
+    // Replaces the unbroken mesh by unbonded pieces, which fall from their places.
     void shatter(const fracture::Fragments& fragments) { stand(fragments, {}); }
-    // Replaces the unbroken mesh by pieces that hold together and break as the options say, with the options' shots to
-    // come. `ahead` is of the same fragments and options.
+    // Replaces the unbroken mesh by pieces that are bonded and breakable as the options say, and schedules the options'
+    // shots. `ahead` must belong to these fragments and options.
     void stand(const fracture::Fragments& fragments, const WorldOptions& world);
     void stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead);
-    // A ball flies from there, whenever the shot is for; nothing while the mesh is whole.
+    // Shoots a ball at once, whatever the time of the shot. No effect while the mesh is whole.
     void shoot(const Shot& shot);
 
-    // Who looks at what is drawn from now on, without a shift: debris that no one sees goes first (Watch in action.h). Told to the
-    // simulation by the next advance().
+    // Sets the camera, without its shift, for the removal of unseen debris (Watch in action.h). The next advance()
+    // passes it to the simulation.
     void watch(const engine::Camera& camera, float aspect);
-    // Advances physics by a frame's time; nothing while the mesh is whole.
+    // Advances physics by the time of a frame. No effect while the mesh is whole.
     void advance(double seconds);
 
-    void
-    show_sites(std::span<const glm::dvec3> sites); // as red spheres seen through the pieces; none for an empty span
-    // Draws the pieces moved apart: away from the middle by this share of their distance to it.
+    // Draws sites as red spheres through the pieces. An empty span removes them.
+    void show_sites(std::span<const glm::dvec3> sites);
+    // Draws the pieces apart, by this share of their distance from the middle.
     void explode(float share);
-    void show_lines(std::vector<engine::LineVertex> lines) { own_lines_ = std::move(lines); } // seen through the pieces
-    void show_hulls(bool show) { hulls_ = show; } // the physics debug drawer, in red lines
+    // Drawn through the pieces.
+    void show_lines(std::vector<engine::LineVertex> lines) { own_lines_ = std::move(lines); }
+    void show_hulls(bool show) { hulls_ = show; } // collision hulls as red lines
 
-    // The scene of this moment; valid until the stage changes. The caller sets the camera.
+    // Returns the scene at this moment, without a camera; valid until the stage changes.
     [[nodiscard]] engine::Scene scene();
-    [[nodiscard]] engine::Bounds home_bounds() const { return home_; } // of the unbroken mesh, for the camera
-    // For actions and observers; start() and clear() are the stage's own.
+    [[nodiscard]] engine::Bounds home_bounds() const { return home_; } // bounds of the unbroken mesh
+    // For actions and observers. Only the stage may call start() and clear().
     [[nodiscard]] Simulation& simulation() { return simulation_; }
     [[nodiscard]] const Simulation& simulation() const { return simulation_; }
     [[nodiscard]] const physics::World& world() const { return simulation_.world(); }
     [[nodiscard]] bool broken() const { return simulation_.running(); }
-    // Nothing has moved for some steps, nothing is being cut, no bond wears and no debris is in excess: time changes nothing.
+    // Returns whether the passing of time changes nothing: no body has moved for some steps, no cut is under way, no
+    // bond wears, and no debris is beyond the limit.
     [[nodiscard]] bool still() const;
 
   private:
@@ -98,21 +101,21 @@ class Stage {
     engine::Renderer& renderer_;
     Simulation simulation_;
     engine::Bounds home_;
-    std::vector<float> radii_; // by slot, of a piece around its centre of mass
+    std::vector<float> radii_; // by slot: radius of the piece around its centre of mass
     struct Drawn {
         engine::PieceHandle handle;
         glm::vec3 tint;
     };
-    std::map<physics::PieceId, Drawn> drawn_; // of breakable things
-    bool untinted_ = false;                   // they start whole, and so as the unbroken mesh is drawn
-    size_t max_pieces_ = 0;                   // beyond it debris goes
-    uint64_t moment_ = 0;                     // of the scene: steps, and what came before them
-    uint64_t moment_before_ = 1;              // that of the start
-    uint64_t all_moved_ = 0;                  // the last moment at which every pose changed
+    std::map<physics::PieceId, Drawn> drawn_; // pieces of a breakable world
+    bool untinted_ = false;      // uncut pieces keep the look of the unbroken mesh: the world started whole
+    size_t max_pieces_ = 0;      // limit beyond which debris is removed
+    uint64_t moment_ = 0;        // number of the scene's pose state: moment_before_ + steps
+    uint64_t moment_before_ = 1; // moment at step 0 of this run
+    uint64_t all_moved_ = 0;     // last moment at which every pose changed
     std::vector<physics::DebugLine> debug_lines_;
     std::vector<engine::LineVertex> own_lines_, lines_;
-    std::vector<engine::Sphere> spheres_, shown_spheres_; // sites; with balls
-    std::optional<Watch> watch_, told_;                   // of this run
+    std::vector<engine::Sphere> spheres_, shown_spheres_; // the sites; sites and balls
+    std::optional<Watch> watch_, told_; // the view set by watch(); the view that the simulation has in this run
     float alpha_ = 1.0f;
     float explode_ = 0.0f;
     bool hulls_ = false;

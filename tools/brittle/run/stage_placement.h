@@ -1,4 +1,4 @@
-// Where a mesh comes to on the stage: scaled so that its longest side is 2 m, in the middle, above the ground or on it.
+// Placement of a mesh on the stage: scaled so that its longest side is 2 m, centred, and on the ground or above it.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -9,9 +9,9 @@
 namespace brittle::tools {
 
 struct StagePlacement {
-    glm::dvec3 foot{0.0}; // in the file: the middle of the box, at its lowest
-    double scale = 1.0;   // metres on the stage by those in the file
-    double height = 0.0;  // m, of the foot above the ground
+    glm::dvec3 foot{0.0}; // in the file's coordinates: centre of the box in X and Z, at its lowest Y
+    double scale = 1.0;   // metres on the stage per metre of the file
+    double height = 0.0;  // m, height of the foot above the ground
 
     [[nodiscard]] glm::dvec3 to_stage(const glm::dvec3& p) const {
         return (p - foot) * scale + glm::dvec3(0.0, height, 0.0);
@@ -21,7 +21,7 @@ struct StagePlacement {
     }
 };
 
-// As it is where the mesh has no extent.
+// Returns the placement for a mesh and a world; the identity if the mesh has no extent.
 [[nodiscard]] StagePlacement placement_on_stage(const fracture::TriangleMesh& mesh, const WorldOptions& world = {});
 
 } // namespace brittle::tools

@@ -1,16 +1,16 @@
-// What the studio's window edits: a recipe, every change of which is a command that can be taken back. Knows no window
-// and no device; what it holds is what `brittle fracture --recipe` does.
+// The document of the studio: a recipe with undo and redo. Each change is an edit, which is a command that can be
+// undone. Independent of window and device; the document is what `brittle fracture --recipe` reads.
 //
 //     Document document(options);
 //     const uint64_t drag = document.begin_gesture();
 //     document.apply(MoveSites{{3}, delta}, drag);      // once a frame, while the mouse moves
-//     document.undo();                                   // takes the whole drag back
+//     document.undo();                                   // undoes the whole drag
 //     write_recipe(file, document.recipe());
 //
-// Coordinates are those of the mesh's file. An edit that changes nothing leaves no trace in the history. Edits of the
-// mesh, the pattern or the sites take all strikes back: they say how the whole breaks.
+// Coordinates are those of the mesh's file. An edit without effect leaves no trace in the history. Edits of the mesh,
+// the pattern or the sites remove all strikes, because those edits decide how the whole mesh breaks.
 //
-// Not in the history: how the picture is taken (recipe().picture), which is no edit of the object.
+// The picture (recipe().picture) is not part of the history, because it is no property of the object.
 #pragma once
 
 #include <cstdint>
@@ -26,29 +26,31 @@
 namespace brittle::tools {
 
 struct SetMesh {
-    std::string mesh; // a file, or shape:NAME; sites, strikes and anchors of the mesh before go
+    std::string mesh; // a file, or shape:NAME; sites, strikes and anchors are removed
     bool repair = false;
 };
 struct SetMaterial {
-    std::string name; // of a preset, or empty; with its way to break
+    std::string name; // name of a preset, or empty; also sets the preset's fracture pattern
 };
 struct SetPattern {
-    fracture::Pattern pattern; // takes the place of sites that were placed by hand or read from a file
+    fracture::Pattern pattern; // replaces sites that were placed by hand or read from a file
 };
 struct SetWorld {
     WorldOptions world;
 };
 struct SetSites {
-    std::vector<PlacedSite> sites; // placed by hand from here on; none: the pattern again
+    std::vector<PlacedSite> sites; // sites that replace the pattern; empty: the pattern again
 };
 struct AddSite {
     glm::dvec3 at;
 };
-struct MoveSites { // indices that do not exist are skipped, here and below
+// Indices that do not exist are skipped, here and below.
+struct MoveSites {
     std::vector<uint32_t> sites;
     glm::dvec3 by; // m
 };
-struct RemoveSites { // the last one stays: nothing breaks without a site
+// The last site stays: a fracture needs one.
+struct RemoveSites {
     std::vector<uint32_t> sites;
 };
 struct SetSiteWeight {
@@ -57,15 +59,16 @@ struct SetSiteWeight {
 };
 struct SetSiteGroup {
     std::vector<uint32_t> sites;
-    uint32_t group = 0; // 0: each by itself
+    uint32_t group = 0; // 0: a piece of its own
 };
-// What was in a group is so again with its copies or images in it, and not with what they are of; here and below.
-struct DuplicateSites { // the copies come last, in the order of the list
+// Appends copies of the listed sites, in the order of the list. Copies (and images, below) of sites in one group form a
+// group of their own.
+struct DuplicateSites {
     std::vector<uint32_t> sites;
     glm::dvec3 by; // m
 };
-struct
-    MirrorSites { // adds the images of the listed sites in the plane across the axis at this place, but of those in it
+// Appends the images of the listed sites, mirrored in the plane across the axis, except for sites in the plane.
+struct MirrorSites {
     std::vector<uint32_t> sites;
     int axis = 0;       // 0, 1, 2
     double plane = 0.0; // m
@@ -80,7 +83,8 @@ struct AddStrike {
     Strike strike;
 };
 struct ClearStrikes {};
-struct SetRecipe { // as read from a file
+// Replaces the whole recipe, as after reading a file.
+struct SetRecipe {
     FractureOptions recipe;
 };
 
@@ -88,7 +92,7 @@ using Edit = std::variant<SetMesh, SetMaterial, SetPattern, SetWorld, SetSites, 
                           SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor, RemoveAnchors, AddStrike,
                           ClearStrikes, SetRecipe>;
 
-// For menus and messages, e.g. "move sites".
+// Returns the name of an edit for menus and messages, e.g. "move sites".
 [[nodiscard]] std::string_view name_of(const Edit& edit);
 
 class Document {
@@ -97,30 +101,30 @@ class Document {
 
     [[nodiscard]] const FractureOptions& recipe() const { return recipe_; }
 
-    // Edits of one gesture are taken back together, in so far as nothing came between them.
+    // Returns the number of a new gesture. Consecutive edits of one gesture are undone together.
     [[nodiscard]] uint64_t begin_gesture() { return ++gestures_; }
-    // Whether it changed anything. Throws a Failure with exit_usage for a material that does not exist, and for more than
-    // max_points sites or max_anchors (recipe.h), and leaves everything as it was. Weights and groups are brought into
-    // their limits.
+    // Applies an edit and returns whether it changed anything. Throws a Failure with exit_usage, without any change,
+    // for an unknown material, for more than max_points sites and for more than max_anchors anchors (recipe.h). Weights
+    // and groups are clamped to their limits.
     bool apply(const Edit& edit, uint64_t gesture = 0);
 
     [[nodiscard]] bool can_undo() const { return !past_.empty(); }
     [[nodiscard]] bool can_redo() const { return !future_.empty(); }
-    [[nodiscard]] std::string_view undo_name() const; // of the edit that undo() takes back; empty for none
+    [[nodiscard]] std::string_view undo_name() const; // name of the edit that undo() would undo; empty for none
     [[nodiscard]] std::string_view redo_name() const;
     bool undo();
     bool redo();
 
     PictureOptions& picture() { return recipe_.picture; }
 
-    // Changes with each edit, undo and redo: what was made for an older one is out of date.
+    // Changes with each edit, undo and redo, so that results for an older version can be recognised.
     [[nodiscard]] uint64_t version() const { return version_; }
     [[nodiscard]] bool saved() const { return version_ == saved_version_; }
     void mark_saved() { saved_version_ = version_; }
 
   private:
     struct Step {
-        FractureOptions before; // for redo: after
+        FractureOptions before; // recipe before the edit; in future_: after it
         std::string_view name;
         uint64_t gesture;
     };

@@ -1,7 +1,4 @@
-// A small dialog for a file's name, with the folder's content to choose from.
-//
-//     dialog.open("Open", folder, name, {".obj", ".json"}, false);
-//     each frame: if (auto file = dialog.draw(scale)) use(*file);
+// A small dialog for the name of a file, with a list of the folder's contents.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +10,15 @@ namespace brittle::tools {
 
 class FileDialog {
   public:
-    // Files with other endings are not listed. `saves`: the file need not exist.
+    // Opens the dialog. Files with other endings are not listed. `saves`: the file need not exist.
     void open(std::string title, const std::filesystem::path& folder, const std::string& name,
               std::vector<std::string> endings, bool saves);
     [[nodiscard]] bool is_open() const { return open_; }
     void close() { open_ = false; }
-    // As the button does. Dear ImGui 1.86 misses a key that is pressed and released between two frames.
+    // Confirms the name, as the button does: Dear ImGui 1.86 misses a key that is pressed and released between two
+    // frames.
     void confirm() { confirmed_ = open_; }
-    // The chosen file, once.
+    // Draws the dialog; returns the chosen file once.
     [[nodiscard]] std::optional<std::filesystem::path> draw(float scale);
 
   private:

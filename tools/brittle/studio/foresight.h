@@ -1,8 +1,8 @@
-// What a blow will do to what is breakable, before it happens. It does what the simulation would do, with all but the
-// moving: the same piece is hit at the same place, and cut by Destruction's own plan.
+// Prediction of a blow in a breakable world. Runs the steps of the simulation without motion: the same piece is hit at
+// the same point and cut by Destruction's own plan.
 //
-//     Foresight foresight;                                        // one thread at a time
-//     Foreseen what = foresight.of_whole(*object, recipe, version, {.at = p, .direction = d, .radius = 0.3}, cancelled);
+//     Foresight foresight;  // one thread at a time
+//     Foreseen what = foresight.of_whole(*object, recipe, version, {.at = p, .direction = d}, cancelled);
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace brittle::tools {
 
-// Of the hammer, at what is whole still. On the stage.
+// A blow of the hammer at a mesh that is still whole. Coordinates of the stage.
 struct AimedBlow {
     glm::dvec3 at{0.0};
     glm::dvec3 direction{0.0, 0.0, -1.0}; // unit
@@ -26,19 +26,19 @@ struct AimedBlow {
     friend bool operator==(const AimedBlow&, const AimedBlow&) = default;
 };
 
-// Pieces as they would be, in the coordinates of the stage at the start; those that the blow loosens by `falls`.
+// The predicted pieces, in the coordinates of the stage at the start. `falls` marks pieces that the blow detaches.
 struct Foreseen {
     fracture::Fragments fragments;
     std::vector<uint8_t> falls;
 };
 
-// Of one piece that is cut: the largest part is what stays.
+// Returns the parts of a piece under a cut. All but the largest part fall.
 [[nodiscard]] Foreseen foresee(const physics::PlannedCut& cut, const std::function<bool()>& cancelled);
 
 class Foresight {
   public:
-    // Of what the recipe makes breakable, whole or cut beforehand. Keeps the simulation that stands there: `version` tells
-    // recipes apart. Throws a Failure.
+    // Predicts a blow in the breakable world of a recipe, whole or cut beforehand. Keeps the simulation for further
+    // calls; `version` identifies the recipe. Throws a Failure.
     [[nodiscard]] Foreseen of_whole(const std::shared_ptr<const Object>& object, const FractureOptions& recipe,
                                     uint64_t version, const AimedBlow& blow, const std::function<bool()>& cancelled);
 
@@ -52,7 +52,7 @@ class Foresight {
     std::unique_ptr<Simulation> simulation_;
 };
 
-// Where an aimed blow meets a simulation that has just been started; nothing where it misses.
+// Returns the hammer action of an aimed blow in a simulation that has just started; nothing if the blow misses.
 [[nodiscard]] std::optional<Hammer> hammer_at(const Simulation& simulation, const fracture::Fragments& fragments,
                                               const AimedBlow& blow, uint32_t max_pieces);
 

@@ -1,4 +1,4 @@
-// The last few seconds of frame times, for the graph and for the figure beside it.
+// Frame times of the last few seconds, for the graph and the number beside it.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@ class FrameTimes {
     static constexpr size_t capacity = 180; // frames
 
     void add(double seconds);
-    void mark() { pending_ = true; } // the frame to be added next took a fracture over
+    void mark() { pending_ = true; } // marks the next frame as the one that took over a fracture
 
     [[nodiscard]] const std::vector<float>& milliseconds() const { return times_; } // oldest first
-    [[nodiscard]] const std::vector<size_t>& marks() const { return marks_; }       // indices into it, ascending
-    [[nodiscard]] double median() const;                                            // ms; 0 without frames
+    [[nodiscard]] const std::vector<size_t>& marks() const { return marks_; } // indices into milliseconds(), ascending
+    [[nodiscard]] double median() const;                                      // ms; 0 without frames
 
   private:
     std::vector<float> times_;

@@ -1,24 +1,18 @@
-// When the studio need not draw: nothing moves, no work is under way, and nobody has touched the window for a moment.
-//
-//     Idleness idleness;
-//     for (;;) {
-//         const Input& input = window.poll(idleness.wait());
-//         if (!idleness.draws(input.stirred || moving, typing)) continue;
-//         draw(); ...
+// Decides when the studio need not draw: nothing moves, no work is under way, and there has been no input for a moment.
 #pragma once
 
 namespace brittle::tools {
 
 class Idleness {
   public:
-    // Frames that are drawn after the last change: hints, and what a click has opened, show in the frame after it.
+    // Frames drawn after the last change, because hints and the results of a click appear one frame later.
     static constexpr int settling = 8;
-    static constexpr double pause = 0.25; // s, between looks at a window at rest
+    static constexpr double pause = 0.25; // s, interval between checks of an idle window
 
-    // For Window::poll(): how long to wait for an event.
+    // Returns the time for which Window::poll() waits for an event, s.
     [[nodiscard]] double wait() const { return left_ > 0 ? 0.0 : pause; }
-    // Whether to draw a frame now. `lively`: something changed or moves. `slow`: something changes slowly by itself, as a
-    // cursor that blinks does, or a message that will go.
+    // Returns whether to draw a frame now. `lively`: something changed or moves. `slow`: something changes slowly by
+    // itself, such as a blinking cursor or a message that will disappear.
     [[nodiscard]] bool draws(bool lively, bool slow) {
         const bool was_still = left_ == 0;
         if (lively)

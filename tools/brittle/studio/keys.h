@@ -1,4 +1,4 @@
-// The studio's keys: one table, for the window, the help sheet and the documents.
+// The table of the studio's keys, used by the window, the help sheet and the documents.
 #pragma once
 
 #include <optional>
@@ -53,7 +53,7 @@ struct KeyBinding {
     engine::Key key;
     engine::Modifiers modifiers;
     Command action;
-    const char* shown; // how people call the key
+    const char* shown; // name of the key for people
     const char* what;
 };
 

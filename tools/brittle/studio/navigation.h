@@ -10,16 +10,16 @@ namespace brittle::tools {
 
 class Navigation {
   public:
-    // As the recipe's picture has it. `aspect` of the part of the window that is free; so below.
+    // Sets the camera by the picture of a recipe. `aspect` is that of the free part of the window, here and below.
     void look_as(const PictureOptions& picture, const engine::Bounds& home, float aspect);
-    // What the recipe's picture is to say for the camera of now; where it pans to is not kept.
+    // Writes the direction and distance of the camera to the picture of a recipe. Panning is not part of a picture.
     void tell(PictureOptions& picture, const engine::Bounds& home, float aspect) const;
 
-    void frame(const engine::Bounds& bounds, float aspect); // keeps the direction
+    void frame(const engine::Bounds& bounds, float aspect); // looks at the bounds without turning
     void orbit(glm::vec2 pixels) { orbit_.rotate(pixels); }
     void pan(glm::vec2 pixels) { orbit_.pan(pixels); }
-    void zoom(float notches, const Viewport& view, glm::vec2 cursor); // what is under the cursor stays there
-    // Along the view, to the side and up, as shares of a usual speed.
+    void zoom(float notches, const Viewport& view, glm::vec2 cursor); // the point under the cursor keeps its pixel
+    // Moves along the view, to the right and up, in shares of the usual speed.
     void fly(const glm::vec3& forward_right_up, double seconds);
 
     [[nodiscard]] engine::Camera camera(glm::vec2 shift) const;

@@ -1,5 +1,5 @@
-// The mesh that the studio works on: as it is in its file, and as it stands on the stage. Immutable, so that the window
-// and its workers may share one.
+// The mesh of the studio, as in its file and as on the stage. Immutable, so that the window and its workers can share
+// it.
 #pragma once
 
 #include <memory>
@@ -20,9 +20,9 @@ struct Hit {
 
 class Object {
   public:
-    // Reads and prepares the mesh that the options name. Throws a Failure, also where it is not closed.
+    // Loads and prepares the mesh of the options. Throws a Failure, also if the mesh is not closed.
     [[nodiscard]] static std::shared_ptr<const Object> load(const FractureOptions& options);
-    // The same mesh where another world wants it.
+    // Returns the mesh at its place in another world.
     [[nodiscard]] std::shared_ptr<const Object> placed_for(const WorldOptions& world) const;
     Object(const Object&) = delete;
     Object& operator=(const Object&) = delete;
@@ -30,22 +30,24 @@ class Object {
     [[nodiscard]] const std::string& name() const { return file_.name; }
     [[nodiscard]] const Input& file() const { return file_; }                              // without sites
     [[nodiscard]] const fracture::TriangleMesh& mesh() const { return stage_.model.mesh; } // on the stage
-    [[nodiscard]] const engine::PieceBatch& batch() const { return batch_; } // the same, ready to be drawn
+    // The batch of mesh(), in the form that the renderer draws.
+    [[nodiscard]] const engine::PieceBatch& batch() const { return batch_; }
     [[nodiscard]] double import_milliseconds() const { return file_.import_milliseconds; }
 
-    // Sites for the mesh on the stage, with the arithmetic of placed_on_stage(): pieces equal those of `brittle render`.
+    // Returns sites for the mesh on the stage. Computed as by placed_on_stage(), so that the pieces equal those of
+    // `brittle render`.
     [[nodiscard]] SiteSet sites(const FractureOptions& options) const;
-    // For break_input().
+    // Returns mesh and sites on the stage, for break_input().
     [[nodiscard]] Input with_sites(const FractureOptions& options) const;
 
     [[nodiscard]] const StagePlacement& placement() const { return placement_; }
     [[nodiscard]] glm::dvec3 to_stage(const glm::dvec3& p) const { return placement_.to_stage(p); }
     [[nodiscard]] glm::dvec3 to_file(const glm::dvec3& p) const { return placement_.to_file(p); }
-    [[nodiscard]] double scale() const { return placement_.scale; } // metres on the stage by those in the file
+    [[nodiscard]] double scale() const { return placement_.scale; } // metres on the stage per metre of the file
 
-    // Where a ray first meets the surface, from outside or inside. The direction is a unit one.
+    // Returns the first intersection of a ray with the surface, from outside or inside. `direction` is a unit vector.
     [[nodiscard]] std::optional<Hit> first_hit(const glm::dvec3& from, const glm::dvec3& direction) const;
-    // Where the same ray leaves the solid again after a hit; the hit itself if it does not.
+    // Returns the point where that ray leaves the solid after a hit; the hit itself if it does not.
     [[nodiscard]] Hit exit_after(const Hit& hit, const glm::dvec3& direction) const;
 
   private:

@@ -1,9 +1,9 @@
-// What the studio shows around its scene: columns with panels left and right, a bar of tools, a line of state, the help
-// sheet. Dear ImGui and nothing else: panels read the session and answer with edits of its recipe and with actions.
+// The panels of the studio: columns left and right of the scene, the tool bar, the status line, the help sheet. They
+// use Dear ImGui only, read the session, and respond with edits of its recipe and with commands.
 //
-// Nothing covers the scene: it is drawn into the middle of what is left free. Where the window is too narrow for both
-// columns, the left one holds the panels of both; where it is too small for that, it goes, then the bar. What is higher than
-// the window has a scroll bar.
+// Panels never cover the scene, which is drawn in the middle of the free part of the window. In a window too narrow for
+// two columns the left one holds all panels; in a still smaller window the columns disappear first, then the bar. A
+// column that is higher than the window has a scroll bar.
 #pragma once
 
 #include <functional>
@@ -20,13 +20,13 @@
 namespace brittle::tools {
 
 struct Layout {
-    glm::vec2 free_min{0.0f}, free_max{0.0f}; // the scene's
-    float left = 0.0f, right = 0.0f;          // widths of the columns; 0: not there
+    glm::vec2 free_min{0.0f}, free_max{0.0f}; // free part, where the scene is drawn
+    float left = 0.0f, right = 0.0f;          // widths of the columns; 0: hidden
     float top = 0.0f, bottom = 0.0f;
 };
 [[nodiscard]] Layout layout_of(glm::vec2 window, float scale, bool panels);
 
-// What of a picture sequence is done.
+// Progress of a recorded sequence, in frames.
 struct Recording {
     uint32_t done = 0, total = 0;
 };
@@ -46,23 +46,23 @@ struct PanelState {
 class Panels {
   public:
     void draw(const PanelState& state, const Overlay& overlay);
-    // What was clicked since the last call.
+    // Returns the commands clicked since the last call.
     [[nodiscard]] std::vector<Command> take_actions() { return std::exchange(actions_, {}); }
 
-    // Columns, or the help sheet while it is open, by nearly a page: 1 down, -1 up.
+    // Scrolls the columns, or the help sheet while it is open, by nearly a page: 1 down, -1 up.
     void roll(int pages) { pages_ += pages; }
 
     bool shown = true;
     bool help = false;
-    bool hint = true; // how to break something; until the first break
+    bool hint = true; // hint on breaking the mesh, shown until the first break
     std::optional<Recording> recording;
 
-    // What the export window asks for.
+    // The choice made in the export window.
     enum class ExportKind { none, pieces, recipe, replay, screenshot, sequence };
     bool export_open = false;
     [[nodiscard]] ExportKind take_export() { return std::exchange(export_, ExportKind::none); }
     int sequence_frames = 120;
-    PiecesAs pieces_as = PiecesAs::they_lie; // of what is broken
+    PiecesAs pieces_as = PiecesAs::they_lie; // pose of exported pieces once the mesh is broken
 
   private:
     void left_column(const PanelState& state, const Layout& layout);
@@ -78,7 +78,7 @@ class Panels {
     void object_panel(const PanelState& state);
     void pattern_panel(const PanelState& state);
     void material_panel(const PanelState& state);
-    void tool_panel(const PanelState& state, float rows); // as high as so many, or higher
+    void tool_panel(const PanelState& state, float rows); // at least this many rows high
     void site_tools(const PanelState& state);
     void selected_sites(Session& session);
     void simulation_panel(const PanelState& state);
@@ -86,16 +86,16 @@ class Panels {
     void statistics_panel(const PanelState& state);
     void certificate(const PanelState& state);
 
-    // The edit of a control that is dragged is one step of the history.
+    // Applies an edit. All edits of one drag of a control are one step of the history.
     void edit(Session& session, const Edit& edit);
 
-    void roll_window() const; // the one that is being drawn
+    void roll_window() const; // scrolls the window that is being drawn
 
     std::vector<Command> actions_;
     ExportKind export_ = ExportKind::none;
     uint64_t gesture_ = 0;
-    int pages_ = 0;    // to be rolled in this frame
-    std::string told_; // the message that is shown, since when
+    int pages_ = 0;    // pages to scroll in this frame
+    std::string told_; // message on display, and the time of its first display
     double told_at_ = 0.0;
 };
 

@@ -1,9 +1,9 @@
-// Files that were opened lately: a text file, a path a line, the newest first.
+// Recently opened files, kept in a text file with one path per line, the newest first.
 //
 //     RecentFiles recent(RecentFiles::usual_place());
 //     recent.add("/meshes/bunny.obj");
 //
-// A convenience: where the file cannot be read or written, there are just no recent files.
+// If the file cannot be read or written, the list is silently empty or not saved.
 #pragma once
 
 #include <filesystem>
@@ -16,11 +16,12 @@ class RecentFiles {
   public:
     static constexpr size_t most = 12;
 
-    // $XDG_STATE_HOME/brittle/recent, or the same below ~/.local/state; empty where neither is known, which keeps none.
+    // Returns $XDG_STATE_HOME/brittle/recent, or ~/.local/state/brittle/recent; empty, which disables the list, if
+    // neither is known.
     [[nodiscard]] static std::filesystem::path usual_place();
 
     explicit RecentFiles(std::filesystem::path place);
-    // To the front, and writes the list. Shapes (shape:NAME) are left out. Relative paths become absolute.
+    // Moves a file to the front and saves the list. Shapes (shape:NAME) are skipped. Relative paths become absolute.
     void add(const std::string& file);
     [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
 

@@ -1,4 +1,4 @@
-// The window of `brittle demo`: brings session, tools, panels and camera together, once a frame.
+// The window of `brittle demo`: connects session, tools, panels and camera, once per frame.
 #pragma once
 
 #include <chrono>
@@ -23,20 +23,20 @@ namespace brittle::tools {
 
 class Studio {
   public:
-    // The renderer is attached to the window, with apply_style(scale). All outlive the studio.
+    // The renderer must be attached to the window with apply_style(scale). All arguments outlive the studio.
     Studio(engine::Window& window, engine::Device& device, engine::Renderer& renderer, Session& session, float scale);
 
-    // Until the window closes. Throws a Failure where the device fails.
+    // Runs until the window closes. Throws a Failure if the device fails.
     void run();
 
   private:
     enum class Asked { open, recipe, pieces, replay, sequence };
 
-    [[nodiscard]] bool is_lively() const; // the next frame differs, whatever the user does
+    [[nodiscard]] bool is_lively() const; // whether the next frame differs even without input
     void handle(const engine::Input& input, double seconds);
     void handle_keys(const engine::Input& input);
     void perform(Command action);
-    bool perform_view(Command action); // whether it was one of those
+    bool perform_view(Command action); // whether the command concerns the view
     void quit_or_close();
     void fly(double seconds);
     void watch();
@@ -52,7 +52,7 @@ class Studio {
     void show_title();
     [[nodiscard]] glm::vec2 window_size() const;
     [[nodiscard]] Viewport viewport() const;
-    [[nodiscard]] float aspect() const; // of what is free
+    [[nodiscard]] float aspect() const; // of the free part of the window
 
     engine::Window& window_;
     engine::Device& device_;
@@ -67,12 +67,12 @@ class Studio {
     Idleness idleness_;
     FileDialog dialog_;
     Asked asked_ = Asked::open;
-    std::string recipe_file_;      // where Ctrl+S saves; empty: asks
-    std::string sequence_;         // the video, or a pattern for names of pictures
-    std::shared_ptr<Video> video_; // in place of pictures, while it is recorded
+    std::string recipe_file_;      // file that Ctrl+S saves to; empty: opens the dialog
+    std::string sequence_;         // name of the video, or pattern for names of pictures
+    std::shared_ptr<Video> video_; // video that is being recorded; null for pictures
     glm::uvec2 recorded_size_{0};
     std::string title_;
-    const Object* seen_ = nullptr; // the object that the camera was turned to
+    const Object* seen_ = nullptr; // object that the camera was last turned to
     bool screenshot_due_ = false;
 };
 

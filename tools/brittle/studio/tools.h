@@ -1,8 +1,5 @@
-// The tools of the studio: from mouse gestures to edits of the recipe and to what happens on the stage. The left button
-// is the tool's, whichever it is; the right and the middle one and the wheel are the camera's.
-//
-//     each frame: tools.handle(input, view, mouse_is_free, session, navigation, seconds);
-//                 draw_overlay(tools.overlay(), ...)
+// The tools of the studio: translate mouse gestures to edits of the recipe and to actions on the stage. The left button
+// belongs to the selected tool; the right button, the middle button and the wheel move the camera.
 #pragma once
 
 #include <array>
@@ -23,19 +20,20 @@ enum class Tool { inspect, sites, hammer, shoot, grab, anchors };
 struct ToolInfo {
     std::string_view name;
     const char* key;
-    const char* hint; // what the left button does
+    const char* hint; // function of the left button
 };
 [[nodiscard]] const ToolInfo& info_of(Tool tool);
 inline constexpr std::array all_tools{Tool::inspect, Tool::sites, Tool::hammer, Tool::shoot, Tool::grab, Tool::anchors};
 
-// What to draw over the picture; pixels.
+// Graphics over the picture; pixels.
 struct Overlay {
     struct Circle {
         glm::vec2 centre;
         float radius;
         bool strong;
     };
-    struct Spot { // of paint
+    // A painted anchor.
+    struct Spot {
         glm::vec2 centre;
         float radius;
     };
@@ -46,12 +44,12 @@ struct Overlay {
     };
     std::vector<Circle> circles;
     std::vector<Spot> spots;
-    std::vector<Axis> axes;                         // of the move gizmo
-    std::vector<glm::vec2> idle;                    // sites that change nothing
-    std::optional<std::array<glm::vec2, 2>> string; // from what is grabbed to the cursor
+    std::vector<Axis> axes;                         // axes of the move gizmo
+    std::vector<glm::vec2> idle;                    // sites without effect
+    std::optional<std::array<glm::vec2, 2>> string; // from the grabbed point to the cursor
 };
 
-// A mesh or a recipe that was dropped on the window is opened; of several the last.
+// Opens a mesh or a recipe that was dropped on the window; the last one of several.
 void open_dropped(const engine::Input& input, Session& session);
 
 class Tools {
@@ -62,14 +60,15 @@ class Tools {
     // `free`: the mouse is over the scene and not over a panel.
     void handle(const engine::Input& input, const Viewport& view, bool free, Session& session, Navigation& navigation);
     [[nodiscard]] Overlay overlay(const Viewport& view, const Session& session) const;
-    [[nodiscard]] bool right_held() const { return right_; }                // for flying
-    [[nodiscard]] bool holds() const { return left_ || right_ || middle_; } // some button that went down over the scene
+    [[nodiscard]] bool right_held() const { return right_; } // for flying
+    // Whether a button that went down over the scene is held.
+    [[nodiscard]] bool holds() const { return left_ || right_ || middle_; }
 
-    // Of the selected sites; nothing without a selection.
+    // Act on the selected sites.
     void remove_selected(Session& session) const;
     void duplicate_selected(Session& session) const;
-    void mirror_selected(Session& session,
-                         int axis) const; // in the middle of the mesh; all sites where none is selected
+    // Mirrors in the middle of the mesh; all sites if none is selected.
+    void mirror_selected(Session& session, int axis) const;
 
   private:
     enum class Drag { none, orbit, site, axis, grab, paint, rub_out };
@@ -93,9 +92,9 @@ class Tools {
     glm::vec2 cursor_{0.0f}, pressed_at_{0.0f}, painted_to_{0.0f};
     uint64_t gesture_ = 0;
     int axis_ = 0;
-    glm::dvec3 dragged_{0.0}; // where the drag was last, on the stage
+    glm::dvec3 dragged_{0.0}; // last position of the drag, on the stage
     std::optional<uint32_t> hovered_;
-    std::optional<glm::vec3> aimed_; // where the hammer would hit, or the brush
+    std::optional<glm::vec3> aimed_; // point that the hammer or the brush would hit
     glm::vec3 target_{0.0f};
 };
 

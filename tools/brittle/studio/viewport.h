@@ -1,4 +1,5 @@
-// The part of the window that shows the scene: from the cursor to rays, from places to pixels. Pixels from the top left.
+// The part of the window that shows the scene: converts pixels to rays and points to pixels. Pixels count from the top
+// left.
 #pragma once
 
 #include <optional>
@@ -17,15 +18,15 @@ struct Ray {
 
 class Viewport {
   public:
-    // Of the window, and what of it no panel covers.
+    // `window` is the size of the window; `free_min` and `free_max` bound the part without panels.
     Viewport(const engine::Camera& camera, glm::vec2 window, glm::vec2 free_min, glm::vec2 free_max);
 
     [[nodiscard]] Ray ray(glm::vec2 pixel) const;
-    [[nodiscard]] std::optional<glm::vec2> pixel(const glm::vec3& point) const; // nothing for what is behind the eye
+    [[nodiscard]] std::optional<glm::vec2> pixel(const glm::vec3& point) const; // nothing for a point behind the eye
     [[nodiscard]] float pixels_a_metre(const glm::vec3& at) const;
     [[nodiscard]] bool is_free(glm::vec2 pixel) const;
     [[nodiscard]] const engine::Camera& camera() const { return camera_; }
-    // The camera of a picture that shows the free part and no more, where shift() puts its middle.
+    // Returns the camera of a picture of the free part alone, whose centre is where shift() puts it.
     [[nodiscard]] engine::Camera free_camera() const;
     [[nodiscard]] float free_aspect() const;
     [[nodiscard]] glm::vec2 window() const { return window_; }
@@ -33,7 +34,7 @@ class Viewport {
     [[nodiscard]] glm::vec2 free_max() const { return free_max_; }
     [[nodiscard]] glm::vec3 forward() const; // unit
 
-    // How far from the middle of the window the middle of the free part is, as Camera::shift wants it.
+    // Returns the offset of the free part's centre from the window's, in the units of Camera::shift.
     [[nodiscard]] static glm::vec2 shift(glm::vec2 window, glm::vec2 free_min, glm::vec2 free_max);
 
   private:

@@ -1,9 +1,9 @@
-// A thread for work that the window must not wait for. One task runs at a time; one more may wait, and the newest takes
-// its place: for previews, of which only the last counts.
+// A thread for work that must not block the window. One task runs at a time and one more may wait; a newer task
+// replaces the waiting one, as previews need only the last request.
 //
 //     worker.run([=](const Worker::Cancelled& cancelled) { result = slow(cancelled); });
 //
-// A task hands its result over by its own means (under a mutex) and must not throw. The destructor cancels and waits.
+// A task passes on its result by its own means (under a mutex) and must not throw. The destructor cancels and waits.
 #pragma once
 
 #include <atomic>
@@ -25,8 +25,8 @@ class Worker {
     Worker& operator=(const Worker&) = delete;
 
     void run(Task task);
-    void cancel();                                    // what runs is asked to end, what waits is dropped
-    [[nodiscard]] bool busy() const { return busy_; } // something runs or waits
+    void cancel();                                    // asks the running task to end and drops the waiting one
+    [[nodiscard]] bool busy() const { return busy_; } // whether a task runs or waits
 
   private:
     void work();
@@ -38,7 +38,7 @@ class Worker {
     std::atomic<bool> cancelled_ = false;
     bool running_ = false;
     bool ending_ = false;
-    std::thread thread_; // last: starts when all else is there
+    std::thread thread_; // last: starts when all other members exist
 };
 
 } // namespace brittle::tools
