@@ -108,13 +108,13 @@ TEST_CASE("session: a dropped file takes the scene's place, a bad one leaves it 
     const Object* before = &session.object();
     for (const std::string& file : {open, noise, (folder.path / "missing.obj").string()}) {
         CAPTURE(file);
-        session.say({});
+        session.activity().say({});
         engine::Input input;
         input.dropped = {file};
         open_dropped(input, session);
-        CHECK_FALSE(session.message().fault); // on a worker; what it found comes with an update
-        REQUIRE(room.soon([&] { return session.message().fault; }));
-        CHECK(session.message().text.find(fs::path(file).stem().string()) != std::string::npos);
+        CHECK_FALSE(session.activity().message().fault); // on a worker; what it found comes with an update
+        REQUIRE(room.soon([&] { return session.activity().message().fault; }));
+        CHECK(session.activity().message().text.find(fs::path(file).stem().string()) != std::string::npos);
         CHECK(&session.object() == before);
         CHECK(session.recipe().mesh == "shape:cube");
         CHECK_FALSE(session.document().can_undo());
@@ -124,7 +124,7 @@ TEST_CASE("session: a dropped file takes the scene's place, a bad one leaves it 
     open_dropped(input, session);
     REQUIRE(room.soon([&] { return session.object().name() == "good"; }));
     CHECK(session.recipe().mesh == good);
-    CHECK_FALSE(session.message().fault);
+    CHECK_FALSE(session.activity().message().fault);
     room.break_it();
     session.undo(); // the mesh before
     REQUIRE(room.soon([&] { return session.object().name() == "cube"; }));
@@ -139,12 +139,13 @@ TEST_CASE("session: work that takes long can be cancelled, and what comes after 
     recipe.algorithm = fracture::Algorithm::sequential;
     session.edit(SetRecipe{recipe});
     session.break_all();
-    REQUIRE(room.soon([&] { return session.work() && session.work()->share > 0.0; })); // it has begun
-    session.cancel();
-    REQUIRE(room.soon([&] { return !session.work() && !session.message().text.empty(); }));
+    REQUIRE(
+        room.soon([&] { return session.activity().work() && session.activity().work()->share > 0.0; })); // it has begun
+    session.activity().cancel();
+    REQUIRE(room.soon([&] { return !session.activity().work() && !session.activity().message().text.empty(); }));
     CHECK_FALSE(session.broken());
-    CHECK_FALSE(session.message().fault);
-    CHECK(session.message().text == "cancelled");
+    CHECK_FALSE(session.activity().message().fault);
+    CHECK(session.activity().message().text == "cancelled");
     fracture::Pattern few = session.recipe().pattern;
     few.count = 4;
     session.edit(SetPattern{few});
@@ -212,9 +213,9 @@ TEST_CASE("session: quiet is when the next frame would be the same") {
     session.reset();
     session.picture().cells = true;
     session.update(frame);
-    CHECK((!session.quiet() || session.preview_pieces() > 0)); // a preview is on its way
+    CHECK((!session.quiet() || session.preview().pieces() > 0)); // a preview is on its way
     REQUIRE(room.soon([&] { return session.quiet(); }));
-    CHECK(session.preview_pieces() > 0);
+    CHECK(session.preview().pieces() > 0);
 }
 
 TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and are those that change nothing") {
@@ -229,17 +230,18 @@ TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and 
                                         middle + glm::dvec3(0.0, 9.0 * side, 0.0),
                                         middle + glm::dvec3(-0.2 * side, 0.1 * side, 0.0)};
     session.edit(SetSites{placed_sites({sites, {}, {}})});
-    CHECK(session.idle_sites().empty()); // not known
-    session.preview_wanted = true;
-    REQUIRE(room.soon([&] { return session.preview_pieces() > 0; }));
-    CHECK(std::vector<uint32_t>(session.idle_sites().begin(), session.idle_sites().end()) == std::vector<uint32_t>{2});
-    const auto with = volumes_of(session.preview()->fragments);
+    CHECK(session.preview().idle_sites().empty()); // not known
+    session.preview().wanted = true;
+    REQUIRE(room.soon([&] { return session.preview().pieces() > 0; }));
+    CHECK(std::vector<uint32_t>(session.preview().idle_sites().begin(), session.preview().idle_sites().end())
+          == std::vector<uint32_t>{2});
+    const auto with = volumes_of(session.preview().current()->fragments);
     CHECK(with.size() == 3);
-    const auto key = session.preview()->key;
+    const auto key = session.preview().current()->key;
     session.edit(RemoveSites{{2}});
-    REQUIRE(room.soon([&] { return session.preview() && session.preview()->key != key; }));
-    CHECK(session.idle_sites().empty());
-    CHECK(volumes_of(session.preview()->fragments) == with);
+    REQUIRE(room.soon([&] { return session.preview().current() && session.preview().current()->key != key; }));
+    CHECK(session.preview().idle_sites().empty());
+    CHECK(volumes_of(session.preview().current()->fragments) == with);
 }
 
 TEST_CASE("session: bricks and graded cells whose sites are taken by hand break as before") {
@@ -258,18 +260,18 @@ TEST_CASE("session: bricks and graded cells whose sites are taken by hand break 
         session.edit(SetPattern{pattern});
         const FractureOptions before = session.recipe();
         session.take_sites(session.begin_gesture());
-        REQUIRE(session.recipe().points.size() == session.sites().size());
+        REQUIRE(session.recipe().points.size() == session.sites().on_stage().size());
         CHECK(hash_of(session.recipe()) == hash_of(before));
     }
     // A brick is two cells of one group.
     session.edit(SetPattern{bricks});
-    session.selection = {0};
-    const std::vector<uint32_t> pair = session.fellows_of_selected();
+    session.sites().selection = {0};
+    const std::vector<uint32_t> pair = session.sites().fellows_of_selected();
     REQUIRE(pair.size() == 2);
     CHECK(pair[0] == 0);
-    CHECK(session.selected_sites()[0].group > 0);
-    session.selection.clear();
-    CHECK(session.fellows_of_selected().empty());
+    CHECK(session.sites().selected()[0].group > 0);
+    session.sites().selection.clear();
+    CHECK(session.sites().fellows_of_selected().empty());
 }
 
 TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh after it as before") {
@@ -279,20 +281,20 @@ TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh afte
     const engine::Bitmap before = room.picture();
     CHECK(room.renderer->stats().pieces == 1);
     session.picture().cells = true;
-    REQUIRE(room.soon([&] { return session.preview_pieces() > 0; }));
+    REQUIRE(room.soon([&] { return session.preview().pieces() > 0; }));
     const engine::Bitmap cells = room.picture();
-    CHECK(room.renderer->stats().pieces == session.preview_pieces());
+    CHECK(room.renderer->stats().pieces == session.preview().pieces());
     CHECK(cells.pixels != before.pixels);
     fracture::Pattern more = session.recipe().pattern;
     more.count = 40;
     session.edit(SetPattern{more});
-    const uint32_t few = session.preview_pieces();
-    REQUIRE(room.soon([&] { return session.preview_pieces() > few; }));
+    const uint32_t few = session.preview().pieces();
+    REQUIRE(room.soon([&] { return session.preview().pieces() > few; }));
     (void)room.picture();
-    CHECK(room.renderer->stats().pieces == session.preview_pieces()); // the older ones are gone
+    CHECK(room.renderer->stats().pieces == session.preview().pieces()); // the older ones are gone
     session.picture().cells = false;
     session.update(frame);
-    CHECK(session.preview_pieces() == 0);
+    CHECK(session.preview().pieces() == 0);
     CHECK(room.picture().pixels == before.pixels);
     CHECK(room.renderer->stats().pieces == 1);
 }
@@ -303,20 +305,20 @@ TEST_CASE("session: a replay log is there once something broke, and not before")
     if (!room.device) return;
     Session& session = *room.session;
     const fs::path file = folder.path / "run.log";
-    session.save_replay(file);
-    CHECK(session.message().fault);
+    session.files().save_replay(file);
+    CHECK(session.activity().message().fault);
     CHECK_FALSE(fs::exists(file));
     room.break_it();
     for (int k = 0; k < 5; ++k) session.update(frame);
-    session.save_replay(file);
-    CHECK_FALSE(session.message().fault);
+    session.files().save_replay(file);
+    CHECK_FALSE(session.activity().message().fault);
     const auto size = fs::file_size(file);
     CHECK(size > 500);
     for (int k = 0; k < 5; ++k) session.update(frame);
-    session.save_replay(file); // it went on
+    session.files().save_replay(file); // it went on
     CHECK(fs::file_size(file) > size);
-    session.save_replay(folder.path / "none" / "run.log");
-    CHECK(session.message().fault);
+    session.files().save_replay(folder.path / "none" / "run.log");
+    CHECK(session.activity().message().fault);
 }
 
 TEST_CASE("session: the log says where someone looks at what is breakable, again when that changes, and replays") {
@@ -347,7 +349,7 @@ TEST_CASE("session: the log says where someone looks at what is breakable, again
     frames(10);
     session.picture().explode = 1.0f;
     frames(10);
-    session.save_replay(folder.path / "run.log");
+    session.files().save_replay(folder.path / "run.log");
     const ReplayLog log = read_replay_log(folder.path / "run.log");
     std::vector<Watch> told;
     for (const auto& [step, action] : log.actions)
@@ -383,7 +385,7 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
     world.breakable = world.anchored = true;
     session.edit(SetWorld{world});
     session.tools.hammer_radius = 0.3f;
-    REQUIRE(room.soon([&] { return !session.work(); }));
+    REQUIRE(room.soon([&] { return !session.activity().work(); }));
     const auto undo_name = std::string(session.document().undo_name());
     const glm::dvec3 middle(session.stage().home_bounds().centre());
     const std::vector<std::pair<glm::dvec3, glm::dvec3>> rays{{middle + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0}},
@@ -392,13 +394,14 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
     for (const auto& [from, direction] : rays) {
         const auto hit = session.object().first_hit(from, direction);
         REQUIRE(hit);
-        session.aim(hit->point, direction);
-        REQUIRE(room.soon([&] { return session.preview() && session.preview()->ghost; }));
-        const auto volumes_ahead = volumes_of(session.preview()->fragments);
-        const auto falls = std::count(session.preview()->stays.begin(), session.preview()->stays.end(), 0);
+        session.preview().aim(hit->point, direction);
+        REQUIRE(room.soon([&] { return session.preview().current() && session.preview().current()->ghost; }));
+        const auto volumes_ahead = volumes_of(session.preview().current()->fragments);
+        const auto falls =
+            std::count(session.preview().current()->stays.begin(), session.preview().current()->stays.end(), 0);
         REQUIRE(volumes_ahead.size() > 4);
         CHECK(falls == static_cast<std::ptrdiff_t>(volumes_ahead.size()) - 1);
-        for (const engine::LineVertex& v : session.preview()->cracks)
+        for (const engine::LineVertex& v : session.preview().current()->cracks)
             CHECK(glm::distance(glm::dvec3(v.position), hit->point) < 1.2); // radii: 4
         (void)room.picture();
         CHECK(room.renderer->stats().pieces == volumes_ahead.size());
@@ -419,16 +422,16 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
 
         // A second blow, at a piece where it lies.
         (void)room.picture(); // where it is drawn
-        const glm::dvec3 largest(session.piece_bounds(largest_of(session)).centre());
-        const auto piece = session.first_piece(largest + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
+        const glm::dvec3 largest(session.pieces().bounds(largest_of(session))->centre());
+        const auto piece = session.pieces().first(largest + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
         REQUIRE(piece);
-        session.aim(*piece, direction);
-        const bool foreseen =
-            room.soon([&] { return session.preview() && session.preview()->piece == piece->piece; }, 300);
+        session.preview().aim(*piece, direction);
+        const bool foreseen = room.soon(
+            [&] { return session.preview().current() && session.preview().current()->piece == piece->piece; }, 300);
         if (foreseen) {
-            const auto part = volumes_of(session.preview()->fragments);
+            const auto part = volumes_of(session.preview().current()->fragments);
             std::multiset<double> expected = volumes_of(session);
-            expected.erase(expected.find(session.piece_volume(piece->piece)));
+            expected.erase(expected.find(session.pieces().volume(piece->piece)));
             expected.insert(part.begin(), part.end());
             const size_t before = session.counts()->pieces;
             session.strike(*piece, direction);
@@ -442,7 +445,7 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
             ++blows;
         }
         session.playback.paused = false;
-        session.aim_nowhere();
+        session.preview().aim_nowhere();
         session.reset();
         CHECK_FALSE(session.broken());
         session.update(frame);
@@ -485,7 +488,7 @@ TEST_CASE("session: a ball cuts what is breakable where it hits, undo takes a ch
     session.redo();
     CHECK_FALSE(session.broken());
     CHECK(session.recipe().world.breakable);
-    CHECK(session.first_piece(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0})
+    CHECK(session.pieces().first(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0})
           == std::nullopt); // nothing but the mesh
 }
 
@@ -495,10 +498,10 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     if (!room.device) return;
     Session& session = *room.session;
     const auto exported = [&](const fs::path& name, PiecesAs as) {
-        session.say({});
-        session.export_pieces(folder.path / name, as);
-        REQUIRE(room.soon([&] { return !session.work() && !session.message().text.empty(); }));
-        CHECK_MESSAGE(!session.message().fault, session.message().text);
+        session.activity().say({});
+        session.files().export_pieces(folder.path / name, as);
+        REQUIRE(room.soon([&] { return !session.activity().work() && !session.activity().message().text.empty(); }));
+        CHECK_MESSAGE(!session.activity().message().fault, session.activity().message().text);
         return read_text(folder.path / name);
     };
     const auto recipe_pieces = [&] {
@@ -510,7 +513,7 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     };
     // What the log of this moment gives without a window.
     const auto replayed = [&](PiecesAs as, const std::string& ending) {
-        session.save_replay(folder.path / "run.log");
+        session.files().save_replay(folder.path / "run.log");
         const ReplayLog log = read_replay_log(folder.path / "run.log");
         const Input source = load_input(log.recipe, true);
         const auto fragments = std::make_shared<const fracture::Fragments>(
@@ -540,7 +543,7 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     WorldOptions world;
     world.breakable = world.anchored = true;
     session.edit(SetWorld{world});
-    REQUIRE(room.soon([&] { return !session.work(); }));
+    REQUIRE(room.soon([&] { return !session.activity().work(); }));
     const glm::dvec3 middle = 0.5 * glm::dvec3(session.stage().home_bounds().min + session.stage().home_bounds().max);
     const auto hit = session.object().first_hit(middle + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
     REQUIRE(hit);
@@ -563,16 +566,16 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     CHECK(exported("fallen_made.ply", PiecesAs::made) == read_text(folder.path / "line.ply"));
 
     // Called off, or where nothing can be written: no file, and it says so.
-    session.say({});
-    session.export_pieces(folder.path / "none" / "a.glb", PiecesAs::they_lie);
-    REQUIRE(room.soon([&] { return session.message().fault; }));
-    session.say({});
-    session.export_pieces(folder.path / "called_off.glb", PiecesAs::they_lie);
-    session.cancel();
-    REQUIRE(room.soon([&] { return !session.work(); }));
+    session.activity().say({});
+    session.files().export_pieces(folder.path / "none" / "a.glb", PiecesAs::they_lie);
+    REQUIRE(room.soon([&] { return session.activity().message().fault; }));
+    session.activity().say({});
+    session.files().export_pieces(folder.path / "called_off.glb", PiecesAs::they_lie);
+    session.activity().cancel();
+    REQUIRE(room.soon([&] { return !session.activity().work(); }));
     session.update(frame); // what it has to say
-    CHECK_FALSE(session.message().fault);
-    const bool done = session.message().text.find("called_off") != std::string::npos; // it was faster
+    CHECK_FALSE(session.activity().message().fault);
+    const bool done = session.activity().message().text.find("called_off") != std::string::npos; // it was faster
     CHECK(fs::exists(folder.path / "called_off.glb") == done);
     for (const auto& entry : fs::directory_iterator(folder.path)) CHECK(entry.path().extension() != ".tmp");
 }
@@ -677,7 +680,7 @@ TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out wit
     const size_t before = anchors.size();
     stroke({400.0f, 250.0f}, {400.0f, 350.0f}, false); // broken: no paint, but a word why
     CHECK(anchors.size() == before);
-    CHECK_FALSE(session.message().text.empty());
+    CHECK_FALSE(session.activity().message().text.empty());
     session.undo(); // makes it whole again
     CHECK_FALSE(session.broken());
 }

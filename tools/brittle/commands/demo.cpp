@@ -27,9 +27,9 @@ int run_demo(const DemoCommand& command) {
         const float scale = command.ui_scale > 0.0 ? static_cast<float>(command.ui_scale) : window->content_scale();
         must(renderer->attach(*window, [scale] { apply_style(scale); }));
         Session session(command.fracture, object, *renderer, choice.classifier.get());
-        if (!command.record.empty()) session.record(command.record);
+        if (!command.record.empty()) session.files().record(command.record);
         Studio(*window, *device, *renderer, session, scale).run();
-        session.finish_recording();
+        session.files().finish_recording();
     }
     check_validation(*device);
     return exit_success;

@@ -243,12 +243,13 @@ void Panels::state_line(const PanelState& state, const Layout& layout) {
 }
 
 void Panels::message(const PanelState& state, const Layout& layout) {
-    const Message& message = state.session.message();
+    const Message& message = state.session.activity().message();
     if (message.text != told_) {
         told_ = message.text;
         told_at_ = ImGui::GetTime();
     }
-    if (!told_.empty() && !message.fault && ImGui::GetTime() - told_at_ > message_seconds) state.session.say({});
+    if (!told_.empty() && !message.fault && ImGui::GetTime() - told_at_ > message_seconds)
+        state.session.activity().say({});
     const bool hints = hint && state.tools.tool() == Tool::inspect && !state.session.broken() && message.text.empty()
                        && layout.top > 0.0f;
     if (message.text.empty() && !hints) return;
@@ -269,20 +270,20 @@ void Panels::message(const PanelState& state, const Layout& layout) {
         bool close = false;
         if (!mend.empty()) {
             if (ImGui::Button("Mend and open")) {
-                state.session.say({});
-                state.session.open(mend, true);
+                state.session.activity().say({});
+                state.session.files().open(mend, true);
             }
             ImGui::SameLine();
         }
         if (ImGui::Button("Close")) close = true;
-        if (close) state.session.say({});
+        if (close) state.session.activity().say({});
     }
     ImGui::End();
     ImGui::PopStyleVar();
 }
 
 void Panels::progress(const PanelState& state, const Layout& layout) {
-    const auto work = state.session.work();
+    const auto work = state.session.activity().work();
     if (!work && !recording) return;
     const float middle = 0.5f * (layout.free_min.x + layout.free_max.x);
     ImGui::SetNextWindowPos({middle, layout.free_min.y + 12.0f * state.scale}, ImGuiCond_Always, {0.5f, 0.0f});
@@ -295,7 +296,7 @@ void Panels::progress(const PanelState& state, const Layout& layout) {
     ImGui::TextUnformatted(recording ? "writing pictures" : work->what.c_str());
     ImGui::ProgressBar(std::max(share, 0.0f), {220.0f * state.scale, 0.0f}, share < 0.0f ? "..." : nullptr);
     ImGui::SameLine();
-    if (ImGui::Button("Cancel")) recording ? recording.reset() : state.session.cancel();
+    if (ImGui::Button("Cancel")) recording ? recording.reset() : state.session.activity().cancel();
     ImGui::End();
     ImGui::PopStyleVar();
 }
@@ -341,10 +342,10 @@ void Panels::piece_options(Session& session) {
     as("as made", "Where they were cut: together they make up the mesh", PiecesAs::made);
     ImGui::EndDisabled();
     control("Hulls", "GLB: collision hulls, named so that the engine finds them");
-    const std::string& now = session.exports.hulls;
+    const std::string& now = session.files().exports.hulls;
     if (ImGui::BeginCombo("##Hulls", now.empty() ? "none" : now.c_str())) {
         for (const char* name : {"", "godot", "unreal"})
-            if (ImGui::Selectable(*name ? name : "none", now == name)) session.exports.hulls = name;
+            if (ImGui::Selectable(*name ? name : "none", now == name)) session.files().exports.hulls = name;
         ImGui::EndCombo();
     }
     ImGui::Separator();

@@ -122,12 +122,12 @@ void Panels::object_panel(const PanelState& state) {
         if (!state.recent.files().empty()) ImGui::TextDisabled("recent files");
         for (const std::string& file : state.recent.files()) {
             if (ImGui::Selectable((std::filesystem::path(file).filename().string() + "##" + file).c_str()))
-                session.open(file);
+                session.files().open(file);
             tip(file.c_str());
         }
         ImGui::TextDisabled("built-in shapes");
         for (const std::string_view name : fracture::shape_names())
-            if (ImGui::Selectable(std::string(name).c_str())) session.open("shape:" + std::string(name));
+            if (ImGui::Selectable(std::string(name).c_str())) session.files().open("shape:" + std::string(name));
         ImGui::EndCombo();
     }
     const glm::dvec3 size = fracture::bounds(object.file().model.mesh).size();
@@ -157,7 +157,7 @@ void Panels::pattern_panel(const PanelState& state) {
     Session& session = state.session;
     Pattern pattern = session.recipe().pattern;
     if (!session.recipe().points.empty()) {
-        value("By hand", "%zu sites", session.sites().size());
+        value("By hand", "%zu sites", session.sites().on_stage().size());
         if (wide_button("Back to the pattern",
                         "Forgets the sites that were placed by hand; so does every control below"))
             edit(session, SetSites{});

@@ -20,17 +20,17 @@ namespace {
 constexpr float max_weight_shown = 1.0f; // m^2, on the stage, where the mesh is 2 m long
 
 void selected_piece(const Session& session) {
-    if (!session.piece || !session.contains(*session.piece) || !session.counts()) {
+    if (!session.piece || !session.pieces().contains(*session.piece) || !session.counts()) {
         explain(session.broken() ? "Click a piece to see its volume."
                                  : "Drag turns the view. Once it is broken, click a piece to see its volume.");
         return;
     }
-    const double scale = session.object().scale(), volume = session.piece_volume(*session.piece);
+    const double scale = session.object().scale(), volume = session.pieces().volume(*session.piece);
     const double all = session.counts()->certificate.volume_sum;
     value("Piece", "number %u", *session.piece);
     value("Volume", "%.3g m\xc2\xb3", volume / (scale * scale * scale));
     value("Share", "%.2g %% of the whole", all > 0.0 ? 100.0 * volume / all : 0.0);
-    value("Triangles", grouped(session.piece_triangles(*session.piece)).c_str());
+    value("Triangles", grouped(session.pieces().triangles(*session.piece)).c_str());
 }
 
 // The number of pieces is the hammer's, or where things are breakable a limit of the world: the material says the rest.
@@ -107,9 +107,9 @@ void Panels::tool_panel(const PanelState& state, float rows) {
 
 void Panels::site_tools(const PanelState& state) {
     Session& session = state.session;
-    value("Sites", "%zu, %zu selected", session.sites().size(), session.selection.size());
+    value("Sites", "%zu, %zu selected", session.sites().on_stage().size(), session.sites().selection.size());
     tip("Click one to select it, Ctrl + click selects more");
-    ImGui::BeginDisabled(session.selection.empty() || session.broken());
+    ImGui::BeginDisabled(session.sites().selection.empty() || session.broken());
     if (wide_button("Delete", "The selected sites (Del)", 1.0f / 2.0f)) actions_.push_back(Command::remove);
     ImGui::SameLine();
     if (wide_button("Duplicate", "The selected sites, a little beside (Ctrl+D)"))
@@ -126,7 +126,7 @@ void Panels::site_tools(const PanelState& state) {
     }
     ImGui::EndDisabled();
     selected_sites(session);
-    const size_t idle = session.idle_sites().size();
+    const size_t idle = session.preview().idle_sites().size();
     const std::string count = std::to_string(idle) + (idle == 1 ? " crossed site is" : " crossed sites are");
     if (idle > 0) explain((count + " nearest to nothing of the mesh: no piece, no cut.").c_str());
 }
@@ -134,7 +134,7 @@ void Panels::site_tools(const PanelState& state) {
 // Weight and group, of all that are selected: what the first one has is shown, unless they differ.
 void Panels::selected_sites(Session& session) {
     const double scale = session.object().scale();
-    const std::vector<PlacedSite> sites = session.selected_sites();
+    const std::vector<PlacedSite> sites = session.sites().selected();
     const PlacedSite first = sites.empty() ? PlacedSite{} : sites.front();
     const auto alike = [&](auto member) {
         return std::ranges::all_of(sites, [&](const PlacedSite& s) { return s.*member == first.*member; });
@@ -150,7 +150,7 @@ void Panels::selected_sites(Session& session) {
     ImGui::SetNextItemWidth(half);
     if (slider("##weight", weight, -max_weight_shown, max_weight_shown,
                alike(&PlacedSite::weight) ? "weight %.2f" : "weights differ"))
-        change(SetSiteWeight{session.selection, double{weight} / (scale * scale)});
+        change(SetSiteWeight{session.sites().selection, double{weight} / (scale * scale)});
     tip("How far the cells of the selected sites reach, against their neighbours': m\xc2\xb2 on the stage, where the "
         "mesh is 2 m long (drag, or Ctrl + click to type)");
     ImGui::SameLine(0.0f, gap);
@@ -159,7 +159,7 @@ void Panels::selected_sites(Session& session) {
     constexpr float slow = 0.1f; // numbers a pixel
     const char* format = !alike(&PlacedSite::group) ? "groups differ" : group > 0 ? "group %d" : "no group";
     if (ImGui::DragInt("##group", &group, slow, 0, static_cast<int>(max_group), format, ImGuiSliderFlags_AlwaysClamp))
-        change(SetSiteGroup{session.selection, static_cast<uint32_t>(group)});
+        change(SetSiteGroup{session.sites().selection, static_cast<uint32_t>(group)});
     tip("Cells of one number are one piece; 0: each is a piece by itself (drag, or Ctrl + click to type)");
     ImGui::EndDisabled();
 }

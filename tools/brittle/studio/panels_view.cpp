@@ -115,9 +115,9 @@ void Panels::view_panel(const PanelState& state) {
 void Panels::certificate(const PanelState& state) {
     const auto& counts = state.session.counts();
     if (!counts) {
-        if (state.session.preview_pieces() > 0) {
-            value("Preview", "%u pieces", state.session.preview_pieces());
-            value("Fracture", "%.1f ms", state.session.preview()->milliseconds);
+        if (state.session.preview().pieces() > 0) {
+            value("Preview", "%u pieces", state.session.preview().pieces());
+            value("Fracture", "%.1f ms", state.session.preview().current()->milliseconds);
         }
         return;
     }

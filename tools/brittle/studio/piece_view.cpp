@@ -60,7 +60,14 @@ float PieceView::radius(uint32_t piece) const {
     return own ? own->radius : radii[piece];
 }
 
-// In the piece's frame: around its centre of mass.
+std::optional<engine::Bounds> PieceView::bounds(uint32_t piece) const {
+    const std::optional<engine::BodyPose> at = pose(piece);
+    if (!at) return std::nullopt;
+    const glm::vec3 r(radius(piece));
+    return engine::Bounds{at->position - r, at->position + r};
+}
+
+// The ray is in the piece's frame, whose origin is the centre of mass.
 std::optional<double> PieceView::distance_to(uint32_t piece, const glm::dvec3& from,
                                              const glm::dvec3& direction) const {
     if (const physics::SolidPiece* own = solid(piece)) {

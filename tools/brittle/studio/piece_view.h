@@ -41,6 +41,8 @@ struct PieceView {
     [[nodiscard]] double volume(uint32_t piece) const; // m^3
     [[nodiscard]] size_t triangles(uint32_t piece) const;
     [[nodiscard]] float radius(uint32_t piece) const; // m, around the centre of mass
+    // The box around the ball of that radius, as drawn; nothing for a piece that is too new to have been drawn.
+    [[nodiscard]] std::optional<engine::Bounds> bounds(uint32_t piece) const;
 
     // Returns the nearest piece along a ray. `direction` is a unit vector.
     [[nodiscard]] std::optional<PieceHit> first(const glm::dvec3& from, const glm::dvec3& direction) const;

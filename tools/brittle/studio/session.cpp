@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -17,6 +16,8 @@ namespace {
 constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
 constexpr double physics_step = 1.0 / 120.0; // s, of World
+constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
+constexpr float far_away = 12.0f;  // m from the middle, where the stage's shadow ends
 
 bool same_sites(const FractureOptions& a, const FractureOptions& b) {
     const auto how = [](const FractureOptions& options) {
@@ -33,7 +34,7 @@ bool same_sites(const FractureOptions& a, const FractureOptions& b) {
     return how(a) == how(b);
 }
 
-// From grey, idle, through yellow to red, about to break.
+// The colour of a bond by its load: grey without load, through yellow, to red at the limit.
 uint32_t bond_colour(double load) {
     const double up = std::min(1.0, 2.0 * load), down = std::max(0.0, 2.0 * load - 1.0);
     return engine::srgb8(static_cast<uint32_t>(100 + 150 * up), static_cast<uint32_t>(122 + 78 * up - 160 * down),
@@ -51,18 +52,16 @@ Session::Session(FractureOptions recipe, std::shared_ptr<const Object> object, e
     : document_(std::move(recipe)), object_(std::move(object)), renderer_(renderer), classifier_(classifier) {
     recorder_.emplace(document_.recipe());
     make_stage();
-    find_sites();
+    sites_.generate(document_.recipe(), *object_);
 }
 
 Session::~Session() {
-    worker_.cancel();
+    activity_.cancel();
 }
 
+// Forgets the selected piece and all previews.
 void Session::leave_piece() {
-    shown_.reset();
-    asked_.reset();
-    cracks_ahead_.reset();
-    asked_ahead_.reset();
+    preview_.forget();
     piece.reset();
 }
 
@@ -71,7 +70,7 @@ void Session::make_stage() {
     stage_->simulation().commit_as(physics::Timing::when_ready);
     stage_->simulation().observe(&*recorder_);
     ++stages_;
-    shot_.reset(); // what waits for the pieces of another stage
+    shot_.reset(); // these two wait for the pieces of another stage
     blow_.reset();
     leave_piece();
 }
@@ -101,9 +100,9 @@ void Session::redo() {
 void Session::follow(const FractureOptions& before) {
     const FractureOptions& now = recipe();
     if (now.mesh != before.mesh || now.repair != before.repair) {
-        start("reading " + now.mesh, [this, now](const Worker::Cancelled&) {
+        activity_.start("reading " + now.mesh, [this, now](const Worker::Cancelled&) {
             auto object = Object::load(now);
-            post([this, object, mesh = now.mesh] {
+            activity_.post([this, object, mesh = now.mesh] {
                 if (recipe().mesh == mesh) adopt(object);
             });
         });
@@ -113,64 +112,37 @@ void Session::follow(const FractureOptions& before) {
     const bool sites = !same_sites(now, before), strikes = !same_strikes(now, before);
     const bool anchors = now.world.anchors != before.world.anchors;
     if (placed) object_ = object_->placed_for(now.world);
-    if (placed || now.material != before.material || ((sites || strikes || anchors) && (broken() || worker_.busy())))
+    if (placed || now.material != before.material || ((sites || strikes || anchors) && (broken() || activity_.busy())))
         make_stage();
     if (placed || sites || strikes) {
         try {
-            find_sites();
+            sites_.generate(now, *object_);
             if (!sites && !placed) return;
-            message_ = {};
+            activity_.say({});
         } catch (const Failure& failure) {
             report(failure);
         }
-        std::erase_if(selection, [this](uint32_t s) { return s >= sites_.size(); });
+        std::erase_if(sites_.selection, [this](uint32_t s) { return s >= sites_.on_stage().size(); });
     }
 }
 
 void Session::adopt(std::shared_ptr<const Object> object) {
     object_ = std::move(object);
-    selection.clear();
+    sites_.selection.clear();
     counts_.reset();
-    message_ = {};
+    activity_.say({});
     make_stage();
     try {
-        find_sites();
+        sites_.generate(recipe(), *object_);
     } catch (const Failure& failure) {
         report(failure);
     }
-    if (opened) opened(recipe().mesh);
+    if (files_.opened) files_.opened(recipe().mesh);
 }
 
 void Session::take_sites(uint64_t gesture) {
     if (!recipe().points.empty()) return;
-    edit(SetSites{placed_}, gesture);
-}
-
-// Where no strike is. Throws a Failure, and has none then.
-void Session::find_sites() {
-    placed_.clear();
-    sites_.clear();
-    FractureOptions whole = recipe();
-    whole.strikes.clear();
-    placed_ = placed_sites(sites_for(whole, object_->file().model.mesh));
-    for (const PlacedSite& site : placed_) sites_.push_back(object_->to_stage(site.at));
-}
-
-std::vector<PlacedSite> Session::selected_sites() const {
-    std::vector<PlacedSite> sites;
-    for (const uint32_t s : selection)
-        if (s < placed_.size()) sites.push_back(placed_[s]);
-    return sites;
-}
-
-std::vector<uint32_t> Session::fellows_of_selected() const {
-    std::set<uint32_t> groups;
-    for (const PlacedSite& site : selected_sites()) groups.insert(site.group);
-    groups.erase(0);
-    std::vector<uint32_t> fellows;
-    for (uint32_t s = 0; s < placed_.size(); ++s)
-        if (groups.contains(placed_[s].group)) fellows.push_back(s);
-    return fellows;
+    edit(SetSites{sites_.placed()}, gesture);
 }
 
 Anchor Session::anchor_at(const glm::dvec3& on_stage) const {
@@ -181,13 +153,28 @@ glm::dvec3 Session::on_stage(const Anchor& anchor) const {
     return anchor.at + glm::dvec3(0.0, foot_height(recipe().world), 0.0);
 }
 
-// --- what happens on the stage ---
+// --- the stage ---
+
+PieceView Session::pieces() const {
+    static const fracture::Fragments none;
+    return {stage_->simulation(), broken() ? *fragments_ : none, radii_, poses_};
+}
+
+engine::Bounds Session::all_bounds() const {
+    const PieceView all = pieces();
+    engine::Bounds joined{glm::vec3(far_away), glm::vec3(-far_away)};
+    for (const uint32_t number : all.numbers()) {
+        const engine::Bounds bounds = all.bounds(number).value_or(stage_->home_bounds());
+        if (glm::length(bounds.centre()) < far_away) joined = engine::join(joined, bounds);
+    }
+    return joined.min.x <= joined.max.x ? joined : stage_->home_bounds();
+}
 
 void Session::break_all() {
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
-    if (broken() || worker_.busy()) return;
+    if (broken() || activity_.busy()) return;
     WorldOptions world = recipe().world;
-    if (starts_whole(world)) { // all of it falls apart, from where it stands
+    if (starts_whole(world)) { // cut the whole mesh at its place and let the pieces fall
         world.height = foot_height(world);
         world.breakable = world.anchored = false;
         world.anchors.clear();
@@ -196,12 +183,12 @@ void Session::break_all() {
 }
 
 void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
-    if (worker_.busy()) return;
+    if (activity_.busy()) return;
     WorldOptions world = recipe().world;
     if (world.breakable) {
-        blow_ = blow_at(at, direction);
+        blow_ = blow_at(tools, at, direction);
     } else {
-        edit(AddStrike{strike_at(at, direction)});
+        edit(AddStrike{strike_at(tools, *object_, at, direction)});
         world.bonded = holds_together(world);
     }
     start_breaking(world);
@@ -212,7 +199,7 @@ void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
         Simulation& simulation = stage_->simulation();
         simulation.apply(
             hammer_blow(simulation, hit, direction, double{tools.hammer_radius}, recipe().world.blow_pieces));
-    } else { // where the place was when all was whole
+    } else { // at the place of the point in the whole mesh
         strike(glm::dvec3(hit.grip) + fragments_->pieces[hit.piece].mass.centre_of_mass, direction);
     }
 }
@@ -224,7 +211,7 @@ void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
                        .radius = tools.ball_radius});
         return;
     }
-    if (worker_.busy()) return;
+    if (activity_.busy()) return;
     shot_ = {from, direction};
     WorldOptions world = recipe().world;
     world.bonded = world.bonded || !world.breakable;
@@ -244,25 +231,25 @@ void Session::let_go() {
 }
 
 void Session::reset() {
-    worker_.cancel();
+    activity_.cancel();
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     counts_.reset();
-    message_ = {};
+    activity_.say({});
     make_stage();
 }
 
 void Session::start_breaking(const WorldOptions& world) {
     FractureOptions options = recipe();
     options.world = world;
-    start("breaking " + object_->name(), [this, object = object_, options,
-                                          stage = stages_](const Worker::Cancelled& cancelled) {
+    activity_.start("breaking " + object_->name(), [this, object = object_, options,
+                                                    stage = stages_](const Worker::Cancelled& cancelled) {
         const WorldOptions stands = world_of(options);
         const Input input = object->with_sites(options);
         auto made = std::make_shared<Broken>(break_input(
-            input, options, [this](double share) { work_share_ = share; }, classifier_, cancelled));
+            input, options, [this](double share) { activity_.set_share(share); }, classifier_, cancelled));
         auto ahead =
             std::make_shared<PreparedPieces>(prepare_pieces(renderer_, made->fragments, stands, options.material));
-        post([this, made, ahead, stands, stage] {
+        activity_.post([this, made, ahead, stands, stage] {
             if (stages_ == stage) take_pieces(std::move(*made), std::move(*ahead), stands);
         });
     });
@@ -286,7 +273,7 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
     for (size_t k = 0; k < poses_.size(); ++k)
         poses_[k].position = glm::vec3(fragments_->pieces[k].mass.centre_of_mass);
     fractured_ = true;
-    message_ = {};
+    activity_.say({});
     if (const auto shot = std::exchange(shot_, std::nullopt)) shoot((*shot)[0], (*shot)[1]);
     if (const auto at = std::exchange(blow_, std::nullopt))
         if (const auto hammer = hammer_at(stage_->simulation(), *fragments_, *at, recipe().world.blow_pieces))
@@ -298,55 +285,20 @@ void Session::step_once() {
     single_step_ = true;
 }
 
-// --- work that takes long ---
-
-void Session::start(const std::string& what, Worker::Task task) {
-    work_name_ = what;
-    work_share_ = -1.0;
-    worker_.run([this, task = std::move(task)](const Worker::Cancelled& cancelled) {
-        try {
-            task(cancelled);
-        } catch (const Failure& failure) {
-            post([this, failure] { report(failure); });
-        } catch (const std::bad_alloc&) {
-            post([this] { say({"out of memory: use a smaller mesh or fewer sites", true}); });
-        }
-    });
-}
-
-void Session::post(std::function<void()> completion) {
-    const std::scoped_lock lock(mutex_);
-    completions_.push_back(std::move(completion));
-}
-
 void Session::report(const Failure& failure, const std::string& mend) {
     shot_.reset();
     if (failure.code() == exit_environment) throw failure; // the device is gone
     if (failure.code() == exit_interrupted)
-        say({"cancelled"});
+        activity_.say({"cancelled"});
     else
-        say({failure.what(), true, mend});
-}
-
-std::optional<Session::Work> Session::work() const {
-    if (!worker_.busy()) return std::nullopt;
-    return Work{work_name_, work_share_};
-}
-
-void Session::cancel() {
-    worker_.cancel();
+        activity_.say({failure.what(), true, mend});
 }
 
 // --- each frame ---
 
 void Session::update(double seconds) {
-    std::vector<std::function<void()>> completions;
-    {
-        const std::scoped_lock lock(mutex_);
-        completions.swap(completions_);
-    }
-    for (const auto& completion : completions) completion();
-    update_preview();
+    activity_.deliver();
+    preview_.update();
     if (!broken()) return;
     if (std::exchange(single_step_, false)) {
         stage_->advance(physics_step);
@@ -356,7 +308,7 @@ void Session::update(double seconds) {
     if (counts_) counts_->awake = stage_->world().awake_count();
     if (const physics::Destruction* destruction = stage_->simulation().destruction(); destruction && counts_)
         counts_->pieces = static_cast<uint32_t>(destruction->pieces().size());
-    if (piece && !contains(*piece)) piece.reset(); // it was cut
+    if (piece && !pieces().contains(*piece)) piece.reset(); // it was cut
 }
 
 void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {
@@ -378,21 +330,21 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     const PictureOptions& view = recipe().picture;
     stage_->show_hulls(view.hulls);
     stage_->explode(view.explode);
-    const bool aimed = aimed_strike_ || aimed_blow_;
-    const bool marks_sites = !broken() && (view.sites || preview_wanted) && !aimed && recipe().strikes.empty();
-    stage_->show_sites(marks_sites || (broken() && view.sites) ? std::span(sites_) : std::span<const glm::dvec3>());
+    const bool marks_sites =
+        !broken() && (view.sites || preview_.wanted) && !preview_.aims_at_whole() && recipe().strikes.empty();
+    stage_->show_sites(marks_sites || (broken() && view.sites) ? std::span(sites_.on_stage())
+                                                               : std::span<const glm::dvec3>());
     lines_.clear();
     if (broken() && bonds) add_bond_lines(lines_);
-    if (shown_ && !shown_->ghost && view.cells) lines_ = shown_->cells;
-    if (shown_) lines_.insert(lines_.end(), shown_->cracks.begin(), shown_->cracks.end());
-    add_cracks_ahead(lines_);
+    const Cracked* shown = preview_.shown();
+    if (shown && !shown->ghost && view.cells) lines_ = shown->cells;
+    if (shown) lines_.insert(lines_.end(), shown->cracks.begin(), shown->cracks.end());
+    preview_.add_cracks_ahead(lines_);
     stage_->show_lines(lines_);
     engine::Scene scene = stage_->scene();
-    // Only a part broke: the rest is to look as before.
+    // Only a part broke: the rest keeps its look.
     if (broken() && !recipe().strikes.empty()) scene.look.tint = std::min(scene.look.tint, tint_of_the_struck);
-    if (shown_) {
-        scene.look.tint = preview_tint;
-    }
+    if (shown) scene.look.tint = preview_tint;
     if (broken() && scene.write_poses) {
         if (const physics::Destruction* destruction = stage_->simulation().destruction())
             poses_.resize(destruction->slot_count());
@@ -405,10 +357,20 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     return scene;
 }
 
+// Bonds are visible through pieces. Cracks lie on pieces. Of hulls only the front is visible: all of them would be a
+// tangle.
+void Session::place_lines(engine::Scene& scene) {
+    const bool hulls_alone = broken() && recipe().picture.hulls && !bonds;
+    if (preview_.current() || hulls_alone) scene.lines_on_top = false;
+    if (!hulls_alone) return;
+    lines_.assign(scene.lines.begin(), scene.lines.end());
+    for (engine::LineVertex& v : lines_) v.position += hull_lift * (scene.camera.eye - v.position);
+    scene.lines = lines_;
+}
+
 bool Session::quiet() const {
-    if (worker_.busy() || preview_.busy() || single_step_) return false;
-    const std::scoped_lock lock(mutex_);
-    return completions_.empty() && (playback.paused || stage_->still());
+    if (!activity_.idle() || preview_.busy() || single_step_) return false;
+    return playback.paused || stage_->still();
 }
 
 bool Session::take_fracture_mark() {

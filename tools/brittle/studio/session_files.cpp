@@ -1,9 +1,9 @@
-// What the session reads and writes: meshes, recipes, pieces, logs, videos.
+#include "tools/brittle/studio/session_files.h"
+
 #include <utility>
 
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/state_export.h"
 #include "tools/brittle/studio/session.h"
 
 namespace brittle::tools {
@@ -16,15 +16,15 @@ bool same_mesh(const Input& a, const Input& b) {
 
 } // namespace
 
-void Session::open(const std::string& path, bool repair) {
-    FractureOptions options = recipe();
+void SessionFiles::open(const std::string& path, bool repair) {
+    FractureOptions options = session_.recipe();
     if (!path.ends_with(".json")) {
         options.mesh = path;
         options.repair = repair;
         options.points.clear();
         options.strikes.clear();
     }
-    start("opening " + path, [this, path, options, repair](const Worker::Cancelled&) mutable {
+    session_.activity_.start("opening " + path, [this, path, options, repair](const Worker::Cancelled&) mutable {
         try {
             const bool is_recipe = path.ends_with(".json");
             if (is_recipe) {
@@ -34,88 +34,90 @@ void Session::open(const std::string& path, bool repair) {
                 read_recipe(path, options);
             }
             auto object = Object::load(options);
-            post([this, path, options, object, is_recipe, repair] {
-                is_recipe ? document_.apply(SetRecipe{options}) : document_.apply(SetMesh{path, repair});
-                adopt(object);
+            session_.activity_.post([this, path, options, object, is_recipe, repair] {
+                is_recipe ? session_.document_.apply(SetRecipe{options})
+                          : session_.document_.apply(SetMesh{path, repair});
+                session_.adopt(object);
                 if (is_recipe) {
-                    document_.mark_saved();
+                    session_.document_.mark_saved();
                     if (opened) opened(path);
                 }
             });
         } catch (const Failure& failure) {
             const bool mendable = std::string(failure.what()).find("--repair") != std::string::npos;
-            post([this, failure, mend = mendable ? path : std::string()] { report(failure, mend); });
+            session_.activity_.post(
+                [this, failure, mend = mendable ? path : std::string()] { session_.report(failure, mend); });
         }
     });
 }
 
-void Session::save_recipe(const std::filesystem::path& file) {
+void SessionFiles::save_recipe(const std::filesystem::path& file) {
     try {
-        write_recipe(file, recipe());
-        document_.mark_saved();
-        say({"saved " + file.string()});
+        write_recipe(file, session_.recipe());
+        session_.document_.mark_saved();
+        session_.activity_.say({"saved " + file.string()});
         if (opened) opened(file.string());
     } catch (const Failure& failure) {
-        report(failure);
+        session_.report(failure);
     }
 }
 
-// Cut anew, or as they lie: what the simulation holds. Else the recipe's pieces, as `brittle fracture` writes them.
-void Session::export_pieces(const std::filesystem::path& file, PiecesAs as) {
-    FractureOptions options = recipe();
+void SessionFiles::export_pieces(const std::filesystem::path& file, PiecesAs as) {
+    FractureOptions options = session_.recipe();
     options.save_recipe.clear();
     ExportSettings settings = exports;
     settings.output = file.string();
     std::shared_ptr<const Snapshot> state;
-    if (broken() && (stage_->simulation().destruction() || as == PiecesAs::they_lie)) {
-        options.world = world_;
-        state = std::make_shared<const Snapshot>(snapshot(stage_->simulation(), fragments_));
-    } else if (broken()) {
-        options.world.breakable = false; // it was cut beforehand
+    if (session_.broken() && (session_.stage_->simulation().destruction() || as == PiecesAs::they_lie)) {
+        options.world = session_.world_;
+        state = std::make_shared<const Snapshot>(snapshot(session_.stage_->simulation(), session_.fragments_));
+    } else if (session_.broken()) {
+        options.world.breakable = false; // the pieces are those of the first fracture
     }
-    start("writing " + file.string(),
-          [this, settings, as, options, state, object = object_](const Worker::Cancelled& cancelled) {
-              const Input source = load_input(options, true);
-              size_t pieces = 0;
-              std::vector<std::filesystem::path> files;
-              if (state) {
-                  if (!same_mesh(source, object->file()))
-                      throw Failure(exit_mesh, source.name + " has changed since it was opened: open it again");
-                  pieces = state->pieces.size();
-                  files = write_state(settings, as, options, source, *state, cancelled);
-              } else {
-                  const Broken made = break_input(
-                      source, options, [this](double share) { work_share_ = share; }, nullptr, cancelled);
-                  pieces = made.fragments.pieces.size();
-                  files = write_pieces(settings, options, source, made);
-              }
-              post([this, text = written_text(pieces, files)] { say({text}); });
-          });
+    session_.activity_.start(
+        "writing " + file.string(),
+        [this, settings, as, options, state, object = session_.object_](const Worker::Cancelled& cancelled) {
+            const Input source = load_input(options, true);
+            size_t pieces = 0;
+            std::vector<std::filesystem::path> files;
+            if (state) {
+                if (!same_mesh(source, object->file()))
+                    throw Failure(exit_mesh, source.name + " has changed since it was opened: open it again");
+                pieces = state->pieces.size();
+                files = write_state(settings, as, options, source, *state, cancelled);
+            } else {
+                const Broken made = break_input(
+                    source, options, [this](double share) { session_.activity_.set_share(share); }, nullptr, cancelled);
+                pieces = made.fragments.pieces.size();
+                files = write_pieces(settings, options, source, made);
+            }
+            session_.activity_.post([this, text = written_text(pieces, files)] { session_.activity_.say({text}); });
+        });
 }
 
-void Session::save_replay(const std::filesystem::path& file) {
+void SessionFiles::save_replay(const std::filesystem::path& file) {
     try {
-        recorder_->save(file);
-        say({"saved " + file.string() + "; `brittle replay` repeats it"});
+        session_.recorder_->save(file);
+        session_.activity_.say({"saved " + file.string() + "; `brittle replay` repeats it"});
     } catch (const Failure& failure) {
-        report(failure);
+        session_.report(failure);
     }
 }
 
-void Session::finish_video(std::shared_ptr<Video> video, const std::string& file) {
-    start("encoding " + file, [this, video = std::move(video), file](const Worker::Cancelled&) {
+void SessionFiles::finish_video(std::shared_ptr<Video> video, const std::string& file) {
+    session_.activity_.start("encoding " + file, [this, video = std::move(video), file](const Worker::Cancelled&) {
         video->finish();
-        post([this, file] { say({"wrote " + file}); });
+        session_.activity_.post([this, file] { session_.activity_.say({"wrote " + file}); });
     });
 }
 
-void Session::record(const std::filesystem::path& file) {
-    recorder_.emplace(file, recipe());
-    stage_->simulation().observe(&*recorder_);
+void SessionFiles::record(const std::filesystem::path& file) {
+    session_.recorder_.emplace(file, session_.recipe());
+    session_.stage_->simulation().observe(&*session_.recorder_);
 }
 
-void Session::finish_recording() {
-    recorder_->finish();
+void SessionFiles::finish_recording() {
+    session_.recorder_->finish();
 }
 
 } // namespace brittle::tools

@@ -45,7 +45,7 @@ Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer&
                float scale)
     : window_(window), device_(device), renderer_(renderer), session_(session), scale_(scale),
       recent_(RecentFiles::usual_place()), recipe_file_(session.recipe().save_recipe) {
-    session_.opened = [this](const std::string& file) {
+    session_.files().opened = [this](const std::string& file) {
         recent_.add(file);
         if (file.ends_with(".json")) recipe_file_ = file;
     };
@@ -75,7 +75,7 @@ void Studio::run() {
     while (!window_.should_close()) {
         throw_if_interrupted();
         const engine::Input& input = window_.poll(idleness_.wait());
-        const bool slow = ImGui::GetIO().WantTextInput || !session_.message().text.empty();
+        const bool slow = ImGui::GetIO().WantTextInput || !session_.activity().message().text.empty();
         if (!idleness_.draws(input.stirred || is_lively(), slow)) {
             last = Clock::now(); // the pause is nobody's frame
             continue;
@@ -154,6 +154,13 @@ void Studio::watch() {
         session_.watch(view.free_camera(), view.free_aspect());
 }
 
+// Points the camera at the selected piece, or at everything.
+void Studio::frame_selected() {
+    std::optional<engine::Bounds> bounds;
+    if (session_.piece && session_.broken()) bounds = session_.pieces().bounds(*session_.piece);
+    navigation_.frame(bounds.value_or(session_.all_bounds()), aspect());
+}
+
 bool Studio::perform_view(Command action) {
     PictureOptions& view = session_.picture();
     switch (action) {
@@ -186,9 +193,7 @@ bool Studio::perform_view(Command action) {
         screenshot_due_ = true;
         return true;
     case Command::frame:
-        navigation_.frame(session_.piece && session_.broken() ? session_.piece_bounds(*session_.piece)
-                                                              : session_.all_bounds(),
-                          aspect());
+        frame_selected();
         return true;
     default:
         return false;
@@ -330,22 +335,22 @@ void Studio::ask(Asked what) {
 void Studio::answer_recipe(const std::string& file) {
     navigation_.tell(session_.picture(), session_.stage().home_bounds(), aspect());
     recipe_file_ = file;
-    session_.save_recipe(file);
+    session_.files().save_recipe(file);
 }
 
 void Studio::answer(const std::filesystem::path& file) {
     switch (asked_) {
     case Asked::open:
-        session_.open(file.string());
+        session_.files().open(file.string());
         break;
     case Asked::recipe:
         answer_recipe(file.extension() == ".json" ? file.string() : file.string() + ".json");
         break;
     case Asked::pieces:
-        session_.export_pieces(file, session_.broken() ? panels_.pieces_as : PiecesAs::made);
+        session_.files().export_pieces(file, session_.broken() ? panels_.pieces_as : PiecesAs::made);
         break;
     case Asked::replay:
-        session_.save_replay(file);
+        session_.files().save_replay(file);
         break;
     case Asked::sequence:
         begin_recording(file.string());
@@ -360,16 +365,16 @@ void Studio::screenshot(const engine::Scene& scene) {
     const auto image = renderer_.render(unshifted(scene), size);
     const auto written = image ? engine::write_png(*image, file) : engine::Result<void>(image.error());
     if (written)
-        session_.say({"wrote " + file});
+        session_.activity().say({"wrote " + file});
     else
-        session_.say({written.error().message, true});
+        session_.activity().say({written.error().message, true});
 }
 
 void Studio::begin_recording(const std::string& file) {
     const std::string ending = std::filesystem::path(file).extension().string();
     const bool video = std::find(video_endings.begin(), video_endings.end(), ending) != video_endings.end();
     if (!video && !is_numbered(file)) {
-        session_.say(
+        session_.activity().say(
             {"'" + file + "' needs %04d where the frame's number is to go, or the ending of a video, such as .mp4",
              true});
         return;
@@ -391,7 +396,7 @@ void Studio::record(const engine::Scene& scene) {
     } catch (const Failure& failure) {
         if (failure.code() == exit_environment) throw;
         panels_.recording.reset();
-        session_.say({failure.what(), true});
+        session_.activity().say({failure.what(), true});
         return;
     }
     if (++recording.done == recording.total) end_recording();
@@ -400,9 +405,9 @@ void Studio::record(const engine::Scene& scene) {
 void Studio::end_recording() {
     const Recording recorded = *std::exchange(panels_.recording, std::nullopt);
     if (video_)
-        session_.finish_video(std::exchange(video_, nullptr), sequence_);
+        session_.files().finish_video(std::exchange(video_, nullptr), sequence_);
     else
-        session_.say(
+        session_.activity().say(
             {std::to_string(recorded.total) + " pictures, the last " + picture_name(sequence_, recorded.total - 1)});
 }
 

@@ -38,6 +38,7 @@ class Studio {
     void perform(Command action);
     bool perform_view(Command action); // whether the command concerns the view
     void quit_or_close();
+    void frame_selected();
     void fly(double seconds);
     void watch();
     void draw(const Viewport& view);

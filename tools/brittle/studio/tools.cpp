@@ -63,15 +63,15 @@ const ToolInfo& info_of(Tool tool) {
 }
 
 void open_dropped(const engine::Input& input, Session& session) {
-    if (!input.dropped.empty()) session.open(input.dropped.back());
+    if (!input.dropped.empty()) session.files().open(input.dropped.back());
 }
 
 void Tools::choose(Tool tool, Session& session) {
     if (std::exchange(drag_, Drag::none) == Drag::grab) session.let_go();
     tool_ = tool;
     hovered_.reset();
-    session.aim_nowhere();
-    session.preview_wanted = tool == Tool::sites;
+    session.preview().aim_nowhere();
+    session.preview().wanted = tool == Tool::sites;
 }
 
 void Tools::handle(const engine::Input& input, const Viewport& view, bool free, Session& session,
@@ -134,7 +134,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
         break;
     case Tool::hammer:
         if (session.broken()) {
-            if (const auto hit = session.first_piece(ray.from, ray.direction)) session.strike(*hit, ray.direction);
+            if (const auto hit = session.pieces().first(ray.from, ray.direction)) session.strike(*hit, ray.direction);
         } else if (const auto hit = session.object().first_hit(ray.from, ray.direction)) {
             session.strike(hit->point, ray.direction);
         }
@@ -143,12 +143,12 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
         session.shoot(glm::vec3(ray.from), glm::vec3(ray.direction));
         break;
     case Tool::grab:
-        if (const auto hit = session.first_piece(ray.from, ray.direction)) {
+        if (const auto hit = session.pieces().first(ray.from, ray.direction)) {
             drag_ = Drag::grab;
             target_ = hit->point;
             session.grab(*hit);
         } else if (!session.broken()) {
-            session.say({"It is still whole: Space breaks it, then pieces can be grabbed."});
+            session.activity().say({"It is still whole: Space breaks it, then pieces can be grabbed."});
         }
         break;
     }
@@ -157,7 +157,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
 void Tools::release(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
     if (tool_ == Tool::inspect && glm::distance(event.cursor, pressed_at_) <= click_slack) {
         const Ray ray = view.ray(event.cursor);
-        const auto hit = session.first_piece(ray.from, ray.direction);
+        const auto hit = session.pieces().first(ray.from, ray.direction);
         session.piece = hit ? std::optional(hit->piece) : std::nullopt;
     }
     drag_to(event.cursor, view, session); // the last of the way
@@ -179,7 +179,7 @@ void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, 
         place_site(event, view, session);
         return;
     }
-    auto& selection = session.selection;
+    auto& selection = session.sites().selection;
     const auto at = std::find(selection.begin(), selection.end(), *site);
     if (event.modifiers.control) {
         at == selection.end() ? selection.push_back(*site) : static_cast<void>(selection.erase(at));
@@ -187,31 +187,31 @@ void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, 
     }
     if (at == selection.end()) selection = {*site};
     drag_ = Drag::site;
-    dragged_ = on_view_plane(view.ray(event.cursor), session.sites()[*site], view);
+    dragged_ = on_view_plane(view.ray(event.cursor), session.sites().on_stage()[*site], view);
 }
 
 // On the surface, or with Alt in the middle of what the ray passes first.
 void Tools::place_site(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
     const Ray ray = view.ray(event.cursor);
     if (session.broken()) {
-        session.say({"R makes it whole again; then sites can be placed."});
+        session.activity().say({"R makes it whole again; then sites can be placed."});
         return;
     }
     const auto hit = session.object().first_hit(ray.from, ray.direction);
     if (!hit) {
-        session.selection.clear();
+        session.sites().selection.clear();
         return;
     }
     glm::dvec3 at = hit->point;
     if (event.modifiers.alt) at = 0.5 * (hit->point + session.object().exit_after(*hit, ray.direction).point);
     session.take_sites(gesture_);
     session.edit(AddSite{session.object().to_file(at)}, gesture_);
-    session.selection = {static_cast<uint32_t>(session.sites().size() - 1)};
+    session.sites().selection = {static_cast<uint32_t>(session.sites().on_stage().size() - 1)};
 }
 
 void Tools::press_anchors(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
     if (session.broken()) {
-        session.say({"R makes it whole again; then it can be anchored."});
+        session.activity().say({"R makes it whole again; then it can be anchored."});
         return;
     }
     gesture_ = session.begin_gesture();
@@ -265,7 +265,7 @@ void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
     const glm::dvec3 by = (now - dragged_) / session.object().scale();
     if (by == glm::dvec3(0.0)) return;
     session.take_sites(gesture_);
-    session.edit(MoveSites{session.selection, by}, gesture_);
+    session.edit(MoveSites{session.sites().selection, by}, gesture_);
     dragged_ = now;
 }
 
@@ -274,7 +274,7 @@ void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Ses
     aimed_.reset();
     const bool over = free && view.is_free(input.cursor);
     if (tool_ == Tool::sites && over && !left_) hovered_ = site_at(input.cursor, view, session);
-    if (tool_ == Tool::hammer) session.aim_nowhere();
+    if (tool_ == Tool::hammer) session.preview().aim_nowhere();
     if (!over) return;
     const Ray ray = view.ray(input.cursor);
     const bool turning = right_ || middle_; // the view; what is shown would only lag behind
@@ -282,13 +282,13 @@ void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Ses
         if (const auto hit = session.object().first_hit(ray.from, ray.direction)) aimed_ = glm::vec3(hit->point);
     if (tool_ != Tool::hammer) return;
     if (session.broken()) {
-        const auto hit = session.first_piece(ray.from, ray.direction);
+        const auto hit = session.pieces().first(ray.from, ray.direction);
         if (!hit) return;
         aimed_ = hit->point;
-        if (!turning) session.aim(*hit, ray.direction);
+        if (!turning) session.preview().aim(*hit, ray.direction);
     } else if (const auto hit = session.object().first_hit(ray.from, ray.direction); hit && !turning) {
         aimed_ = glm::vec3(hit->point);
-        session.aim(hit->point, ray.direction);
+        session.preview().aim(hit->point, ray.direction);
     }
 }
 
@@ -297,10 +297,10 @@ std::optional<uint32_t> Tools::site_at(glm::vec2 pixel, const Viewport& view, co
     if (session.broken()) return std::nullopt;
     std::optional<uint32_t> best;
     double nearest = 0.0;
-    for (uint32_t s = 0; s < session.sites().size(); ++s) {
-        const auto at = view.pixel(glm::vec3(session.sites()[s]));
+    for (uint32_t s = 0; s < session.sites().on_stage().size(); ++s) {
+        const auto at = view.pixel(glm::vec3(session.sites().on_stage()[s]));
         if (!at || glm::distance(*at, pixel) > site_reach) continue;
-        const double distance = glm::distance(session.sites()[s], glm::dvec3(view.camera().eye));
+        const double distance = glm::distance(session.sites().on_stage()[s], glm::dvec3(view.camera().eye));
         if (best && distance >= nearest) continue;
         best = s;
         nearest = distance;
@@ -309,10 +309,10 @@ std::optional<uint32_t> Tools::site_at(glm::vec2 pixel, const Viewport& view, co
 }
 
 std::optional<glm::vec3> Tools::gizmo_at(const Session& session) {
-    if (session.broken() || session.selection.empty()) return std::nullopt;
+    if (session.broken() || session.sites().selection.empty()) return std::nullopt;
     glm::dvec3 sum(0.0);
-    for (const uint32_t s : session.selection) sum += session.sites()[s];
-    return glm::vec3(sum / static_cast<double>(session.selection.size()));
+    for (const uint32_t s : session.sites().selection) sum += session.sites().on_stage()[s];
+    return glm::vec3(sum / static_cast<double>(session.sites().selection.size()));
 }
 
 std::optional<int> Tools::axis_at(glm::vec2 pixel, const Viewport& view, const Session& session) const {
@@ -342,13 +342,14 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
         if (const auto at = view.pixel(target_)) overlay.string = {*at, cursor_};
     if (tool_ != Tool::sites || session.broken()) return overlay;
     const auto ring = [&](uint32_t s, bool strong) {
-        if (s >= session.sites().size()) return;
-        if (const auto at = view.pixel(glm::vec3(session.sites()[s]))) overlay.circles.push_back({*at, 10.0f, strong});
+        if (s >= session.sites().on_stage().size()) return;
+        if (const auto at = view.pixel(glm::vec3(session.sites().on_stage()[s])))
+            overlay.circles.push_back({*at, 10.0f, strong});
     };
-    for (const uint32_t s : session.idle_sites())
-        if (const auto at = view.pixel(glm::vec3(session.sites()[s]))) overlay.idle.push_back(*at);
-    for (const uint32_t s : session.fellows_of_selected()) ring(s, false);
-    for (const uint32_t s : session.selection) ring(s, true);
+    for (const uint32_t s : session.preview().idle_sites())
+        if (const auto at = view.pixel(glm::vec3(session.sites().on_stage()[s]))) overlay.idle.push_back(*at);
+    for (const uint32_t s : session.sites().fellows_of_selected()) ring(s, false);
+    for (const uint32_t s : session.sites().selection) ring(s, true);
     if (hovered_) ring(*hovered_, false);
     const auto centre = gizmo_at(session);
     const auto from = centre ? view.pixel(*centre) : std::nullopt;
@@ -361,29 +362,30 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
 }
 
 void Tools::remove_selected(Session& session) const {
-    if (session.selection.empty() || session.broken()) return;
+    if (session.sites().selection.empty() || session.broken()) return;
     const uint64_t gesture = session.begin_gesture();
     session.take_sites(gesture);
-    session.edit(RemoveSites{session.selection}, gesture);
-    session.selection.clear();
+    session.edit(RemoveSites{session.sites().selection}, gesture);
+    session.sites().selection.clear();
 }
 
 void Tools::duplicate_selected(Session& session) const {
-    if (session.selection.empty() || session.broken()) return;
+    if (session.sites().selection.empty() || session.broken()) return;
     constexpr double beside = 0.08; // m on the stage, so that the copies can be seen
     const uint64_t gesture = session.begin_gesture();
     session.take_sites(gesture);
-    const auto first = static_cast<uint32_t>(session.sites().size());
-    session.edit(DuplicateSites{session.selection, glm::dvec3(beside / session.object().scale(), 0.0, 0.0)}, gesture);
-    session.selection.clear();
-    for (uint32_t s = first; s < session.sites().size(); ++s) session.selection.push_back(s);
+    const auto first = static_cast<uint32_t>(session.sites().on_stage().size());
+    session.edit(DuplicateSites{session.sites().selection, glm::dvec3(beside / session.object().scale(), 0.0, 0.0)},
+                 gesture);
+    session.sites().selection.clear();
+    for (uint32_t s = first; s < session.sites().on_stage().size(); ++s) session.sites().selection.push_back(s);
 }
 
 void Tools::mirror_selected(Session& session, int axis) const {
     if (session.broken()) return;
-    std::vector<uint32_t> sites = session.selection;
+    std::vector<uint32_t> sites = session.sites().selection;
     if (sites.empty())
-        for (uint32_t s = 0; s < session.sites().size(); ++s) sites.push_back(s);
+        for (uint32_t s = 0; s < session.sites().on_stage().size(); ++s) sites.push_back(s);
     const uint64_t gesture = session.begin_gesture();
     session.take_sites(gesture);
     session.edit(MirrorSites{sites, axis, fracture::bounds(session.object().file().model.mesh).centre()[axis]},
