@@ -23,7 +23,7 @@ std::string processor_name() {
 std::string system_name() {
     utsname names{};
     if (uname(&names) != 0) return "unknown";
-    const std::string release = names.release; // what follows the numbers is the builder's
+    const std::string release = names.release; // everything after the version numbers names the builder
     return std::string(names.sysname) + " " + release.substr(0, release.find('-')) + " " + names.machine;
 }
 

@@ -77,7 +77,7 @@ Json to_json(const std::string& name, const fracture::Inspection& i) {
     return json;
 }
 
-// As far as the view sees it: from above and the left, as `brittle render` does.
+// Draws the faults that are visible from above and the left, the view of `brittle render`.
 void draw(const InspectCommand& command, Input input, const std::vector<Marks>& marks) {
     const fracture::Box before = fracture::bounds(input.model.mesh);
     input = placed_on_stage(std::move(input));

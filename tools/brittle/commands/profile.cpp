@@ -44,7 +44,7 @@ Json measure(const ProfileCommand& command, const std::vector<Scenario>& scenari
     return {{"brittle_profile", 1}, {"environment", machine}, {"settings", settings(command)}, {"scenarios", measured}};
 }
 
-// The trace's metadata: on what, and how the device's times came onto the host's clock.
+// Returns the metadata of the trace: the environment, and the relation of the device's clock to the host's.
 Json trace_metadata(const Json& profile) {
     Json metadata = profile["environment"];
     if (!metadata.contains("common_clock")) return metadata;
@@ -72,7 +72,7 @@ int run_profile(const ProfileCommand& command) {
         profile["comparison"] = comparison_json(*comparison);
     }
 
-    // Shown first, so that a file which cannot be written does not take the times with it.
+    // Printed before the files are written, so that a failure of writing does not lose the times.
     const std::string json = profile.dump(2) + "\n";
     if (command.json) {
         std::fputs(json.c_str(), stdout);

@@ -28,11 +28,11 @@ void run_steps(Simulation& simulation, const Player& player, uint64_t steps) {
 struct Run {
     const ReplayCommand& command;
     const ReplayLog& log;
-    const Input& source; // as in its file
+    const Input& source; // mesh in the coordinates of its file
     std::shared_ptr<const fracture::Fragments> fragments;
 };
 
-// Nothing where the run was another than the log tells.
+// Writes the pieces, unless the run differed from the log.
 void write_pieces_of(const Run& run, const Player& player, const Simulation& simulation) {
     const StateExport& pieces = run.command.pieces;
     if (pieces.files.output.empty() || player.difference()) return;
@@ -41,7 +41,7 @@ void write_pieces_of(const Run& run, const Player& player, const Simulation& sim
     std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
 }
 
-// Without a device. Stops at the first difference.
+// Replays without a device and stops at the first difference.
 void replay(const Run& run, Player& player) {
     Simulation simulation(run.log.recipe.material);
     simulation.observe(&player);
@@ -53,8 +53,8 @@ void replay(const Run& run, Player& player) {
     write_pieces_of(run, player, simulation);
 }
 
-// Goes on after a difference, so that one can see what comes of it; but not with other pieces than the log is
-// about.
+// Replays and draws. Goes on after a difference, so that its consequences are visible, except if the initial pieces
+// differ from the log's.
 void draw(const Run& run, Player& player, const Input& input) {
     const ReplayCommand& command = run.command;
     const ReplayLog& log = run.log;

@@ -4,7 +4,7 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr uint32_t factor = 0x9E3779; // 2^24 divided by the golden ratio: each number lands far from the ones before
+constexpr uint32_t factor = 0x9E3779; // 2^24 divided by the golden ratio: consecutive numbers have distant colours
 constexpr uint32_t inverse = 0xB382C9;
 constexpr uint32_t mask = 0xffffff;
 static_assert((factor * inverse & mask) == 1);

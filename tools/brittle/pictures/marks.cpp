@@ -9,7 +9,7 @@ namespace brittle::tools {
 
 namespace {
 
-// Shares of the box's diagonal.
+// As shares of the diagonal of the mesh's box.
 constexpr double bar_radius = 0.0015;
 constexpr double cross_size = 0.01;
 
@@ -20,7 +20,7 @@ void append_outline(const fracture::TriangleMesh& mesh, uint32_t triangle, std::
     for (int k = 0; k < 3; ++k) segments.push_back({mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]]});
 }
 
-// A prism of three sides, closed at its ends.
+// Appends a prism of three sides, closed at its ends.
 void append_bar(fracture::TriangleMesh& mesh, const Segment& segment, double radius) {
     const glm::dvec3 along = segment[1] - segment[0];
     const double length = glm::length(along);
@@ -63,7 +63,7 @@ std::vector<Marks> marks_of(const fracture::TriangleMesh& mesh, const fracture::
     const auto add_triangles = [&](const std::vector<uint32_t>& triangles, std::vector<Segment>& segments) {
         for (const uint32_t t : triangles) append_outline(mesh, t, segments);
     };
-    // What lies on top of each other is drawn in this order.
+    // Kinds in drawing order: a later kind covers an earlier one.
     add_triangles(places.thin_triangles, begin("thin places", "green", {90, 200, 90}));
     auto& crossings = begin("crossing triangles", "magenta", {225, 50, 200});
     for (const glm::uvec2& pair : places.crossings) {

@@ -17,7 +17,7 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr double cell_margin = 0.08; // of the box's diagonal, around the mesh
+constexpr double cell_margin = 0.08; // margin around the mesh, as a share of its box's diagonal
 constexpr uint32_t cell_colour = engine::srgb8(38, 70, 140);
 
 } // namespace

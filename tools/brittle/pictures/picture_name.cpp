@@ -9,16 +9,16 @@ namespace brittle::tools {
 
 namespace {
 
-// A pattern taken apart, `%%` already read as `%`.
+// A parsed pattern, with `%%` replaced by `%`.
 struct Parts {
     std::string before;
     std::string after;
-    bool numbered = false; // there is a placeholder between the two
-    bool zeros = false;    // it pads with zeros, not with spaces
+    bool numbered = false; // whether there is a placeholder between the two
+    bool zeros = false;    // whether the number is padded with zeros instead of spaces
     size_t width = 0;
 };
 
-// Nothing for a pattern with a second placeholder or one that is not a decimal number's.
+// Parses a pattern. Returns nothing for a second placeholder or one that is not for a decimal number.
 std::optional<Parts> parse(const std::string& pattern) {
     Parts parts;
     for (size_t i = 0; i < pattern.size(); ++i) {

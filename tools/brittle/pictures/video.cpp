@@ -38,14 +38,14 @@ Video::~Video() {
 void Video::start(const engine::Bitmap& first) {
     width_ = first.width;
     height_ = first.height;
-    // A socket and not a pipe: writing to one that nobody reads can be told not to raise a signal.
+    // A socket instead of a pipe: MSG_NOSIGNAL suppresses the signal for writing to a closed socket.
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         throw Failure(exit_failure, std::string("no channel to ffmpeg: ") + std::strerror(errno));
     std::vector<std::string> words{"ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgba",
                                    "-video_size", std::to_string(width_) + "x" + std::to_string(height_), "-framerate",
                                    std::to_string(frames_per_second_), "-i", "-",
-                                   // Players want half as many colours as pixels, hence even sides.
+                                   // Players expect chroma at half resolution, which needs an even width and height.
                                    "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p",
                                    "file:" + part_.string()};
     std::vector<char*> arguments;
@@ -54,7 +54,7 @@ void Video::start(const engine::Bitmap& first) {
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, ends[0], STDIN_FILENO);
-    // A process group of its own: Ctrl+C is for this program, which then ends the stream.
+    // A process group of its own keeps Ctrl+C from ffmpeg: this program handles it and then ends the stream.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

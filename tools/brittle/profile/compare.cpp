@@ -15,9 +15,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr int version = 1;
 constexpr size_t longest_profile = size_t{256} << 20; // bytes
-constexpr uint64_t min_samples = 5;                   // on either side, for a verdict
+constexpr uint64_t min_samples = 5;                   // minimum number of samples on either side for a verdict
 
-// Throws where rows are not {phase: {min, median, ..., samples}, ...}.
+// Throws a Failure if the rows are not {phase: {min, median, ..., samples}, ...}.
 void check_rows(const std::filesystem::path& file, const Json& rows, const std::string& path) {
     JsonReader reader(file, rows, path);
     for (const auto& [phase, row] : rows.items()) {
@@ -82,7 +82,7 @@ void compare_rows(const std::string& scenario, const std::string& group, const J
     }
 }
 
-// Keys of two objects that tell whether they may be compared.
+// Compares the keys on which comparability depends, and adds a note for each that differs.
 void note_differences(const std::string& whose, const Json& before, const Json& after,
                       std::initializer_list<const char*> keys, std::vector<std::string>& notes) {
     const auto value = [](const Json& json, const char* key) {
@@ -188,7 +188,7 @@ Json comparison_json(const Comparison& comparison) {
                           {"phase", p.phase},
                           {"before", p.before},
                           {"after", p.after},
-                          {"ratio", p.ratio}, // null where it is infinite
+                          {"ratio", p.ratio}, // null if infinite
                           {"verdict", to_string(p.verdict)},
                           {"decides", p.decides}});
     return {{"threshold", comparison.threshold},

@@ -40,7 +40,7 @@ FractureTimes measure_fractures(const Scenario& scenario, const Input& input, co
 void trace_fracture(Trace& trace, Track track, int depth, int64_t begin, const Broken& broken,
                     const fracture::WorkLog& work, const engine::GpuClassifier* classifier) {
     trace.add(track, depth, "fracture", begin, begin + std::llround(broken.milliseconds * 1e6));
-    // Phases follow one another; what little lies between them comes at the end.
+    // Phases follow one another; the short gaps between them are added up at the end.
     std::vector<Trace::Step> steps;
     for (const fracture::Milliseconds& t : broken.fragments.timings) steps.push_back({t.phase, t.milliseconds});
     trace.add_steps(track, depth + 1, steps, begin);

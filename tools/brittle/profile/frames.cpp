@@ -33,7 +33,7 @@ class Frames {
         camera_ = engine::look_at_bounds(stage_view(stage_.home_bounds()), 0.55f, 0.3f, aspect);
     }
 
-    // Pieces, where there are some, take the unbroken mesh's place first. Returns the frame's milliseconds.
+    // Draws one frame and returns its duration, ms. If pieces are given they replace the unbroken mesh first.
     double draw(Series& series, const fracture::Fragments* pieces = nullptr, PreparedPieces ahead = {}) {
         throw_if_interrupted();
         const int64_t begin = trace_clock();

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// With files by their names alone: where they lie is nobody's business.
+// The recipe with bare file names, because paths are private.
 Json recipe_without_folders(FractureOptions options) {
     for (std::string* file : {&options.mesh, &options.sites_file}) {
         if (!file->starts_with("shape:")) *file = std::filesystem::path(*file).filename().string();

@@ -19,7 +19,7 @@ constexpr int version = 1;
 constexpr std::string_view shape_prefix = "shape:";
 constexpr size_t longest_plan = size_t{1} << 20; // bytes
 
-// The elements of a list that is not empty; none without the key.
+// Returns the elements of a non-empty list; none if the key is missing.
 std::vector<Json> list_of(JsonReader& reader, const std::string& key) {
     const Json* value = reader.find(key);
     if (!value) return {};
@@ -110,7 +110,7 @@ std::vector<Scenario> make_scenarios(const ProfilePlan& plan, const ScenarioGrou
         if (counts.empty()) {
             counts = {options.pattern.count};
         } else {
-            options.pattern.piece_size = 0.0; // the counts take its place
+            options.pattern.piece_size = 0.0; // replaced by the counts
         }
         for (const std::string& mesh : meshes) {
             options.mesh = mesh;

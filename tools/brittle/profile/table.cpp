@@ -34,7 +34,8 @@ void print_scenario(const Json& scenario) {
     for (const auto& [name, rows] : scenario["frames"].items()) print_rows("frames, " + name, rows);
 }
 
-// A line a scenario, a column a phase: those of all scenarios in the order in which they come up, the total last.
+// Prints one line per scenario and one column per phase: the phases of all scenarios in order of appearance, the total
+// last.
 void print_summary(const Json& scenarios) {
     std::vector<std::string> phases;
     size_t width = 0;

@@ -32,7 +32,7 @@ std::string name_of(Track track) {
     return "worker " + std::to_string(static_cast<int>(track) - static_cast<int>(Track::share));
 }
 
-// Down to an eighth, which a double holds exactly: a reader's ts + dur meets the next ts.
+// Rounds down to an eighth, which a double holds exactly: for a reader ts + dur then meets the next ts.
 double microseconds(int64_t nanoseconds) {
     return static_cast<double>(nanoseconds / 125) / 8.0;
 }
@@ -80,7 +80,7 @@ Json Trace::json(const Json& metadata) const {
         if (i == 0 || slices[i - 1].track != slices[i].track)
             events.push_back(name_event("thread_name", name_of(slices[i].track), static_cast<int>(slices[i].track)));
 
-    // Of the track at hand: the last slice of each depth.
+    // The last slice of each depth on the current track.
     std::array<Slice, max_depth> last;
     for (size_t i = 0; i < slices.size(); ++i) {
         Slice& slice = slices[i];
@@ -92,7 +92,7 @@ Json Trace::json(const Json& metadata) const {
         if (has_parent) slice.end = std::min(slice.end, last[depth - 1].end);
         for (size_t d = depth; d < max_depth; ++d) slice.begin = std::max(slice.begin, last[d].end);
         slice.end = std::max(slice.begin, slice.end);
-        if (has_parent && slice.begin > last[depth - 1].end) continue; // nothing of it is left
+        if (has_parent && slice.begin > last[depth - 1].end) continue; // the slice would be empty
         last[depth] = slice;
         events.push_back({{"name", slice.name},
                           {"cat", slice.track == Track::device || slice.track == Track::classifier ? "device" : "cpu"},

@@ -50,7 +50,7 @@ std::string mesh_name(const std::string& mesh) {
     return std::filesystem::path(mesh).stem().string();
 }
 
-// Says what it did, on standard error.
+// Repairs the mesh and reports the repair on standard error.
 void repair(fracture::Model& model, const std::string& name) {
     fracture::Repaired repaired = fracture::repair(model.mesh);
     const std::string report = fracture::describe(repaired.report);
@@ -59,7 +59,7 @@ void repair(fracture::Model& model, const std::string& name) {
     if (repaired.report.changed()) fracture::replace_mesh(model, std::move(repaired.mesh), repaired.source_triangle);
 }
 
-// Points to --repair where it would help, before fracture() refuses the mesh.
+// Throws a failure that names --repair if repair would close the mesh. Called before fracture() refuses it.
 void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name) {
     const auto report = fracture::check_topology(mesh.positions.size(), mesh.triangles);
     if (report.closed()) return;
@@ -83,7 +83,7 @@ Input load_mesh_only(const std::string& mesh, bool with_looks) {
 
 namespace {
 
-// Radii grow with the distances.
+// Moves sites; weights, which are squared radii, scale with the square of distances.
 void place_sites(SiteSet& set, const fracture::Box& from, const fracture::Box& onto, const fracture::Placement& p) {
     const glm::dvec3 ends[] = {glm::dvec3(0.0), glm::dvec3(1.0, 0.0, 0.0)};
     const auto moved = fracture::place(ends, from, onto, p);
@@ -108,7 +108,8 @@ SiteSet sites_of_file(const FractureOptions& options, const fracture::TriangleMe
 WorldOptions world_of(const FractureOptions& options) {
     WorldOptions world = options.world;
     world.seed = options.pattern.seed;
-    // Where the pattern has cut it already, or sites stand in the recipe, it breaks as its material does. Strikes outdo sites.
+    // If the pattern has already cut the mesh, or the recipe lists sites, blows break by the material. Strikes override
+    // sites.
     const bool given = options.strikes.empty();
     if (!starts_whole(world) || (given && !options.points.empty())) return world;
     world.blows = {.kind = options.pattern.kind, .slenderness = options.pattern.slenderness};
@@ -121,10 +122,10 @@ WorldOptions world_of(const FractureOptions& options) {
 
 namespace {
 
-// Weights and groups only where there are any: without them more is possible (fracture.h).
+// Leaves weights and groups empty if they have no effect: fracture.h allows more without them.
 SiteSet site_set(std::span<const PlacedSite> points) {
     SiteSet set;
-    std::map<uint32_t, uint32_t> first; // site of each group
+    std::map<uint32_t, uint32_t> first; // first site of each group
     bool weighted = false, grouped = false;
     for (uint32_t s = 0; s < points.size(); ++s) {
         const PlacedSite& point = points[s];
@@ -200,7 +201,7 @@ Input load_input(const FractureOptions& options, bool with_looks) {
 
 namespace {
 
-// One cell: the mesh as pieces have it, each part of it that touches no other a piece.
+// Fractures with a single cell: each connected part of the mesh becomes one piece.
 fracture::Result<fracture::Fragments> uncut(const Input& input, fracture::Settings settings) {
     settings.groups = {};
     settings.weights = {};

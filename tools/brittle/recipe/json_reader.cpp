@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int deepest = 64; // brackets; writing JSON recurses over them
+constexpr int deepest = 64; // brackets; the JSON library recurses over them when it writes
 
 } // namespace
 
@@ -26,7 +26,7 @@ Json parse_json(const std::filesystem::path& where, const std::string& text, con
     try {
         json = Json::parse(text, keep);
     } catch (const nlohmann::json::exception& e) {
-        // "[name of the exception] what is wrong"; it quotes the last token, which may be the whole file.
+        // The text is "[name of the exception] reason" and quotes the last token, which may be the whole file.
         std::string why = e.what();
         if (const size_t name = why.find("] "); name != std::string::npos) why.erase(0, name + 2);
         why.resize(std::min<size_t>(why.size(), 300));

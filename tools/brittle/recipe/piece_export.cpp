@@ -10,7 +10,7 @@ namespace brittle::tools {
 
 namespace {
 
-// Engines add margins of their own, so hardly any is taken off here.
+// Engines add collision margins of their own, so the hull is hardly shrunk.
 constexpr float min_margin = 0.001f;
 
 double density_of(const ExportSettings& settings, const physics::MaterialPreset* preset) {

@@ -31,7 +31,7 @@ Json vector_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-// What differs from the plain pattern, which is the one that reading starts with.
+// Returns the values that differ from the plain pattern, which is the one that reading starts with.
 Json pattern_json(const Pattern& pattern, const Pattern& plain) {
     Json json{{"type", fracture::pattern_names()[static_cast<size_t>(pattern.kind)]},
               {"count", pattern.count},
@@ -54,7 +54,7 @@ Json pattern_json(const Pattern& pattern, const Pattern& plain) {
 Json points_json(const FractureOptions& options) {
     const fracture::Placement plain, &placement = options.sites_placement;
     Json json{{"type", "points"}};
-    if (options.pattern.seed != Pattern{}.seed) json["seed"] = options.pattern.seed; // of what blows cut
+    if (options.pattern.seed != Pattern{}.seed) json["seed"] = options.pattern.seed; // seed of the cuts that blows make
     if (!options.points.empty()) {
         const auto any = [&](auto member) {
             return std::ranges::any_of(options.points, [&](const PlacedSite& site) { return site.*member != 0; });
@@ -85,8 +85,8 @@ Json strikes_json(const std::vector<Strike>& strikes) {
     return json;
 }
 
-// Length, height and thickness of a brick from its size along X, Y and Z, and back: the length is along its axis, and what would be
-// there is along X.
+// Converts the size of a brick along X, Y and Z to length, height and thickness, and back: exchanges the X component
+// with the component of the axis that the length lies along.
 glm::dvec3 exchanged(glm::dvec3 size, uint32_t along) {
     std::swap(size.x, size[static_cast<int>(along)]);
     return size;
@@ -122,7 +122,7 @@ Json world_json(const WorldOptions& world) {
     return json;
 }
 
-// What differs from the defaults.
+// Returns the values that differ from the defaults.
 Json picture_json(const PictureOptions& picture) {
     const PictureOptions plain;
     Json json = Json::object();
@@ -147,7 +147,7 @@ Json recipe_object(const FractureOptions& options) {
     if (options.repair) recipe["repair"] = true;
     FractureOptions plain;
     if (!options.material.empty()) use_material(options.material, plain);
-    // A strike breaks as the pattern says.
+    // Strikes break by the pattern, even if there are sites.
     const bool by_pattern = !options.strikes.empty() || (options.sites_file.empty() && options.points.empty());
     recipe["pattern"] = by_pattern ? pattern_json(options.pattern, plain.pattern) : points_json(options);
     if (!options.strikes.empty()) recipe["strikes"] = strikes_json(options.strikes);
@@ -158,7 +158,7 @@ Json recipe_object(const FractureOptions& options) {
     return recipe;
 }
 
-// One for each site, or nothing.
+// Returns a list with one value per site, or null.
 const Json* read_list_by_site(JsonReader& reader, const char* key, size_t sites) {
     const Json* list = reader.find(key);
     if (list && (!list->is_array() || list->size() != sites))

@@ -15,11 +15,12 @@ using fracture::PatternKind;
 
 namespace {
 
-// Half the cube's side, and the distance of the sites that close it, by the radius. Closing sites lie 36 degrees from
-// each other, so 20 degrees at most from any direction: a cell of the ball ends where the bisectors with them are, at
-// (1.6^2 - 1) / 2 / (1.6 cos 20 - 1) = 1.55 radii at the furthest.
+// Half the side of the cube, and the distance of the sites that close it, both as multiples of the radius. Neighbouring
+// closing sites lie 36 degrees apart, so at most 20 degrees from any direction. A cell of the ball ends at the
+// bisectors with them, at (1.6^2 - 1) / 2 / (1.6 cos 20 - 1) = 1.55 radii at most.
 constexpr double reach = 1.6;
-constexpr double cube_by_ball = 8.0 * reach * reach * reach / (4.0 / 3.0 * 3.14159265358979323846); // volumes
+// Ratio of the cube's volume to the ball's.
+constexpr double cube_by_ball = 8.0 * reach * reach * reach / (4.0 / 3.0 * 3.14159265358979323846);
 constexpr uint32_t max_pieces = 10'000;
 
 fracture::Error fault(size_t strike, const std::string& what) {
@@ -64,14 +65,14 @@ fracture::Result<fracture::PatternSites> strike_sites(std::span<const Strike> st
         for (glm::dvec3& p : cube.positions) p += offset;
         auto made = fracture::make_sites(pattern_in_cube(strike, pattern, k), cube);
         if (!made) return made.error();
-        // Groups of different strikes are different; sites without one get their own.
+        // Each strike has groups of its own. Sites without a group get one of their own.
         const auto base = static_cast<uint32_t>(all.sites.size());
         for (size_t s = 0; s < made->sites.size(); ++s) {
             all.sites.push_back(made->sites[s]);
             all.groups.push_back(base + (made->groups.empty() ? static_cast<uint32_t>(s) : made->groups[s]));
             all.weights.push_back(made->weights.empty() ? 0.0 : made->weights[s]);
         }
-        // Long cells, as of splinters, would reach far out of the cube without these.
+        // Without these sites long cells, e.g. splinters, would reach far out of the cube.
         for (const glm::dvec3& p : fracture::icosphere(1, reach * strike.radius).positions) {
             all.groups.push_back(static_cast<uint32_t>(all.sites.size()));
             all.sites.push_back(strike.at + p);
@@ -83,7 +84,7 @@ fracture::Result<fracture::PatternSites> strike_sites(std::span<const Strike> st
         return std::any_of(strikes.begin(), strikes.end(),
                            [&](const Strike& s) { return glm::distance(p, s.at) < s.radius; });
     };
-    // A brick of which a part stays, stays.
+    // A group (e.g. a brick) stays as a whole if any of its sites stays.
     std::vector<uint8_t> stays(all.sites.size(), 0);
     for (size_t s = 0; s < all.sites.size(); ++s)
         if (!breaks(all.sites[s])) stays[all.groups[s]] = 1;

@@ -10,7 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Each kind's name and fields, written once for both directions: a codec gets name and value of each field.
+// The fields of each kind of action, listed once for reading and writing: a codec receives name and value of each
+// field.
 template<class Codec>
 void fields(Codec& codec, Shoot& a) {
     codec("from", a.from), codec("velocity", a.velocity), codec("radius", a.radius), codec("density", a.density);
@@ -50,7 +51,7 @@ void fields(Codec& codec, Watch& a) {
     codec("eye", a.eye), codec("target", a.target), codec("fov", a.fov), codec("aspect", a.aspect);
 }
 
-// By index into Action.
+// Names of actions, by index into Action.
 constexpr const char* names[] = {"shoot", "damage", "saw",  "hammer", "release",
                                  "push",  "grab",   "drag", "let_go", "watch"};
 static_assert(std::size(names) == std::variant_size_v<Action>);

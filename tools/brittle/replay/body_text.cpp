@@ -7,15 +7,15 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr uint64_t max_bodies = 100'000'000; // a damaged count must not add up to nonsense
+constexpr uint64_t max_bodies = 100'000'000; // limit that keeps the sum of damaged counts from overflowing
 
-// One body's digits, or a run without any.
+// The digits of one body, or the length of a run of unchanged bodies.
 struct Token {
     std::string_view digits;
     uint64_t bodies = 1;
 };
 
-// Takes a token off the front; nothing where there is none.
+// Removes and returns the first token; nothing if there is none.
 std::optional<Token> take(std::string_view& text) {
     if (text.starts_with('(')) {
         Token run;

@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int version = 1;
-constexpr size_t longest_line = size_t{16} << 20; // bytes; a million bodies take four
+constexpr size_t longest_line = size_t{16} << 20; // bytes; a million bodies take four MiB
 constexpr uint64_t max_steps = 1'000'000'000;
 
 uint64_t read_hash(JsonReader& reader, const char* key) {
@@ -37,7 +37,8 @@ void required_whole(JsonReader& reader, const char* key, Whole& target, uint64_t
     reader.whole(key, target, 0, most);
 }
 
-// Reads lines in turn. `where` in the functions below is the file with the number of the line, for messages.
+// Reads the lines of a log one after the other. `where` in the functions below is the file with the line number, for
+// messages.
 class LogReader {
   public:
     explicit LogReader(const std::filesystem::path& file) : file_(file), stream_(file, std::ios::binary) {
@@ -136,10 +137,10 @@ class LogReader {
         reader.refuse_unknown_keys();
     }
 
-    // Below which an action may name a piece: of breakable things there will be others.
+    // Exclusive limit of the piece numbers in actions. In a breakable world new pieces may have any number.
     [[nodiscard]] size_t piece_numbers() const { return log_.recipe.world.breakable ? UINT32_MAX : log_.pieces; }
 
-    // A number of steps, which must be that of the states read so far.
+    // Reads a number of steps, which must be that of the last state read.
     uint64_t step_now(JsonReader& reader, const char* key) {
         uint64_t step = 0;
         required_whole(reader, key, step, max_steps);

@@ -11,9 +11,9 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr int measured = 3; // fractures each way, the best of which counts, after one to warm up
+constexpr int measured = 3; // number of fractures with each processor after one warm-up; the fastest counts
 
-// The whole fracture in milliseconds; nothing where the device failed.
+// Returns the duration of the whole fracture, ms; nothing if the device failed.
 std::optional<double> measure(const Input& input, const FractureOptions& options, engine::GpuClassifier* classifier) {
     double best = std::numeric_limits<double>::infinity();
     for (int k = 0; k <= measured; ++k) {

@@ -15,10 +15,10 @@ namespace brittle::tools {
 namespace {
 
 constexpr float piece_tint_strength = 0.9f;
-constexpr float material_tint_strength = 0.15f; // a material shows its own colour
+constexpr float material_tint_strength = 0.15f; // low, so that the material's own colour shows
 constexpr float site_radius = 0.02f;            // m
-// m, around the unbroken mesh: what goes further casts no shadow. Wider, the texels of its map would be so coarse that
-// shadows near the mesh had teeth, and those of small pieces were lost.
+// m, distance from the unbroken mesh beyond which pieces cast no shadow. With more room the texels of the shadow map
+// are so coarse that shadows near the mesh have jagged edges and shadows of small pieces vanish.
 constexpr float shadow_room = 4.0f;
 
 uint32_t packed(const glm::vec3& linear) {
@@ -26,7 +26,8 @@ uint32_t packed(const glm::vec3& linear) {
     return engine::srgb8(c.x, c.y, c.z);
 }
 
-// What is uploaded of a piece that is cut anew. Made by the thread that cuts; the stage takes it out when it comes.
+// Returns the function that prepares the geometry of a new piece for the renderer. The thread that cuts calls it; the
+// stage takes over the result when the piece appears.
 PieceLook look_for(const engine::Renderer& renderer) {
     return [&renderer](const physics::SolidPiece& solid) -> std::shared_ptr<void> {
         const engine::PieceMesh mesh{.positions = solid.positions,
@@ -38,7 +39,7 @@ PieceLook look_for(const engine::Renderer& renderer) {
     };
 }
 
-// Whether bonds that carry too much lose health, or may come to: stresses are not in balance yet.
+// Returns whether any bond loses health under its load, or might once the stresses are in balance.
 bool wears(const physics::Structure& structure) {
     if (!structure.wear().solver().converged()) return true;
     const auto bonds = structure.graph().bonds();
@@ -120,7 +121,7 @@ void Stage::shoot(const Shot& shot) {
     if (broken()) simulation_.apply(Shoot{shot.from, shot.velocity, shot.radius, shot.density});
 }
 
-// These in place of all that was drawn, and time begins.
+// Replaces everything that was drawn, and starts a new run.
 void Stage::draw_anew(engine::PieceBatch batch) {
     alpha_ = 1.0f;
     drawn_.clear();
@@ -132,7 +133,8 @@ void Stage::draw_anew(engine::PieceBatch batch) {
     moved_ = true;
 }
 
-// The largest of what a piece was cut into keeps its tint: a statue that loses an arm does not change its colour.
+// Returns the tint of a new piece. The largest part of a cut piece keeps its tint, so that a statue that loses an arm
+// does not change its colour.
 glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                          const std::map<physics::PieceId, glm::vec3>& before) const {
     const auto volume = [](const physics::PieceAdded& piece) { return piece.solid->mass.volume; };
@@ -142,7 +144,8 @@ glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physi
     return added.depth == 0 && untinted_ ? glm::vec3(1.0f) : engine::piece_tint(added.id.value);
 }
 
-// What has come and gone since the last call: removed first, since slots are used again.
+// Draws the pieces that appeared and disappeared since the last call. Removal comes first, because slots are used
+// again.
 void Stage::take_events() {
     const physics::DestructionEvents events = simulation_.take_events();
     std::vector<engine::PieceHandle> gone;
@@ -174,7 +177,8 @@ void Stage::watch(const engine::Camera& camera, float aspect) {
     watch_ = {.eye = camera.eye, .target = camera.target, .fov = double{camera.vertical_fov}, .aspect = double{aspect}};
 }
 
-// Only what is breakable leaves debris. What is drawn moved apart looks as from nearer the middle at what is not.
+// Passes the view to the simulation, in a breakable world only, because only there debris is removed. An exploded view
+// is converted: the camera sees pieces as if nearer to the middle of the unexploded ones.
 void Stage::tell_watch() {
     if (!watch_ || !simulation_.destruction()) return;
     const glm::dvec3 centre(home_.centre());
@@ -191,7 +195,7 @@ void Stage::advance(double seconds) {
     tell_watch();
     alpha_ = simulation_.advance(seconds);
     take_events();
-    // What falls asleep reaches its last pose in the step after.
+    // A body that falls asleep reaches its last pose one step later.
     if (world().awake_count() > 0) last_awake_ = simulation_.steps();
     if (simulation_.steps() <= last_awake_ + 2) moved_ = true;
 }
@@ -212,16 +216,17 @@ void Stage::show_sites(std::span<const glm::dvec3> sites) {
 void Stage::explode(float share) {
     if (share == explode_) return;
     explode_ = share;
-    ++moment_before_; // a moment by itself, at which every pose changes
+    ++moment_before_; // a separate moment, at which every pose changes
     all_moved_ = moment_before_ + simulation_.steps();
     moved_ = true;
 }
 
-// Bounds of what casts a shadow, and poses: of what moved since the slice of the instance buffer was written.
+// Sets the bounds of all shadow casters, and the function that writes the poses that changed since the slice of the
+// instance buffer was written.
 void Stage::place(engine::Scene& scene) {
     const auto apart = [this](const glm::vec3& position) { return position + explode_ * (position - home_.centre()); };
     engine::Bounds room{home_.min - shadow_room, home_.max + shadow_room};
-    room.min.y = std::min(room.min.y, 0.0f); // the ground, onto which it all falls
+    room.min.y = std::min(room.min.y, 0.0f); // down to the ground
     scene.bounds = {room.max, room.min};
     const auto include = [&](const glm::vec3& centre, float radius) {
         if (glm::clamp(centre, room.min, room.max) == centre)
@@ -231,7 +236,7 @@ void Stage::place(engine::Scene& scene) {
         alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) { include(apart(pose.position), radii_[slot]); });
     if (!simulation_.balls().empty())
         for (const engine::Sphere& sphere : shown_spheres_) include(sphere.centre, sphere.radius);
-    if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // nothing is left there
+    if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // no piece is inside the room
     moment_ = moment_before_ + simulation_.steps();
     scene.moment = moment_;
     scene.write_poses = [this, apart](std::span<engine::BodyPose> out, uint64_t since) {

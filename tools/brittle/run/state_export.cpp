@@ -12,14 +12,14 @@ namespace brittle::tools {
 
 namespace {
 
-// Of Fragments::vertex_point: from here on, points are no vertices of the input.
+// First value of Fragments::vertex_point for points that are not vertices of the input.
 constexpr uint32_t first_cut_point = 1u << 30;
 
-// Engines add margins of their own, so hardly any is taken off here.
+// Engines add collision margins of their own, so hulls are hardly shrunk.
 constexpr physics::ConvexPartSettings hull_settings{.hull = {.margin_fraction = 0.001f}};
 
 std::vector<Snapshot::Piece> pieces_there(const Simulation& simulation, size_t whole_pieces) {
-    std::map<uint32_t, physics::Pose> poses; // by slot
+    std::map<uint32_t, physics::Pose> poses; // poses by slot
     simulation.visit_poses(1.0f, 0, [&](uint32_t slot, const physics::Pose& pose) { poses[slot] = pose; });
     std::vector<Snapshot::Piece> pieces;
     const auto add = [&](uint32_t number, uint32_t slot, physics::SolidPtr solid) {
@@ -35,7 +35,7 @@ std::vector<Snapshot::Piece> pieces_there(const Simulation& simulation, size_t w
     return pieces;
 }
 
-// Which piece of the simulation's structure it is, or nothing.
+// Returns the number of a piece in the simulation's structure, or nothing.
 std::optional<uint32_t> bonded_piece(const Simulation& simulation, uint32_t number) {
     if (!simulation.structure()) return std::nullopt;
     return simulation.destruction() ? simulation.destruction()->bonded({number}) : number;
@@ -44,7 +44,7 @@ std::optional<uint32_t> bonded_piece(const Simulation& simulation, uint32_t numb
 std::vector<fracture::Bond> bonds_that_hold(const Simulation& simulation, const std::vector<Snapshot::Piece>& pieces) {
     std::vector<fracture::Bond> bonds;
     if (!simulation.structure()) return bonds;
-    std::map<uint32_t, uint32_t> at; // by piece of the structure
+    std::map<uint32_t, uint32_t> at; // index into `pieces` by number in the structure
     for (uint32_t k = 0; k < pieces.size(); ++k)
         if (const auto piece = bonded_piece(simulation, pieces[k].number)) at[*piece] = k;
     for (const physics::BondGraph::Bond& bond : simulation.structure()->graph().bonds()) {
@@ -85,14 +85,15 @@ class Builder {
                               .mass = in_file(solid.mass)};
         const glm::dvec3 centre = solid.mass.centre_of_mass;
         for (size_t v = 0; v < solid.positions.size(); ++v) {
-            const bool kept = !solid.mesh.positions.empty(); // in double precision
+            const bool kept = !solid.mesh.positions.empty(); // positions in double precision are available
             to.positions.push_back(
                 placement_.to_file(kept ? solid.mesh.positions[v] : centre + glm::dvec3(solid.positions[v])));
             to.vertex_point.push_back(first_cut_point + vertices() - 1);
         }
         to.triangles.insert(to.triangles.end(), solid.mesh.triangles.begin(), solid.mesh.triangles.end());
         to.triangle_source.insert(to.triangle_source.end(), solid.source.begin(), solid.source.end());
-        to.triangle_source.resize(to.triangles.size(), 0); // cuts have their planes only
+        // Cut faces have no source; their texture coordinates come from their planes.
+        to.triangle_source.resize(to.triangles.size(), 0);
         finish(piece);
     }
 
@@ -137,7 +138,8 @@ void stop_if(const std::function<bool()>& cancelled) {
     if (cancelled && cancelled()) throw Failure(exit_interrupted, "writing the pieces was cancelled");
 }
 
-// What is cut anew may be far from convex: as many hulls as it takes.
+// Returns the collision hulls of each piece. Pieces cut by blows may be far from convex and get as many hulls as they
+// need.
 std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state, const fracture::Fragments& fragments,
                                                           const std::function<bool()>& cancelled) {
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
@@ -160,7 +162,7 @@ std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state,
     return hulls;
 }
 
-// The looks of exterior triangles are found by their number in the source.
+// Checks that the source has all triangles that the exterior triangles of the pieces refer to for their looks.
 void check_source(const fracture::Fragments& fragments, const Input& source) {
     for (const fracture::Piece& piece : fragments.pieces)
         for (uint32_t t = 0; t < piece.exterior_triangles; ++t)

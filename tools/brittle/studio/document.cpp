@@ -13,9 +13,9 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr size_t longest_history = 500; // steps; a step holds a recipe, some kilobytes
+constexpr size_t longest_history = 500; // steps; each holds a recipe of some kilobytes
 
-// Ascending, each once, all of them below the count.
+// Returns the indices below `count`, ascending and without duplicates.
 std::vector<uint32_t> existing(std::vector<uint32_t> indices, size_t count) {
     std::sort(indices.begin(), indices.end());
     indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
@@ -23,7 +23,7 @@ std::vector<uint32_t> existing(std::vector<uint32_t> indices, size_t count) {
     return indices;
 }
 
-// Numbers for the groups of copies: for each group of those that are copied the least that no site has.
+// Assigns numbers to the groups of copies: each copied group gets the lowest number that no site has.
 class FreshGroups {
   public:
     explicit FreshGroups(const std::vector<PlacedSite>& sites) {
@@ -182,7 +182,7 @@ std::string_view Document::redo_name() const {
 void Document::exchange(std::vector<Step>& from, std::vector<Step>& to) {
     Step step = std::move(from.back());
     from.pop_back();
-    step.before.picture = recipe_.picture; // no part of the history
+    step.before.picture = recipe_.picture; // the picture is not part of the history
     std::swap(step.before, recipe_);
     step.gesture = 0;
     to.push_back(std::move(step));

@@ -26,7 +26,7 @@
 namespace brittle::tools {
 
 struct SetMesh {
-    std::string mesh; // a file, or shape:NAME; sites, strikes and anchors are removed
+    std::string mesh; // a file, or shape:NAME; sites placed by hand, strikes and anchors are removed
     bool repair = false;
 };
 struct SetMaterial {

@@ -11,7 +11,7 @@ namespace brittle::tools {
 
 namespace {
 
-// As fragments, where they were cut.
+// Returns solids as fragments at the places where they were cut.
 Foreseen as_fragments(std::span<const physics::SolidPtr> solids) {
     Snapshot state;
     for (const physics::SolidPtr& solid : solids)

@@ -10,10 +10,10 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr float margin = 1.05f;     // of look_at_bounds()
-constexpr int halvings = 30;        // of an interval of 10, beyond which a float says no more
-constexpr float fly_rate = 1.0f;    // distances to the target a second
-constexpr float zoom_factor = 0.9f; // of the distance, a notch; as OrbitCamera::zoom()
+constexpr float margin = 1.05f;     // margin for look_at_bounds()
+constexpr int halvings = 30;        // bisection steps on an interval of length 10; more exceed the precision of a float
+constexpr float fly_rate = 1.0f;    // speed per second, as a multiple of the distance to the target
+constexpr float zoom_factor = 0.9f; // factor on the distance per notch, as in OrbitCamera::zoom()
 
 } // namespace
 
@@ -29,7 +29,7 @@ void Navigation::look_as(const PictureOptions& picture, const engine::Bounds& ho
 void Navigation::tell(PictureOptions& picture, const engine::Bounds& home, float aspect) const {
     picture.azimuth = std::remainder(glm::degrees(orbit_.azimuth), 360.0f);
     picture.elevation = std::clamp(glm::degrees(orbit_.elevation), -89.0f, 89.0f);
-    // The eye is the further away the larger the picture's distance, though not in proportion.
+    // The distance of the eye grows with the picture's distance, though not in proportion, so it is found by bisection.
     float low = 0.1f, high = 10.0f;
     for (int k = 0; k < halvings; ++k) {
         picture.distance = 0.5f * (low + high);
@@ -51,7 +51,8 @@ void Navigation::zoom(float notches, const Viewport& view, glm::vec2 cursor) {
     const glm::vec3 forward = view.forward(), direction(ray.direction);
     const float along = glm::dot(direction, forward);
     if (along > 0.1f) {
-        const glm::vec3 under = view.camera().eye + orbit_.distance / along * direction; // in the plane of the target
+        // The point under the cursor in the plane of the target.
+        const glm::vec3 under = view.camera().eye + orbit_.distance / along * direction;
         orbit_.target = under + (orbit_.target - under) * std::pow(zoom_factor, notches);
     }
     orbit_.zoom(notches);

@@ -15,7 +15,8 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr double nudge = 1e-6; // m; a ray goes on so far behind a hit, so as not to find it again
+// M, distance behind a hit at which a ray continues, so that it does not find the hit again.
+constexpr double nudge = 1e-6;
 
 std::vector<uint32_t> all_triangles(const fracture::TriangleMesh& mesh) {
     std::vector<uint32_t> all(mesh.triangles.size());
@@ -44,7 +45,7 @@ Object::Object(Input file, const WorldOptions& world)
 
 SiteSet Object::sites(const FractureOptions& options) const {
     SiteSet set = sites_for(options, file_.model.mesh);
-    // The box alone says where the mesh goes.
+    // Only the box decides the placement.
     const fracture::Box box = fracture::bounds(file_.model.mesh);
     Input probe;
     probe.model.mesh.positions = {box.min, box.max};

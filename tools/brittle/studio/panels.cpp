@@ -16,13 +16,14 @@ constexpr float column = 276.0f; // widths and heights in pixels at scale 1
 constexpr float min_column = 220.0f;
 constexpr float bar_height = 42.0f;
 constexpr float line_height = 26.0f;
-constexpr float min_scene = 400.0f;        // the width that columns leave, and that the tools need
-constexpr float two_help_columns = 760.0f; // the width that the help sheet needs for them
+constexpr float min_scene = 400.0f;        // width of the scene that columns leave free, and that the tools need
+constexpr float two_help_columns = 760.0f; // width that the help sheet needs for two columns
 
-// Of the tool that has most: what is below it stays in its place. Where one column holds all, room is worth more.
+// Height of the largest tool panel, reserved for all tools so that the panels below stay in place. A single column has
+// no room to reserve.
 constexpr float tool_rows = 4.0f;
 
-constexpr double message_seconds = 5.0; // good news go by themselves
+constexpr double message_seconds = 5.0; // time after which messages without a fault disappear
 
 constexpr ImGuiWindowFlags docked = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove
                                     | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus
@@ -41,8 +42,8 @@ struct ButtonLook {
 constexpr ButtonLook active_look{IM_COL32(236, 142, 66, 255), IM_COL32(236, 142, 66, 255), IM_COL32(24, 20, 16, 255)};
 constexpr ButtonLook break_look{IM_COL32(120, 70, 36, 255), IM_COL32(158, 92, 42, 255), IM_COL32(240, 236, 230, 255)};
 
-// How wide the buttons of the bar are: what names and keys leave free is shared alike. Keys are left out where there is
-// no room for them.
+// Widths of the buttons of the bar: the room beside names and keys is divided equally. Keys are omitted if there is no
+// room for them.
 struct BarPlan {
     explicit BarPlan(float scale) : gap(6.0f * scale), between(10.0f * scale) {
         float names = key_button_width("Break", "") + key_button_width("Reset", "");
@@ -70,12 +71,12 @@ struct BarPlan {
     }
 
     static constexpr float min_padding = 12.0f; // pixels at scale 1
-    float gap, between;                         // buttons; tools and what comes after them
+    float gap, between;                         // between buttons; between the tools and the other buttons
     float padding = 0.0f;
     bool with_keys = false;
 };
 
-// What the tool does, with as much of the details as there is room for: the button's tooltip has all.
+// Returns the description of a tool, with its details if there is room. The button's tip shows all of it.
 std::string fitting_hint(const ToolInfo& info) {
     const std::string hint = info.hint, brief = hint.substr(0, hint.find(" ("));
     const float room = ImGui::GetContentRegionAvail().x;
@@ -121,7 +122,7 @@ Layout layout_of(glm::vec2 window, float scale, bool panels) {
     Layout layout;
     layout.free_max = window;
     if (!panels) return layout;
-    const float spare = window.x / scale - min_scene; // for columns
+    const float spare = window.x / scale - min_scene; // room for columns
     if (window.y >= 300.0f * scale) {
         const bool both = spare >= 2.0f * min_column;
         if (spare >= min_column) layout.left = scale * std::min(both ? 0.5f * spare : spare, column);
@@ -159,7 +160,7 @@ void Panels::draw(const PanelState& state, const Overlay& overlay) {
 }
 
 void Panels::roll_window() const {
-    constexpr float page = 0.8f; // of the window: some lines stay
+    constexpr float page = 0.8f; // share of the window's height, so that some lines stay visible
     if (pages_ == 0) return;
     const float to = ImGui::GetScrollY() + page * static_cast<float>(pages_) * ImGui::GetWindowHeight();
     ImGui::SetScrollY(std::clamp(to, 0.0f, ImGui::GetScrollMaxY()));
@@ -312,7 +313,7 @@ void Panels::help_sheet(const PanelState& state) {
     for (const MouseHelp& line : mouse_help()) lines.emplace_back(line.shown, line.what);
     for (const KeyBinding& binding : key_bindings())
         if (*binding.shown) lines.emplace_back(binding.shown, binding.what);
-    // Two columns of lines, to be read downwards, or one where the window is narrow.
+    // Lines run down the first of two columns and then the second; a narrow window has one column.
     const size_t columns = state.window.x >= two_help_columns * state.scale ? 2 : 1;
     const size_t half = (lines.size() + columns - 1) / columns;
     if (ImGui::BeginTable(columns == 2 ? "keys" : "keys below each other", static_cast<int>(2 * columns),

@@ -1,4 +1,4 @@
-// The left column: what is broken, and how.
+// The panels of the left column: object, pattern and material.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -191,7 +191,7 @@ void Panels::pattern_panel(const PanelState& state) {
     control("Inside only", "Only sites inside the solid, so that each makes a piece");
     changed |= ImGui::Checkbox("##Inside only", &pattern.inside);
     if (!changed) return;
-    session.picture().cells = true; // one sees what one does
+    session.picture().cells = true; // shows the effect of the change
     edit(session, SetPattern{pattern});
 }
 

@@ -1,4 +1,4 @@
-// The panel of the tool in use: its settings, and what it has selected.
+// The panel of the selected tool: its settings and its selection.
 #include <algorithm>
 #include <functional>
 #include <numbers>
@@ -33,7 +33,8 @@ void selected_piece(const Session& session) {
     value("Triangles", grouped(session.pieces().triangles(*session.piece)).c_str());
 }
 
-// The number of pieces is the hammer's, or where things are breakable a limit of the world: the material says the rest.
+// Settings of the hammer. In a breakable world the number of pieces is a maximum, a setting of the world; otherwise it
+// belongs to the hammer.
 void hammer_settings(Session& session, const std::function<void(const WorldOptions&)>& set_world) {
     control("Radius", "Of what a blow breaks (Shift + wheel); the mesh is 2 m long on the stage");
     (void)slider("##radius", session.tools.hammer_radius, 0.05f, 1.5f, "%.2f m");
@@ -131,7 +132,7 @@ void Panels::site_tools(const PanelState& state) {
     if (idle > 0) explain((count + " nearest to nothing of the mesh: no piece, no cut.").c_str());
 }
 
-// Weight and group, of all that are selected: what the first one has is shown, unless they differ.
+// Controls for the weight and group of all selected sites. They show the first site's value unless the values differ.
 void Panels::selected_sites(Session& session) {
     const double scale = session.object().scale();
     const std::vector<PlacedSite> sites = session.sites().selected();
@@ -156,7 +157,7 @@ void Panels::selected_sites(Session& session) {
     ImGui::SameLine(0.0f, gap);
     auto group = static_cast<int>(first.group);
     ImGui::SetNextItemWidth(-1.0f);
-    constexpr float slow = 0.1f; // numbers a pixel
+    constexpr float slow = 0.1f; // numbers per pixel
     const char* format = !alike(&PlacedSite::group) ? "groups differ" : group > 0 ? "group %d" : "no group";
     if (ImGui::DragInt("##group", &group, slow, 0, static_cast<int>(max_group), format, ImGuiSliderFlags_AlwaysClamp))
         change(SetSiteGroup{session.sites().selection, static_cast<uint32_t>(group)});

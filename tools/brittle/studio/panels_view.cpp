@@ -1,4 +1,4 @@
-// The right column: what the pieces do, how it is shown, and what it costs.
+// The panels of the right column: simulation, view and statistics.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -15,9 +15,9 @@ namespace brittle::tools {
 namespace {
 
 constexpr float graph_height = 54.0f;
-constexpr float graph_top = 100.0f; // ms, at least
+constexpr float graph_top = 100.0f; // ms, minimum of the graph's upper end
 
-// Of this process, MiB; 0 where the system does not say.
+// Returns the resident memory of this process, MiB; 0 if the system does not report it.
 double resident_memory() {
     std::FILE* file = std::fopen("/proc/self/statm", "r");
     if (!file) return 0.0;
@@ -125,7 +125,7 @@ void Panels::certificate(const PanelState& state) {
     if (const physics::Destruction* destruction = state.session.stage().simulation().destruction()) {
         value("Pieces", "%u by %u cuts", counts->pieces, destruction->statistics().breaks);
         value("Awake", "%zu bodies", counts->awake);
-        return; // the certificate is of what was there before
+        return; // the certificate describes the mesh before the cuts
     }
     value("Pieces", "%u from %u cells", proof.pieces, proof.cells);
     value("Awake", "%zu bodies", counts->awake);

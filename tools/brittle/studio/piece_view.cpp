@@ -14,7 +14,7 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr double min_blow = 1.05; // of what a piece bears, so that it breaks
+constexpr double min_blow = 1.05; // factor on the impulse that a piece bears, so that it breaks
 
 } // namespace
 

@@ -89,7 +89,7 @@ void Preview::request(PreviewRequest request) {
 }
 
 bool Preview::busy() const {
-    if (worker_.busy()) return true; // asked first: what it made is there when it no longer is
+    if (worker_.busy()) return true; // checked first: a worker that is no longer busy has stored its result
     const std::scoped_lock lock(mutex_);
     return finished_ != nullptr;
 }
@@ -99,13 +99,13 @@ std::shared_ptr<Cracked> Preview::take() {
     return std::exchange(finished_, nullptr);
 }
 
-// As the recipe says, with the ghost's strike.
+// Fractures by the recipe, with the aimed strike added.
 void Preview::fracture(const PreviewRequest& request, const Worker::Cancelled& cancelled, Cracked& made) {
     FractureOptions recipe = request.recipe;
     if (request.ghost) recipe.strikes.push_back(*request.ghost);
     SiteSet set = request.object->sites(recipe);
     const fracture::TriangleMesh& mesh = request.object->mesh();
-    // Always the exact algorithm: the other may take minutes, and its pieces look the same.
+    // Always the exact algorithm: the sequential one may take minutes, and its pieces look the same.
     const fracture::Settings settings{.threads = recipe.threads,
                                       .groups = set.groups,
                                       .weights = set.weights,
@@ -118,7 +118,7 @@ void Preview::fracture(const PreviewRequest& request, const Worker::Cancelled& c
         mark_what_stays(made);
         return;
     }
-    // Pieces that become one keep the site of one of them.
+    // Merged pieces keep the site of only one of them, so that sites without pieces cannot be found.
     if (set.groups.empty() && !(recipe.min_volume > 0.0))
         made.idle_sites = without_piece(made.fragments, set.sites.size());
     made.cells = cell_lines(mesh, set.sites, set.weights);

@@ -70,7 +70,7 @@ void Session::make_stage() {
     stage_->simulation().commit_as(physics::Timing::when_ready);
     stage_->simulation().observe(&*recorder_);
     ++stages_;
-    shot_.reset(); // these two wait for the pieces of another stage
+    shot_.reset(); // the ball and the blow that wait for the pieces of the old stage
     blow_.reset();
     leave_piece();
 }

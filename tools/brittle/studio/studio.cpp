@@ -22,12 +22,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double recorded_frame = 1.0 / 60.0;        // s
-constexpr auto idle = std::chrono::milliseconds(50); // between looks at a minimised window
-constexpr float exploded = 0.3f;                     // what the key X takes pieces apart by
+constexpr auto idle = std::chrono::milliseconds(50); // between checks of a minimised window
+constexpr float exploded = 0.3f;                     // share by which the key X moves pieces apart
 
 constexpr std::array<std::string_view, 4> video_endings{".mp4", ".mkv", ".webm", ".gif"};
 
-// For a picture without panels: the scene in its middle.
+// Returns the scene for a picture without panels, centred.
 engine::Scene unshifted(engine::Scene scene) {
     scene.camera.shift = glm::vec2(0.0f);
     scene.region = {};
@@ -54,7 +54,7 @@ Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer&
 }
 
 glm::vec2 Studio::window_size() const {
-    const ImVec2 size = ImGui::GetIO().DisplaySize; // of the frame before; Input is in the same units
+    const ImVec2 size = ImGui::GetIO().DisplaySize; // size in the last frame, in the units of Input
     return size.x > 0.0f && size.y > 0.0f ? glm::vec2(size.x, size.y) : glm::vec2(window_.framebuffer_size());
 }
 
@@ -77,7 +77,7 @@ void Studio::run() {
         const engine::Input& input = window_.poll(idleness_.wait());
         const bool slow = ImGui::GetIO().WantTextInput || !session_.activity().message().text.empty();
         if (!idleness_.draws(input.stirred || is_lively(), slow)) {
-            last = Clock::now(); // the pause is nobody's frame
+            last = Clock::now(); // a pause does not count as a frame
             continue;
         }
         const Clock::time_point now = Clock::now();
@@ -130,7 +130,7 @@ void Studio::handle(const engine::Input& input, double seconds) {
 
 void Studio::handle_keys(const engine::Input& input) {
     for (size_t k = 0; k < input.keys.size(); ++k) {
-        // While the right button is held, letters fly.
+        // While the right button is held, letters move the camera.
         const bool flies =
             tools_.right_held()
             && std::string_view("WASDQE").find(static_cast<char>(input.keys[k])) != std::string_view::npos;
@@ -145,7 +145,7 @@ void Studio::fly(double seconds) {
     if (way != glm::vec3(0.0f)) navigation_.fly(way, std::min(seconds, 0.1));
 }
 
-// What is about to be shown: beside the panels, or in a recorded picture, which has none.
+// Passes the view to the session: the part beside the panels, or the whole of a recorded picture, which has no panels.
 void Studio::watch() {
     const Viewport view = viewport();
     if (panels_.recording)

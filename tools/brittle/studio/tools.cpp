@@ -15,9 +15,9 @@ constexpr float site_reach = 8.0f;   // pixels around a site that count as the s
 constexpr float axis_reach = 7.0f;   // pixels beside an axis of the gizmo
 constexpr float axis_length = 64.0f; // pixels
 constexpr float click_slack = 4.0f;  // pixels that the mouse may move in a click
-constexpr float dab_spacing = 8.0f;  // pixels of the mouse's way between two tries to paint
-constexpr int max_dabs = 100;        // in one frame
-constexpr float radius_step = 1.12f; // a notch of the wheel
+constexpr float dab_spacing = 8.0f;  // pixels of the mouse's path between two dabs of paint
+constexpr int max_dabs = 100;        // maximum in one frame
+constexpr float radius_step = 1.12f; // factor per notch of the wheel
 
 constexpr std::array infos{
     ToolInfo{"Inspect", "F1", "drag to look around, click a piece to select it"},
@@ -41,18 +41,18 @@ float distance_to_segment(glm::vec2 p, glm::vec2 a, glm::vec2 b) {
     return glm::distance(p, a + t * along);
 }
 
-// Where a ray meets the plane through a point that faces the eye.
+// Returns the intersection of a ray with the plane through a point that faces the eye.
 glm::dvec3 on_view_plane(const Ray& ray, const glm::dvec3& through, const Viewport& view) {
     const glm::dvec3 normal(view.forward());
     const double along = glm::dot(ray.direction, normal);
     return along > 1e-6 ? ray.from + glm::dot(through - ray.from, normal) / along * ray.direction : through;
 }
 
-// The point of the axis through `at` that is next to the ray.
+// Returns the point of the axis through `at` that is nearest to the ray.
 glm::dvec3 on_axis(const Ray& ray, const glm::dvec3& at, const glm::dvec3& axis) {
     const glm::dvec3 to = at - ray.from;
     const double b = glm::dot(axis, ray.direction), d = 1.0 - b * b;
-    if (d < 1e-6) return at; // looks along it
+    if (d < 1e-6) return at; // the ray is parallel to the axis
     return at + (b * glm::dot(ray.direction, to) - glm::dot(axis, to)) / d * axis;
 }
 
@@ -77,7 +77,7 @@ void Tools::choose(Tool tool, Session& session) {
 void Tools::handle(const engine::Input& input, const Viewport& view, bool free, Session& session,
                    Navigation& navigation) {
     cursor_ = input.cursor;
-    // Press, drag and release may all come in one slow frame.
+    // Press, drag and release may all arrive in one slow frame.
     bool orbits = drag_ == Drag::orbit, right = right_, middle = middle_;
     for (const engine::ButtonEvent& event : input.buttons) {
         const bool pressed = event.down && free && view.is_free(event.cursor);
@@ -160,7 +160,7 @@ void Tools::release(const engine::ButtonEvent& event, const Viewport& view, Sess
         const auto hit = session.pieces().first(ray.from, ray.direction);
         session.piece = hit ? std::optional(hit->piece) : std::nullopt;
     }
-    drag_to(event.cursor, view, session); // the last of the way
+    drag_to(event.cursor, view, session); // the rest of the path
     left_ = false;
     if (std::exchange(drag_, Drag::none) == Drag::grab) session.let_go();
 }
@@ -190,7 +190,7 @@ void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, 
     dragged_ = on_view_plane(view.ray(event.cursor), session.sites().on_stage()[*site], view);
 }
 
-// On the surface, or with Alt in the middle of what the ray passes first.
+// Places a site on the surface, or with Alt in the middle of the first part of the solid that the ray passes.
 void Tools::place_site(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
     const Ray ray = view.ray(event.cursor);
     if (session.broken()) {
@@ -220,7 +220,7 @@ void Tools::press_anchors(const engine::ButtonEvent& event, const Viewport& view
     paint(view.ray(event.cursor), session);
 }
 
-// The mouse goes far in a slow frame.
+// Paints along the path of the mouse, which is long in a slow frame.
 void Tools::paint_along(glm::vec2 to, const Viewport& view, Session& session) {
     const float way = glm::distance(to, painted_to_);
     const int dabs = std::min(static_cast<int>(std::ceil(way / dab_spacing)), max_dabs);
@@ -229,7 +229,7 @@ void Tools::paint_along(glm::vec2 to, const Viewport& view, Session& session) {
     painted_to_ = to;
 }
 
-// Spots lie so far apart that their balls cover what lies between.
+// Paints or removes anchors. New anchors keep a distance at which their balls still cover the path between them.
 void Tools::paint(const Ray& ray, Session& session) {
     const auto hit = session.object().first_hit(ray.from, ray.direction);
     if (!hit) return;
@@ -277,7 +277,7 @@ void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Ses
     if (tool_ == Tool::hammer) session.preview().aim_nowhere();
     if (!over) return;
     const Ray ray = view.ray(input.cursor);
-    const bool turning = right_ || middle_; // the view; what is shown would only lag behind
+    const bool turning = right_ || middle_; // the view turns, and a preview would lag behind
     if (tool_ == Tool::anchors && !session.broken() && !turning)
         if (const auto hit = session.object().first_hit(ray.from, ray.direction)) aimed_ = glm::vec3(hit->point);
     if (tool_ != Tool::hammer) return;
@@ -292,7 +292,7 @@ void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Ses
     }
 }
 
-// The nearest to the eye of those that are near the cursor.
+// Returns the site nearest to the eye among those near the cursor.
 std::optional<uint32_t> Tools::site_at(glm::vec2 pixel, const Viewport& view, const Session& session) const {
     if (session.broken()) return std::nullopt;
     std::optional<uint32_t> best;
@@ -317,7 +317,7 @@ std::optional<glm::vec3> Tools::gizmo_at(const Session& session) {
 
 std::optional<int> Tools::axis_at(glm::vec2 pixel, const Viewport& view, const Session& session) const {
     for (const Overlay::Axis& axis : overlay(view, session).axes) {
-        // Its first third belongs to the site itself.
+        // The first third of an axis belongs to the site itself.
         if (distance_to_segment(pixel, axis.from + (axis.to - axis.from) / 3.0f, axis.to) <= axis_reach)
             return axis.axis;
     }
@@ -371,7 +371,7 @@ void Tools::remove_selected(Session& session) const {
 
 void Tools::duplicate_selected(Session& session) const {
     if (session.sites().selection.empty() || session.broken()) return;
-    constexpr double beside = 0.08; // m on the stage, so that the copies can be seen
+    constexpr double beside = 0.08; // m on the stage, so that copies are visible beside the originals
     const uint64_t gesture = session.begin_gesture();
     session.take_sites(gesture);
     const auto first = static_cast<uint32_t>(session.sites().on_stage().size());

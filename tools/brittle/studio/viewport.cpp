@@ -10,7 +10,7 @@ namespace brittle::tools {
 
 Viewport::Viewport(const engine::Camera& camera, glm::vec2 window, glm::vec2 free_min, glm::vec2 free_max)
     : camera_(camera), window_(glm::max(window, glm::vec2(1.0f))), free_min_(free_min), free_max_(free_max) {
-    // Depth does not matter here, so any bounds do.
+    // Depth is irrelevant here, so any bounds will do.
     const engine::CameraMatrices m = engine::matrices(camera, window_.x / window_.y, {});
     clip_from_world_ = m.projection * m.view;
     world_from_clip_ = glm::inverse(clip_from_world_);

@@ -9,8 +9,8 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr float name_share = 0.42f; // of a line
-constexpr float tip_width = 28.0f;  // heights of the text; longer lines would not fit where it is large
+constexpr float name_share = 0.42f; // share of a line
+constexpr float tip_width = 28.0f;  // heights of the text; longer lines would not fit with a large font
 constexpr float key_gap = 6.0f;     // pixels between a name and its key
 
 void to_control() {
@@ -18,7 +18,7 @@ void to_control() {
     ImGui::SameLine(left + name_share * (right - left));
 }
 
-// Draws the frame of a slider and its bar, and makes Dear ImGui draw neither while it lives.
+// Draws the frame of a slider and its bar. While the object exists, Dear ImGui draws neither.
 class SliderBar {
   public:
     explicit SliderBar(float share) {
