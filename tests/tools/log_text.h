@@ -1,4 +1,4 @@
-// The text of a replay log, for tests that write one again which they have read.
+// The text of a replay log, for tests that write a log again after reading it.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace brittle::tools::test {
 
-// As a recorder writes it into `folder`.
+// Returns the text that a recorder would write into `folder`.
 inline std::string log_text(const ReplayLog& log, const std::filesystem::path& folder) {
     std::string text = header_line(log, folder);
     auto action = log.actions.begin();

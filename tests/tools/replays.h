@@ -1,4 +1,4 @@
-// Runs that are recorded and repeated, for tests of replay logs.
+// Recorded and replayed runs, for tests of replay logs.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@
 
 namespace brittle::tools::test {
 
-// The log of so many steps, driven by whole steps.
+// Returns the log of a run of `steps` whole steps.
 inline ReplayLog recorded(const FractureOptions& options, const fracture::Fragments& fragments, uint64_t steps,
                           const std::vector<std::pair<uint64_t, Action>>& actions, const std::filesystem::path& file) {
     Simulation simulation(options.material);
@@ -31,7 +31,7 @@ inline ReplayLog recorded(const FractureOptions& options, const fracture::Fragme
     return read_replay_log(file);
 }
 
-// By its actions and the steps of its cuts; where it first differs.
+// Replays a log with its actions and the steps of its cuts. Returns the first difference.
 inline std::optional<Difference> replayed(const ReplayLog& log, const fracture::Fragments& fragments) {
     Simulation simulation(log.recipe.material);
     Player player(log);
@@ -43,7 +43,7 @@ inline std::optional<Difference> replayed(const ReplayLog& log, const fracture::
     return player.difference();
 }
 
-// What reading the file says, "" if it is read.
+// Returns the message of reading a file, or "" if it can be read.
 inline std::string message_of(const std::filesystem::path& file) {
     try {
         (void)read_replay_log(file);

@@ -1,10 +1,7 @@
-// The scenes of assets/scenes, for tests that look at each, and what their tests share. A scene is a type here, so that each is a test case of its own:
-// they run beside each other, end in ctest's time under sanitizers too, and say which scene it was.
+// The scenes of assets/scenes and helpers for their tests. A scene is a type, so that each scene is a test case of its
+// own: the cases run in parallel, stay within ctest's time limit under sanitizers, and name the scene that failed.
 //
 //     using Shot = std::tuple<scene::brick_wall_rammed, scene::tower_collapses>;
-//     TEST_CASE_TEMPLATE_DEFINE("what it must do", Scene, id) { const FractureOptions options = recipe_of<Scene>(); ... }
-//     TEST_CASE_TEMPLATE_APPLY(id, Shot);
-//     TEST_CASE("no scene is left out") { CHECK(names_of<Shot>() == scenes_where([](const FractureOptions& options) {...})); }
 #pragma once
 
 #include <algorithm>
@@ -23,12 +20,13 @@
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/run/stage.h"
 
-// A run without actions is its recipe: where a check fails from here on in the block, it is printed, and `brittle render RECIPE` repeats the run.
+// Prints the recipe of a run without actions if a check fails later in the block. `brittle render RECIPE` repeats the
+// run.
 #define BRITTLE_RUN_OF(options) INFO("the run of this recipe: ", brittle::tools::recipe_json(options))
 
 namespace scene {
 
-// By the names of their files, sorted. test_scenes.cpp tells what is missing.
+// Sorted by the names of their files. test_scenes.cpp reports missing ones.
 using All =
     std::tuple<struct arch_loses_a_column, struct brick_wall_rammed, struct bunny_dropped,
                struct figure_03_voronoi_diagram, struct figure_04_bunny_with_three_sites, struct figure_09_clip_step_0,
@@ -70,7 +68,7 @@ template<typename Scene>
     return recipe_of(name_of<Scene>());
 }
 
-// The files that there are, of which `wanted` holds; sorted.
+// Returns the files of scenes for which `wanted` holds, sorted.
 template<typename Predicate>
 [[nodiscard]] std::vector<std::string> scenes_where(Predicate wanted) {
     std::vector<std::string> names;
@@ -80,12 +78,12 @@ template<typename Predicate>
     return names;
 }
 
-// What the physics begins with: on the stage, broken as the recipe says.
+// Returns the initial pieces of the physics: on the stage, broken by the recipe.
 [[nodiscard]] inline fracture::Fragments started(const FractureOptions& options) {
     return break_input(placed_on_stage(load_input(options), options.world), options).fragments;
 }
 
-// Closed, of positive volume, and together the whole.
+// Checks that all pieces are closed, have positive volume and add up to the whole.
 inline void check_pieces(const physics::Destruction& destruction, double whole) {
     double sum = 0.0;
     for (const physics::PieceId id : destruction.pieces()) {
@@ -97,10 +95,11 @@ inline void check_pieces(const physics::Destruction& destruction, double whole) 
         sum += volume;
     }
     CHECK(destruction.statistics().failed == 0);
-    CHECK(sum == doctest::Approx(whole).epsilon(1e-6)); // positions for drawing are single precision
+    CHECK(sum == doctest::Approx(whole).epsilon(1e-6)); // positions for drawing have single precision
 }
 
-// Of all bodies, one by one, since sums may cancel: what errors of momentum are compared with. Never 0.
+// Sums of absolute values over all bodies, with which errors of momentum are compared; the vector sums may cancel.
+// Never 0.
 struct Motion {
     double momentum = 1e-3; // kg m/s
     double angular = 1e-3;  // kg m^2/s

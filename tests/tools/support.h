@@ -1,4 +1,4 @@
-// What the tests of the program share: the program run as people run it.
+// Helpers for tests that run the program as its users do.
 #pragma once
 
 #include <cstdlib>
@@ -22,7 +22,7 @@ struct Outcome {
     [[nodiscard]] bool has(const std::string& text) const { return output.find(text) != std::string::npos; }
 };
 
-// `environment`: words like NAME=VALUE before the command.
+// `environment`: words of the form NAME=VALUE, put before the command.
 inline Outcome run_brittle(const Folder& folder, const std::string& arguments, const std::string& environment = "") {
     const std::string log = folder / "output";
     const std::string command =

@@ -1,4 +1,4 @@
-// A wall of 30 bricks of concrete that stands on the ground: bonded pieces for the tests of the program.
+// A wall of 30 concrete bricks that stands on the ground: bonded pieces for tests.
 #pragma once
 
 #include "tools/brittle/recipe/input.h"

@@ -1,4 +1,4 @@
-// The program as its users meet it: exit codes, messages, files. Runs the real binary.
+// The program from the user's point of view: exit codes, messages, files. Runs the real binary.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -30,7 +30,7 @@ bool no_vulkan(const Outcome& outcome) {
 
 } // namespace
 
-TEST_CASE("no command, an unknown one and bad options are usage errors with a way on") {
+TEST_CASE("a missing or unknown command and bad options are usage errors that name the alternatives") {
     const Folder folder;
     const Outcome nothing = run_brittle(folder, ""), unknown = run_brittle(folder, "shatter x.obj");
     for (const Outcome& outcome : {nothing, unknown}) {
@@ -124,9 +124,9 @@ TEST_CASE("open and non-manifold meshes are refused with the place of the first 
     CHECK_FALSE(fs::exists(folder / "out.glb"));
 }
 
-TEST_CASE("a mesh whose surface is doubled in places is refused with the way out, and broken with it") {
+TEST_CASE("a mesh with a doubled face is refused with advice to repair, and broken with --repair") {
     const Folder folder;
-    // One face of the tetrahedron stands twice.
+    // One face of the tetrahedron is present twice.
     write_text(folder / "doubled.obj", tetrahedron + "f 2 3 4\n");
     const std::string command = "fracture " + folder / "doubled.obj" + " -n 3 -o " + folder / "out.glb";
     const Outcome refused = run_brittle(folder, command);
@@ -139,7 +139,7 @@ TEST_CASE("a mesh whose surface is doubled in places is refused with the way out
     CHECK(repaired.has("1 duplicate triangle dropped"));
 }
 
-TEST_CASE("a bad line in a site file is named") {
+TEST_CASE("a bad line in a file of sites is named") {
     const Folder folder;
     write_text(folder / "sites.txt", "# two sites\n0 0 0\n1 2\n");
     const Outcome outcome =
@@ -185,7 +185,7 @@ TEST_CASE("an output that cannot be written is an error and leaves the old file"
     CHECK(folder.files() == 1);
 }
 
-TEST_CASE("the demo without a display says so and names the command that needs none") {
+TEST_CASE("the demo without a display reports that and names the command that needs none") {
     const Folder folder;
     const Outcome outcome = run_brittle(folder, "demo shape:cube", "env -u DISPLAY -u WAYLAND_DISPLAY");
     INFO(outcome.output);
@@ -193,7 +193,7 @@ TEST_CASE("the demo without a display says so and names the command that needs n
     CHECK(outcome.has("brittle render"));
 }
 
-TEST_CASE("an unknown device is refused with the list of those there are") {
+TEST_CASE("an unknown device is refused with the list of devices") {
     const Folder folder;
     const Outcome outcome =
         run_brittle(folder, "render shape:cube --whole --device no-such-device -o " + folder / "a.png");
@@ -202,7 +202,7 @@ TEST_CASE("an unknown device is refused with the list of those there are") {
     CHECK((outcome.has("The devices are:") || outcome.has("apt install")));
 }
 
-TEST_CASE("without a driver, or with a damaged one, commands that draw say so and the others work") {
+TEST_CASE("without a driver, or with a damaged one, commands that draw report that and the others work") {
     const Folder folder;
     write_text(folder / "garbage.json", "{ not a driver");
     write_text(folder / "empty.json", "");
@@ -229,7 +229,7 @@ TEST_CASE("without a driver, or with a damaged one, commands that draw say so an
     CHECK_FALSE(fs::exists(folder / "a.png"));
 }
 
-TEST_CASE("what a device fails at is said, with an exit code, and leaves no half-written file") {
+TEST_CASE("failures of a device are reported with an exit code and leave no half-written file") {
     const Folder folder;
     const std::string picture = folder / "f_%02d.png";
     const auto render = [&](const std::string& faults) {
@@ -259,7 +259,7 @@ TEST_CASE("what a device fails at is said, with an exit code, and leaves no half
         CHECK_FALSE(outcome.has("vulkan validation:"));
         CHECK(folder.files() == 0);
     }
-    // In the middle: pictures that are there are whole.
+    // A device lost halfway: existing pictures are complete.
     const Outcome lost = render("submit:-4:8");
     INFO(lost.output);
     CHECK(lost.exit_code == 6);
@@ -270,16 +270,16 @@ TEST_CASE("what a device fails at is said, with an exit code, and leaves no half
         CHECK(read_text(folder / ("f_0" + std::to_string(i) + ".png")).ends_with("IEND\xae\x42\x60\x82"));
 }
 
-TEST_CASE("render names the anchor that reaches nothing, and none that holds") {
+TEST_CASE("render names the anchor that touches nothing, and no other") {
     const Folder folder;
     const std::string render = "render shape:pane --material glass --frames 0 --size 64x48 -o " + (folder / "a.png");
     const Outcome one = run_brittle(folder, render + " --anchor 0,0,0,0.2 --anchor 7,0,0,0.2");
     INFO(one.output);
-    CHECK(one.has("anchor at (7, 0, 0), radius 0.2, reaches nothing"));
+    CHECK(one.has("anchor at (7, 0, 0), radius 0.2, touches no part of the mesh"));
     CHECK_FALSE(one.has("anchor at (0"));
 }
 
-TEST_CASE("render writes a picture for every so many-th frame") {
+TEST_CASE("render writes a picture at every interval of --every") {
     const Folder folder;
     const Outcome outcome = run_brittle(
         folder, "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 --validation -o " + folder / "f_%02d.png");
@@ -293,7 +293,7 @@ TEST_CASE("render writes a picture for every so many-th frame") {
     CHECK(read_text(folder / "f_00.png") != read_text(folder / "f_06.png"));
 }
 
-TEST_CASE("one file name gives one picture, of the end") {
+TEST_CASE("a name without a number gives one picture, of the last frame") {
     const Folder folder;
     const std::string render = "render shape:cube -n 5 --size 64x48 --frames 6 --every 3 -o ";
     const Outcome outcome = run_brittle(folder, render + (folder / "one.png"));
@@ -365,7 +365,7 @@ TEST_CASE("profile measures lists of meshes and counts, on both sides, and write
     CHECK(passes > 0);
 }
 
-TEST_CASE("a time line shows what each thread did of a fracture") {
+TEST_CASE("a time line shows each thread's part of a fracture") {
     const Folder folder;
     REQUIRE(run_brittle(folder, "profile shape:torus -n 50 --threads 2 --warm-up 0 --repeats 2 --frames 0 --trace "
                                     + (folder / "t.json"))
@@ -374,10 +374,10 @@ TEST_CASE("a time line shows what each thread did of a fracture") {
     const auto trace = nlohmann::json::parse(read_text(folder / "t.json"));
     REQUIRE(trace["traceEvents"].is_array());
     std::map<int, std::string> threads;
-    std::map<int, double> end_of; // of each thread's last slice with items
+    std::map<int, double> end_of; // end of each thread's last slice with items
     std::set<std::string> steps;
     for (const auto& event : trace["traceEvents"]) {
-        // The Trace Event Format: what every event has, and what a complete one has besides.
+        // Fields of the Trace Event Format: of every event, and additional ones of complete events.
         for (const char* key : {"name", "ph", "pid", "tid"}) REQUIRE(event.contains(key));
         const int thread = event["tid"].get<int>();
         if (event["ph"] == "M" && event["name"] == "thread_name") threads[thread] = event["args"]["name"];
@@ -399,7 +399,7 @@ TEST_CASE("a time line shows what each thread did of a fracture") {
         CHECK(steps.contains(step));
 }
 
-TEST_CASE("profile finds out where classification is faster, and says so") {
+TEST_CASE("profile measures which processor classifies faster, and reports it") {
     const Folder folder;
     const Outcome outcome =
         run_brittle(folder, "profile shape:icosphere -n 20 --classify auto --warm-up 0 --repeats 1 --frames 0 --json");
@@ -417,7 +417,7 @@ TEST_CASE("profile finds out where classification is faster, and says so") {
               .has("classification on the "));
 }
 
-TEST_CASE("profile compares with an earlier run: alike, slower, and what is no profile") {
+TEST_CASE("profile --compare reports faster and slower runs, and refuses a file that is not a profile") {
     const Folder folder;
     const std::string command = "profile shape:cube -n 4 --repeats 5 --frames 0 ", old = folder / "old.json";
     REQUIRE(run_brittle(folder, command + "-o " + old).exit_code == 0);
@@ -439,11 +439,11 @@ TEST_CASE("profile compares with an earlier run: alike, slower, and what is no p
     write_text(old, "{}");
     const Outcome none = run_brittle(folder, command + "--compare " + old);
     CHECK(none.exit_code == 3);
-    CHECK(none.has("no profile"));
+    CHECK(none.has("not a profile"));
     CHECK(run_brittle(folder, command + "--compare " + (folder / "missing.json")).exit_code == 3);
 }
 
-TEST_CASE("what profile cannot do is refused before any work") {
+TEST_CASE("profile refuses impossible requests before any work") {
     const Folder folder;
     const auto refused = [&](const std::string& arguments, int code, const std::string& words) {
         const Outcome outcome = run_brittle(folder, "profile " + arguments);
@@ -469,14 +469,15 @@ TEST_CASE("what profile cannot do is refused before any work") {
     const auto profile = nlohmann::json::parse(planned.output);
     CHECK(profile["scenarios"].size() == 2);
     CHECK(profile["settings"]["warm_up"] == 0);
-    CHECK(profile["settings"]["repeats"] == 1); // the command line outdoes the file
+    CHECK(profile["settings"]["repeats"] == 1); // the command line overrides the file
     refused("shape:cube -n 2 --repeats 1 --frames 0 --csv " + (folder / "no/such.csv"), 5, "no/such");
 }
 
 TEST_CASE("Ctrl+C ends a long command and leaves no half-written file") {
     const Folder folder;
-    // Minutes of work; the signal comes while it is at it, and only once: a second one ends the program at once. So not by
-    // run_brittle(), whose own limit of time would pass it on, and not to all of the group.
+    // The work would take minutes. The program must get the signal once and alone: a second one ends it at once.
+    // run_brittle() cannot be used, because its own time limit would pass the signal on, and the signal must not go to
+    // the whole process group.
     const std::string log = folder / "output";
     const int status = std::system(("/usr/bin/timeout --foreground --preserve-status -s INT 1 " BRITTLE_PROGRAM
                                     " fracture shape:animal -n 3000 --algorithm sequential -o "
@@ -488,7 +489,7 @@ TEST_CASE("Ctrl+C ends a long command and leaves no half-written file") {
     CHECK(folder.files() == 0);
 }
 
-TEST_CASE("a minimum volume leaves fewer pieces, and none below it") {
+TEST_CASE("a minimum volume gives fewer pieces, and none below it") {
     const Folder folder;
     const auto pieces = [&](const std::string& options) {
         const std::string report = folder / "report.json";
@@ -503,7 +504,7 @@ TEST_CASE("a minimum volume leaves fewer pieces, and none below it") {
     CHECK(run_brittle(folder, "fracture shape:cube --min-volume -1 -o " + (folder / "x.glb")).exit_code == 2);
 }
 
-TEST_CASE("pieces are written in every format, with materials, hulls and a file for each") {
+TEST_CASE("pieces are written in every format, with materials, hulls and one file per piece") {
     const Folder folder;
     const std::string crate = BRITTLE_CORPUS "/meshes/crate.glb";
     for (const std::string ending : {"glb", "obj", "ply", "stl"}) {
@@ -542,9 +543,9 @@ TEST_CASE("sites of a file are fitted, turned, scaled and moved") {
     CHECK(pieces(" --fit-sites --turn-sites 0,0,90 --move-sites 0,1.1,0") == 1);
 }
 
-TEST_CASE("repair mends what fracture refuses, says what it did, and keeps what it looks like") {
+TEST_CASE("repair repairs a mesh that fracture refuses, reports the repair, and keeps materials") {
     const Folder folder;
-    // The crate without its floor: the hole gets a new one.
+    // The crate without its floor; repair closes the hole.
     std::string crate = read_text(BRITTLE_CORPUS "/meshes/crate.obj");
     crate.erase(crate.find("usemtl iron"));
     write_text(folder / "open.obj", crate);
@@ -571,7 +572,7 @@ TEST_CASE("repair mends what fracture refuses, says what it did, and keeps what 
     CHECK(sound.has("nothing to repair"));
 }
 
-TEST_CASE("the pieces are the same wherever they are classified, and auto says where") {
+TEST_CASE("the pieces are the same with every --classify, and auto reports the processor") {
     const Folder folder;
     const auto hash = [&](const std::string& where) {
         const Outcome outcome = run_brittle(folder, "fracture shape:torus -n 40 --classify " + where + " --report "
@@ -586,7 +587,7 @@ TEST_CASE("the pieces are the same wherever they are classified, and auto says w
     CHECK(hash("auto") == on_cpu);
 }
 
-TEST_CASE("inspect marks what it found in a file and a picture") {
+TEST_CASE("inspect marks faults in a file and in a picture") {
     const Folder folder;
     write_text(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
     const Outcome outcome = run_brittle(folder, "inspect " + (folder / "open.obj") + " --size 320x240 --marks "
@@ -599,7 +600,7 @@ TEST_CASE("inspect marks what it found in a file and a picture") {
     CHECK(json["places"]["open_edges"].size() == 3);
 }
 
-TEST_CASE("inspect says what fracture will do, in words and as JSON") {
+TEST_CASE("inspect reports whether a mesh can be fractured, as text and as JSON") {
     const Folder folder;
     const Outcome sound = run_brittle(folder, "inspect shape:hollow_sphere");
     CHECK(sound.exit_code == 0);

@@ -1,4 +1,4 @@
-// --record, `brittle replay` and --video as their users meet them. Runs the real binary.
+// --record, `brittle replay` and --video from the user's point of view. Runs the real binary.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -32,13 +32,13 @@ bool no_vulkan(const Outcome& outcome) {
     return true;
 }
 
-// A short run of the wall, with its log.
+// Records a short run of the wall.
 Outcome record(const Folder& folder, const std::string& more = "") {
     return run_brittle(folder, "render " BRITTLE_ASSETS "/scenes/brick_wall_rammed.json --frames 30 --size 64x48 -o "
                                    + folder / "a_%02d.png" + " --every 10 --record " + folder / "run.log" + " " + more);
 }
 
-// A program of that name that does what the script says.
+// Writes an executable script of the given name.
 void make_program(const std::string& file, const std::string& script) {
     write_text(file, "#!/bin/sh\n" + script);
     REQUIRE(chmod(file.c_str(), 0755) == 0);
@@ -46,13 +46,13 @@ void make_program(const std::string& file, const std::string& script) {
 
 } // namespace
 
-TEST_CASE("what render records is repeated without a device, and drawn again as it was") {
+TEST_CASE("a run recorded by render repeats without a device, and is drawn again with equal pictures") {
     const Folder folder;
     const Outcome recorded = record(folder);
     INFO(recorded.output);
     if (no_vulkan(recorded)) return;
     REQUIRE(recorded.exit_code == 0);
-    // No driver is to be found.
+    // No Vulkan driver can be found.
     const Outcome replayed =
         run_brittle(folder, "replay " + folder / "run.log", "VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null");
     INFO(replayed.output);
@@ -67,7 +67,7 @@ TEST_CASE("what render records is repeated without a device, and drawn again as 
         CHECK(read_text(folder / "a_" + number + ".png") == read_text(folder / "b_" + number + ".png"));
 }
 
-TEST_CASE("render and replay write the pieces of the last moment, and the same ones") {
+TEST_CASE("render and replay export equal pieces at the end of a run") {
     const Folder folder;
     const std::string run =
         "render shape:animal --breakable --material stone --height 1.5 --air-density 0 --frames 60 --size 64x48";
@@ -78,8 +78,8 @@ TEST_CASE("render and replay write the pieces of the last moment, and the same o
     REQUIRE(rendered.exit_code == 0);
     CHECK(rendered.has(" pieces in " + (folder / "a.ply")));
     CHECK_FALSE(rendered.has("1 pieces"));
-    CHECK_FALSE(rendered.has(": 1 piece "));            // it broke where it fell
-    CHECK_FALSE(fs::exists(folder / "frame_0060.png")); // not asked for
+    CHECK_FALSE(rendered.has(": 1 piece "));            // it broke by its fall
+    CHECK_FALSE(fs::exists(folder / "frame_0060.png")); // pictures are written only if requested
     const Outcome replayed = run_brittle(folder, "replay " + (folder / "run.log") + " --export " + (folder / "b.ply"));
     INFO(replayed.output);
     CHECK(replayed.exit_code == 0);
@@ -88,7 +88,8 @@ TEST_CASE("render and replay write the pieces of the last moment, and the same o
                                                  + " --export-as made --hulls godot --export " + (folder / "b.glb"));
     CHECK(made.exit_code == 0);
     CHECK(read_text(folder / "b.glb").find("_01-convcolonly") != std::string::npos); // legs and body
-    // Pieces as they were made touch, and a reader that joins equal corners may see edges of three triangles: but nothing is missing.
+    // Pieces as made touch each other. A reader that merges equal corners may see edges with three triangles, but no
+    // part is missing.
     CHECK(run_brittle(folder, "replay " + (folder / "run.log") + " --export-as made --export " + (folder / "d.glb"))
               .exit_code
           == 0);
@@ -98,7 +99,7 @@ TEST_CASE("render and replay write the pieces of the last moment, and the same o
         return fracture::signed_volume(mesh.positions, mesh.triangles);
     };
     CHECK(volume_of(*pieces)
-          == doctest::Approx(volume_of(*fracture::shape("animal"))).epsilon(1e-6)); // positions are single precision
+          == doctest::Approx(volume_of(*fracture::shape("animal"))).epsilon(1e-6)); // positions have single precision
 
     CHECK(run_brittle(folder, run + " --whole --export " + (folder / "c.glb")).exit_code == 2);
     CHECK(run_brittle(folder, run + " --export " + (folder / "c.fbx")).exit_code == 2);
@@ -110,7 +111,7 @@ TEST_CASE("render and replay write the pieces of the last moment, and the same o
     CHECK(run_brittle(folder, run + " --export " + (folder / "none/c.glb")).exit_code == 5);
 }
 
-TEST_CASE("a replay that differs has its exit code and names step and body") {
+TEST_CASE("a replay that differs has its own exit code and names step and body") {
     const Folder folder;
     const Outcome recorded = record(folder);
     if (no_vulkan(recorded)) return;
@@ -132,7 +133,7 @@ TEST_CASE("a replay that differs has its exit code and names step and body") {
     CHECK(run_brittle(folder, "replay " + folder / "foreign.log").has("it was recorded with compiler \"not "));
 }
 
-TEST_CASE("replay and --record refuse what they cannot do") {
+TEST_CASE("replay and --record refuse impossible requests") {
     const Folder folder;
     CHECK(run_brittle(folder, "replay").exit_code == 2);
     CHECK(run_brittle(folder, "replay " + folder / "none.log").exit_code == 3);
@@ -141,7 +142,7 @@ TEST_CASE("replay and --record refuse what they cannot do") {
     CHECK(run_brittle(folder, "replay x.log --render %s.png").exit_code == 2);
 }
 
-TEST_CASE("a run that is interrupted leaves a log that can be repeated") {
+TEST_CASE("an interrupted run leaves a log that can be replayed") {
     const Folder folder;
     const std::string log = folder / "run.log";
     const std::string output = folder / "output";
@@ -153,7 +154,7 @@ TEST_CASE("a run that is interrupted leaves a log that can be repeated") {
               "64x48", "--every", "1", "-o", (folder / "f_%06d.png").c_str(), "--record", log.c_str(), nullptr);
         _exit(98);
     }
-    // Until it is about its pictures, or gave up for want of a device.
+    // Waits until the program writes pictures, or gave up for lack of a device.
     int status = 0;
     bool over = false;
     for (int k = 0; k < 600 && !over && !fs::exists(folder / "f_000005.png"); ++k) {
@@ -175,7 +176,7 @@ TEST_CASE("a run that is interrupted leaves a log that can be repeated") {
     CHECK(replayed.has("interrupted"));
 }
 
-TEST_CASE("a video gets all frames, ffmpeg's absence and failures are told") {
+TEST_CASE("a video holds all frames, and ffmpeg's absence and failures are reported") {
     const Folder folder;
     const std::string render = "render shape:cube -n 5 --size 64x48 --frames 6 --video " + folder / "fall.mp4";
     fs::create_directory(folder / "bin");
@@ -187,7 +188,7 @@ TEST_CASE("a video gets all frames, ffmpeg's absence and failures are told") {
     CHECK(missing.exit_code == 2);
     CHECK(missing.has("needs the program ffmpeg"));
 
-    // Stands in for ffmpeg: what it is given goes to the file that is named last.
+    // A stand-in for ffmpeg, which copies its input to the file named last.
     make_program(folder / "bin/ffmpeg", "echo \"$@\" > '" + folder / "words"
                                             + "'\n"
                                               "for last; do :; done\n/bin/cat > \"${last#file:}\"\n");
@@ -220,7 +221,7 @@ TEST_CASE("a video gets all frames, ffmpeg's absence and failures are told") {
     CHECK(read_text(folder / "fall.mp4") == "old");
 }
 
-TEST_CASE("the schema of replay logs knows the actions and their fields, and no others") {
+TEST_CASE("the schema of replay logs lists exactly the actions and their fields") {
     using namespace brittle::tools;
     const auto schema = nlohmann::json::parse(std::ifstream(BRITTLE_ASSETS "/replay.schema.json"));
     const auto& known = schema["$defs"]["action"]["properties"];
@@ -239,5 +240,5 @@ TEST_CASE("the schema of replay logs knows the actions and their fields, and no 
         for (const auto& [field, value] : object[name].items()) CHECK(fields.contains(field));
     }
     CHECK(kinds == std::variant_size_v<Action>);
-    CHECK(known.size() == kinds + 1); // and after
+    CHECK(known.size() == kinds + 1); // and "after"
 }

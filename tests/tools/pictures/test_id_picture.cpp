@@ -9,7 +9,7 @@ using namespace brittle::tools;
 using brittle::engine::Bitmap;
 using brittle::engine::IdImage;
 
-TEST_CASE("an id picture of nothing, and of no pieces") {
+TEST_CASE("an id picture of size zero, and one without pieces") {
     CHECK(id_picture({}).pixels.empty());
     const Bitmap none = id_picture({2, 1, {0, 0}});
     CHECK(none.pixels == std::vector<uint8_t>(8, 0));
@@ -31,7 +31,7 @@ TEST_CASE("every piece has a colour of its own that leads back to its number") {
     CHECK_FALSE(colours.contains(0));
 }
 
-TEST_CASE("the first colours are those that the manual's formula gives, and far apart") {
+TEST_CASE("the first colours follow the manual's formula and are clearly different") {
     const Bitmap picture = id_picture({3, 1, {1, 2, 3}});
     const std::array<uint8_t, 12> expected{0x9E, 0x37, 0x79, 255, 0x3C, 0x6E, 0xF2, 255, 0xDA, 0xA6, 0x6B, 255};
     CHECK(std::equal(picture.pixels.begin(), picture.pixels.end(), expected.begin(), expected.end()));

@@ -35,7 +35,7 @@ TEST_CASE("frame numbers are padded as printf pads them") {
     CHECK(picture_name("50%%.png", 9) == "50%.png");
 }
 
-TEST_CASE("an unused name is the first that no file has") {
+TEST_CASE("an unused name is the first name without a file") {
     const test::Folder folder;
     const std::string pattern = folder / "a_%03d.png";
     CHECK(unused_name(pattern) == folder / "a_000.png");

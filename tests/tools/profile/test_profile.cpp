@@ -1,4 +1,4 @@
-// What `brittle profile` makes of its measurements: scenarios, series, CSV, time line, the comparison of two runs.
+// Processing of measurements by `brittle profile`: scenarios, series, CSV, time line, comparison of two runs.
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The message of the Failure that `work` throws, which must have this code; "" where it throws none.
+// Returns the message of the Failure that `work` throws and checks its exit code; "" if it throws none.
 template<class Work>
 std::string message_of(ExitCode code, const Work& work) {
     try {
@@ -86,7 +86,7 @@ Verdict verdict_of(const Comparison& comparison, const std::string& group, const
 
 } // namespace
 
-TEST_CASE("profile: lists on the command line are multiplied in their order") {
+TEST_CASE("profile: the scenarios are all combinations of the lists, in their order") {
     FractureOptions base;
     base.pattern.seed = 7;
     const ScenarioGroup lists{{}, {}, {"shape:torus", "folder/b.obj"}, {10, 20}, {"cpu", "gpu"}};
@@ -111,7 +111,7 @@ TEST_CASE("profile: one mesh and one count are one scenario") {
     CHECK(all[0].classify == ClassifyPath::cpu);
 }
 
-TEST_CASE("profile: a plan's groups take the place of the lists, which stand in for what a group leaves out") {
+TEST_CASE("profile: a plan's groups replace the lists, which fill in what a group leaves open") {
     const Folder folder;
     (void)folder.write("glass.json",
                        R"({"brittle": 1, "mesh": "pane.obj", "pattern": {"type": "radial", "count": 30}})");
@@ -134,11 +134,11 @@ TEST_CASE("profile: a plan's groups take the place of the lists, which stand in 
     lists.counts = {6, 7};
     lists.meshes = {"shape:torus"};
     const std::vector<Scenario> more = make_scenarios(plan, lists, {});
-    REQUIRE(more.size() == 4); // cube and b with 4; the torus as glass, with 6 and 7
+    REQUIRE(more.size() == 4); // cube and b with 4; torus of glass, with 6 and 7
     CHECK(more[3].name == "glass torus 7 gpu");
 }
 
-TEST_CASE("profile: scenarios that cannot be are refused") {
+TEST_CASE("profile: impossible scenarios are refused") {
     FractureOptions base;
     has(message_of(exit_usage, [&] { (void)make_scenarios({}, {}, base); }), "--meshes");
     base.mesh = "shape:cube";
@@ -153,10 +153,10 @@ TEST_CASE("profile: scenarios that cannot be are refused") {
     has(message_of(exit_usage, [&] { (void)make_scenarios({}, lists, base); }), "counts need a pattern");
 }
 
-TEST_CASE("profile: what is wrong with a plan is said with its place") {
+TEST_CASE("profile: faults of a plan are named with their place") {
     has(plan_message("{}"), "plan.json: /brittle_profile");
     has(plan_message(R"({"brittle_profile": 1})"), "/scenarios");
-    has(plan_message(R"({"brittle_profile": 1, "scenarios": []})"), "with something in it");
+    has(plan_message(R"({"brittle_profile": 1, "scenarios": []})"), "that is not empty");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [3]})"), "/scenarios/0: expected an object");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"counts": [0]}]})"),
         "/scenarios/0/counts: expected a whole");
@@ -165,13 +165,13 @@ TEST_CASE("profile: what is wrong with a plan is said with its place") {
         "\"auto\", \"cpu\" or \"gpu\"");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"meshes": [1]}]})"), "text in quotes");
     has(plan_message(R"({"brittle_profile": 1, "scenarios": [{"mesh": "a"}]})"),
-        "unknown key; there are: name, recipe, meshes");
+        "unknown key; the keys are: name, recipe, meshes");
     has(plan_message(R"({"brittle_profile": 1, "repeats": 0, "scenarios": [{}]})"), "/repeats");
     has(plan_message(R"({"brittle_profile": 1, "loops": 1, "scenarios": [{}]})"), "/loops: unknown key");
     has(plan_message("[1"), "cannot be read");
 }
 
-TEST_CASE("profile: the plans in assets/ are read, and the schema knows their keys") {
+TEST_CASE("profile: the plans in assets/ can be read, and the schema lists their keys") {
     const auto schema = nlohmann::json::parse(std::ifstream(BRITTLE_ASSETS "/profile.schema.json"));
     const auto& keys = schema["properties"];
     const auto& group_keys = keys["scenarios"]["items"]["properties"];
@@ -187,7 +187,7 @@ TEST_CASE("profile: the plans in assets/ are read, and the schema knows their ke
         for (const auto& group : json["scenarios"])
             for (const auto& [key, value] : group.items()) CHECK(group_keys.contains(key));
     }
-    // And no key more than the reader does.
+    // The schema has no key that the reader refuses.
     const auto is_known = [](const std::string& text) {
         return plan_message("{\"brittle_profile\": 1, " + text).find("unknown key") == std::string::npos;
     };
@@ -208,14 +208,14 @@ TEST_CASE("profile: a series keeps the order of its names") {
     CHECK(Series().json() == Json::object());
 }
 
-TEST_CASE("profile: a trace nests, and orders what overlaps by a rounding") {
+TEST_CASE("profile: slices of a trace nest, and overlaps by a rounding error are removed") {
     Trace trace;
-    trace.add(Track::device, 0, "second", 1'500, 2'500); // begins before the first ends
+    trace.add(Track::device, 0, "second", 1'500, 2'500); // begins before the end of the first
     trace.add(Track::device, 0, "first", 1'000, 1'600);
     trace.add_steps(Track::main, 1, {{"a", 0.001}, {"b", 0.002}, {"late", 0.5}}, 1'000);
     trace.add(Track::main, 0, "all", 1'000, 5'000);
     trace.add(Track::main, 0, "next", 5'000, 5'000);
-    trace.add(Track::worker, 1, "orphan", 900, 800); // ends before it begins, and stands in nothing
+    trace.add(Track::worker, 1, "orphan", 900, 800); // ends before it begins, and lies in no other slice
     trace.mark("now", 3'000);
     trace.add(share_track(1), 0, "cells", 2'000, 2'500, 40, 80);
     const Json json = Json::parse(trace.json({{"device", "none"}}).dump());
@@ -225,7 +225,7 @@ TEST_CASE("profile: a trace nests, and orders what overlaps by a rounding") {
         std::string name;
         double begin, end;
     };
-    std::map<int, std::vector<Slice>> open; // of each thread, from the outermost inwards
+    std::map<int, std::vector<Slice>> open; // open slices of each thread, outermost first
     std::map<std::string, Slice> slices;
     double last = -1.0;
     int last_thread = 0, names = 0, marks = 0;
@@ -260,7 +260,7 @@ TEST_CASE("profile: a trace nests, and orders what overlaps by a rounding") {
     CHECK(slices["b"].begin == slices["a"].end);
 }
 
-TEST_CASE("profile: CSV has a line a phase, and quotes what needs it") {
+TEST_CASE("profile: CSV has one line per phase and quotes where needed") {
     const std::string csv = profile_csv(profile_of(row(1.5, 2.0), row(3.0, 4.0), "a \"b\", c"));
     std::istringstream stream(csv);
     std::vector<std::vector<std::string>> lines;
@@ -290,7 +290,7 @@ TEST_CASE("profile: CSV has a line a phase, and quotes what needs it") {
     CHECK(lines[3][13] == "9");
 }
 
-TEST_CASE("profile: what is beyond the threshold in median and minimum is slower") {
+TEST_CASE("profile: a phase is slower if median and minimum exceed the threshold") {
     const Comparison same = compared(row(9.0, 10.0), row(12.0, 10.5));
     CHECK_FALSE(same.slower);
     CHECK(verdict_of(same, "fracture", "total") == Verdict::same);
@@ -324,14 +324,14 @@ TEST_CASE("profile: few samples and single phases decide nothing") {
     CHECK(compare_profiles(before, after, 1.1).slower);
 }
 
-TEST_CASE("profile: a phase that took no time before is infinitely slower, and JSON survives that") {
+TEST_CASE("profile: a phase that took no time before is infinitely slower, which is null in JSON") {
     const Comparison comparison = compared(row(0.0, 0.0), row(1.0, 1.0));
     CHECK(comparison.slower);
     CHECK(Json::parse(comparison_json(comparison).dump())["phases"][1]["ratio"].is_null());
     CHECK_FALSE(compared(row(0.0, 0.0), row(0.0, 0.0)).slower);
 }
 
-TEST_CASE("profile: other machines, other work and scenarios without a partner are noted") {
+TEST_CASE("profile: differences of machine and work, and unmatched scenarios, are noted") {
     const Json old = profile_of(row(1.0, 1.0), row(1.0, 1.0));
     Json now = old;
     now["environment"]["processor"] = "two";
@@ -348,26 +348,26 @@ TEST_CASE("profile: other machines, other work and scenarios without a partner a
         "no scenario in common");
 }
 
-TEST_CASE("profile: a file that is no profile is refused before it is compared with") {
+TEST_CASE("profile: --compare refuses a file that is not a profile") {
     const Folder folder;
     const auto message = [&](const Json& json) {
         return message_of(exit_input, [&] { (void)read_profile(folder.write("old.json", json.dump())); });
     };
     const Json good = profile_of(row(1.0, 1.0), row(1.0, 1.0));
     CHECK(message(good).empty());
-    has(message({{"brittle", 1}}), "old.json: this is no profile");
+    has(message({{"brittle", 1}}), "old.json: this is not a profile");
     Json bad = good;
     bad["scenarios"][0]["fracture"]["total"].erase("median");
-    has(message(bad), "/scenarios/0/fracture/total/median: missing");
+    has(message(bad), "/scenarios/0/fracture/total/median: is missing");
     bad = good;
     bad["scenarios"][0]["frames"]["falling"]["frame"]["min"] = "fast";
     has(message(bad), "/frames/falling/frame/min: expected a number");
     bad = good;
     bad["scenarios"][0].erase("fracture");
-    has(message(bad), "/scenarios/0/fracture: missing");
+    has(message(bad), "/scenarios/0/fracture: is missing");
     bad = good;
     bad["scenarios"] = 3;
-    has(message(bad), "this is no profile");
+    has(message(bad), "this is not a profile");
     has(message_of(exit_input, [&] { (void)read_profile(folder.path / "none.json"); }), "cannot be read");
 }
 

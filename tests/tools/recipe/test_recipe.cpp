@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What reading the text says, "" if it is read.
+// Returns the message of reading a text, or "" if it can be read.
 std::string message_of(const std::string& text) {
     const Folder folder;
     FractureOptions options;
@@ -90,7 +90,7 @@ FractureOptions everything() {
     return options;
 }
 
-// Sites of a file, moved about.
+// Sites from a file, with a placement.
 FractureOptions points() {
     FractureOptions options;
     options.mesh = "shape:cube";
@@ -101,7 +101,7 @@ FractureOptions points() {
     return options;
 }
 
-// Sites that the recipe lists itself.
+// Sites listed in the recipe.
 FractureOptions listed() {
     FractureOptions options;
     options.mesh = "shape:cube";
@@ -122,7 +122,7 @@ FractureOptions grouped() {
 
 } // namespace
 
-TEST_CASE("recipe: what is written is read again, to the bit") {
+TEST_CASE("recipe: writing and reading preserve every value to the bit") {
     const Folder folder;
     for (const FractureOptions& options :
          {FractureOptions{}, everything(), points(), listed(), weighted(), grouped()}) {
@@ -137,7 +137,7 @@ TEST_CASE("recipe: what is written is read again, to the bit") {
     }
 }
 
-TEST_CASE("recipe: what differs from the material's pattern is written, also where it is as without a material") {
+TEST_CASE("recipe: values that differ from the material's pattern are written, even if they are the plain defaults") {
     const Folder folder;
     FractureOptions options;
     use_material("glass", options);
@@ -149,7 +149,7 @@ TEST_CASE("recipe: what differs from the material's pattern is written, also whe
     CHECK(again.pattern.jitter == options.pattern.jitter);
 }
 
-TEST_CASE("recipe: what it does not mention stays") {
+TEST_CASE("recipe: options that it does not mention stay") {
     const Folder folder;
     FractureOptions options = everything();
     read_recipe(folder.write("recipe.json", R"({"brittle": 1, "pattern": {"type": "grid"}})"), options);
@@ -158,7 +158,7 @@ TEST_CASE("recipe: what it does not mention stays") {
     CHECK(options.mesh == "shape:torus");
 }
 
-TEST_CASE("recipe: a material says how it breaks, and the pattern outdoes it") {
+TEST_CASE("recipe: a material sets the pattern, and the pattern's own keys override it") {
     const Folder folder;
     for (const physics::MaterialPreset& preset : physics::material_presets()) {
         FractureOptions options;
@@ -173,10 +173,10 @@ TEST_CASE("recipe: a material says how it breaks, and the pattern outdoes it") {
         CHECK(options.material == preset.name);
     }
     says(R"({"brittle": 1, "material": "cheese"})",
-         "/material: there is no material 'cheese'; there are: glass, stone");
+         "/material: there is no material 'cheese'; the materials are: glass, stone");
 }
 
-TEST_CASE("recipe: listed sites are the sites, and another pattern forgets them") {
+TEST_CASE("recipe: listed sites replace the pattern, and another pattern removes them") {
     const Folder folder;
     FractureOptions options = points();
     read_recipe(folder.write("recipe.json", recipe_json(listed())), options);
@@ -191,7 +191,7 @@ TEST_CASE("recipe: listed sites are the sites, and another pattern forgets them"
     CHECK(sites_for(options, fracture::cube()).sites.size() == 7);
 }
 
-TEST_CASE("recipe: listed sites have weights and groups, those alone in a group none") {
+TEST_CASE("recipe: listed sites have weights and groups, and a site alone in its group has number 0") {
     CHECK(sites_for(weighted(), fracture::cube()).weights == std::vector{1.0 / 3.0, 0.0, -0.25});
     CHECK(sites_for(weighted(), fracture::cube()).groups.empty());
     const std::vector<uint32_t> groups = sites_for(grouped(), fracture::cube()).groups;
@@ -201,7 +201,7 @@ TEST_CASE("recipe: listed sites have weights and groups, those alone in a group 
     FractureOptions alone = listed();
     alone.points[1].group = 5;
     CHECK(sites_for(alone, fracture::cube()).groups.empty());
-    // There and back.
+    // Written and read again.
     const SiteSet set{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {9, 4, 9, 7}, {0.0, 1.0, 0.0, 2.0}};
     const std::vector<PlacedSite> placed = placed_sites(set);
     REQUIRE(placed.size() == 4);
@@ -216,11 +216,11 @@ TEST_CASE("recipe: listed sites have weights and groups, those alone in a group 
     CHECK(placed_sites({}).empty());
 }
 
-TEST_CASE("recipe: cells of one group are one piece, and a heavy site has more than a light one") {
+TEST_CASE("recipe: cells of one group make one piece, and a heavier site gets a larger cell") {
     FractureOptions options;
     options.mesh = "shape:cube";
     options.points = {{{-0.5, 0.0, 0.0}}, {{0.0, 0.0, 0.0}}, {{0.5, 0.0, 0.0}}};
-    const auto volumes = [&] { // by their place along x
+    const auto volumes = [&] { // in order of position along x
         std::map<double, double> at;
         const Broken broken = break_input(load_input(options), options);
         CHECK(broken.certificate.closed);
@@ -232,8 +232,8 @@ TEST_CASE("recipe: cells of one group are one piece, and a heavy site has more t
     };
     const std::vector<double> plain = volumes();
     REQUIRE(plain.size() == 3);
-    const double area = 2.0 * plain[1]; // of a section: the one in the middle is half a metre thick
-    options.points[1].weight = 0.1;     // moves both its bisectors by w / 2 d
+    const double area = 2.0 * plain[1]; // area of a section; the middle piece is half a metre thick
+    options.points[1].weight = 0.1;     // moves both bisectors of the site by w / 2 d
     const std::vector<double> heavy = volumes();
     REQUIRE(heavy.size() == 3);
     CHECK(heavy[1] - plain[1] == doctest::Approx(2.0 * area * 0.1 / (2.0 * 0.5)).epsilon(1e-9));
@@ -244,20 +244,20 @@ TEST_CASE("recipe: cells of one group are one piece, and a heavy site has more t
     CHECK(joined[0] == doctest::Approx(plain[0] + plain[1]).epsilon(1e-12));
 }
 
-TEST_CASE("recipe: weights and groups that fit no sites are refused") {
+TEST_CASE("recipe: weights and groups that do not match the sites are refused") {
     const auto with = [](const std::string& more) {
         return R"({"brittle": 1, "mesh": "shape:cube", "pattern": {"type": "points", "sites": [[0, 0, 0], [1, 0, 0]], )"
                + more + "}}";
     };
-    says(with(R"("weights": [1])"), "/pattern/weights: expected a list of one for each of the 2 sites");
+    says(with(R"("weights": [1])"), "/pattern/weights: expected a list of 2 values, one per site");
     says(with(R"("weights": [1, "much"])"), "/pattern/weights/1: expected a number");
     says(with(R"("weights": [1, 1e300])"), "/pattern/weights/1: expected a number");
-    says(with(R"("groups": 3)"), "/pattern/groups: expected a list of one for each of the 2 sites");
+    says(with(R"("groups": 3)"), "/pattern/groups: expected a list of 2 values, one per site");
     says(with(R"("groups": [0, -1])"), "/pattern/groups/1: expected a whole number");
     says(with(R"("groups": [0, 1000001])"), "/pattern/groups/1: expected a whole number");
 }
 
-TEST_CASE("recipe: paths count from its folder") {
+TEST_CASE("recipe: relative paths count from the recipe's folder") {
     const Folder folder;
     FractureOptions options;
     const std::string text =
@@ -272,7 +272,7 @@ TEST_CASE("recipe: paths count from its folder") {
 }
 
 TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what was expected") {
-    says(R"({"brittle": 1, "pattern": {"cuont": 4}})", "/pattern/cuont: unknown key; there are: type, count");
+    says(R"({"brittle": 1, "pattern": {"cuont": 4}})", "/pattern/cuont: unknown key; the keys are: type, count");
     says(R"({"brittle": 1, "mseh": ""})", "/mseh: unknown key");
     says(R"({"brittle": 1, "pattern": {"count": 0}})",
          "/pattern/count: expected a whole number from 1 to 1000000, found 0");
@@ -282,7 +282,7 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
          "/pattern/jitter: expected a number from 0.0 to 1.0, found \"lots\"");
     says(R"({"brittle": 1, "pattern": {"focus": [1, 2]}})", "/pattern/focus: expected three numbers");
     says(R"({"brittle": 1, "pattern": {"line": [[0, 0, 0], [1, "x", 0]]}})", "/pattern/line/1: expected three numbers");
-    says(R"({"brittle": 1, "pattern": {"type": "glass"}})", "there is no pattern \"glass\"; there are: uniform");
+    says(R"({"brittle": 1, "pattern": {"type": "glass"}})", "there is no pattern \"glass\"; the patterns are: uniform");
     says(R"({"brittle": 1, "pattern": {"type": "points"}})", "/pattern/file: a pattern of points needs");
     says(R"({"brittle": 1, "pattern": {"type": "points", "file": "a", "sites": [[0, 0, 0]]}})",
          "/pattern/file: a pattern of points needs");
@@ -310,10 +310,10 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says("[1]", "expected an object");
     says("{", "the JSON cannot be read: parse error at line 1");
     says(std::string(100'000, '['), "nested too deeply");
-    // Brackets in text do not count.
+    // Brackets inside strings do not count.
     const std::string deep = R"(, "repair": )" + std::string(100'000, '[') + std::string(100'000, ']') + "}";
     says(R"({"brittle": 1, "mesh": ")" + std::string(200'000, ']') + "\"" + deep, "nested too deeply");
-    says(std::string(size_t{2} << 20, ' '), "more than 1 MiB");
+    says(std::string(size_t{2} << 20, ' '), "the recipe is larger than 1 MiB");
 }
 
 TEST_CASE("recipe: max_colliding is also read under its former name most_colliding, and written under the new one") {
@@ -358,10 +358,10 @@ TEST_CASE("recipe: a brick has length, height and thickness, and an axis that it
         says(with(R"({"size": [0.25, )" + std::string(none) + ", 0.12]}"), "the JSON cannot be read");
     says(with(R"({"along": "w"})"), "/world/brick/along: expected \"x\", \"y\" or \"z\", found \"w\"");
     says(with(R"({"along": 0})"), "/world/brick/along: expected text in quotes");
-    says(with(R"({"length": 0.25})"), "/world/brick/length: unknown key; there are: size, along");
+    says(with(R"({"length": 0.25})"), "/world/brick/length: unknown key; the keys are: size, along");
 }
 
-TEST_CASE("recipe: messages hold nothing that a terminal would obey, and do not quote a whole file") {
+TEST_CASE("recipe: messages contain no control characters and do not quote a whole file") {
     const std::string escape = R"(\u001b[31m)";
     for (const std::string& text :
          {R"({"brittle": 1, ")" + escape + R"(": 1})", R"({"brittle": 1, "algorithm": ")" + escape + R"("})",
@@ -375,7 +375,7 @@ TEST_CASE("recipe: messages hold nothing that a terminal would obey, and do not 
     }
 }
 
-TEST_CASE("recipe: the schema knows the keys that are written and read, and no others") {
+TEST_CASE("recipe: the schema lists exactly the keys that are written and read") {
     const auto schema = nlohmann::json::parse(std::ifstream(BRITTLE_ASSETS "/recipe.schema.json"));
     const auto all = nlohmann::json::parse(recipe_json(everything()));
     for (const auto& [key, value] : all.items()) CHECK(schema["properties"].contains(key));

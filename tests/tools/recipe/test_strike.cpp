@@ -29,7 +29,7 @@ fracture::Fragments broken(const fracture::TriangleMesh& mesh, const std::vector
 
 } // namespace
 
-TEST_CASE("strike: values without sense are refused by name") {
+TEST_CASE("strike: invalid values are refused by name") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const auto fault_of = [](const Strike& strike) {
         const auto sites = strike_sites(std::vector{Strike{}, strike}, {});
@@ -44,13 +44,13 @@ TEST_CASE("strike: values without sense are refused by name") {
     CHECK(fault_of({.pieces = 0}).find("strike 1: it makes 0 pieces") == 0);
 }
 
-TEST_CASE("strike: no strike, no sites, a strike that misses leaves one piece") {
+TEST_CASE("strike: no strike gives no sites, and a strike that misses leaves one piece") {
     CHECK(strike_sites({}, {})->sites.empty());
     const fracture::Fragments fragments = broken(fracture::cube(), {{.at = {10.0, 0.0, 0.0}, .radius = 0.5}});
     CHECK(fragments.pieces.size() == 1);
 }
 
-TEST_CASE("strike: every pattern breaks what is near, and all else stays one piece") {
+TEST_CASE("strike: every pattern breaks the solid near the point, and the rest stays one piece") {
     const fracture::TriangleMesh mesh = fracture::icosphere(3);
     const Strike strike{.at = {0.0, 1.0, 0.0}, .direction = {0.0, -1.0, 0.0}, .radius = 0.4, .pieces = 24};
     for (size_t kind = 0; kind < fracture::pattern_names().size(); ++kind) {
@@ -60,7 +60,7 @@ TEST_CASE("strike: every pattern breaks what is near, and all else stays one pie
         CHECK(certificate.closed);
         CHECK(certificate.volume_error < 1e-12);
         CHECK(fragments.pieces.size() > 1);
-        // One piece holds what is far from the blow: nearly all of the ball. No other reaches beyond 1.6 radii.
+        // One piece holds nearly all of the ball, far from the blow. No other piece reaches beyond 1.6 radii.
         size_t large = 0;
         for (const fracture::Piece& piece : fragments.pieces) {
             if (piece.mass.volume > 0.5 * certificate.volume_input) {
@@ -74,7 +74,7 @@ TEST_CASE("strike: every pattern breaks what is near, and all else stays one pie
     }
 }
 
-TEST_CASE("strike: equal strikes give equal pieces, and a second one breaks another place") {
+TEST_CASE("strike: equal strikes give equal pieces, and a second strike breaks another place") {
     const fracture::TriangleMesh mesh = fracture::cube();
     const Strike first{.at = {-1.0, 0.0, 0.0}, .radius = 0.3}, second{.at = {1.0, 0.0, 0.0}, .radius = 0.3};
     const fracture::Fragments one = broken(mesh, {first}), again = broken(mesh, {first}),

@@ -1,5 +1,4 @@
-// Replay logs, and that a run repeats to the bit: from every scene that moves, at any frame rate, with any number of
-// threads.
+// Replay logs, and bit-equal replays of every moving scene, at any frame rate and with any number of threads.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -25,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// One action of each kind at various steps, against the wall.
+// One action of each kind at various steps, applied to the wall.
 std::vector<std::pair<uint64_t, Action>> various_actions() {
     return {{0, Shoot{{0.3, 0.5, 2.0}, {0.0, 0.0, -20.0}, 0.15, 7800.0}},
             {5, Damage{{-0.6, 0.9, 0.0}, 0.3, 0.7}},
@@ -42,7 +41,7 @@ std::vector<std::pair<uint64_t, Action>> various_actions() {
 
 } // namespace
 
-TEST_CASE("body checks: texts are counted and compared, damaged ones are none") {
+TEST_CASE("body checks: texts are counted and compared, and damaged texts are refused") {
     CHECK(count_bodies("") == 0);
     CHECK(count_bodies("00ff(3)abcd(1)") == 6);
     for (const char* bad : {"0", "00f", "00FF", "00fg", "(", "()", "(0)", "(3", "(-1)", "(3)1",
@@ -56,7 +55,7 @@ TEST_CASE("body checks: texts are counted and compared, damaged ones are none") 
     CHECK(first_difference("1111(3)", "0000(3)") == 0);
 }
 
-TEST_CASE("replay: what is recorded is read again to the last bit, with every kind of action") {
+TEST_CASE("replay: a recorded log is read back to the bit, with every kind of action") {
     const Folder folder;
     const FractureOptions options = wall_options();
     const auto actions = various_actions();
@@ -74,7 +73,7 @@ TEST_CASE("replay: what is recorded is read again to the last bit, with every ki
     CHECK(log_text(log, folder.path) == read_text(folder.path / "run.log"));
 }
 
-TEST_CASE("replay: mesh and sites in files are found from where the log lies") {
+TEST_CASE("replay: paths of mesh and sites are relative to the log's folder") {
     const Folder folder;
     FractureOptions options;
     options.mesh = BRITTLE_CORPUS "/meshes/cube.obj";
@@ -90,7 +89,7 @@ TEST_CASE("replay: mesh and sites in files are found from where the log lies") {
     CHECK(!replayed(again, started(again.recipe)));
 }
 
-TEST_CASE("replay: at other frame rates and with other threads the states are equal") {
+TEST_CASE("replay: states are equal at other frame rates and with other numbers of threads") {
     const Folder folder;
     const FractureOptions options = wall_options();
     const ReplayLog log = recorded(options, started(options), 120, various_actions(), folder.path / "run.log");
@@ -113,7 +112,7 @@ TEST_CASE("replay: at other frame rates and with other threads the states are eq
     }
 }
 
-TEST_CASE("replay: actions between frames at any time are recorded at their step") {
+TEST_CASE("replay: actions at any time between frames are recorded at their step") {
     const Folder folder;
     const FractureOptions options = wall_options();
     const fracture::Fragments fragments = started(options);
@@ -135,12 +134,12 @@ TEST_CASE("replay: actions between frames at any time are recorded at their step
     CHECK_FALSE(replayed(log, fragments));
 }
 
-TEST_CASE("replay: what differs is found at its step, with the body") {
+TEST_CASE("replay: a difference is found at its step, with the body") {
     const Folder folder;
     FractureOptions options = wall_options();
-    options.world = {.height = 0.2}; // loose pieces: a body each
+    options.world = {.height = 0.2}; // loose pieces, one body each
     const fracture::Fragments fragments = started(options);
-    // Out of the wall first, so that the second push is felt by this piece alone.
+    // The first push moves the piece out of the wall, so that the second push acts on this piece alone.
     const glm::dvec3 centre = fragments.pieces[7].mass.centre_of_mass;
     const Push out{7, centre, {0.0, 0.0, 200.0}}, push{7, centre + glm::dvec3(0.0, 0.0, 1.0), {0.0, 0.0, 5.0}};
     ReplayLog log = recorded(options, fragments, 40, {{0, out}, {25, push}}, folder.path / "run.log");
@@ -191,7 +190,7 @@ TEST_CASE("replay: what differs is found at its step, with the body") {
     }
 }
 
-TEST_CASE("replay: what moves nothing yet is missed, too") {
+TEST_CASE("replay: a missing action is found even before it moves anything") {
     const Folder folder;
     FractureOptions options = wall_options();
     options.world = {.anchored = true};
@@ -209,7 +208,7 @@ TEST_CASE("replay: what moves nothing yet is missed, too") {
     }
 }
 
-TEST_CASE("replay: a log of what was interrupted tells the run so far, a new start begins a new one") {
+TEST_CASE("replay: the log of an interrupted run holds the run so far, and a new start begins a new log") {
     const Folder folder;
     const FractureOptions options = wall_options();
     const fracture::Fragments fragments = started(options);
@@ -223,14 +222,14 @@ TEST_CASE("replay: a log of what was interrupted tells the run so far, a new sta
         simulation.start(fragments, options.world);
         for (int k = 0; k < 5; ++k) simulation.step();
         CHECK(!fs::exists(folder.path / "run.log"));
-    } // as an exception would
+    } // destroyed without finish(), as by an exception
     const ReplayLog log = read_replay_log(folder.path / "run.log");
     CHECK(log.end == "failed");
     CHECK(log.states.size() == 6);
     CHECK_FALSE(replayed(log, fragments));
 }
 
-TEST_CASE("replay: nothing started, nothing written, a folder that is not there is an output error") {
+TEST_CASE("replay: no log is written without a start, and a missing folder is an output error") {
     const Folder folder;
     const FractureOptions options = wall_options();
     Recorder(folder.path / "run.log", options).finish();
@@ -285,16 +284,16 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
         {1, R"("hash":")", R"("hash":"0)", "run.log:2: /hash: expected sixteen"},
         {1, R"("bodies":")", R"("bodies":"x)", "run.log:2: /bodies: expected four"},
         {1, "{", "[", "run.log:2: the JSON cannot be read"},
-        {3, R"("after":1)", R"("after":0)", "run.log:4: /after: 0 is not the step"},
+        {3, R"("after":1)", R"("after":0)", "run.log:4: /after: expected 1, the step of the last state, found 0"},
         {3, R"("shoot")", R"("shout")", "run.log:4: /after: there is no action"},
         {3, R"("radius":0.1)", R"("radius":"big")", "run.log:4: /shoot/radius: expected a number"},
         {3, R"("radius":0.1)", R"("radius":99)", "run.log:4: /shoot: radius is 99"},
         {3, R"("radius":0.1)", R"("radios":0.1)", "run.log:4: /shoot/radius: is missing"},
         {3, R"("from":[0.0,)", R"("from":[)", "run.log:4: /shoot/from: expected three numbers"},
-        {3, R"("shoot")", R"("let_go":{},"shoot")", "run.log:4: /let_go: there is another action"},
+        {3, R"("shoot")", R"("let_go":{},"shoot")", "run.log:4: /let_go: a line may hold only one action"},
         {3, "}}", R"(},"and":1})", "run.log:4: /and: unknown key"},
         {4, R"({"step":2)", R"({"stop":2)", "run.log:5: expected a line with step, after or end"},
-        {5, R"("steps":2)", R"("steps":3)", "run.log:6: /steps: 3 is not the step"},
+        {5, R"("steps":2)", R"("steps":3)", "run.log:6: /steps: expected 2, the step of the last state, found 3"},
         {5, R"("finished")", "7", "run.log:6: /end: expected text"},
         {5, "\n", "\n{}\n", "run.log:7: nothing may follow the end"}};
     for (const Case& c : cases) {
@@ -309,7 +308,7 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
           != std::string::npos);
 }
 
-TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused") {
+TEST_CASE("replay: logs with random bytes, or truncated anywhere, are read or refused") {
     const Folder folder;
     const FractureOptions options = wall_options();
     recorded(options, started(options), 4, {{1, Shoot{}}, {2, Release{{1, 2}}}, {2, Grab{4, {0, 1, 0}}}},
@@ -327,7 +326,7 @@ TEST_CASE("replay: logs with random bytes, or cut anywhere, are read or refused"
         if (!message.empty()) ++refused;
         if (!message.empty()) CHECK(message.find("run.log") != std::string::npos);
     }
-    CHECK(refused > 300); // most bytes matter; a digit of a hash does not, to the reader
+    CHECK(refused > 300); // most bytes matter; the reader does not check the digits of hashes
 }
 
 namespace {
@@ -342,7 +341,7 @@ using Moves =
 TEST_CASE_TEMPLATE_DEFINE("replay: every scene that moves repeats to the bit", Scene, repeats) {
     const Folder folder;
     const FractureOptions options = recipe_of<Scene>();
-    const uint64_t steps = 2 * options.picture.frames; // to the scene's last picture
+    const uint64_t steps = 2 * options.picture.frames; // up to the scene's last picture
     const fs::path file = folder.path / (name_of<Scene>() + ".log");
     const ReplayLog log = recorded(options, started(options), steps, {}, file);
     const std::optional<Difference> difference = replayed(log, started(log.recipe));
@@ -354,7 +353,7 @@ TEST_CASE_TEMPLATE_DEFINE("replay: every scene that moves repeats to the bit", S
 }
 TEST_CASE_TEMPLATE_APPLY(repeats, Moves);
 
-TEST_CASE("replay: every scene that moves is a test here") {
+TEST_CASE("replay: every scene that moves has a test here") {
     CHECK(names_of<Moves>() == scenes_where([](const FractureOptions& options) {
               return !options.picture.whole && options.picture.planes == 0 && options.picture.frames > 0;
           }));

@@ -1,4 +1,4 @@
-// Replay logs of what is cut anew where it is hit: by its own latency, by the log, and when a worker was ready.
+// Replay logs of breakable worlds, with cuts committed by latency, by the log, and when a worker is ready.
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -19,7 +19,7 @@ using namespace brittle::tools::test;
 
 namespace {
 
-// A ball that stands, whole, and is shot at and struck; or a bonded wall.
+// A whole ball on the ground, or a bonded wall; both are shot at and struck.
 FractureOptions breakable_options(bool bonded) {
     FractureOptions options = wall_options();
     options.world.breakable = true;
@@ -29,7 +29,7 @@ FractureOptions breakable_options(bool bonded) {
     return options;
 }
 
-// Piece 3 is not there before the first blow's cut.
+// Piece 3 exists only after the first blow's cut.
 std::vector<std::pair<uint64_t, Action>> blows() {
     return {{0, Shoot{{0.3, 0.8, 3.0}, {0.0, 0.0, -25.0}, 0.15, 7800.0}},
             {20, Hammer{0, {-0.6, 0.9, 0.3}, {20.0, -40.0, 0.0}}},
@@ -38,7 +38,7 @@ std::vector<std::pair<uint64_t, Action>> blows() {
             {60, Push{5, {0.0, 0.5, 0.0}, {1.0, 20.0, 3.0}}}};
 }
 
-// 120 steps with blows, of what is whole at first or of a bonded wall.
+// Records 120 steps with blows, of a mesh that starts whole or of a bonded wall.
 struct Bonded {
     static constexpr bool value = true;
 };
@@ -62,7 +62,7 @@ FractureOptions with_threads(FractureOptions options, uint32_t threads) {
 TYPE_TO_STRING(Bonded);
 TYPE_TO_STRING(Whole);
 
-TEST_CASE_TEMPLATE("replay: what is cut anew repeats by the log, with any threads", Start, Whole, Bonded) {
+TEST_CASE_TEMPLATE("replay: cuts of blows repeat by the log, with any number of threads", Start, Whole, Bonded) {
     const ReplayLog log = recorded_cuts<Start>();
     CHECK(log.commits.size() >= 2);
     CHECK(log.pieces == (Start::value ? started(log.recipe).pieces.size() : 1));
@@ -72,12 +72,13 @@ TEST_CASE_TEMPLATE("replay: what is cut anew repeats by the log, with any thread
     }
 }
 
-TEST_CASE_TEMPLATE("replay: what is cut anew repeats by its own latency, with any threads", Start, Whole, Bonded) {
+TEST_CASE_TEMPLATE("replay: cuts of blows repeat by their own latency, with any number of threads", Start, Whole,
+                   Bonded) {
     const ReplayLog log = recorded_cuts<Start>();
     for (const uint32_t threads : {1u, 2u, 4u}) {
         CAPTURE(threads);
         const fracture::Fragments fragments = started(with_threads(log.recipe, threads));
-        Simulation simulation(log.recipe.material); // with the latency that it was recorded with
+        Simulation simulation(log.recipe.material); // with the latency of the recording
         Player player(log);
         simulation.observe(&player);
         simulation.start(fragments, world_of(log.recipe),
@@ -88,7 +89,7 @@ TEST_CASE_TEMPLATE("replay: what is cut anew repeats by its own latency, with an
     }
 }
 
-TEST_CASE_TEMPLATE("replay: a cut that is left out is missed in the step that it was part of", Start, Whole, Bonded) {
+TEST_CASE_TEMPLATE("replay: a missing cut is reported at its step", Start, Whole, Bonded) {
     const ReplayLog log = recorded_cuts<Start>();
     REQUIRE(log.commits.size() >= 2);
     ReplayLog damaged = log;
@@ -96,17 +97,17 @@ TEST_CASE_TEMPLATE("replay: a cut that is left out is missed in the step that it
     const std::optional<Difference> difference = replayed(damaged, started(log.recipe));
     REQUIRE(difference);
     CHECK(difference->step == log.commits.front().step);
-    // So is one too early; jobs that there never are, are nothing.
+    // A cut that comes too early is also reported. Jobs that never exist have no effect.
     damaged = log;
     damaged.commits.insert(damaged.commits.begin(), {1, 7'000'000});
     CHECK_FALSE(replayed(damaged, started(log.recipe)));
 }
 
-TEST_CASE("replay: the recipe's seed says where blows cut, and is in the log") {
+TEST_CASE("replay: the recipe's seed decides the cuts of blows, and is in the log") {
     const Folder folder;
     FractureOptions options = breakable_options(false);
-    use_material(options.material, options); // its own way to break, which is also that of sites by themselves
-    const fracture::Fragments whole = started(options); // what starts whole has no sites that a seed could move
+    use_material(options.material, options); // sets the material's own pattern, which also applies to single sites
+    const fracture::Fragments whole = started(options); // a mesh that starts whole has no sites that a seed could move
     const auto states_of = [&](uint64_t seed) {
         options.pattern.seed = seed;
         const ReplayLog log = recorded(options, whole, 60, blows(), folder.path / "run.log");
@@ -117,12 +118,12 @@ TEST_CASE("replay: the recipe's seed says where blows cut, and is in the log") {
     const uint64_t first = states_of(11);
     CHECK(states_of(12) != first);
     CHECK(states_of(11) == first);
-    // Also where sites are points, which have no seed of their own.
+    // The seed also counts with sites listed as points, which have no seed of their own.
     options.points = {{{0.0, 0.0, 0.0}}};
     CHECK(states_of(11) == first);
 }
 
-TEST_CASE("replay: the recipe says how large bricks are and how they lie, and is in the log") {
+TEST_CASE("replay: the recipe decides size and orientation of bricks, and is in the log") {
     const Folder folder;
     FractureOptions options;
     options.mesh = "shape:wall";
@@ -149,7 +150,7 @@ TEST_CASE("replay: the recipe says how large bricks are and how they lie, and is
     (void)states_of({.brick = {10.0, 10.0, 10.0}});
 }
 
-TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log") {
+TEST_CASE("replay: a run whose cuts were committed when ready repeats by its log") {
     const Folder folder;
     for (const bool bonded : {false, true}) {
         CAPTURE(bonded);
@@ -160,11 +161,12 @@ TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log
         simulation.commit_as(physics::Timing::when_ready);
         simulation.start(started(options), world_of(options));
         for (const auto& [step, action] : blows()) simulation.schedule(step, action);
-        // Until all is cut, however long the worker takes: nothing here depends on a clock but the steps of the cuts.
+        // Runs until all cuts are made, however long the worker takes. Only the steps of the cuts depend on the clock.
         while (simulation.steps() < 100
                || (simulation.destruction()->jobs_in_flight() > 0 && simulation.steps() < 20'000)) {
             simulation.step();
-            // Steps of a world at rest take no time: twenty thousand are over before a busy machine's worker has begun.
+            // Steps of a world at rest take no time: a busy machine may take twenty thousand of them before its worker
+            // begins.
             if (simulation.steps() > 100) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         recorder.finish();
@@ -176,7 +178,7 @@ TEST_CASE("replay: a run whose cuts came when they were ready repeats by its log
 
 namespace {
 
-// A ball in pieces, of which more than a few are too many, on whom someone looks from there.
+// A broken ball with more pieces than the limit, and a view of it.
 FractureOptions crowded_options() {
     FractureOptions options = breakable_options(false);
     options.world.piece_limit = 6;
@@ -189,7 +191,7 @@ Watch turned_away() {
     return {{0.0, 1.0, 5.0}, {0.0, 1.0, 10.0}, 0.8, 1.5};
 }
 
-// The state after each step of 120 with blows, while the view moves.
+// Returns the state after each of 120 steps with blows, while the view moves.
 ReplayLog recorded_view(const std::vector<std::pair<uint64_t, Action>>& views) {
     const Folder folder;
     const FractureOptions options = crowded_options();
@@ -206,22 +208,22 @@ std::vector<uint64_t> hashes(const ReplayLog& log) {
 
 } // namespace
 
-TEST_CASE("replay: where someone looks while debris is in excess is part of the run") {
+TEST_CASE("replay: the view is part of a run with debris beyond the limit") {
     const ReplayLog front = recorded_view({{0, from_the_front()}}), away = recorded_view({{0, turned_away()}});
     const ReplayLog moved = recorded_view({{0, turned_away()}, {20, from_the_front()}, {34, turned_away()}});
     for (const ReplayLog* log : {&front, &away, &moved}) CHECK_FALSE(replayed(*log, started(log->recipe)));
-    CHECK(hashes(front) != hashes(away)); // what is seen fades, and is there a while longer
+    CHECK(hashes(front) != hashes(away)); // visible debris fades, so it exists a while longer
     CHECK(hashes(moved) != hashes(away));
     CHECK(hashes(moved) != hashes(front));
-    // Without the line that says where, it is another run.
+    // Without the line of the view the run differs.
     ReplayLog cut = moved;
     std::erase_if(cut.actions, [](const auto& entry) { return std::holds_alternative<Watch>(entry.second); });
     CHECK(replayed(cut, started(cut.recipe)));
-    // What is seen all the time is as if no one had said.
+    // A view that always contains everything has no effect.
     CHECK(hashes(front) == hashes(recorded_view({})));
 }
 
-TEST_CASE("replay: bonded pieces that go as debris, by who looks, are the same again") {
+TEST_CASE("replay: bonded pieces removed as debris by the view are removed again in the replay") {
     const Folder folder;
     FractureOptions options = breakable_options(true);
     const auto run = [&](const Watch& view) {
@@ -259,7 +261,7 @@ TEST_CASE("replay: pieces beyond max_colliding become debris in the replay as in
     }
 }
 
-TEST_CASE("replay: a view is nothing where debris is not in excess, and where nothing breaks") {
+TEST_CASE("replay: a view has no effect without debris beyond the limit, and in a world that is not breakable") {
     const Folder folder;
     const FractureOptions options = breakable_options(false), wall = wall_options();
     const auto states_of = [&](const FractureOptions& of, std::vector<std::pair<uint64_t, Action>> actions) {
@@ -271,13 +273,13 @@ TEST_CASE("replay: a view is nothing where debris is not in excess, and where no
     CHECK(states_of(wall, {}) == states_of(wall, {{0, turned_away()}}));
 }
 
-TEST_CASE("simulation: debris that is seen fades, and so does what throws a shadow that is seen") {
+TEST_CASE("simulation: visible debris fades, and so does debris with a visible shadow") {
     FractureOptions options;
     options.mesh = "shape:cube";
     use_material("concrete", options);
     options.world = {.height = 3.0, .breakable = true, .piece_limit = 4};
     const fracture::Fragments whole = started(options);
-    // Straight down at places of the ground. The sun throws the shadow of a cube of 2 m at this height there; nothing is there.
+    // Views straight down at the ground. The shadow of a cube of 2 m at this height falls there; no debris does.
     const glm::dvec3 shadow(2.4, 0.0, -2.4), nothing(-2.4, 0.0, 2.4);
     const auto down_at = [](const glm::dvec3& place) {
         return Watch{place + glm::dvec3(0.0, 1.0, 0.0), place, 0.6, 1.0};
@@ -326,7 +328,7 @@ TEST_CASE("replay: damaged lines of cuts are refused") {
     recorded(options, started(options), 40, blows(), folder.path / "good.log");
     const std::string good = read_text(folder.path / "good.log");
     CHECK(log_text(read_replay_log(folder.path / "good.log"), folder.path) == good);
-    const size_t at = good.rfind('\n', good.find(R"("commit":{)")) + 1; // the header names the build's commit
+    const size_t at = good.rfind('\n', good.find(R"("commit":{)")) + 1; // the header also contains the word commit
     const std::string line = good.substr(at, good.find('\n', at) - at);
     REQUIRE(line.find("commit") != std::string::npos);
     const auto with = [&](const std::string& other) {
@@ -335,7 +337,8 @@ TEST_CASE("replay: damaged lines of cuts are refused") {
         return message_of(folder.write("run.log", text));
     };
     CHECK(with(line).empty());
-    CHECK(with(R"({"after":1,"commit":{"job":0}})").find("/after: 1 is not the step") != std::string::npos);
+    CHECK(with(R"({"after":1,"commit":{"job":0}})").find("/after: expected 0, the step of the last state, found 1")
+          != std::string::npos);
     CHECK(with(R"({"commit":{"job":0}})").find("/after: is missing") != std::string::npos);
     const std::string after = line.substr(0, line.find(",\"commit"));
     CHECK(with(after + R"(,"commit":{}})").find("/commit/job: is missing") != std::string::npos);
@@ -343,9 +346,9 @@ TEST_CASE("replay: damaged lines of cuts are refused") {
     CHECK(with(after + R"(,"commit":{"job":1,"by":2}})").find("/commit/by: unknown key") != std::string::npos);
     CHECK(with(after + R"(,"commit":{"job":1},"let_go":{}})").find("/let_go: unknown key") != std::string::npos);
     CHECK(with(after + R"(,"commit":[]})").find("/commit") != std::string::npos);
-    // Where nothing is breakable there are none.
+    // A world that is not breakable has no cuts.
     std::string text = good;
     const std::string flag = R"("breakable":true)";
     text.replace(text.find(flag), flag.size(), R"("breakable":false)");
-    CHECK(message_of(folder.write("run.log", text)).find("nothing is breakable") != std::string::npos);
+    CHECK(message_of(folder.write("run.log", text)).find("world is breakable") != std::string::npos);
 }

@@ -1,4 +1,4 @@
-// Spots where the world holds a mesh: WorldOptions::anchors.
+// Anchors, which fix parts of a mesh to the world: WorldOptions::anchors.
 #include <set>
 #include <vector>
 
@@ -14,7 +14,7 @@ using namespace brittle::tools;
 
 namespace {
 
-// On the stage a pane of 2 m by 1.5 m, from the middle of its lower edge.
+// A pane of 2 m by 1.5 m on the stage; anchors are relative to the middle of its lower edge.
 const std::vector<Anchor> upper_corners{{{-1.0, 1.5, 0.0}, 0.15}, {{1.0, 1.5, 0.0}, 0.15}};
 
 FractureOptions pane(const WorldOptions& world) {
@@ -53,13 +53,13 @@ void run(Simulation& simulation, double seconds) {
 
 } // namespace
 
-TEST_CASE("anchors: pieces hang from painted spots as one, and fall when they are let go") {
+TEST_CASE("anchors: bonded pieces hang from painted anchors, and fall when they are released") {
     const FractureOptions options = pane({.height = 1.0, .strength = 1e3, .anchors = upper_corners});
     const fracture::Fragments pieces = started(options);
     REQUIRE(pieces.pieces.size() > 20);
     Simulation simulation(options.material);
     simulation.start(pieces, options.world);
-    CHECK(simulation.world().body_count() == 1); // bonded, though that was not said
+    CHECK(simulation.world().body_count() == 1); // bonded, because anchors imply it
     const float height = lowest(simulation);
     run(simulation, 1.0);
     CHECK(lowest(simulation) == height);
@@ -69,7 +69,7 @@ TEST_CASE("anchors: pieces hang from painted spots as one, and fall when they ar
     CHECK(lowest(simulation) < height - 0.1f);
 }
 
-TEST_CASE("anchors: they hold the same pieces however high the mesh hangs") {
+TEST_CASE("anchors: they hold the same pieces at any height of the mesh") {
     std::vector<std::vector<uint32_t>> held;
     for (const double height : {0.0, 0.7, 3.0}) {
         const FractureOptions options = pane({.height = height, .anchors = upper_corners});
@@ -86,7 +86,7 @@ TEST_CASE("anchors: they hold the same pieces however high the mesh hangs") {
     CHECK(held[0] == held[2]);
 }
 
-TEST_CASE("anchors: nothing is held where they touch nothing, and with the ground both hold") {
+TEST_CASE("anchors: an anchor that touches nothing holds nothing, and anchors and ground hold together") {
     const FractureOptions nowhere = pane({.anchors = {{{5.0, 5.0, 5.0}, 0.5}}});
     Simulation loose(nowhere.material);
     loose.start(started(nowhere), nowhere.world);
@@ -107,7 +107,7 @@ TEST_CASE("anchors: nothing is held where they touch nothing, and with the groun
     CHECK(anchored.size() > below);
 }
 
-TEST_CASE("anchors: of a breakable pane that is shot, what still reaches them hangs on, and the rest falls") {
+TEST_CASE("anchors: the part of a shot breakable pane that still reaches an anchor hangs, and the rest falls") {
     FractureOptions options = pane({.height = 0.8, .breakable = true, .min_size = 0.02, .anchors = upper_corners});
     options.world.shots = {{.time = 0.1, .from = {0.1, 1.4, -2.0}, .velocity = {0.0, 0.0, 20.0}, .radius = 0.08}};
     const fracture::Fragments whole = started(options);
@@ -136,7 +136,7 @@ TEST_CASE("anchors: of a breakable pane that is shot, what still reaches them ha
     }
 }
 
-TEST_CASE("anchors: the command line takes them, and says what is wrong with one") {
+TEST_CASE("anchors: the command line accepts them and names the fault of an invalid one") {
     const test::Folder folder;
     const std::string start = "render shape:pane -n 20 --frames 1 --size 64x48 -o " + (folder / "a.png") + " ";
     CHECK(test::run_brittle(folder, start + "--anchor -1,1.5,0,0.2 --anchor 1,1.5,0,0.2").exit_code == 0);

@@ -1,5 +1,5 @@
-// Scenes of what is cut anew where it is hit: the statue that breaks again and again, and that no cut brings
-// momentum, but where it is held what the world had taken.
+// Breakable scenes: the statue that breaks several levels deep, and conservation of momentum across cuts, except for
+// impulses that a fixed part returns.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -21,11 +21,11 @@ using namespace brittle::tools::test;
 
 namespace {
 
-// Around each update of the destruction.
+// Compares momentum before and after each update of the destruction.
 struct Books : SimulationObserver {
     physics::Mechanics before;
     int cuts = 0;
-    double worst = 0.0; // relative to all that moves
+    double worst = 0.0; // worst error relative to the momentum of all bodies
 
     void moved(const Simulation& simulation) override { before = simulation.world().mechanics(); }
     void updated(const Simulation& simulation, const physics::Structure::Changes&) override {
@@ -38,40 +38,41 @@ struct Books : SimulationObserver {
     }
 };
 
-// The same where things are held. The world may take back from what hit them what it gave, and nothing else:
-// so each update changes the sum by impulses along the lines of those contacts, through the points that they
-// had on what hit, and all of one blow by no more than its contacts gave. Each blow has two, that along which it pressed
-// and that of its friction. Four lines must do: a cut may give back two blows, that which began it and one that waited.
+// The same with fixed bodies. A cut may take back impulses that the fixed world gave to a striker, and no others. So
+// each update changes the sum by impulses along the lines of those contacts, through their points on the striker, and
+// no more than the contacts of one blow gave. Each blow has two lines, of its normal and its friction impulse. Four
+// lines suffice: one cut may return two blows, the one that caused it and one that waited.
 struct HeldBooks : SimulationObserver {
     using Wrench = std::array<double, 6>;      // momentum and angular momentum
-    static constexpr uint64_t kept_steps = 16; // four of a blow, two to a commit; those that wait take as many again
+    static constexpr uint64_t kept_steps = 16; // four of a blow, two to a commit, and as many again for those that wait
 
     struct Line {
         physics::BodyId striker, other;
-        bool friction = false; // or what pressed
+        bool friction = false; // friction, or normal impulse
         uint64_t last = 0;     // step
-        glm::dvec3 gave{0.0};  // N s, the world to the striker
-        glm::dvec3 arm{0.0};   // m, from its centre of mass, weighed by impulse
+        glm::dvec3 gave{0.0};  // N s, impulse of the world on the striker
+        glm::dvec3 arm{0.0};   // m, from the striker's centre of mass, weighted by impulse
         double pressed = 0.0;
         double taken_back = 0.0;
-        Wrench unit{}; // now
+        Wrench unit{}; // current direction
     };
-    // What so many lines leave of a change.
+    // The residual of a change explained by some lines.
     struct Rest {
-        double error = std::numeric_limits<double>::infinity(); // relative to all that moves, body by body
-        std::vector<size_t> lines{};                            // which they are
+        // Relative to the momentum of all bodies, added body by body.
+        double error = std::numeric_limits<double>::infinity();
+        std::vector<size_t> lines{}; // indices of the lines
     };
-    static constexpr size_t max_lines = 4; // six could explain anything
+    static constexpr size_t max_lines = 4; // six lines could explain any change
     static constexpr double explained = 1e-5;
 
     std::vector<Line> lines;
     physics::Mechanics before;
-    double momentum = 0.0, turn = 0.0;        // of all that moves
-    std::array<int, max_lines + 1> updates{}; // by how many lines explain them
+    double momentum = 0.0, turn = 0.0;        // sums over all bodies
+    std::array<int, max_lines + 1> updates{}; // number of updates by the number of lines that explain them
     int cuts = 0;
     double worst = 0.0;
-    double worst_of_blow = 0.0; // taken back beyond what was given, relative to that
-    double returned = 0.0;      // N s, along all lines
+    double worst_of_blow = 0.0; // impulse returned beyond the impulse given, relative to the latter
+    double returned = 0.0;      // N s, returned along all lines
 
     static bool moves(const physics::World& world, physics::BodyId body) {
         return world.contains(body) && !world.fixed(body);
@@ -115,7 +116,8 @@ struct HeldBooks : SimulationObserver {
         return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
     }
 
-    // The best that so many lines, from one on, can do, beside those whose orthogonal parts are given.
+    // Finds the best residual with a number of lines from one index on, in addition to lines whose orthogonal parts are
+    // given.
     [[nodiscard]] Rest best(const Wrench& change, std::vector<Wrench>& basis, size_t from, size_t count) const {
         const auto without = [](Wrench from_it, const Wrench& what, double much) {
             for (size_t k = 0; k < from_it.size(); ++k) from_it[k] -= much * what[k];
@@ -128,7 +130,7 @@ struct HeldBooks : SimulationObserver {
         for (size_t i = from; i < lines.size(); ++i) {
             Wrench unit = lines[i].unit;
             for (const Wrench& known : basis) unit = without(unit, known, dot(unit, known) / dot(known, known));
-            if (dot(unit, unit) < 1e-6) continue; // as one before
+            if (dot(unit, unit) < 1e-6) continue; // parallel to an earlier one
             const double much = dot(change, unit) / dot(unit, unit);
             basis.push_back(unit);
             Rest rest = best(without(change, unit, much), basis, i + 1, count - 1);
@@ -140,7 +142,7 @@ struct HeldBooks : SimulationObserver {
         return least;
     }
 
-    // How much of each of those lines makes the change.
+    // Returns the coefficients of the lines in the change.
     [[nodiscard]] glm::dvec4 amounts(const Wrench& change, const std::vector<size_t>& of) const {
         glm::dmat4 products(1.0);
         glm::dvec4 along(0.0);
@@ -189,7 +191,7 @@ struct HeldBooks : SimulationObserver {
 
 } // namespace
 
-TEST_CASE("breakable: the statue's pieces' pieces' pieces break, all are closed, and nothing is lost") {
+TEST_CASE("breakable: the statue breaks three levels deep into closed pieces that keep its volume") {
     const FractureOptions options = recipe_of<scene::statue_broken_three_levels_deep>();
     const fracture::Fragments whole = started(options);
     REQUIRE(whole.pieces.size() == 1);
@@ -215,7 +217,7 @@ using CutAnew = std::tuple<scene::glass_pane_shot_by_a_ball, scene::pane_hangs_b
 TEST_CASE_TEMPLATE_DEFINE("breakable: momentum and angular momentum are kept across every cut, to 1e-4", Scene,
                           momentum_of_cuts) {
     FractureOptions options = recipe_of<Scene>();
-    options.world.anchored = false; // what is held gives momentum to the ground
+    options.world.anchored = false; // fixed parts would pass momentum to the ground
     options.world.anchors.clear();
     options.world.height = 0.0;
     Simulation simulation(options.material);
@@ -229,13 +231,12 @@ TEST_CASE_TEMPLATE_DEFINE("breakable: momentum and angular momentum are kept acr
 }
 TEST_CASE_TEMPLATE_APPLY(momentum_of_cuts, CutAnew);
 
-TEST_CASE("breakable: momentum is looked at wherever things are cut anew") {
+TEST_CASE("breakable: every breakable scene has a momentum test") {
     CHECK(names_of<CutAnew>() == scenes_where([](const FractureOptions& options) { return options.world.breakable; }));
 }
 
-TEST_CASE_TEMPLATE_DEFINE(
-    "breakable: where things are held, cuts change momentum by what their blows gave the world, to 1e-4", Scene,
-    momentum_of_held) {
+TEST_CASE_TEMPLATE_DEFINE("breakable: with fixed parts, cuts return at most the impulses of their blows, to 1e-4",
+                          Scene, momentum_of_held) {
     const FractureOptions options = recipe_of<Scene>();
     REQUIRE((options.world.anchored || !options.world.anchors.empty()));
     Simulation simulation(options.material);
@@ -250,7 +251,7 @@ TEST_CASE_TEMPLATE_DEFINE(
     CHECK(books.cuts > 0);
     CHECK(books.worst < 1e-4);
     CHECK(books.worst_of_blow < 1e-4);
-    CHECK(books.updates[1] > 0); // else nothing of the accounts was tried
+    CHECK(books.updates[1] > 0); // otherwise the test would have tested nothing
     CHECK(books.returned > 0.0);
 }
 TEST_CASE_TEMPLATE_APPLY(momentum_of_held, CutAnew);

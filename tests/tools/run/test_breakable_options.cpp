@@ -1,4 +1,4 @@
-// What recipes and the command line say of things that are cut anew where they are hit: along what, and by which shots.
+// Options of breakable worlds in recipes and on the command line: cuts of blows, bricks, shots.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -18,18 +18,18 @@ using namespace brittle;
 using namespace brittle::tools;
 using namespace brittle::tools::test;
 
-TEST_CASE("breakable: a diagram from a file that is not there, or is none, is refused by its name") {
+TEST_CASE("breakable: a missing or malformed file of a diagram is refused by name") {
     const Folder folder;
     FractureOptions options;
     options.sites_file = folder / "none.txt";
-    CHECK(!world_of(options).blows); // nothing is breakable, and the file is not asked for
+    CHECK(!world_of(options).blows); // the world is not breakable, so the file is not read
     options.world.breakable = true;
     CHECK_THROWS_WITH_AS((void)world_of(options), doctest::Contains("none.txt"), Failure);
     write_text(options.sites_file, "0 0 zero\n");
     CHECK_THROWS_WITH_AS((void)world_of(options), doctest::Contains("none.txt"), Failure);
 }
 
-TEST_CASE("breakable: blows cut in the manner of the pattern, which the material chooses unless the recipe does") {
+TEST_CASE("breakable: blows cut by the pattern, which the material sets unless the recipe does") {
     for (const physics::MaterialPreset& material : physics::material_presets()) {
         FractureOptions options;
         options.world.breakable = true;
@@ -40,15 +40,15 @@ TEST_CASE("breakable: blows cut in the manner of the pattern, which the material
         options.pattern.kind = fracture::PatternKind::splinters;
         CHECK(world_of(options).blows->kind == fracture::PatternKind::splinters);
         FractureOptions placed = options, bonded = options;
-        placed.points = {{{0.0, 0.0, 0.0}}, {{0.1, 0.0, 0.0}}}; // recipes that hold sites hold no kind
-        bonded.world.bonded = true;                             // the pattern has cut it beforehand
+        placed.points = {{{0.0, 0.0, 0.0}}, {{0.1, 0.0, 0.0}}}; // a recipe with listed sites has no kind of pattern
+        bonded.world.bonded = true;                             // the pattern has cut the mesh beforehand
         CHECK_FALSE(world_of(placed).blows);
         CHECK_FALSE(world_of(bonded).blows);
     }
 }
 
-// Cuts of sites on an upright line are level, unless the line is laid down.
-TEST_CASE("breakable: bricks come out of what is whole, and what was cut ahead into bricks crumbles") {
+// Sites on a vertical line give horizontal cuts, unless the line is turned.
+TEST_CASE("breakable: blows take bricks out of a whole wall, and a wall cut into bricks beforehand crumbles") {
     for (const bool ahead : {false, true}) {
         FractureOptions options;
         options.mesh = "shape:wall";
@@ -66,7 +66,7 @@ TEST_CASE("breakable: bricks come out of what is whole, and what was cut ahead i
     }
 }
 
-TEST_CASE("breakable: the recipe's brick is what comes off, and where no bricks do, render says so") {
+TEST_CASE("breakable: blows take out the recipe's bricks, and render warns where no blow does") {
     const Folder folder;
     const auto recipe = [&](const std::string& material, const std::string& world) {
         return folder.write("wall.json", R"({"brittle": 1, "mesh": "shape:wall", "material": ")" + material
@@ -95,11 +95,11 @@ TEST_CASE("breakable: the recipe's brick is what comes off, and where no bricks 
         CAPTURE(material);
         const Outcome outcome = run_brittle(folder, "render " + recipe(material, world).string()
                                                         + " --frames 0 --size 64x48 -o " + (folder / "a.png"));
-        CHECK(outcome.has("world/brick does nothing") == said);
+        CHECK(outcome.has("world/brick has no effect") == said);
     }
 }
 
-TEST_CASE("breakable: blows cut along a diagram from a file, fitted to what they hit, as it is placed") {
+TEST_CASE("breakable: blows cut along a diagram from a file, fitted to the piece that is hit and then placed") {
     const Folder folder;
     FractureOptions options;
     options.mesh = "shape:wall";
@@ -119,14 +119,14 @@ TEST_CASE("breakable: blows cut along a diagram from a file, fitted to what they
         while (simulation.steps() < 120) simulation.step();
         const physics::Destruction& destruction = *simulation.destruction();
         CHECK(destruction.pieces().size() > 2);
-        CHECK(destruction.statistics().overloads == 0); // which part along blocks of their own
+        CHECK(destruction.statistics().overloads == 0); // overloads would cut along blocks of their own
         int cuts = 0;
         for (const physics::PieceId id : destruction.pieces()) {
             const physics::SolidPiece& piece = *destruction.solid(id);
             for (size_t k = piece.exterior_triangles; k < piece.mesh.triangles.size(); ++k) {
                 const auto corner = [&](int c) { return glm::dvec3(piece.positions[piece.mesh.triangles[k][c]]); };
                 const glm::dvec3 across = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
-                if (glm::length(across) < 1e-5) continue; // m^2; positions for drawing are single precision
+                if (glm::length(across) < 1e-5) continue; // m^2; positions for drawing have single precision
                 CHECK(std::abs(across.y / glm::length(across)) == doctest::Approx(laid_down ? 0.0 : 1.0).epsilon(1e-3));
                 ++cuts;
             }
@@ -135,10 +135,10 @@ TEST_CASE("breakable: blows cut along a diagram from a file, fitted to what they
     }
 }
 
-TEST_CASE("breakable: the command line shoots as a recipe does, and says what is wrong with a shot") {
+TEST_CASE("breakable: --shot equals the shots of a recipe, and faults of a shot are named") {
     const Folder folder;
     const std::string start = "render shape:pane --breakable --frames 0 --size 64x48 -o " + (folder / "a.png");
-    // The recipe is written before a device is looked for.
+    // The recipe is written before a device is opened.
     (void)run_brittle(folder, start + " --shot -1,0.5,4,0,1.5,-20,0.25 --shot 0,1,2,3,4,5,0.1,0.75 --save-recipe "
                                   + (folder / "r.json"));
     FractureOptions options;

@@ -1,9 +1,9 @@
-// Momentum and angular momentum across every break of every scene in which bonded things break.
+// Momentum and angular momentum across every break of every scene with breaking bonds.
 //
-// The books are kept around Structure::update(), between the step of the world and the next. What is free may
-// get momentum from what is not (the ground, an anchored body) in one way only: contacts are taken back and solved
-// anew, and World::contacts() then has the new impulses. So a break must change the sum by nothing but by how these
-// differ where one side is free and the other is not.
+// The sums are compared around Structure::update(), between two steps of the world. Free bodies get momentum from fixed
+// ones (the ground, an anchored body) in one way only: contacts are undone and solved again, after which
+// World::contacts() has the new impulses. So a break must change the sum only by the differences of impulses between a
+// free and a fixed body.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,11 +28,11 @@ Wrench wrench(const glm::dvec3& impulse, const glm::dvec3& point) {
     return {impulse.x, impulse.y, impulse.z, turn.x, turn.y, turn.z};
 }
 
-// What all that moves got from what is fixed, as the contacts of a step say.
+// The impulses that all free bodies got from fixed ones by the contacts of a step.
 struct Books : SimulationObserver {
     physics::Mechanics before;
-    std::vector<Wrench> got;    // of each contact; nothing where both sides move
-    int kept = 0, answered = 0; // breaks without and with something from what is fixed
+    std::vector<Wrench> got;    // of each contact; zero if both bodies are free
+    int kept = 0, answered = 0; // breaks without and with impulses from fixed bodies
     double worst = 0.0;
     uint64_t worst_step = 0;
 
@@ -64,7 +64,7 @@ struct Books : SimulationObserver {
         REQUIRE(world.contacts().size() == got.size());
         for (size_t i = 0; i < got.size(); ++i) {
             const physics::Contact& contact = world.contacts()[i];
-            // What names a body that is gone was left as it is.
+            // Contacts of a removed body are unchanged.
             if (!there(world, contact.a) || !there(world, contact.b)) continue;
             const Wrench now = from_outside(world, contact);
             outside = outside || now != got[i];
@@ -100,12 +100,12 @@ TEST_CASE_TEMPLATE_DEFINE("scenes: momentum and angular momentum are kept across
     MESSAGE(books.kept, " breaks that changed nothing, ", books.answered, " with answers of what is fixed; worst ",
             books.worst, " at step ", books.worst_step);
     CHECK(books.worst < 1e-4);
-    CHECK(books.answered > 0); // else nothing of the accounts was tried
+    CHECK(books.answered > 0); // otherwise the test would have tested nothing
 }
 TEST_CASE_TEMPLATE_APPLY(momentum, BondsBreak);
 
-TEST_CASE("scenes: momentum is looked at wherever bonds break") {
+TEST_CASE("scenes: every scene with breaking bonds has a momentum test") {
     CHECK(names_of<BondsBreak>() == scenes_where([](const FractureOptions& options) {
-              return !options.world.breakable && holds_together(options.world); // the others: test_breakable.cpp
+              return !options.world.breakable && holds_together(options.world); // test_breakable.cpp has the others
           }));
 }

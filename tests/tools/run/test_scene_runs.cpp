@@ -1,5 +1,6 @@
-// What scenes must do beside looking right: the pane stops nothing it should not and lets nothing through unbroken, the arch falls
-// where its column is gone and nowhere else, the wall falls where it is rammed, the bunny breaks, the tower stands until it is hit.
+// Behaviour of scenes beyond their pictures: the pane stops no ball that it should not and lets none through unbroken,
+// the arch falls only on the side without its column, the wall falls where it is rammed, the bunny breaks, the tower
+// stands until it is hit.
 //
 // BRITTLE_LONG_RUNS=1 follows the tower's heap until ten seconds after the last blow (HACKING.md).
 #include <algorithm>
@@ -45,7 +46,7 @@ std::vector<physics::Pose> poses_of(const Simulation& simulation) {
     return poses;
 }
 
-// How far each piece has moved.
+// Returns the distance by which each piece has moved.
 std::vector<float> moves(const Simulation& simulation, const std::vector<physics::Pose>& from) {
     const std::vector<physics::Pose> now = poses_of(simulation);
     std::vector<float> far;
@@ -53,7 +54,7 @@ std::vector<float> moves(const Simulation& simulation, const std::vector<physics
     return far;
 }
 
-// Starts and takes so many steps; where the pieces were when it began.
+// Starts a scene and runs steps. Returns the initial positions of pieces.
 std::vector<physics::Pose> run(Simulation& simulation, const fracture::Fragments& pieces,
                                const FractureOptions& options, uint64_t steps) {
     simulation.start(pieces, world_of(options));
@@ -75,7 +76,7 @@ TEST_CASE_TEMPLATE("scene: a ball breaks the pane, is slowed by it and does not 
     REQUIRE(options.world.shots.size() == 1);
     const fracture::Fragments whole = started(options);
     REQUIRE(whole.pieces.size() == 1);
-    for (const double phase : {0.0, 0.3, 0.6}) { // where in a step it meets the pane
+    for (const double phase : {0.0, 0.3, 0.6}) { // fraction of a step at which the ball meets the pane
         CAPTURE(phase);
         Shot& shot = options.world.shots[0];
         shot.velocity = {0.0, 0.0, Speed::value};
@@ -91,25 +92,24 @@ TEST_CASE_TEMPLATE("scene: a ball breaks the pane, is slowed by it and does not 
             const bool broken = simulation.number_count() > 1;
             if (!broken) behind = std::max(behind, z);
         }
-        CHECK(behind < 0.015f); // the ball's middle never gets behind the unbroken pane's back
+        CHECK(behind < 0.015f); // the ball's centre never gets behind the unbroken pane
         CHECK(simulation.number_count() > 10);
         const float left = simulation.world().linear_velocity(simulation.balls()[0].body).z;
         CHECK(left < static_cast<float>(Speed::value));
-        if (Speed::value >= 100.0) CHECK(left > 0.0f); // it goes through
+        if (Speed::value >= 100.0) CHECK(left > 0.0f); // the ball goes through
         CHECK(all_finite(simulation.world()));
         check_pieces(*simulation.destruction(), volume_of(whole));
     }
 }
 
-TEST_CASE("scene: the arch stands, and where it has lost a column its half comes down a while later, while the other "
-          "one stays") {
+TEST_CASE("scene: the arch stands, and the half that loses its column falls a while later while the other stays") {
     FractureOptions options = recipe_of<scene::arch_loses_a_column>();
     const fracture::Fragments pieces = started(options);
     const std::vector<Shot> shots = std::exchange(options.world.shots, {});
     REQUIRE(shots.size() == 1);
     BRITTLE_RUN_OF(options);
-    // Of the pieces above the column that is shot, without those of the column, how many have come down by 30 cm; and how far
-    // anything of the other column has moved.
+    // The number of pieces above the shot column, without the column's own, that have come down by 30 cm; and the
+    // greatest movement of any piece of the other column.
     const auto see = [&](double seconds) {
         Simulation simulation(options.material);
         const std::vector<physics::Pose> start =
@@ -176,11 +176,11 @@ TEST_CASE("scene: the bunny comes apart where it falls, and lies on the ground")
     const auto height = [](const physics::Pose& pose) { return pose.position.y; };
     CHECK(std::ranges::min(now, {}, height).position.y > -0.002f);
     CHECK(std::ranges::max(now, {}, height).position.y
-          < std::ranges::min(start, {}, height).position.y); // all have come down
+          < std::ranges::min(start, {}, height).position.y); // all pieces have come down
     CHECK(all_finite(simulation.world()));
 }
 
-TEST_CASE("materials: one word says what becomes of what falls from 2.5 m, or is shot at") {
+TEST_CASE("materials: the material decides the result of a fall from 2.5 m and of a shot") {
     for (const physics::MaterialPreset& material : physics::material_presets())
         for (const bool shot : {false, true}) {
             FractureOptions options;
@@ -204,7 +204,7 @@ TEST_CASE("materials: one word says what becomes of what falls from 2.5 m, or is
                     largest, " in one");
             const bool tough = material.name == "wood", lumps = material.name == "stone" || material.name == "concrete";
             if (shot || lumps)
-                CHECK(bodies >= 10); // and what is not hit stays one
+                CHECK(bodies >= 10); // and the part that is not hit stays whole
             else
                 CHECK((tough ? 10 * largest >= 9 * all : 2 * largest < all));
             if (shot || lumps) CHECK(5 * largest >= all);
@@ -225,8 +225,8 @@ TEST_CASE("scene: the tower of a thousand pieces stands for ten seconds unhit") 
     CHECK(std::ranges::max(moves(simulation, start)) < 0.01f);
     const std::span<const double> loads = simulation.structure()->wear().ratios();
     const double most = *std::ranges::max_element(loads);
-    CHECK(most > 0.0); // the stresses were looked at,
-    CHECK(most < 1.0); // and not one bond is overloaded
+    CHECK(most > 0.0); // stresses were computed,
+    CHECK(most < 1.0); // and no bond is overloaded
 }
 
 TEST_CASE("scene: the tower collapses when its foot is shot away") {
@@ -249,7 +249,7 @@ TEST_CASE("scene: the tower collapses when its foot is shot away") {
     CHECK(fallen > high / 2);
     CHECK(simulation.world().body_count() > 100);
     CHECK(all_finite(simulation.world()));
-    // Centres of mass. Debris may be thinner than the 2 mm that hulls go into the ground at most (known limits).
+    // Centres of mass. Debris may be thinner than 2 mm, the maximum depth of hulls in the ground (known limits).
     const double debris = physics::WorldSettings{}.debris_size;
     for (size_t i = 0; i < now.size(); ++i)
         CHECK(now[i].position.y > (std::cbrt(pieces.pieces[i].mass.volume) < debris ? -0.002f : 0.0f));

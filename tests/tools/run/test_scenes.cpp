@@ -1,7 +1,6 @@
-// Every scene under assets/scenes against its goldens: the last picture that `brittle render` makes of it
-// (tests/images/scenes), and which piece each pixel shows before anything has moved (NAME.ids.png beside it), which is
-// exact. tools/update-goldens rewrites them; look at them then. Of a scene that fails and moves, the replay log is left
-// beside the pictures.
+// Every scene under assets/scenes against its goldens: the last picture by `brittle render` (tests/images/scenes), and
+// the piece of each pixel before anything moves (NAME.ids.png), which is exact. tools/update-goldens rewrites them;
+// look at the result. A failing scene that moves leaves its replay log beside the pictures.
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -32,7 +31,7 @@ constexpr BitmapTolerance exact{.ignore = 0, .channel = 0, .fraction = 0.0};
 
 } // namespace
 
-TEST_CASE("scenes: every file is a test here") {
+TEST_CASE("scenes: every file has a test here") {
     CHECK(names_of<scene::All>() == scenes_where([](const FractureOptions&) { return true; }));
 }
 
@@ -45,7 +44,7 @@ TEST_CASE_TEMPLATE_DEFINE("every scene looks as it did", Scene, looks) {
     const bool whole = options.picture.whole || options.picture.planes > 0; // nothing moves
     render(name, "-o " + file + (whole ? "" : " --record " + log), folder);
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    return; // other code, other roundings: what falls lies elsewhere
+    return; // other code rounds differently, so fallen pieces lie elsewhere
 #endif
     const auto image = read_png(file);
     REQUIRE(image);
@@ -71,7 +70,7 @@ TEST_CASE_TEMPLATE_DEFINE("every pixel of every scene shows the piece that it di
 }
 TEST_CASE_TEMPLATE_APPLY(ids, scene::All);
 
-TEST_CASE("one pixel with another piece is found") {
+TEST_CASE("a single pixel with another piece is found") {
     if (is_updating_goldens()) return;
     auto ids = read_png(golden_folder() + "/scenes/figure_11_icosphere_falls_apart.ids.png");
     REQUIRE(ids);

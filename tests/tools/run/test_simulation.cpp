@@ -1,4 +1,4 @@
-// Simulations: what is scheduled, grabbed, struck, and which poses a frame must write.
+// Simulations: scheduled actions, grabbing, blows, and the poses that a frame must write.
 #include "tools/brittle/run/simulation.h"
 
 #include <cmath>
@@ -16,7 +16,7 @@ using namespace brittle;
 using namespace brittle::tools;
 using namespace brittle::tools::test;
 
-TEST_CASE("simulation: with nothing there, actions and steps do nothing") {
+TEST_CASE("simulation: actions and steps have no effect on an empty simulation") {
     Simulation simulation;
     CHECK(!simulation.running());
     for (const Action& action : {Action(Damage{}), Action(Saw{}), Action(Release{}), Action(Drag{}), Action(LetGo{})})
@@ -29,7 +29,7 @@ TEST_CASE("simulation: with nothing there, actions and steps do nothing") {
     CHECK(!simulation.running());
 }
 
-TEST_CASE("simulation: a breakable thing stays whole, is cut where it is hit, and its foot is held") {
+TEST_CASE("simulation: a breakable mesh starts whole, is cut where it is hit, and keeps its foot fixed") {
     FractureOptions options;
     options.mesh = "shape:wall";
     use_material("concrete", options);
@@ -57,14 +57,14 @@ TEST_CASE("simulation: a breakable thing stays whole, is cut where it is hit, an
     }
     CHECK(sum == doctest::Approx(volume).epsilon(1e-12));
     CHECK(held == 1);
-    // What is no longer there, or never was, is left alone.
+    // Actions on pieces that do not exist have no effect.
     for (const Action& action : {Action(Hammer{0, {}, {0, 0, 9}}), Action(Push{99'999, {}, {1, 0, 0}}),
                                  Action(Grab{0, {}}), Action(Release{{0, 5}}), Action(Damage{}), Action(Saw{})})
         simulation.apply(action);
     simulation.step();
 }
 
-TEST_CASE("simulation: more pieces than may collide are debris, as each start says") {
+TEST_CASE("simulation: pieces beyond max_colliding are debris, by the options of each start") {
     FractureOptions options = wall_options();
     options.world = {.height = 0.5};
     const fracture::Fragments pieces = started(options);
@@ -78,7 +78,7 @@ TEST_CASE("simulation: more pieces than may collide are debris, as each start sa
     }
 }
 
-TEST_CASE("simulation: poses since a step are those that changed") {
+TEST_CASE("simulation: poses since a step are the changed poses") {
     FractureOptions options = wall_options();
     for (const bool breakable : {false, true}) {
         for (const bool bonded : {false, true}) {
@@ -107,7 +107,7 @@ TEST_CASE("simulation: poses since a step are those that changed") {
     }
 }
 
-TEST_CASE("simulation: actions that make no sense are named") {
+TEST_CASE("simulation: faults of actions are named") {
     const double nan = std::nan("");
     CHECK(fault_of(Shoot{}, 0).empty());
     CHECK(fault_of(Shoot{.from = {nan, 0, 0}}, 0).find("from") != std::string::npos);
@@ -125,7 +125,7 @@ TEST_CASE("simulation: actions that make no sense are named") {
     CHECK(fault_of(Drag{{0, 0, nan}}, 0).find("to") != std::string::npos);
 }
 
-TEST_CASE("simulation: what is scheduled takes effect at its step, in the order of calls") {
+TEST_CASE("simulation: scheduled actions take effect at their step, in the order of calls") {
     struct Diary : SimulationObserver {
         std::string text;
         void stepped(const Simulation& simulation) override { text += " " + std::to_string(simulation.steps()); }
@@ -141,12 +141,12 @@ TEST_CASE("simulation: what is scheduled takes effect at its step, in the order 
     simulation.schedule(3, LetGo{});
     simulation.schedule(0, Drag{});
     for (int k = 0; k < 4; ++k) simulation.step();
-    simulation.schedule(2, LetGo{}); // over: at once
+    simulation.schedule(2, LetGo{}); // the step is over: takes effect at once
     CHECK(diary.text == " @0kind7 1 @1kind8 2 @2kind0 3 @3kind7 @3kind8 4 @4kind8");
     CHECK(simulation.balls().size() == 1);
 }
 
-TEST_CASE("simulation: what is grabbed comes to the hand, stays there, and falls when it is let go") {
+TEST_CASE("simulation: a grabbed piece moves to the target, stays there, and falls when it is released") {
     FractureOptions options;
     options.mesh = "shape:cube";
     options.pattern.count = 1;
@@ -158,8 +158,8 @@ TEST_CASE("simulation: what is grabbed comes to the hand, stays there, and falls
         simulation.apply(Grab{0, glm::dvec3(position())});
         simulation.apply(Drag{{1.5, 4.0, -0.5}});
         for (int k = 0; k < 120; ++k) simulation.step();
-        // Ten times a second nearer by its distance, less what gravity pulls it off in a step: 1/1200 of it
-        // at most.
+        // The piece approaches the target at ten times its distance per second, minus the fall by gravity in a step:
+        // 1/1200 of the distance at most.
         CHECK(glm::distance(position(), glm::vec3(1.5f, 4.0f, -0.5f)) < 0.02f);
         simulation.apply(LetGo{});
         const float before = position().y;

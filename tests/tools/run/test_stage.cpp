@@ -1,4 +1,4 @@
-// What is made ready for a stage beside its frames.
+// Preparation of pieces for a stage outside its frames.
 #include <doctest/doctest.h>
 
 #include "fracture/shapes/shapes.h"
@@ -38,7 +38,7 @@ struct Theatre {
 
 } // namespace
 
-TEST_CASE("stage: what breaks is prepared to where the device reads it, cut beforehand or where it is hit") {
+TEST_CASE("stage: new pieces are staged for the device ahead, whether cut beforehand or by a blow") {
     const Theatre cut(false), whole(true);
     if (!cut.device) return;
     const PreparedPieces pieces = cut.prepare();
@@ -53,8 +53,7 @@ TEST_CASE("stage: what breaks is prepared to where the device reads it, cut befo
     CHECK(look->staged());
 }
 
-TEST_CASE(
-    "stage: a batch of the whole mesh is drawn as the mesh is, staged or not, and what stands in its place as well") {
+TEST_CASE("stage: a batch of the whole mesh and its replacement are drawn equally, staged ahead or not") {
     const Theatre theatre(true);
     if (!theatre.device) return;
     Stage of_mesh(*theatre.renderer, theatre.input.model.mesh);

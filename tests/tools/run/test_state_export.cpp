@@ -1,5 +1,4 @@
-// The pieces of a run in files: as blows have cut them, where they lie. What the simulation itself says of its bodies is the
-// oracle: its poses as matrices, its bodies, its bonds.
+// Export of the pieces of a run as blows have cut them. The simulation's own poses, bodies and bonds are the reference.
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -58,7 +57,7 @@ FractureOptions block() {
     return options;
 }
 
-// Hit from two sides while it falls; it is still falling apart then.
+// A mesh hit from two sides while it falls; it is still breaking at the end.
 void strike_twice(Run& run) {
     run.steps(10);
     run.simulation.apply(Hammer{0, {0.3, 0.9, 0.4}, {0.0, 0.0, -4000.0}});
@@ -88,7 +87,7 @@ double input_volume(const Run& run) {
 
 } // namespace
 
-TEST_CASE("state export: what was cut live is closed, nothing is lost, each body is there once where it is") {
+TEST_CASE("state export: pieces cut by blows are closed, volume is kept, and each body is written once at its place") {
     Run run(block());
     strike_twice(run);
     const Snapshot state = run.state();
@@ -123,10 +122,10 @@ TEST_CASE("state export: what was cut live is closed, nothing is lost, each body
               > 1.0 - 1e-12);
     }
     CHECK(bodies.size() == state.pieces.size());
-    CHECK(sum == doctest::Approx(input_volume(run)).epsilon(1e-6)); // small pieces are kept in single precision
+    CHECK(sum == doctest::Approx(input_volume(run)).epsilon(1e-6)); // small pieces have single precision
 }
 
-TEST_CASE("state export: files of every format hold each piece as it lies, or as it was made") {
+TEST_CASE("state export: files of every format hold each piece as it lies or as it was made") {
     const test::Folder folder;
     Run run(block());
     strike_twice(run);
@@ -144,7 +143,7 @@ TEST_CASE("state export: files of every format hold each piece as it lies, or as
             sum += volume_of(lie[p], &closed);
             CHECK(closed);
             CHECK(volume_of(made[p]) == doctest::Approx(volume_of(lie[p])).epsilon(1e-4));
-            // Both files list the same vertices in the same order: one is the other, moved as the body was.
+            // Both files list the same vertices in the same order, one moved by the pose of the body.
             const fracture::TriangleMesh a = must(fracture::import_mesh(made[p])),
                                          b = must(fracture::import_mesh(lie[p]));
             REQUIRE(a.triangles.size() == b.triangles.size());
@@ -160,11 +159,11 @@ TEST_CASE("state export: files of every format hold each piece as it lies, or as
                 }
         }
         CHECK(sum == doctest::Approx(input_volume(run)).epsilon(1e-5));
-        CHECK(turned > 0.01); // so that turning counts
+        CHECK(turned > 0.01); // rotation must matter
     }
 }
 
-TEST_CASE("state export: interiors, looks and hulls, the hulls of what is not convex are several and keep to it") {
+TEST_CASE("state export: interiors, looks and hulls are written, with several hulls for a piece that is not convex") {
     const test::Folder folder;
     FractureOptions options;
     options.mesh = std::string(BRITTLE_CORPUS) + "/meshes/crate.glb";
@@ -204,7 +203,7 @@ TEST_CASE("state export: interiors, looks and hulls, the hulls of what is not co
     REQUIRE(!back.uv[0].empty());
 }
 
-TEST_CASE("state export: bonds are those that hold, and bonded pieces lie where their body took them") {
+TEST_CASE("state export: unbroken bonds are written, and bonded pieces lie where their body moved them") {
     const test::Folder folder;
     for (const bool breakable : {false, true}) {
         CAPTURE(breakable);
@@ -219,12 +218,12 @@ TEST_CASE("state export: bonds are those that hold, and bonded pieces lie where 
         const Snapshot state = run.state();
         REQUIRE(state.bonds.size() < all);
         CHECK(state.bonds.size() == run.simulation.structure()->graph().live_count());
-        for (const fracture::Bond& bond : state.bonds) { // what holds together moves together
+        for (const fracture::Bond& bond : state.bonds) { // bonded pieces move together
             const auto &a = state.pieces[bond.a], &b = state.pieces[bond.b];
             CHECK(run.simulation.body_of(a.number) == run.simulation.body_of(b.number));
             CHECK(a.pose.orientation == b.pose.orientation);
         }
-        std::set<physics::BodyId> bodies; // but for the ball
+        std::set<physics::BodyId> bodies; // without the ball
         for (const Snapshot::Piece& piece : state.pieces) bodies.insert(run.simulation.body_of(piece.number));
         CHECK(bodies.size() + 1 == run.simulation.world().body_count());
         if (!breakable) CHECK(state.pieces.size() == run.fragments->pieces.size());
@@ -237,7 +236,7 @@ TEST_CASE("state export: bonds are those that hold, and bonded pieces lie where 
                 bonds += node["extras"]["brittle"]["bonds"].size();
         CHECK(bonds == state.bonds.size());
         CHECK(volume_of(file) == doctest::Approx(input_volume(run)).epsilon(1e-5));
-        // The pose of the piece of a body: the offset of its centre, turned.
+        // The pose of a piece of a body: the offset of its centre, rotated.
         const LivePieces live = live_pieces(state, run.placement());
         for (size_t p = 0; p < state.pieces.size(); ++p) {
             const auto number = state.pieces[p].number;
@@ -251,7 +250,7 @@ TEST_CASE("state export: bonds are those that hold, and bonded pieces lie where 
     }
 }
 
-TEST_CASE("state export: before anything moved, pieces as they lie are pieces as made") {
+TEST_CASE("state export: before anything moves, pieces as they lie equal pieces as made") {
     const test::Folder folder;
     FractureOptions options;
     options.mesh = "shape:cube";
@@ -269,7 +268,7 @@ TEST_CASE("state export: before anything moved, pieces as they lie are pieces as
     }
 }
 
-TEST_CASE("state export: what fails or is cancelled leaves the file of before, a mesh that changed is refused") {
+TEST_CASE("state export: a failed or cancelled export leaves the old file, and a changed mesh is refused") {
     const test::Folder folder;
     Run run(block());
     strike_twice(run);

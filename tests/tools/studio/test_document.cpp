@@ -38,7 +38,7 @@ std::vector<glm::dvec3> sites(const Document& document) {
 
 } // namespace
 
-TEST_CASE("document: nothing to undo or redo at first, and an edit that changes nothing is none") {
+TEST_CASE("document: there is nothing to undo or redo at first, and an edit without effect leaves no trace") {
     Document document(plain());
     CHECK_FALSE(document.undo());
     CHECK_FALSE(document.redo());
@@ -52,16 +52,16 @@ TEST_CASE("document: nothing to undo or redo at first, and an edit that changes 
     CHECK(document.saved());
 }
 
-TEST_CASE("document: sites that do not exist are skipped, and the last one stays") {
+TEST_CASE("document: indices of missing sites are skipped, and the last site stays") {
     Document document = with_sites();
     document.apply(MoveSites{{2, 2, 9, UINT32_MAX}, {0.0, 0.0, 1.0}});
-    CHECK(sites(document)[2] == glm::dvec3(0.0, 2.0, 1.0)); // once, though it is listed twice
+    CHECK(sites(document)[2] == glm::dvec3(0.0, 2.0, 1.0)); // moved once, although it is listed twice
     document.apply(RemoveSites{{0, 1, 2, 3}});
     REQUIRE(sites(document).size() == 1);
     CHECK(sites(document)[0] == glm::dvec3(0.0, 2.0, 1.0));
 }
 
-TEST_CASE("document: place, move, duplicate, mirror, delete") {
+TEST_CASE("document: sites are placed, moved, duplicated, mirrored and deleted") {
     Document document = with_sites();
     document.apply(AddSite{{3.0, 3.0, 3.0}});
     CHECK(sites(document).size() == 4);
@@ -76,7 +76,7 @@ TEST_CASE("document: place, move, duplicate, mirror, delete") {
     CHECK(sites(document)[1] == three[2]);
 }
 
-TEST_CASE("document: sites are weighed and grouped, taken back by gestures, and copies keep what they are of") {
+TEST_CASE("document: sites are weighted and grouped, undone by gestures, and copies keep weights and groups") {
     Document document = with_sites();
     const auto points = [&] { return document.recipe().points; };
     CHECK_FALSE(document.apply(SetSiteWeight{{}, 1.0}));
@@ -99,7 +99,7 @@ TEST_CASE("document: sites are weighed and grouped, taken back by gestures, and 
     document.apply(SetSiteGroup{{2}, UINT32_MAX});
     CHECK(points()[2].group == max_group);
     document.undo();
-    // Copies are in one group of their own, as are images; those of a site by itself are by themselves.
+    // Copies and images of one group form a group of their own. A copy of a site without a group has none.
     document.apply(DuplicateSites{{0, 1, 2}, {0.0, 0.0, 1.0}});
     REQUIRE(points().size() == 6);
     CHECK(points()[4].weight == 0.5);
@@ -115,7 +115,7 @@ TEST_CASE("document: sites are weighed and grouped, taken back by gestures, and 
     for (const PlacedSite& site : points()) CHECK(site.group == 0);
 }
 
-TEST_CASE("document: anchors are painted, rubbed out by number, undone by strokes, and go with the mesh") {
+TEST_CASE("document: anchors are added, removed by index, undone by strokes, and removed with the mesh") {
     Document document(plain());
     const uint64_t stroke = document.begin_gesture();
     for (int k = 0; k < 3; ++k) document.apply(AddAnchor{{{0.1 * k, 1.0, 0.0}, 0.2}}, stroke);
@@ -138,10 +138,10 @@ TEST_CASE("document: anchors are painted, rubbed out by number, undone by stroke
     CHECK(anchors().size() == max_anchors);
 }
 
-TEST_CASE("document: a pattern takes the place of sites, sites that of a pattern, and both of strikes") {
+TEST_CASE("document: a pattern replaces sites, sites replace a pattern, and both remove strikes") {
     Document document = with_sites();
     document.apply(AddStrike{{.at = {1.0, 1.0, 1.0}}});
-    CHECK(sites(document) == three); // they come back when the strike goes
+    CHECK(sites(document) == three); // they return when the strike is undone
     document.apply(MoveSites{{0}, {1.0, 0.0, 0.0}});
     CHECK(document.recipe().strikes.empty());
     document.apply(AddStrike{});
@@ -155,7 +155,7 @@ TEST_CASE("document: a pattern takes the place of sites, sites that of a pattern
     CHECK(document.recipe().mesh == "shape:torus");
 }
 
-TEST_CASE("document: a material brings its way to break, one that does not exist changes nothing") {
+TEST_CASE("document: a material sets its pattern, and an unknown material changes nothing") {
     Document document(plain());
     document.apply(SetMaterial{"wood"});
     CHECK(document.recipe().pattern.kind == fracture::PatternKind::splinters);
@@ -166,13 +166,13 @@ TEST_CASE("document: a material brings its way to break, one that does not exist
     CHECK_FALSE(document.can_undo());
 }
 
-TEST_CASE("document: more sites than a recipe holds are refused") {
+TEST_CASE("document: more sites than a recipe can hold are refused") {
     Document document(plain());
     CHECK_THROWS_AS(document.apply(SetSites{std::vector<PlacedSite>(max_points + 1)}), Failure);
     CHECK(sites(document).empty());
 }
 
-TEST_CASE("document: the edits of one gesture are one step, another one, or an undo, ends it") {
+TEST_CASE("document: the edits of one gesture are one step, which another gesture or an undo ends") {
     Document document = with_sites();
     const uint64_t drag = document.begin_gesture();
     for (int k = 0; k < 10; ++k) document.apply(MoveSites{{1}, {0.0, 0.25, 0.0}}, drag);
@@ -181,7 +181,7 @@ TEST_CASE("document: the edits of one gesture are one step, another one, or an u
     CHECK(sites(document) == three);
     document.redo();
     CHECK(sites(document)[1].y == 2.5);
-    document.apply(MoveSites{{1}, {0.0, 0.25, 0.0}}, drag); // after it was taken back and done again: a step of its own
+    document.apply(MoveSites{{1}, {0.0, 0.25, 0.0}}, drag); // after undo and redo the edit is a step of its own
     document.undo();
     CHECK(sites(document)[1].y == 2.5);
     const uint64_t next = document.begin_gesture();
@@ -195,7 +195,7 @@ TEST_CASE("document: the edits of one gesture are one step, another one, or an u
     CHECK(sites(document)[1].x == 2.0);
 }
 
-TEST_CASE("document: a new edit forgets what was taken back") {
+TEST_CASE("document: a new edit discards the undone edits") {
     Document document = with_sites();
     document.apply(AddSite{{1.0, 1.0, 1.0}});
     document.undo();
@@ -206,7 +206,7 @@ TEST_CASE("document: a new edit forgets what was taken back") {
     CHECK(sites(document).size() == 3);
 }
 
-TEST_CASE("document: how the picture is taken is no part of the history") {
+TEST_CASE("document: the picture is not part of the history") {
     Document document = with_sites();
     document.apply(AddSite{{1.0, 1.0, 1.0}});
     document.picture().azimuth = 77.0f;
@@ -216,7 +216,7 @@ TEST_CASE("document: how the picture is taken is no part of the history") {
     CHECK(document.recipe().picture.azimuth == 77.0f);
 }
 
-TEST_CASE("document: it knows whether it is saved") {
+TEST_CASE("document: it reports whether it is saved") {
     Document document = with_sites();
     document.apply(AddSite{{1.0, 1.0, 1.0}});
     CHECK_FALSE(document.saved());

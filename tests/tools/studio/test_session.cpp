@@ -1,5 +1,5 @@
-// The studio's session on a real renderer without a window: files, work that is cancelled, time, previews; and the mouse
-// as the tools see it.
+// The studio's session on a real renderer without a window: files, cancelled work, time, previews, and mouse gestures
+// of the tools.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -29,7 +29,8 @@ namespace {
 
 constexpr double frame = 1.0 / 60.0; // s
 constexpr glm::uvec2 small{160, 120};
-// Steps of a millisecond and more that a worker's cut is waited for: hundreds are over before it has begun on a busy machine.
+// Maximum number of steps, of a millisecond or more each, to wait for a worker's cut. On a busy machine hundreds of
+// steps pass before it begins.
 constexpr uint64_t patience = 20'000;
 
 class Room {
@@ -43,7 +44,7 @@ class Room {
         options.pattern.count = sites;
         session = std::make_unique<Session>(options, Object::load(options), *renderer, nullptr);
     }
-    // Frames until the condition holds, for half a minute at most.
+    // Runs frames until the condition holds, for half a minute at most.
     template<class Condition>
     bool soon(const Condition& condition, int frames = 3000) {
         for (int k = 0; k < frames && !condition(); ++k) {
@@ -95,7 +96,7 @@ Viewport view_of(const Navigation& navigation) {
 
 } // namespace
 
-TEST_CASE("session: a dropped file takes the scene's place, a bad one leaves it and says why") {
+TEST_CASE("session: a dropped file replaces the object, and a bad one leaves it and gives the reason") {
     const Folder folder;
     const std::string open = (folder.path / "open.off").string(), noise = (folder.path / "noise.stl").string(),
                       good = (folder.path / "good.off").string();
@@ -112,7 +113,7 @@ TEST_CASE("session: a dropped file takes the scene's place, a bad one leaves it 
         engine::Input input;
         input.dropped = {file};
         open_dropped(input, session);
-        CHECK_FALSE(session.activity().message().fault); // on a worker; what it found comes with an update
+        CHECK_FALSE(session.activity().message().fault); // read on a worker; the result arrives with an update
         REQUIRE(room.soon([&] { return session.activity().message().fault; }));
         CHECK(session.activity().message().text.find(fs::path(file).stem().string()) != std::string::npos);
         CHECK(&session.object() == before);
@@ -120,18 +121,18 @@ TEST_CASE("session: a dropped file takes the scene's place, a bad one leaves it 
         CHECK_FALSE(session.document().can_undo());
     }
     engine::Input input;
-    input.dropped = {open, good}; // the last one counts
+    input.dropped = {open, good}; // the last one is opened
     open_dropped(input, session);
     REQUIRE(room.soon([&] { return session.object().name() == "good"; }));
     CHECK(session.recipe().mesh == good);
     CHECK_FALSE(session.activity().message().fault);
     room.break_it();
-    session.undo(); // the mesh before
+    session.undo(); // back to the mesh before
     REQUIRE(room.soon([&] { return session.object().name() == "cube"; }));
     CHECK_FALSE(session.broken());
 }
 
-TEST_CASE("session: work that takes long can be cancelled, and what comes after it works") {
+TEST_CASE("session: long work can be cancelled, and later work succeeds") {
     Room room("shape:animal", 3000);
     if (!room.device) return;
     Session& session = *room.session;
@@ -140,7 +141,8 @@ TEST_CASE("session: work that takes long can be cancelled, and what comes after 
     session.edit(SetRecipe{recipe});
     session.break_all();
     REQUIRE(
-        room.soon([&] { return session.activity().work() && session.activity().work()->share > 0.0; })); // it has begun
+        // The work has begun.
+        room.soon([&] { return session.activity().work() && session.activity().work()->share > 0.0; }));
     session.activity().cancel();
     REQUIRE(room.soon([&] { return !session.activity().work() && !session.activity().message().text.empty(); }));
     CHECK_FALSE(session.broken());
@@ -153,7 +155,7 @@ TEST_CASE("session: work that takes long can be cancelled, and what comes after 
     CHECK(session.counts()->pieces >= 4);
 }
 
-TEST_CASE("session: nothing moves while it is paused, a single step is one, slow motion is slow") {
+TEST_CASE("session: pause, single step and slow motion control the time of the simulation") {
     Room room("shape:cube");
     if (!room.device) return;
     Session& session = *room.session;
@@ -180,18 +182,18 @@ TEST_CASE("session: nothing moves while it is paused, a single step is one, slow
     CHECK(steps() - slow >= 10);
     CHECK(steps() - slow <= 14);
     session.playback = {.paused = true, .speed = 1.0f};
-    session.step_once(); // a step that was asked for while time went by stops it
+    session.step_once(); // a step requested while time passes pauses it
     session.update(frame);
     CHECK(session.playback.paused);
 }
 
-TEST_CASE("session: quiet is when the next frame would be the same") {
+TEST_CASE("session: it is quiet when the next frame would equal the last") {
     Room room("shape:cube");
     if (!room.device) return;
     Session& session = *room.session;
     REQUIRE(room.soon([&] { return session.quiet(); })); // whole
     session.break_all();
-    CHECK_FALSE(session.quiet()); // work, then pieces that have come, then falling ones
+    CHECK_FALSE(session.quiet()); // work, then new pieces, then falling ones
     int frames = 0;
     while (!session.broken()) {
         CHECK_FALSE(session.quiet());
@@ -218,19 +220,19 @@ TEST_CASE("session: quiet is when the next frame would be the same") {
     CHECK(session.preview().pieces() > 0);
 }
 
-TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and are those that change nothing") {
+TEST_CASE("session: idle sites are the sites without effect, to which no part of the mesh is nearest") {
     Room room("shape:cube");
     if (!room.device) return;
     Session& session = *room.session;
     const fracture::Box box = fracture::bounds(session.object().file().model.mesh);
     const glm::dvec3 middle = box.centre();
     const double side = box.size().x;
-    // Inside, outside but nearest to a part of the surface, and far away: beyond the second one's cell.
+    // One site inside, one outside but nearest to a part of the surface, one far away beyond the second one's cell.
     const std::vector<glm::dvec3> sites{middle, middle + glm::dvec3(0.7 * side, 0.0, 0.0),
                                         middle + glm::dvec3(0.0, 9.0 * side, 0.0),
                                         middle + glm::dvec3(-0.2 * side, 0.1 * side, 0.0)};
     session.edit(SetSites{placed_sites({sites, {}, {}})});
-    CHECK(session.preview().idle_sites().empty()); // not known
+    CHECK(session.preview().idle_sites().empty()); // not known yet
     session.preview().wanted = true;
     REQUIRE(room.soon([&] { return session.preview().pieces() > 0; }));
     CHECK(std::vector<uint32_t>(session.preview().idle_sites().begin(), session.preview().idle_sites().end())
@@ -244,7 +246,7 @@ TEST_CASE("session: sites to which nothing of the mesh is nearest are told, and 
     CHECK(volumes_of(session.preview().current()->fragments) == with);
 }
 
-TEST_CASE("session: bricks and graded cells whose sites are taken by hand break as before") {
+TEST_CASE("session: bricks and graded cells break as before after their sites become sites placed by hand") {
     Room room("shape:wall");
     if (!room.device) return;
     Session& session = *room.session;
@@ -274,7 +276,7 @@ TEST_CASE("session: bricks and graded cells whose sites are taken by hand break 
     CHECK(session.sites().fellows_of_selected().empty());
 }
 
-TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh after it as before") {
+TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh again after it") {
     Room room("shape:icosphere", 20);
     if (!room.device) return;
     Session& session = *room.session;
@@ -291,7 +293,7 @@ TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh afte
     const uint32_t few = session.preview().pieces();
     REQUIRE(room.soon([&] { return session.preview().pieces() > few; }));
     (void)room.picture();
-    CHECK(room.renderer->stats().pieces == session.preview().pieces()); // the older ones are gone
+    CHECK(room.renderer->stats().pieces == session.preview().pieces()); // the older preview is removed
     session.picture().cells = false;
     session.update(frame);
     CHECK(session.preview().pieces() == 0);
@@ -299,7 +301,7 @@ TEST_CASE("session: the preview is drawn in place of the mesh, and the mesh afte
     CHECK(room.renderer->stats().pieces == 1);
 }
 
-TEST_CASE("session: a replay log is there once something broke, and not before") {
+TEST_CASE("session: a replay log can be saved once the mesh is broken, and not before") {
     const Folder folder;
     Room room("shape:cube");
     if (!room.device) return;
@@ -315,13 +317,13 @@ TEST_CASE("session: a replay log is there once something broke, and not before")
     const auto size = fs::file_size(file);
     CHECK(size > 500);
     for (int k = 0; k < 5; ++k) session.update(frame);
-    session.files().save_replay(file); // it went on
+    session.files().save_replay(file); // recording went on
     CHECK(fs::file_size(file) > size);
     session.files().save_replay(folder.path / "none" / "run.log");
     CHECK(session.activity().message().fault);
 }
 
-TEST_CASE("session: the log says where someone looks at what is breakable, again when that changes, and replays") {
+TEST_CASE("session: the log of a breakable world holds each change of the view, and replays") {
     const Folder folder;
     Room room("shape:icosphere");
     if (!room.device) return;
@@ -358,7 +360,7 @@ TEST_CASE("session: the log says where someone looks at what is breakable, again
     CHECK(told[0].eye == glm::dvec3(camera.target));
     CHECK(told[1].eye == glm::dvec3(camera.eye));
     CHECK(told[1].aspect == 1.5);
-    // Twice as far from the middle, a piece is drawn where one sees it from half as far.
+    // A piece at twice its distance from the middle is seen as from half the distance.
     CHECK(glm::distance(told[2].eye, 0.5 * (glm::dvec3(camera.eye) + glm::dvec3(middle))) < 1e-6);
 
     FractureOptions recipe = log.recipe;
@@ -373,13 +375,13 @@ TEST_CASE("session: the log says where someone looks at what is breakable, again
     CHECK_FALSE(player.difference());
 }
 
-TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost showed, and undo and reset mend it") {
+TEST_CASE("session: the hammer cuts a breakable mesh as its preview showed, and undo and reset make it whole") {
     Room room("shape:animal");
     if (!room.device) return;
     Session& session = *room.session;
     session.edit(SetMaterial{"stone"});
     fracture::Pattern pattern = session.recipe().pattern;
-    pattern.seed = 7; // which is also the blows'
+    pattern.seed = 7; // also the seed of blows
     session.edit(SetPattern{pattern});
     WorldOptions world;
     world.breakable = world.anchored = true;
@@ -407,7 +409,7 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
         CHECK(room.renderer->stats().pieces == volumes_ahead.size());
 
         session.strike(hit->point, direction);
-        session.playback.paused = true; // once it is cut, nothing is to break by its fall
+        session.playback.paused = true; // after the cut no piece may break by its fall
         REQUIRE(room.soon([&] { return session.broken(); }));
         while (session.counts()->pieces == 1 && session.steps() < patience) {
             session.step_once();
@@ -417,11 +419,11 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
         CAPTURE(session.counts()->pieces);
         CAPTURE(session.steps());
         CHECK(volumes_of(session) == volumes_ahead);
-        CHECK(session.recipe().strikes.empty()); // an action of the log, no edit
+        CHECK(session.recipe().strikes.empty()); // an action of the log, not an edit
         CHECK(session.document().undo_name() == undo_name);
 
-        // A second blow, at a piece where it lies.
-        (void)room.picture(); // where it is drawn
+        // A second blow, at a piece at its current place.
+        (void)room.picture(); // updates the drawn poses
         const glm::dvec3 largest(session.pieces().bounds(largest_of(session))->centre());
         const auto piece = session.pieces().first(largest + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0});
         REQUIRE(piece);
@@ -452,12 +454,12 @@ TEST_CASE("session: what is breakable is cut where the hammer hits, as its ghost
         CHECK(session.all_bounds().min == session.stage().home_bounds().min);
     }
     CHECK(blows >= 1);
-    session.undo(); // the world; the mesh is whole and falls apart no more
+    session.undo(); // undoes the edit of the world; the mesh is whole and not breakable
     CHECK_FALSE(session.recipe().world.breakable);
     CHECK_FALSE(session.broken());
 }
 
-TEST_CASE("session: a ball cuts what is breakable where it hits, undo takes a change of it back, and it is whole") {
+TEST_CASE("session: a ball cuts a breakable mesh where it hits, and undo makes it whole") {
     Room room("shape:pane");
     if (!room.device) return;
     Session& session = *room.session;
@@ -476,7 +478,7 @@ TEST_CASE("session: a ball cuts what is breakable where it hits, undo takes a ch
     for (const physics::PieceId id : destruction.pieces()) {
         const physics::SolidPiece& solid = *destruction.solid(id);
         sum += solid.mass.volume;
-        if (glm::distance(solid.mass.centre_of_mass, glm::dvec3(middle)) < 0.6) ++near; // where it was in the pane
+        if (glm::distance(solid.mass.centre_of_mass, glm::dvec3(middle)) < 0.6) ++near; // by its place in the pane
     }
     CHECK(near > destruction.pieces().size() / 2);
     CHECK(sum
@@ -489,10 +491,10 @@ TEST_CASE("session: a ball cuts what is breakable where it hits, undo takes a ch
     CHECK_FALSE(session.broken());
     CHECK(session.recipe().world.breakable);
     CHECK(session.pieces().first(glm::dvec3(middle) + glm::dvec3(0.0, 0.0, 3.0), {0.0, 0.0, -1.0})
-          == std::nullopt); // nothing but the mesh
+          == std::nullopt); // there are no pieces
 }
 
-TEST_CASE("session: exports what is on the stage, as its log repeats it, before the break the recipe's pieces") {
+TEST_CASE("session: it exports the recipe's pieces before the break and the pieces on the stage after it") {
     const Folder folder;
     Room room("shape:animal", 20);
     if (!room.device) return;
@@ -511,7 +513,7 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
                            break_input(input, options));
         return read_text(folder.path / "line.glb");
     };
-    // What the log of this moment gives without a window.
+    // Returns the export of a replay of the current log, without a window.
     const auto replayed = [&](PiecesAs as, const std::string& ending) {
         session.files().save_replay(folder.path / "run.log");
         const ReplayLog log = read_replay_log(folder.path / "run.log");
@@ -533,11 +535,11 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     CHECK(exported("whole.glb", PiecesAs::made) == recipe_pieces());
     room.break_it();
     for (int k = 0; k < 40; ++k) session.update(frame);
-    session.playback.paused = true; // while the export is waited for, frames go on
+    session.playback.paused = true; // frames go on during the export
     CHECK(exported("made.glb", PiecesAs::made) == recipe_pieces());
     CHECK(exported("lie.ply", PiecesAs::they_lie) == replayed(PiecesAs::they_lie, ".ply"));
 
-    // Cut live, and what is held by the ground broken altogether.
+    // A mesh cut by blows, and then a mesh on the ground broken as a whole.
     session.playback.paused = false;
     session.reset();
     WorldOptions world;
@@ -565,7 +567,7 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     (void)write_pieces({.output = (folder.path / "line.ply").string()}, cut, input, break_input(input, cut));
     CHECK(exported("fallen_made.ply", PiecesAs::made) == read_text(folder.path / "line.ply"));
 
-    // Called off, or where nothing can be written: no file, and it says so.
+    // A cancelled export, and one to a missing folder: no file, and a message.
     session.activity().say({});
     session.files().export_pieces(folder.path / "none" / "a.glb", PiecesAs::they_lie);
     REQUIRE(room.soon([&] { return session.activity().message().fault; }));
@@ -573,14 +575,15 @@ TEST_CASE("session: exports what is on the stage, as its log repeats it, before 
     session.files().export_pieces(folder.path / "called_off.glb", PiecesAs::they_lie);
     session.activity().cancel();
     REQUIRE(room.soon([&] { return !session.activity().work(); }));
-    session.update(frame); // what it has to say
+    session.update(frame); // delivers the message
     CHECK_FALSE(session.activity().message().fault);
-    const bool done = session.activity().message().text.find("called_off") != std::string::npos; // it was faster
+    // The export was faster than the cancellation.
+    const bool done = session.activity().message().text.find("called_off") != std::string::npos;
     CHECK(fs::exists(folder.path / "called_off.glb") == done);
     for (const auto& entry : fs::directory_iterator(folder.path)) CHECK(entry.path().extension() != ".tmp");
 }
 
-TEST_CASE("tools: wheel and buttons move the camera as the help says, and only over the scene") {
+TEST_CASE("tools: wheel and buttons move the camera as the help describes, and only over the scene") {
     Room room("shape:cube");
     if (!room.device) return;
     Tools tools;
@@ -601,13 +604,13 @@ TEST_CASE("tools: wheel and buttons move the camera as the help says, and only o
     CHECK(distance(near) < 0.8f * distance(start));
     CHECK(glm::distance(near.target, start.target) < 1e-3f);
     CHECK(distance(handle({.scroll = -3.0f})) == doctest::Approx(distance(start)));
-    // Shift and the wheel are the tool's.
+    // Shift + wheel belongs to the tool.
     tools.choose(Tool::hammer, *room.session);
     const float radius = room.session->tools.hammer_radius;
     const engine::Camera same = handle({.modifiers = {.shift = true}, .scroll = 2.0f});
     CHECK(distance(same) == doctest::Approx(distance(start)));
     CHECK(room.session->tools.hammer_radius > radius);
-    // Middle drag: the target goes across the view, as far as the eye.
+    // Middle drag: target and eye move across the view.
     (void)handle({.buttons = {press(engine::Button::middle, true)}});
     const engine::Camera panned = handle({.drag_middle = {50.0f, 0.0f}});
     (void)handle({.buttons = {press(engine::Button::middle, false)}});
@@ -616,7 +619,7 @@ TEST_CASE("tools: wheel and buttons move the camera as the help says, and only o
     CHECK(std::abs(glm::dot(glm::normalize(way), glm::normalize(start.target - start.eye))) < 1e-3f);
     CHECK(glm::distance(panned.eye - start.eye, way) < 1e-4f);
     CHECK(handle({.drag_middle = {50.0f, 0.0f}}).target == panned.target); // released
-    // Right drag: round the target.
+    // Right drag: the eye moves around the target.
     (void)handle({.buttons = {press(engine::Button::right, true)}});
     CHECK(tools.right_held());
     const engine::Camera turned = handle({.drag_right = {80.0f, 0.0f}});
@@ -627,7 +630,7 @@ TEST_CASE("tools: wheel and buttons move the camera as the help says, and only o
     CHECK(glm::distance(turned.eye, panned.eye) > 0.3f);
 }
 
-TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out with Ctrl, and hold what breaks") {
+TEST_CASE("tools: anchors are painted along the mouse's path, removed with Ctrl, and hold the pieces") {
     Room room("shape:cube");
     if (!room.device) return;
     Session& session = *room.session;
@@ -661,7 +664,7 @@ TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out wit
         const glm::dvec3 inside = glm::min(p - box.min, box.max - p);
         CHECK(std::abs(std::min({inside.x, inside.y, inside.z})) < 1e-9);
     }
-    stroke({340.0f, 300.0f}, {460.0f, 300.0f}, false); // over what is painted
+    stroke({340.0f, 300.0f}, {460.0f, 300.0f}, false); // over painted anchors
     CHECK(anchors.size() == painted);
     session.undo();
     CHECK(anchors.empty());
@@ -670,7 +673,7 @@ TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out wit
     stroke({450.0f, 300.0f}, {460.0f, 300.0f}, true);
     CHECK(anchors.size() < painted);
     CHECK(!anchors.empty());
-    // Space: cut into pieces that hold together and hang on what is painted.
+    // Space: breaks into bonded pieces that hang on the painted anchors.
     room.break_it();
     for (int k = 0; k < 30; ++k) session.update(frame);
     bool held = false;
@@ -678,14 +681,14 @@ TEST_CASE("tools: anchors are painted along the way of the mouse, rubbed out wit
         held = held || session.stage().world().fixed(body);
     CHECK(held);
     const size_t before = anchors.size();
-    stroke({400.0f, 250.0f}, {400.0f, 350.0f}, false); // broken: no paint, but a word why
+    stroke({400.0f, 250.0f}, {400.0f, 350.0f}, false); // broken: no anchor, but a message
     CHECK(anchors.size() == before);
     CHECK_FALSE(session.activity().message().text.empty());
     session.undo(); // makes it whole again
     CHECK_FALSE(session.broken());
 }
 
-TEST_CASE("studio: flying goes where one looks, aside and up, at a speed that suits the distance") {
+TEST_CASE("studio: flying moves along the view, to the side and up, at a speed proportional to the distance") {
     Navigation navigation;
     navigation.frame({}, 1.5f);
     const engine::Camera start = navigation.camera({});

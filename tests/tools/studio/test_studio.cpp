@@ -1,4 +1,4 @@
-// The studio without its window: files, keys, pixels, workers. test_document.cpp has its edits.
+// The studio without its window: files, keys, pixels, workers. test_document.cpp tests edits.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -52,7 +52,7 @@ bool soon(const Condition& condition) {
 
 } // namespace
 
-TEST_CASE("studio: no key means two things, and each has a line in the help") {
+TEST_CASE("studio: each key has one meaning and a line in the help") {
     std::set<std::pair<int, int>> seen;
     for (const KeyBinding& binding : key_bindings()) {
         const int modifiers = binding.modifiers.shift + 2 * binding.modifiers.control + 4 * binding.modifiers.alt;
@@ -66,7 +66,7 @@ TEST_CASE("studio: no key means two things, and each has a line in the help") {
           != command_for(static_cast<engine::Key>('S'), {.control = true}));
 }
 
-TEST_CASE("studio: a ray through the pixel of a point passes the point, with and without a shift") {
+TEST_CASE("studio: the ray through the pixel of a point passes through the point, with and without a shift") {
     for (const glm::vec2 shift : {glm::vec2(0.0f), glm::vec2(0.2f, -0.1f)}) {
         engine::Camera eye = camera();
         eye.shift = shift;
@@ -82,7 +82,7 @@ TEST_CASE("studio: a ray through the pixel of a point passes the point, with and
     }
 }
 
-TEST_CASE("studio: the target is in the middle of what panels leave free") {
+TEST_CASE("studio: the target is in the middle of the part without panels") {
     const glm::vec2 window(1280.0f, 720.0f), low(276.0f, 42.0f), high(1100.0f, 694.0f);
     engine::Camera eye = camera();
     eye.shift = Viewport::shift(window, low, high);
@@ -95,7 +95,7 @@ TEST_CASE("studio: the target is in the middle of what panels leave free") {
     CHECK_FALSE(view.is_free({300.0f, 41.0f}));
 }
 
-TEST_CASE("studio: the camera of the free part sees what it shows, and no more") {
+TEST_CASE("studio: the camera of the free part shows exactly that part") {
     const engine::Camera camera{{1.0f, 2.0f, 5.0f}, {0.2f, 0.1f, 0.0f}};
     const glm::vec2 window(900.0f, 500.0f), low(200.0f, 30.0f), high(650.0f, 460.0f);
     engine::Camera shifted = camera;
@@ -113,12 +113,12 @@ TEST_CASE("studio: the camera of the free part sees what it shows, and no more")
             }
 }
 
-TEST_CASE("studio: a window without size gives rays all the same") {
+TEST_CASE("studio: a window of size zero gives rays, too") {
     const Viewport view(camera(), {0.0f, 0.0f}, {}, {});
     CHECK(std::isfinite(view.ray({5.0f, 5.0f}).direction.x));
 }
 
-TEST_CASE("studio: zooming keeps in place what is under the cursor") {
+TEST_CASE("studio: zooming keeps the point under the cursor in place") {
     Navigation navigation;
     navigation.frame({}, 1.5f);
     const auto view_of = [&] {
@@ -138,7 +138,7 @@ TEST_CASE("studio: zooming keeps in place what is under the cursor") {
           < glm::distance(before.camera().eye, glm::vec3(under)));
 }
 
-TEST_CASE("studio: the recipe's picture is where the camera was") {
+TEST_CASE("studio: the recipe's picture restores the camera") {
     Navigation navigation;
     const engine::Bounds home{{-1.0f, 0.5f, -1.0f}, {1.0f, 2.5f, 1.0f}};
     PictureOptions picture;
@@ -156,7 +156,7 @@ TEST_CASE("studio: the recipe's picture is where the camera was") {
           < 0.01f * glm::distance(expected.eye, expected.target));
 }
 
-TEST_CASE("studio: a mesh that does not bound a solid is refused when it is opened, and a file that is none") {
+TEST_CASE("studio: opening refuses a mesh that does not bound a solid and a file that is not a mesh") {
     const Folder folder;
     std::ofstream(folder.path / "open.off") << "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 2 3\n";
     std::ofstream(folder.path / "noise.stl") << "this is no mesh";
@@ -167,7 +167,7 @@ TEST_CASE("studio: a mesh that does not bound a solid is refused when it is open
     CHECK_THROWS_AS((void)Object::load(options_of("shape:cheese")), Failure);
 }
 
-TEST_CASE("studio: an object's sites are those of the command line, and places go to the stage and back") {
+TEST_CASE("studio: an object's sites equal the command line's, and points convert to the stage and back") {
     FractureOptions options = options_of("shape:torus");
     options.pattern.count = 50;
     options.world.height = 0.75;
@@ -185,7 +185,7 @@ TEST_CASE("studio: an object's sites are those of the command line, and places g
     CHECK(fracture::bounds(object->placed_for(standing)->mesh()).min.y == doctest::Approx(0.0));
 }
 
-TEST_CASE("studio: rays meet the surface where it is, and leave it behind") {
+TEST_CASE("studio: rays find the entry and exit points of the surface") {
     const auto object = Object::load(options_of("shape:cube")); // 2 m, from y = 0.5 to 2.5
     const auto hit = object->first_hit({0.1, 1.0, 9.0}, {0.0, 0.0, -1.0});
     REQUIRE(hit);
@@ -195,7 +195,8 @@ TEST_CASE("studio: rays meet the surface where it is, and leave it behind") {
     CHECK_FALSE(object->first_hit({0.1, 9.0, 9.0}, {0.0, 0.0, -1.0}));
 }
 
-TEST_CASE("studio: a preview shows the pieces of the fracture, cracks on the surface, and a ghost's crumbs") {
+TEST_CASE(
+    "studio: a preview shows the pieces of the fracture, cracks on the surface, and the crumbs of an aimed blow") {
     const auto device = engine::test::make_device();
     if (!device) return;
     const auto renderer = must(engine::Renderer::create(*device));
@@ -231,7 +232,7 @@ TEST_CASE("studio: a preview shows the pieces of the fracture, cracks on the sur
     CHECK(made->batch.pieces().empty());
 }
 
-TEST_CASE("studio: a worker runs the newest task, cancels, and ends with its owner") {
+TEST_CASE("studio: a worker runs the newest task, can be cancelled, and ends with its owner") {
     std::atomic<int> ran = 0;
     std::atomic<bool> started = false, saw_cancel = false;
     {
@@ -245,7 +246,7 @@ TEST_CASE("studio: a worker runs the newest task, cancels, and ends with its own
         });
         REQUIRE(soon([&] { return started.load(); }));
         worker.run([&](const Worker::Cancelled&) { ran += 1; });
-        worker.run([&](const Worker::Cancelled&) { ran += 10; }); // in place of the one that waits
+        worker.run([&](const Worker::Cancelled&) { ran += 10; }); // replaces the waiting task
         CHECK(worker.busy());
         worker.cancel(); // drops it too
         REQUIRE(soon([&] { return !worker.busy(); }));
@@ -260,10 +261,10 @@ TEST_CASE("studio: a worker runs the newest task, cancels, and ends with its own
         });
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
-    CHECK((ran == 1001 || ran == 1)); // it ran to its end, or was never begun
+    CHECK((ran == 1001 || ran == 1)); // it ran to its end or never began
 }
 
-TEST_CASE("studio: recent files are kept, newest first, without shapes and doubles") {
+TEST_CASE("studio: recent files are kept, newest first, without shapes and duplicates") {
     const Folder folder;
     const fs::path place = folder.path / "state" / "recent";
     {
@@ -283,15 +284,14 @@ TEST_CASE("studio: recent files are kept, newest first, without shapes and doubl
     CHECK(nowhere.files().size() == 1);
 }
 
-TEST_CASE(
-    "studio: what rests is not drawn, but for some frames after it was touched, and slowly where a cursor blinks") {
+TEST_CASE("studio: an idle window is drawn for some frames after input, and slowly while a cursor blinks") {
     Idleness idleness;
     int drawn = 0;
-    while (idleness.draws(false, false)) REQUIRE(++drawn < 100); // the start
+    while (idleness.draws(false, false)) REQUIRE(++drawn < 100); // frames at the start
     CHECK(drawn > 2);
     CHECK(idleness.wait() == Idleness::pause);
     for (int k = 0; k < 10; ++k) CHECK_FALSE(idleness.draws(false, false));
-    CHECK(idleness.draws(false, true)); // one a pause
+    CHECK(idleness.draws(false, true)); // one frame per pause
     CHECK(idleness.wait() == Idleness::pause);
     CHECK(idleness.draws(true, false)); // at once
     CHECK(idleness.wait() == 0.0);
@@ -300,7 +300,7 @@ TEST_CASE(
     for (int k = 0; k < 100; ++k) CHECK(idleness.draws(true, false));
 }
 
-TEST_CASE("studio: frame times are the newest ones, and marks move with them") {
+TEST_CASE("studio: the newest frame times are kept, and marks move with them") {
     FrameTimes times;
     CHECK(times.median() == 0.0);
     times.mark();

@@ -1,6 +1,7 @@
-// Drops a file on a window as a file manager does (XDND, version 5), for tests under Xvfb: a source that owns the
-// selection, says that it is over the window and lets go. Exit 0 once the window has taken it.
-//   drop_file WINDOW FILE
+// Drops a file on a window as a file manager does (XDND, version 5), for tests under Xvfb: owns the selection,
+// announces that it is over the window and drops. Exit code 0 once the window has taken the file.
+//
+//     drop_file WINDOW FILE
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -20,7 +21,7 @@ class Source {
         : display_(display), target_(target), text_("file://" + std::move(file) + "\r\n"),
           own_(XCreateSimpleWindow(display, DefaultRootWindow(display), 0, 0, 1, 1, 0, 0, 0)) {}
 
-    // Whether the window took it.
+    // Returns whether the window took the file.
     bool drop() {
         constexpr long version = 5;
         XSetSelectionOwner(display_, atom("XdndSelection"), own_, CurrentTime);
@@ -35,7 +36,7 @@ class Source {
                 if (!(message.data.l[1] & 1)) return false;
                 send("XdndDrop", {0, CurrentTime, 0, 0});
             }
-            // GLFW 3.3 puts the number of bytes where only the lowest bit counts.
+            // GLFW 3.3 puts the number of bytes in a field of which only the lowest bit counts.
             if (message.message_type == atom("XdndFinished")) return message.data.l[1] != 0;
         }
     }

@@ -1,8 +1,9 @@
-// Waits until a window has read all that was sent to it and drawn it, for tests under Xvfb: the window is asked for a sign
-// of life (_NET_WM_PING), which GLFW answers where it reads events, once a frame. The first answer says that what came
-// before was read; each further one that a frame has passed since. A fixed pause would be too long on a quick machine
-// and too short on a busy one. What other threads work on is not waited for.
-//   settle WINDOW [FRAMES]     so many frames after it was read, default 2; exit 1 where the window is gone
+// Waits until a window has processed all earlier input and drawn the result, for tests under Xvfb. Sends the window
+// pings (_NET_WM_PING), which GLFW answers when it reads events, once per frame. The first answer shows that earlier
+// input was read, each further one that a frame has passed. A fixed pause would be too long on a fast machine and too
+// short on a busy one. Work of other threads is not covered.
+//
+//     settle WINDOW [FRAMES]     waits for FRAMES frames, 2 by default; exit code 1 if the window is gone
 #include <cstdio>
 #include <cstdlib>
 
@@ -12,7 +13,7 @@
 namespace {
 
 constexpr unsigned patience =
-    60; // s for each answer: frames are slow under sanitizers; then the alarm ends the program
+    60; // s per answer, since frames are slow under sanitizers; then the alarm ends the program
 
 void ping(Display* display, Window window, long number) {
     XEvent event{};
@@ -27,7 +28,7 @@ void ping(Display* display, Window window, long number) {
     XFlush(display);
 }
 
-// The answer goes to the root window; others may ask at the same time.
+// The answer goes to the root window, where other clients may receive answers at the same time.
 bool answers(const XEvent& event, Window window, long number) {
     return event.type == ClientMessage && event.xclient.data.l[1] == number
            && static_cast<Window>(event.xclient.data.l[2]) == window;
@@ -46,7 +47,8 @@ int main(int argc, char** argv) {
     XSelectInput(display, DefaultRootWindow(display), SubstructureNotifyMask);
     for (long k = 0; k <= frames; ++k) {
         alarm(patience);
-        const long number = static_cast<long>(getpid()) * 256 + k; // a time, in real life; whatever it is comes back
+        // Normally a time stamp; the value is returned unchanged.
+        const long number = static_cast<long>(getpid()) * 256 + k;
         ping(display, window, number);
         for (XEvent event;;) {
             XNextEvent(display, &event);

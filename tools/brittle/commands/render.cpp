@@ -24,40 +24,41 @@ namespace brittle::tools {
 
 namespace {
 
-// What cannot be repeated is not worth a log, and where nothing broke there are no pieces.
+// Refuses outputs that need a fracture and its motion together with pictures that have neither.
 void check_run(const RenderCommand& command) {
     const PictureOptions& picture = command.fracture.picture;
     for (const char* option : {"--record", "--export"}) {
         const std::string& file = option == std::string("--record") ? command.record : command.pieces.files.output;
         if (file.empty()) continue;
-        if (picture.whole) throw Failure(exit_usage, std::string(option) + ": with --whole nothing moves");
-        if (picture.planes > 0) throw Failure(exit_usage, std::string(option) + ": with --planes nothing is broken");
+        if (picture.whole)
+            throw Failure(exit_usage, std::string(option) + ": cannot be combined with --whole, because nothing moves");
+        if (picture.planes > 0)
+            throw Failure(exit_usage, std::string(option)
+                                          + ": cannot be combined with --planes, because the mesh is not fractured");
     }
 }
 
-// Says on standard error which anchors hold nothing: who gives one in the mesh's own coordinates wonders why it falls.
+// Warns of anchors that touch no part of the mesh. A likely reason is an anchor in the coordinates of the file.
 void name_idle_anchors(const fracture::TriangleMesh& on_stage, const WorldOptions& world) {
     for (const Anchor& anchor : world.anchors) {
         const physics::AnchorRegion ball =
             physics::Ball{anchor.at + glm::dvec3(0.0, foot_height(world), 0.0), anchor.radius};
         if (physics::reaches({&ball, 1}, on_stage.positions, on_stage.triangles)) continue;
-        std::fprintf(stderr,
-                     "brittle: the anchor at (%g, %g, %g), radius %g, reaches nothing of the mesh and holds nothing; "
-                     "it counts in "
-                     "metres from the middle of the mesh's foot, with the mesh 2 m long\n",
-                     anchor.at.x, anchor.at.y, anchor.at.z, anchor.radius);
+        std::fprintf(
+            stderr,
+            "brittle: the anchor at (%g, %g, %g), radius %g, touches no part of the mesh; its coordinates are metres "
+            "from the middle of the mesh's foot, with the mesh 2 m long\n",
+            anchor.at.x, anchor.at.y, anchor.at.z, anchor.radius);
     }
 }
 
-// The same of a limit on pieces: only what is breakable leaves debris.
+// Warns of a limit on pieces in a world without debris.
 void name_idle_limit(const WorldOptions& world) {
     if (world.breakable || world.piece_limit == WorldOptions{}.piece_limit) return;
-    std::fputs(
-        "brittle: nothing is breakable, so none of its pieces go: the limit on pieces (--piece-limit) does nothing\n",
-        stderr);
+    std::fputs("brittle: --piece-limit has no effect: pieces are removed in a breakable world only\n", stderr);
 }
 
-// The same of bricks: only what starts whole is cut into them.
+// Warns of the size of bricks in a world in which no blow takes out bricks.
 void name_idle_brick(const WorldOptions& world, const std::string& material) {
     const physics::RunningBond plain;
     if (world.bond.brick == plain.brick && world.bond.along == plain.along) return;
@@ -65,10 +66,48 @@ void name_idle_brick(const WorldOptions& world, const std::string& material) {
     const bool of_material = starts_whole(world) && preset && preset->pattern.kind == fracture::PatternKind::bricks;
     if (world.blows ? world.blows->kind == fracture::PatternKind::bricks && world.blows->diagram.empty() : of_material)
         return;
-    std::fputs("brittle: no blow takes out bricks, so the recipe's world/brick does nothing: the world must be "
-               "breakable and not "
-               "bonded, and the material brick or the pattern bricks\n",
-               stderr);
+    std::fputs(
+        "brittle: the recipe's world/brick has no effect: blows take out bricks in a world that is breakable and "
+        "not bonded, with the material brick or the pattern bricks\n",
+        stderr);
+}
+
+void warn_of_idle_options(const RenderCommand& command, const Input& on_stage, const WorldOptions& world) {
+    name_idle_anchors(on_stage.model.mesh, world);
+    name_idle_limit(world);
+    name_idle_brick(world, command.fracture.material);
+}
+
+// Fractures the input and puts the pieces on the stage. Returns the pieces.
+std::shared_ptr<const fracture::Fragments> break_on_stage(const RenderCommand& command, const Input& input,
+                                                          const WorldOptions& world, engine::Device& device,
+                                                          Stage& stage) {
+    const ClassifyChoice choice = choose_classifier(classify_path(command.classify), device, input, command.fracture);
+    if (command.classify != "cpu") std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
+    Progress progress("fracturing " + input.name);
+    Broken broken = break_input(
+        input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
+    stage.stand(broken.fragments, world);
+    return std::make_shared<const fracture::Fragments>(std::move(broken.fragments));
+}
+
+void show_extras(const PictureOptions& picture, const Input& input, Stage& stage) {
+    if (picture.sites) stage.show_sites(input.sites);
+    if (picture.cells) stage.show_lines(cell_lines(input));
+    stage.show_hulls(picture.hulls);
+    stage.explode(picture.explode);
+}
+
+void draw_frames(Film& film, Stage& stage, uint32_t frames) {
+    film.watch(stage);
+    Progress progress("rendering");
+    for (uint32_t frame = 0; frame <= frames; ++frame) {
+        throw_if_interrupted();
+        if (frame > 0) stage.advance(film_frame_seconds);
+        film.frame(stage, frame, frame == frames);
+        progress.update(frames == 0 ? 1.0 : static_cast<double>(frame) / frames);
+    }
+    film.finish();
 }
 
 } // namespace
@@ -83,9 +122,7 @@ int run_render(const RenderCommand& command) {
     catch_interrupts();
     const bool exports = !command.pieces.files.output.empty();
     const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, world);
-    name_idle_anchors(input.model.mesh, world);
-    name_idle_limit(world);
-    name_idle_brick(world, command.fracture.material);
+    warn_of_idle_options(command, input, world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material);
@@ -95,34 +132,14 @@ int run_render(const RenderCommand& command) {
         stage.simulation().observe(&*recorder);
     }
     std::shared_ptr<const fracture::Fragments> fragments;
-    if (picture.planes > 0) {
+    if (picture.planes > 0)
         stage.shatter(partly_cut(input, picture.planes));
-    } else if (!picture.whole) {
-        const ClassifyChoice choice =
-            choose_classifier(classify_path(command.classify), *device, input, command.fracture);
-        if (command.classify != "cpu") std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
-        Progress progress("fracturing " + input.name);
-        Broken broken = break_input(
-            input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
-        stage.stand(broken.fragments, world);
-        fragments = std::make_shared<const fracture::Fragments>(std::move(broken.fragments));
-    }
-    if (picture.sites) stage.show_sites(input.sites);
-    if (picture.cells) stage.show_lines(cell_lines(input));
-    stage.show_hulls(picture.hulls);
-    stage.explode(picture.explode);
+    else if (!picture.whole)
+        fragments = break_on_stage(command, input, world, *device, stage);
+    show_extras(picture, input, stage);
 
     Film film(*renderer, film_options, picture, command.view, stage.home_bounds());
-    film.watch(stage);
-    const uint32_t frames = picture.whole ? 0 : picture.frames;
-    Progress progress("rendering");
-    for (uint32_t frame = 0; frame <= frames; ++frame) {
-        throw_if_interrupted();
-        if (frame > 0) stage.advance(film_frame_seconds);
-        film.frame(stage, frame, frame == frames);
-        progress.update(frames == 0 ? 1.0 : static_cast<double>(frame) / frames);
-    }
-    film.finish();
+    draw_frames(film, stage, picture.whole ? 0 : picture.frames);
     if (recorder) recorder->finish();
     if (!command.graph.empty()) {
         const std::string& dot = renderer->graph_dot();

@@ -17,8 +17,8 @@ int run_repair(const RepairCommand& command) {
     std::printf("%s\n%s", input.name.c_str(), done.empty() ? "nothing to repair\n" : done.c_str());
     if (repaired.mesh.triangles.empty())
         throw Failure(exit_mesh, input.name
-                                     + ": no triangle is left, so nothing is written. Weld cracks first: "
-                                       "--weld with the width of the widest");
+                                     + ": no triangle is left, so no file is written. Weld cracks first: "
+                                       "give --weld the width of the widest crack");
     fracture::replace_mesh(input.model, std::move(repaired.mesh), repaired.source_triangle);
     must(fracture::export_model(command.output, input.model, input.name));
     const fracture::Inspection inspection = fracture::inspect(input.model.mesh);

@@ -11,8 +11,8 @@ void check_film(const FilmOptions& options) {
     for (const std::string& name : {options.output, options.ids})
         if (!name.empty() && !is_numbered(name) && !is_plain(name))
             throw Failure(exit_usage, "'" + name
-                                          + "' is no file name: put %04d where the frame's number is to go, or no "
-                                            "% at all for one picture of the end");
+                                          + "' is not a name for pictures: give %04d for the frame's number, or no % "
+                                            "for one picture of the last frame");
 }
 
 Film::Film(engine::Renderer& renderer, const FilmOptions& options, const PictureOptions& picture,

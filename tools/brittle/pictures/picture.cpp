@@ -60,7 +60,8 @@ fracture::Fragments partly_cut(const Input& input, uint32_t planes) {
         }
         if (!interior) piece.exterior_triangles = static_cast<uint32_t>(fragments.triangles.size());
     }
-    if (fragments.triangles.empty()) throw Failure(exit_mesh, "the cell of site 0 holds nothing of the mesh");
+    if (fragments.triangles.empty())
+        throw Failure(exit_mesh, "the cell of site 0 contains no part of the mesh; move the site or use another seed");
     piece.vertices.end = static_cast<uint32_t>(fragments.positions.size());
     piece.triangles.end = static_cast<uint32_t>(fragments.triangles.size());
     piece.mass = fracture::mass_properties(fragments.positions, fragments.triangles);

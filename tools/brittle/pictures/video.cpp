@@ -41,7 +41,7 @@ void Video::start(const engine::Bitmap& first) {
     // A socket instead of a pipe: MSG_NOSIGNAL suppresses the signal for writing to a closed socket.
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-        throw Failure(exit_failure, std::string("no channel to ffmpeg: ") + std::strerror(errno));
+        throw Failure(exit_failure, std::string("cannot open a socket to ffmpeg: ") + std::strerror(errno));
     std::vector<std::string> words{"ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgba",
                                    "-video_size", std::to_string(width_) + "x" + std::to_string(height_), "-framerate",
                                    std::to_string(frames_per_second_), "-i", "-",
@@ -70,7 +70,7 @@ void Video::start(const engine::Bitmap& first) {
         throw Failure(exit_usage,
                       "a video needs the program ffmpeg, which is not installed (Debian: apt install ffmpeg); "
                       "without it write pictures, -o frame_%04d.png");
-    throw Failure(exit_failure, std::string("ffmpeg does not start: ") + std::strerror(error));
+    throw Failure(exit_failure, std::string("cannot start ffmpeg: ") + std::strerror(error));
 }
 
 void Video::add(const engine::Bitmap& image) {
@@ -79,7 +79,7 @@ void Video::add(const engine::Bitmap& image) {
     for (size_t sent = 0; sent < image.pixels.size();) {
         const ssize_t count = send(stream_, image.pixels.data() + sent, image.pixels.size() - sent, MSG_NOSIGNAL);
         if (count < 0 && errno == EINTR) continue;
-        if (count <= 0) throw Failure(exit_output, file_.string() + ": ffmpeg does not take the frames");
+        if (count <= 0) throw Failure(exit_output, file_.string() + ": ffmpeg stopped reading frames");
         sent += static_cast<size_t>(count);
     }
 }
@@ -101,7 +101,7 @@ void Video::finish() {
         throw Failure(exit_output, file_.string() + ": ffmpeg could not write the video");
     }
     std::filesystem::rename(part_, file_, error);
-    if (error) throw Failure(exit_output, file_.string() + ": the video cannot be put there: " + error.message());
+    if (error) throw Failure(exit_output, file_.string() + ": cannot rename the finished video: " + error.message());
 }
 
 } // namespace brittle::tools

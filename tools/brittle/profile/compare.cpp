@@ -25,11 +25,11 @@ void check_rows(const std::filesystem::path& file, const Json& rows, const std::
         for (const char* key : {"min", "median"}) {
             double value = -1.0;
             inner.number(key, value, 0.0, 1e15);
-            if (value < 0.0) throw inner.failure(key, "missing");
+            if (value < 0.0) throw inner.failure(key, "is missing");
         }
         uint64_t samples = 0;
         inner.whole("samples", samples, 1, UINT32_MAX);
-        if (samples == 0) throw inner.failure("samples", "missing");
+        if (samples == 0) throw inner.failure("samples", "is missing");
     }
 }
 
@@ -37,9 +37,9 @@ void check_scenario(const std::filesystem::path& file, const Json& scenario, con
     JsonReader reader(file, scenario, path);
     std::string name;
     reader.text("name", name);
-    if (name.empty()) throw reader.failure("name", "missing");
+    if (name.empty()) throw reader.failure("name", "is missing");
     const Json* fracture = reader.find("fracture");
-    if (!fracture) throw reader.failure("fracture", "missing");
+    if (!fracture) throw reader.failure("fracture", "is missing");
     check_rows(file, *fracture, path + "/fracture");
     const Json* frames = reader.find("frames");
     if (!frames) return;
@@ -125,7 +125,7 @@ Json read_profile(const std::filesystem::path& file) {
     reader.whole("brittle_profile", written_for, 0, INT32_MAX);
     const Json* scenarios = reader.find("scenarios");
     if (written_for != version || !scenarios || !scenarios->is_array())
-        throw reader.failure("", "this is no profile; `brittle profile ... -o FILE.json` writes one");
+        throw reader.failure("", "this is not a profile; `brittle profile ... -o FILE.json` writes one");
     for (size_t i = 0; i < scenarios->size(); ++i)
         check_scenario(file, (*scenarios)[i], "/scenarios/" + std::to_string(i));
     return json;

@@ -23,7 +23,7 @@ constexpr size_t longest_plan = size_t{1} << 20; // bytes
 std::vector<Json> list_of(JsonReader& reader, const std::string& key) {
     const Json* value = reader.find(key);
     if (!value) return {};
-    if (!value->is_array() || value->empty()) reader.fail(key, "a list [ ] with something in it", *value);
+    if (!value->is_array() || value->empty()) reader.fail(key, "a list [ ] that is not empty", *value);
     return {value->begin(), value->end()};
 }
 
@@ -105,7 +105,7 @@ std::vector<Scenario> make_scenarios(const ProfilePlan& plan, const ScenarioGrou
         if (meshes.empty()) meshes = {options.mesh};
         if (classify.empty()) classify = {"cpu"};
         if (!counts.empty() && !options.sites_file.empty())
-            throw Failure(exit_usage, "counts need a pattern that makes so many sites, but the sites are those of "
+            throw Failure(exit_usage, "counts need a pattern, but the sites come from the file "
                                           + fracture::quoted(options.sites_file) + "; leave out one of the two");
         if (counts.empty()) {
             counts = {options.pattern.count};
@@ -125,10 +125,11 @@ std::vector<Scenario> make_scenarios(const ProfilePlan& plan, const ScenarioGrou
         if (std::any_of(scenarios.begin(), at, same))
             throw Failure(exit_usage, "two scenarios are named '" + at->name
                                           + "'; leave out one, or write them into a "
-                                            "file for --scenarios, where a \"name\" tells them apart");
+                                            "file for --scenarios, where \"name\" can distinguish them");
     }
     if (scenarios.size() > 1 && !base.save_recipe.empty())
-        throw Failure(exit_usage, "--save-recipe is for one scenario; these are " + std::to_string(scenarios.size()));
+        throw Failure(exit_usage, "--save-recipe needs a single scenario; the number of scenarios is "
+                                      + std::to_string(scenarios.size()));
     return scenarios;
 }
 

@@ -42,7 +42,7 @@ fracture::Model load_model(const std::string& mesh, bool with_looks) {
     }
     std::string known;
     for (const std::string_view s : fracture::shape_names()) known.append(known.empty() ? "" : ", ").append(s);
-    throw Failure(exit_input, "there is no shape named '" + std::string(name) + "'; there are: " + known);
+    throw Failure(exit_input, "there is no shape named '" + std::string(name) + "'; the shapes are: " + known);
 }
 
 std::string mesh_name(const std::string& mesh) {
@@ -66,7 +66,7 @@ void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name)
     const fracture::Repaired repaired = fracture::repair(mesh);
     const auto after = fracture::check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles);
     if (!after.closed() || repaired.mesh.triangles.empty()) return;
-    throw Failure(exit_mesh, name + ": " + fracture::describe(report) + ". Add --repair, and this is done:\n"
+    throw Failure(exit_mesh, name + ": " + fracture::describe(report) + ". Add --repair to repair the mesh first:\n"
                                  + fracture::describe(repaired.report) + "The mesh is then closed");
 }
 
@@ -168,8 +168,8 @@ void use_material(const std::string& name, FractureOptions& options) {
     if (!preset) {
         std::string known;
         for (const auto& p : physics::material_presets()) known.append(known.empty() ? "" : ", ").append(p.name);
-        throw Failure(exit_usage,
-                      "there is no material " + fracture::quoted(std::string_view(name)) + "; there are: " + known);
+        throw Failure(exit_usage, "there is no material " + fracture::quoted(std::string_view(name))
+                                      + "; the materials are: " + known);
     }
     options.material = name;
     options.pattern.kind = preset->pattern.kind;

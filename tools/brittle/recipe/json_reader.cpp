@@ -42,8 +42,8 @@ Json read_json_file(const std::filesystem::path& file, const std::string& what, 
     std::string text;
     for (char c = 0; text.size() <= longest && stream.get(c);) text.push_back(c);
     if (text.size() > longest)
-        throw Failure(exit_input, file.string() + ": a " + what + " of more than " + std::to_string(longest >> 20)
-                                      + " MiB is none");
+        throw Failure(exit_input,
+                      file.string() + ": the " + what + " is larger than " + std::to_string(longest >> 20) + " MiB");
     return parse_json(file, text, what);
 }
 
@@ -125,7 +125,7 @@ void JsonReader::refuse_unknown_keys() const {
         if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
         std::string list;
         for (const std::string& known : known_) list += (list.empty() ? "" : ", ") + known;
-        throw failure(fracture::printable(key), "unknown key; there are: " + list);
+        throw failure(fracture::printable(key), "unknown key; the keys are: " + list);
     }
 }
 

@@ -162,7 +162,7 @@ Json recipe_object(const FractureOptions& options) {
 const Json* read_list_by_site(JsonReader& reader, const char* key, size_t sites) {
     const Json* list = reader.find(key);
     if (list && (!list->is_array() || list->size() != sites))
-        reader.fail(key, "a list of one for each of the " + std::to_string(sites) + " sites", *list);
+        reader.fail(key, "a list of " + std::to_string(sites) + " values, one per site", *list);
     return list;
 }
 
@@ -187,7 +187,8 @@ std::vector<PlacedSite> read_points(JsonReader& reader) {
 void read_strikes(const std::filesystem::path& file, JsonReader& reader, std::vector<Strike>& strikes) {
     const Json* list = reader.find("strikes");
     if (!list) return;
-    if (!list->is_array() || list->size() > max_strikes) reader.fail("strikes", "a list [{ }, ...]", *list);
+    if (!list->is_array() || list->size() > max_strikes)
+        reader.fail("strikes", "a list [{ }, ...] of at most " + std::to_string(max_strikes), *list);
     strikes.clear();
     for (size_t k = 0; k < list->size(); ++k) {
         JsonReader inner(file, (*list)[k], "/strikes/" + std::to_string(k));
@@ -211,8 +212,7 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
         options.points = read_points(reader);
         reader.whole("seed", options.pattern.seed, 0, UINT64_MAX);
         if (options.sites_file.empty() == options.points.empty())
-            throw reader.failure("file",
-                                 "a pattern of points needs the file that they are in, or a list \"sites\" of them");
+            throw reader.failure("file", "a pattern of points needs either a \"file\" or a list of \"sites\"");
         reader.flag("fit", options.fit_sites);
         reader.vector("turn", options.sites_placement.turn);
         reader.number("scale", options.sites_placement.scale, 1e-9, 1e9);
@@ -223,7 +223,7 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
     if (at == names.end()) {
         std::string list;
         for (const std::string_view name : names) list.append(name).append(", ");
-        throw reader.failure("type", "there is no pattern " + shown(type) + "; there are: " + list + "points");
+        throw reader.failure("type", "there is no pattern " + shown(type) + "; the patterns are: " + list + "points");
     }
     options.sites_file.clear();
     options.points.clear();

@@ -58,8 +58,8 @@ fracture::Result<fracture::PatternSites> strike_sites(std::span<const Strike> st
         if (!finite(strike.direction) || glm::length(strike.direction) == 0.0)
             return fault(k, "its direction has no length");
         if (strike.pieces < 1 || strike.pieces > max_pieces)
-            return fault(k, "it makes " + std::to_string(strike.pieces) + " pieces; 1 to " + std::to_string(max_pieces)
-                                + " can be had");
+            return fault(k, "its number of pieces is " + std::to_string(strike.pieces) + "; it must be from 1 to "
+                                + std::to_string(max_pieces));
         fracture::TriangleMesh cube = fracture::cuboid(glm::dvec3(2.0 * reach * strike.radius));
         const glm::dvec3 offset = strike.at - fracture::bounds(cube).centre();
         for (glm::dvec3& p : cube.positions) p += offset;

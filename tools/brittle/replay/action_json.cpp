@@ -111,7 +111,7 @@ std::optional<Action> read_action(const std::filesystem::path& where, JsonReader
     for (size_t kind = 0; kind < std::size(names); ++kind) {
         const Json* json = reader.find(names[kind]);
         if (!json) continue;
-        if (action) throw reader.failure(names[kind], "there is another action in this line");
+        if (action) throw reader.failure(names[kind], "a line may hold only one action");
         JsonReader inner(where, *json, "/" + std::string(names[kind]));
         action = action_of_kind(kind);
         Reader codec{inner};

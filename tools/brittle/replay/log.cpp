@@ -112,7 +112,7 @@ class LogReader {
             reader.text("bodies", state.bodies);
             if (!count_bodies(state.bodies))
                 throw reader.failure("bodies",
-                                     "expected four hexadecimal digits a body, or (N) for N that are as before");
+                                     "expected four hexadecimal digits per body, or (N) for N unchanged bodies");
         } else if (reader.find("commit")) {
             const uint64_t after = step_now(reader, "after");
             JsonReader inner(at, *reader.find("commit"), "/commit");
@@ -120,7 +120,7 @@ class LogReader {
             required_whole(inner, "job", job, UINT32_MAX);
             inner.refuse_unknown_keys();
             if (!log_.recipe.world.breakable)
-                throw reader.failure("commit", "nothing is cut where nothing is breakable");
+                throw reader.failure("commit", "a commit needs a recipe whose world is breakable");
             log_.commits.push_back({after + 1, job});
         } else if (reader.find("after")) {
             log_.actions.emplace_back(step_now(reader, "after"), Action{});
@@ -130,7 +130,7 @@ class LogReader {
         } else if (reader.find("end")) {
             step_now(reader, "steps");
             reader.text("end", log_.end);
-            if (log_.end.empty()) throw reader.failure("end", "expected why, in a word");
+            if (log_.end.empty()) throw reader.failure("end", "expected the reason for the end, e.g. \"finished\"");
         } else {
             throw reader.failure("", "expected a line with step, after or end");
         }
@@ -144,8 +144,10 @@ class LogReader {
     uint64_t step_now(JsonReader& reader, const char* key) {
         uint64_t step = 0;
         required_whole(reader, key, step, max_steps);
+        if (log_.states.empty()) throw reader.failure(key, "there is no state before this line");
         if (step + 1 != log_.states.size())
-            throw reader.failure(key, std::to_string(step) + " is not the step of the state before it");
+            throw reader.failure(key, "expected " + std::to_string(log_.states.size() - 1)
+                                          + ", the step of the last state, found " + std::to_string(step));
         return step;
     }
 

@@ -20,7 +20,7 @@ Recorder::~Recorder() {
     const std::string log = text(file_, is_interrupted() ? "interrupted" : "failed");
     const auto written = fracture::write_file_atomically(file_, std::as_bytes(std::span(log)));
     if (written)
-        std::fprintf(stderr, "brittle: %s tells the run up to here\n", file_.string().c_str());
+        std::fprintf(stderr, "brittle: %s holds the run up to here\n", file_.string().c_str());
     else
         std::fprintf(stderr, "brittle: %s\n", written.error().message.c_str());
 }
@@ -32,7 +32,7 @@ void Recorder::finish() {
 }
 
 void Recorder::save(const std::filesystem::path& file) const {
-    if (text_.empty()) throw Failure(exit_usage, "nothing has happened yet that could be repeated: break it first");
+    if (text_.empty()) throw Failure(exit_usage, "there is no run to save yet: break the mesh first");
     const std::string log = text(file, "finished");
     must(fracture::write_file_atomically(file, std::as_bytes(std::span(log))));
 }

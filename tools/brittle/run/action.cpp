@@ -27,7 +27,8 @@ struct Check {
     }
     void piece(uint32_t index) {
         if (fault.empty() && index >= piece_count)
-            fault = "piece is " + std::to_string(index) + ", but there are " + std::to_string(piece_count);
+            fault =
+                "piece is " + std::to_string(index) + ", but the number of pieces is " + std::to_string(piece_count);
     }
 
     void operator()(const Shoot& a) {

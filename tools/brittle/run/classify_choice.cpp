@@ -36,7 +36,7 @@ ClassifyPath classify_path(const std::string& word) {
     if (word == "auto") return ClassifyPath::automatic;
     if (word == "cpu") return ClassifyPath::cpu;
     if (word == "gpu") return ClassifyPath::gpu;
-    throw Failure(exit_usage, "'" + word + "' is no place to classify; there are: auto, cpu, gpu");
+    throw Failure(exit_usage, "'" + word + "' is not a processor to classify on; give auto, cpu or gpu");
 }
 
 ClassifyChoice choose_classifier(ClassifyPath path, engine::Device& device, const Input& input,
@@ -49,7 +49,7 @@ ClassifyChoice choose_classifier(ClassifyPath path, engine::Device& device, cons
         if (path == ClassifyPath::gpu) throw Failure(made.error());
         return {.why = "cpu: " + made.error().message};
     }
-    ClassifyChoice choice{std::move(*made), "gpu, as asked for"};
+    ClassifyChoice choice{std::move(*made), "gpu, as requested"};
     if (path == ClassifyPath::gpu) return choice;
     const double on_cpu = *measure(input, options, nullptr);
     const std::optional<double> on_device = measure(input, options, choice.classifier.get());

@@ -175,7 +175,7 @@ void check_source(const fracture::Fragments& fragments, const Input& source) {
 PiecesAs pieces_as(const std::string& word) {
     if (word == "made") return PiecesAs::made;
     if (word == "lie") return PiecesAs::they_lie;
-    throw Failure(exit_usage, "pieces are written as 'made' or as they 'lie', not '" + word + "'");
+    throw Failure(exit_usage, "'" + word + "' is not a pose for exported pieces; give lie or made");
 }
 
 Snapshot snapshot(const Simulation& simulation, std::shared_ptr<const fracture::Fragments> fragments) {
