@@ -213,11 +213,11 @@ void Panels::bar(const PanelState& state, const Layout& layout) {
     }
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + plan.between);
     if (plan.button("Break", "Space", &break_look)) actions_.push_back(Command::break_all);
-    tip(state.session.broken() ? "It is broken: Reset makes it whole again"
-                               : "Break it by the pattern or the sites (Space)");
+    tip(state.session.broken() ? "The mesh is broken; Reset makes it whole again"
+                               : "Break the mesh by the pattern or the sites (Space)");
     ImGui::SameLine();
     if (plan.button("Reset", "R", nullptr)) actions_.push_back(Command::reset);
-    tip("Whole again (R)");
+    tip("Make the mesh whole again (R)");
     ImGui::PopStyleVar();
     ImGui::End();
     ImGui::PopStyleVar();
@@ -338,11 +338,11 @@ void Panels::piece_options(Session& session) {
         if (ImGui::RadioButton(name, pieces_as == what)) pieces_as = what;
         tip(tip_text);
     };
-    as("as they lie", "Turned and moved: what one sees", PiecesAs::they_lie);
+    as("as they lie", "Pieces in their current poses", PiecesAs::they_lie);
     ImGui::SameLine();
-    as("as made", "Where they were cut: together they make up the mesh", PiecesAs::made);
+    as("as made", "Pieces where they were cut; together they form the mesh", PiecesAs::made);
     ImGui::EndDisabled();
-    control("Hulls", "GLB: collision hulls, named so that the engine finds them");
+    control("Hulls", "GLB only: collision hulls, under the names that this engine recognises");
     const std::string& now = session.files().exports.hulls;
     if (ImGui::BeginCombo("##Hulls", now.empty() ? "none" : now.c_str())) {
         for (const char* name : {"", "godot", "unreal"})
@@ -367,29 +367,25 @@ void Panels::export_window(const PanelState& state) {
     };
     const bool broken = state.session.broken();
     choice("Pieces: GLB, OBJ, PLY or STL ...",
-           broken ? "The pieces on the stage, as all blows have cut them, for other programs"
-                  : "The pieces of the recipe for other programs, as `brittle fracture` writes them",
+           broken ? "The pieces on the stage, with all cuts made by blows, for other programs"
+                  : "The pieces of the recipe, as `brittle fracture` writes them, for other programs",
            ExportKind::pieces);
     piece_options(state.session);
-    choice("Recipe ...", "Mesh and options, to do it again; `brittle render` and `fracture` take it too",
-           ExportKind::recipe);
-    choice("Screenshot", "What the window shows, without its panels, as PNG in the current folder (F12)",
-           ExportKind::screenshot);
+    choice("Recipe ...", "Mesh and options; `brittle render` and `brittle fracture` read it, too", ExportKind::recipe);
+    choice("Screenshot", "The view without panels, as PNG in the current folder (F12)", ExportKind::screenshot);
     ImGui::BeginDisabled(!state.session.broken());
     choice("Replay log ...",
-           state.session.broken()
-               ? "All that happened since the break: `brittle replay` repeats it, and makes pictures of it"
-               : "Of what happens once it is broken",
+           state.session.broken() ? "The run since the break; `brittle replay` repeats it and makes pictures of it"
+                                  : "Available once the mesh is broken",
            ExportKind::replay);
     ImGui::EndDisabled();
     ImGui::Separator();
-    control("Frames", "Of the sequence; 60 are a second");
+    control("Frames", "Number of frames in the sequence; 60 per second");
     char frames[32];
     std::snprintf(frames, sizeof frames, "%%d (%.1f s)", sequence_frames / 60.0);
     (void)slider("##frames", sequence_frames, 1, 600, frames);
     choice("Picture sequence or video ...",
-           "What happens from now on: a PNG for each frame, or with a name that ends with .mp4 a video, where ffmpeg "
-           "is installed",
+           "Frames from now on: one PNG each, or a video for a name that ends with .mp4, which needs ffmpeg",
            ExportKind::sequence);
     ImGui::End();
     ImGui::PopStyleVar(2);

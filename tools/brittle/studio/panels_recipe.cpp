@@ -73,7 +73,7 @@ bool has_focus(PatternKind kind) {
 
 bool pattern_kind(Pattern& pattern) {
     const auto names = fracture::pattern_names();
-    control("Type", "How the sites lie");
+    control("Type", "Arrangement of the sites");
     bool changed = false;
     if (!ImGui::BeginCombo("##Type", std::string(names[static_cast<size_t>(pattern.kind)]).c_str())) return false;
     for (size_t k = 0; k < names.size(); ++k) {
@@ -89,14 +89,14 @@ bool pattern_kind(Pattern& pattern) {
 
 bool count_and_seed(Pattern& pattern) {
     bool changed = false;
-    control("Sites", "How many; one inside the solid makes a piece or more");
+    control("Sites", "Number of sites; a site inside the solid makes one piece or more");
     auto count = static_cast<int>(pattern.count);
     if (slider("##Sites", count, 2, 1000, "%d", ImGuiSliderFlags_Logarithmic)) {
         pattern.count = static_cast<uint32_t>(count);
         pattern.piece_size = 0.0;
         changed = true;
     }
-    control("Seed", "Of what is random: equal seeds, equal pieces");
+    control("Seed", "Seed of all random numbers: equal seeds give equal pieces");
     auto seed = static_cast<int>(std::min<uint64_t>(pattern.seed, 1'000'000));
     if (ImGui::InputInt("##Seed", &seed)) {
         pattern.seed = static_cast<uint64_t>(std::clamp(seed, 0, 1'000'000));
@@ -116,7 +116,7 @@ void Panels::object_panel(const PanelState& state) {
     ImGui::SameLine();
     explain((object.name() + (session.document().saved() ? "" : " (changed)")).c_str());
     if (!begin_panel("Object")) return;
-    control("Mesh", "What to break; drop a file on the window, or open one");
+    control("Mesh", "Mesh to break; drop a file on the window, or open one");
     if (ImGui::BeginCombo("##Mesh", object.name().c_str())) {
         if (ImGui::Selectable("open a file ...")) actions_.push_back(Command::open);
         if (!state.recent.files().empty()) ImGui::TextDisabled("recent files");
@@ -158,15 +158,14 @@ void Panels::pattern_panel(const PanelState& state) {
     Pattern pattern = session.recipe().pattern;
     if (!session.recipe().points.empty()) {
         value("By hand", "%zu sites", session.sites().on_stage().size());
-        if (wide_button("Back to the pattern",
-                        "Forgets the sites that were placed by hand; so does every control below"))
+        if (wide_button("Back to the pattern", "Removes the sites placed by hand; so does every control below"))
             edit(session, SetSites{});
     }
     bool changed = pattern_kind(pattern);
     changed |= count_and_seed(pattern);
     if (has_focus(pattern.kind))
-        changed |=
-            vector("Focus", "Where it is densest, 0 to 1 along each side of the mesh's box", pattern.focus, 0.0f, 1.0f);
+        changed |= vector("Focus", "Point where the pattern is densest, 0 to 1 along each side of the mesh's box",
+                          pattern.focus, 0.0f, 1.0f);
     if (has_axis(pattern.kind)) {
         glm::dvec3 axis = pattern.axis;
         if (vector("Axis", "The direction of shards, slices and splinters", axis, -1.0f, 1.0f)
@@ -176,18 +175,19 @@ void Panels::pattern_panel(const PanelState& state) {
         }
     }
     if (pattern.kind == PatternKind::clustered)
-        changed |= named_slider("Spread", "Share of the mesh's size", pattern.spread, 0.02, 1.0, "%.2f");
+        changed |= named_slider("Spread", "Standard deviation of the cluster, as a share of the box's diagonal",
+                                pattern.spread, 0.02, 1.0, "%.2f");
     if (pattern.kind == PatternKind::splinters)
         changed |= named_slider("Slenderness", "Length by width", pattern.slenderness, 1.0, 40.0, "%.0f");
     double jitter = std::max(pattern.jitter, 0.0);
-    if (named_slider("Jitter", "How irregular it is; automatic: what suits the type", jitter, 0.0, 1.0,
+    if (named_slider("Jitter", "Irregularity of the pattern; automatic: as suits the type", jitter, 0.0, 1.0,
                      pattern.jitter < 0.0 ? "automatic" : "%.2f")) {
         pattern.jitter = jitter;
         changed = true;
     }
     if (pattern.kind != PatternKind::bricks)
-        changed |= named_slider("Grading", "0: pieces of like sizes; 1: from small to large", pattern.grading, 0.0, 1.0,
-                                "%.2f");
+        changed |= named_slider("Grading", "Spread of sizes: 0 gives similar pieces, 1 pieces from small to large",
+                                pattern.grading, 0.0, 1.0, "%.2f");
     control("Inside only", "Only sites inside the solid, so that each makes a piece");
     changed |= ImGui::Checkbox("##Inside only", &pattern.inside);
     if (!changed) return;
@@ -198,7 +198,7 @@ void Panels::pattern_panel(const PanelState& state) {
 void Panels::material_panel(const PanelState& state) {
     if (!begin_panel("Material")) return;
     Session& session = state.session;
-    control("Material", "What it is made of: how it breaks, moves and looks (keys 1 to 6)");
+    control("Material", "Material of the mesh: decides how it breaks, moves and looks (keys 1 to 6)");
     const std::string& now = session.recipe().material;
     if (ImGui::BeginCombo("##Material", now.empty() ? "plain" : now.c_str())) {
         if (ImGui::Selectable("plain", now.empty())) edit(session, SetMaterial{});

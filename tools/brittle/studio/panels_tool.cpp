@@ -36,11 +36,11 @@ void selected_piece(const Session& session) {
 // Settings of the hammer. In a breakable world the number of pieces is a maximum, a setting of the world; otherwise it
 // belongs to the hammer.
 void hammer_settings(Session& session, const std::function<void(const WorldOptions&)>& set_world) {
-    control("Radius", "Of what a blow breaks (Shift + wheel); the mesh is 2 m long on the stage");
+    control("Radius", "Radius of the part that a blow breaks (Shift + wheel); the mesh is 2 m long on the stage");
     (void)slider("##radius", session.tools.hammer_radius, 0.05f, 1.5f, "%.2f m");
     WorldOptions world = session.recipe().world;
-    control("Pieces", world.breakable ? "That a blow makes at most: how many depends on its energy and the material"
-                                      : "That a blow makes, about");
+    control("Pieces", world.breakable ? "Maximum number of pieces of a blow; the number depends on energy and material"
+                                      : "Approximate number of pieces of a blow");
     auto pieces = static_cast<int>(world.breakable ? world.blow_pieces : session.tools.hammer_pieces);
     if (slider("##pieces", pieces, 2, 100, world.breakable ? "at most %d" : "%d")) {
         world.blow_pieces = static_cast<uint32_t>(pieces);
@@ -54,9 +54,9 @@ void hammer_settings(Session& session, const std::function<void(const WorldOptio
 }
 
 void ball_settings(Session& session) {
-    control("Speed", "At which balls are shot");
+    control("Speed", "Speed of balls");
     (void)slider("##speed", session.tools.ball_speed, 1.0f, 40.0f, "%.0f m/s");
-    control("Radius", "Of the ball (Shift + wheel); the mesh is 2 m long on the stage");
+    control("Radius", "Radius of the ball (Shift + wheel); the mesh is 2 m long on the stage");
     (void)slider("##ball radius", session.tools.ball_radius, 0.02f, 0.5f, "%.2f m");
     const double r = session.tools.ball_radius;
     const double mass = 4.0 / 3.0 * std::numbers::pi * r * r * r * Shot{}.density;
@@ -65,11 +65,11 @@ void ball_settings(Session& session) {
 
 void anchor_settings(Session& session) {
     const size_t count = session.recipe().world.anchors.size();
-    control("Radius", "Of the brush (Shift + wheel); the mesh is 2 m long on the stage");
+    control("Radius", "Radius of the brush (Shift + wheel); the mesh is 2 m long on the stage");
     (void)slider("##brush", session.tools.brush_radius, 0.02f, 0.5f, "%.2f m");
     value("Painted", count == 1 ? "%zu spot" : "%zu spots", count);
     ImGui::BeginDisabled(count == 0 || session.broken());
-    if (wide_button("Rub all out", "The mesh is held nowhere, or by its foot alone")) {
+    if (wide_button("Rub all out", "Removes all anchors; the foot stays fixed if the mesh is anchored")) {
         std::vector<uint32_t> all(count);
         std::iota(all.begin(), all.end(), 0u);
         session.edit(RemoveAnchors{std::move(all)});
@@ -111,9 +111,9 @@ void Panels::site_tools(const PanelState& state) {
     value("Sites", "%zu, %zu selected", session.sites().on_stage().size(), session.sites().selection.size());
     tip("Click one to select it, Ctrl + click selects more");
     ImGui::BeginDisabled(session.sites().selection.empty() || session.broken());
-    if (wide_button("Delete", "The selected sites (Del)", 1.0f / 2.0f)) actions_.push_back(Command::remove);
+    if (wide_button("Delete", "Deletes the selected sites (Del)", 1.0f / 2.0f)) actions_.push_back(Command::remove);
     ImGui::SameLine();
-    if (wide_button("Duplicate", "The selected sites, a little beside (Ctrl+D)"))
+    if (wide_button("Duplicate", "Copies the selected sites to places beside them (Ctrl+D)"))
         actions_.push_back(Command::duplicate);
     ImGui::EndDisabled();
     constexpr const char* mirrors[] = {"Mirror X", "Mirror Y", "Mirror Z"};
@@ -152,7 +152,7 @@ void Panels::selected_sites(Session& session) {
     if (slider("##weight", weight, -max_weight_shown, max_weight_shown,
                alike(&PlacedSite::weight) ? "weight %.2f" : "weights differ"))
         change(SetSiteWeight{session.sites().selection, double{weight} / (scale * scale)});
-    tip("How far the cells of the selected sites reach, against their neighbours': m\xc2\xb2 on the stage, where the "
+    tip("Extent of the selected sites' cells relative to their neighbours': m\xc2\xb2 on the stage, where the "
         "mesh is 2 m long (drag, or Ctrl + click to type)");
     ImGui::SameLine(0.0f, gap);
     auto group = static_cast<int>(first.group);

@@ -47,7 +47,7 @@ void frame_graph(const FrameTimes& times, float scale) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const float height = graph_height * scale;
     ImGui::PlotLines("##frame times", ms.data(), static_cast<int>(ms.size()), 0, nullptr, 0.0f, top, {width, height});
-    tip("Milliseconds of each frame; orange: a fracture was taken over");
+    tip("Milliseconds of each frame; orange: the pieces of a fracture arrived");
     const ImVec2 inset = ImGui::GetStyle().FramePadding;
     const float count = static_cast<float>(std::max<size_t>(ms.size() - 1, 1));
     for (const size_t mark : times.marks()) {
@@ -65,10 +65,10 @@ void Panels::simulation_panel(const PanelState& state) {
     WorldOptions world = session.recipe().world;
     bool changed = toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
     second_column();
-    changed |= toggle("Anchored", "Bonded, and what stands on the ground is held by it", world.anchored);
     changed |=
-        toggle("Breakable", "Cut anew where it is hit, again and again: with the hammer, with balls, by its fall",
-               world.breakable);
+        toggle("Anchored", "Parts that stand on the ground are fixed, and the pieces are bonded", world.anchored);
+    changed |=
+        toggle("Breakable", "Blows of the hammer, of balls and of falls cut pieces again and again", world.breakable);
     if (world.breakable) {
         control("Least piece", "Cube root of the volume of the smallest pieces, on the stage");
         auto least = static_cast<float>(world.min_size);
@@ -78,7 +78,7 @@ void Panels::simulation_panel(const PanelState& state) {
         }
     }
     if (!world.anchored) {
-        control("Drop height", "From the ground to the mesh at first, which is 2 m long on the stage");
+        control("Drop height", "Initial height of the mesh above the ground; the mesh is 2 m long on the stage");
         auto height = static_cast<float>(world.height);
         if (slider("##Height", height, 0.0f, 5.0f, "%.2f m")) {
             world.height = height;
@@ -86,25 +86,26 @@ void Panels::simulation_panel(const PanelState& state) {
         }
     }
     if (changed) edit(session, SetWorld{world});
-    control("Time", "Slow motion: how fast time goes by");
+    control("Time", "Speed of time; below 1 is slow motion");
     (void)slider("##Time", session.playback.speed, 0.02f, 1.0f, "%.2f x", ImGuiSliderFlags_Logarithmic);
-    if (wide_button(session.playback.paused ? "Go on" : "Pause", "Or let time go by (P)", 0.5f))
+    if (wide_button(session.playback.paused ? "Go on" : "Pause", "Pause or continue (P)", 0.5f))
         actions_.push_back(Command::pause);
     ImGui::SameLine();
-    if (wide_button("Single step", "Of 1/120 s (full stop)")) actions_.push_back(Command::step);
+    if (wide_button("Single step", "One step of 1/120 s (full stop)")) actions_.push_back(Command::step);
 }
 
 void Panels::view_panel(const PanelState& state) {
     if (!begin_panel("View")) return;
     PictureOptions& view = state.session.picture();
-    control("Exploded", "Pieces moved apart, by this share of their distance to the middle (X)");
+    control("Exploded", "Pieces drawn apart, by this share of their distance from the middle (X)");
     (void)slider("##Exploded", view.explode, 0.0f, 2.0f, "%.2f");
     toggle("Cells", "Voronoi cells, on the mesh as it will break (V)", view.cells);
     second_column();
     toggle("Sites", "Voronoi sites as red spheres (S)", view.sites);
     toggle("Hulls", "Collision hulls: red awake, dark red asleep (D)", view.hulls);
     second_column();
-    toggle("Bonds", "Between pieces, by their load: grey idle, red about to break (B)", state.session.bonds);
+    toggle("Bonds", "Bonds between pieces, coloured by load: grey without load, red about to break (B)",
+           state.session.bonds);
     toggle("Smooth", "Round or flat exteriors (N)", view.smooth);
     if (state.has_line_mode) {
         second_column();
