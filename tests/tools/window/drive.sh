@@ -1,17 +1,17 @@
-# What the tests of this folder share: `brittle demo` in a window of the current display, with real keys and a real mouse.
-# They wait for what the window has done (settle.cpp), not for a time. Sourced with the arguments of the test:
+# Helpers of the tests in this folder: drives `brittle demo` in a window of the current display with real keys and a real
+# mouse. Waits for the window's progress (settle.cpp) instead of a fixed time. Sourced with the arguments of the test:
 #   ../../with_display WINDOW_MANAGER TEST PROGRAM SETTLE DROP_FILE FAILURES
 set -uo pipefail
 test_name=$(basename "$0")
 program=$1
 settle=$2
 drop_file=$3
-failures=$4 # a folder for pictures of what failed
+failures=$4 # folder for pictures of failures
 goldens=$(cd "$(dirname "$0")/../../images/studio" && pwd)
 work=$(mktemp -d)
-demo=   # process
-window= # number
-step=   # what is tried, for messages
+demo=   # process id
+window= # X11 window id
+step=   # name of the current step, for messages
 export XDG_STATE_HOME=$work/state
 
 cleanup() {
@@ -30,7 +30,7 @@ fail() {
     exit 1
 }
 
-# wait_for SECONDS WHAT COMMAND...: until the command succeeds
+# wait_for SECONDS WHAT COMMAND...: waits until the command succeeds
 wait_for() {
     local deadline=$((SECONDS + $1)) what=$2
     shift 2
@@ -41,13 +41,13 @@ wait_for() {
     done
 }
 
-# A program that is gone must not leave xdotool waiting for its window.
+# The time limit ends an xdotool whose window has gone.
 xdotool() { timeout 20 /usr/bin/env xdotool "$@"; }
 find_window() { window=$(xdotool search --name '^Brittle: ' 2>/dev/null | head -n 1); [ -n "$window" ]; }
 titled() { xdotool getwindowname "$window" 2>/dev/null | grep -qE "$1"; }
 alive() { kill -0 "$demo" 2>/dev/null || fail "the program ended"; }
 
-# launch OPTION...: the program, whose window and mesh are waited for by `opened`
+# launch OPTION...: starts the program; `opened` waits for its window and mesh
 launch() {
     window=
     (cd "$work" && exec "$program" demo "$@" --device cpu) >"$work/demo.log.txt" 2>&1 &
@@ -58,24 +58,24 @@ opened() {
     wait_for 60 "title of the whole mesh" titled 'whole$'
 }
 
-# settled [FRAMES]: what was sent to the window has been read and drawn
+# settled [FRAMES]: waits until the window has processed all input and drawn the result
 settled() {
     "$settle" "$window" "${1:-2}" && return
     alive
-    fail "the window gives no sign of life"
+    fail "the window does not answer"
 }
 key() { alive; xdotool key --window "$window" "$@"; settled; }
 move() { alive; xdotool mousemove --window "$window" "$1" "$2"; settled; }
 press() { xdotool mousedown "$1"; settled; }
 release() { xdotool mouseup "$1"; settled; }
 click() { move "$1" "$2"; press 1; release 1; }
-drag() { # BUTTON DX DY, from where the mouse is
+drag() { # BUTTON DX DY, from the current position
     press "$1"
     for _ in 1 2 3 4; do xdotool mousemove_relative -- $(($2 / 4)) $(($3 / 4)); settled; done
     release "$1"
 }
 
-# ends SECONDS CODE: the program ends by itself, in time, with this exit code, and validation had nothing to say
+# ends SECONDS CODE: waits for the program to end in time, with this exit code and without a validation message
 ends() {
     for _ in $(seq $((10 * $1))); do
         kill -0 "$demo" 2>/dev/null || break

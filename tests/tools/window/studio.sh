@@ -1,5 +1,5 @@
-# What the tests of the studio share beside drive.sh: a window of 960 x 600 with both columns, so that panels are at known
-# places, recipes that Ctrl+S saves, pictures of panels, files that are named in a dialog.
+# Helpers of the studio's tests, in addition to drive.sh: a window of 960 x 600 with both columns, so that panels are at
+# known places; recipes saved by Ctrl+S; pictures of panels; names of files in a dialog.
 . "$(dirname "$0")/drive.sh"
 
 # start OPTION...
@@ -13,7 +13,7 @@ quit() {
     ends 30 0
 }
 
-# recipe EXPRESSION WHAT: saves the recipe; the expression over it (jq is not everywhere) must hold
+# recipe EXPRESSION MESSAGE: saves the recipe and checks a Python expression over it (jq may be missing)
 recipe() {
     rm -f "$work/recipe.json"
     key ctrl+s
@@ -27,15 +27,15 @@ sys.exit(0 if ($1) else 1)" || { cat "$work/recipe.json" >&2; fail "$2"; }
     cp "$work/recipe.json" "$work/last.json"
 }
 
-# differing A B: pixels
+# differing A B: prints the number of pixels that differ
 differing() { compare -metric AE -fuzz 3% "$1" "$2" null: 2>&1 | grep -oE '^[0-9]+'; }
 
-# golden NAME GEOMETRY: a part of the window, up to half a per cent of its pixels, without what changes from run to run (the
-# statistics); BRITTLE_UPDATE_GOLDENS=1 writes the picture instead
+# golden NAME GEOMETRY: compares a part of the window with its golden, up to half a per cent of its pixels. The part must
+# not contain the statistics, which change from run to run. BRITTLE_UPDATE_GOLDENS=1 writes the golden instead.
 golden() {
     local picture=$work/$1.png pixels size deadline=$((SECONDS + 10))
     move 480 560 # away from tooltips
-    settled 10   # what was under the mouse fades
+    settled 10   # highlights under the mouse fade
     while :; do
         timeout 20 import -window "$window" -crop "$2" +repage "$picture"
         if [ -n "${BRITTLE_UPDATE_GOLDENS:-}" ]; then
@@ -47,7 +47,7 @@ golden() {
         pixels=$(differing "$picture" "$goldens/$1.png")
         size=$(identify -format '%[fx:w*h]' "$picture")
         [ -n "$pixels" ] && [ $((pixels * 200)) -le "$size" ] && return
-        [ $SECONDS -lt $deadline ] || break # workers may still be at it
+        [ $SECONDS -lt $deadline ] || break # workers may still be busy
         settled
         sleep 0.2
     done
@@ -56,22 +56,22 @@ golden() {
     fail "$1 differs from its golden in ${pixels:-all} of $size pixels: $failures/studio_$1.actual.png"
 }
 
-# enter TEXT: into the field that has the keyboard, in place of what it holds
+# enter TEXT: replaces the text of the field with the keyboard focus
 enter() {
     xdotool key --window "$window" ctrl+a
     settled
     xdotool type --window "$window" --delay 20 "$1"
     settled
 }
-# Dear ImGui misses a key that is down for no frame.
+# Dear ImGui misses a key that is pressed and released within a frame.
 held_return() { xdotool keydown Return; settled; xdotool keyup Return; settled; }
-name_file() { # FILE of the work folder, into the dialog
+name_file() { # FILE in the work folder, typed into the dialog
     settled
     enter "$1"
     key Return
 }
 
-# The export dialog's buttons, from above: pieces, log, pictures.
+# Y coordinates of the buttons of the export dialog.
 export_as() { # BUTTON FILE
     local -A height=([pieces]=217 [log]=347 [pictures]=402)
     rm -f "$work/$2"
@@ -83,5 +83,5 @@ export_log() { # FILE
     export_as log "$1"
     wait_for 20 "replay log" test -s "$work/$1"
 }
-# log_steps FILE: how many steps the window's replay log tells of
+# log_steps FILE: prints the number of steps in a replay log
 log_steps() { python3 -c "import json,sys; print(max(json.loads(l).get('step', 0) for l in open(sys.argv[1])))" "$work/$1"; }
