@@ -170,7 +170,7 @@ void print_comparison(const Comparison& comparison) {
         group = title;
         const char* word = to_string(p.verdict);
         if (p.verdict == Verdict::same) word = "";
-        if (p.verdict == Verdict::few) word = "too few to tell";
+        if (p.verdict == Verdict::few) word = "too few samples";
         std::printf("%c %-34s %10.2f %10.2f %10.2f  %s\n", p.decides ? '*' : ' ', p.phase.c_str(), p.before, p.after,
                     p.ratio, word);
     }

@@ -29,7 +29,7 @@ Profiler::Profiler(const ProfilePlan& plan, const ViewOptions& view, Trace* trac
     : plan_(plan), view_(view), trace_(trace) {}
 
 ClassifyChoice Profiler::choose(const Scenario& scenario, const Input& input) {
-    if (scenario.classify == ClassifyPath::cpu) return {.why = "cpu, as asked for"};
+    if (scenario.classify == ClassifyPath::cpu) return {.why = "cpu, as requested"};
     try {
         if (!compute_device_) compute_device_ = open_device(view_);
     } catch (const Failure& failure) {

@@ -77,7 +77,7 @@ struct SiteSet {
 // its group has number 0.
 [[nodiscard]] std::vector<PlacedSite> placed_sites(const SiteSet& set);
 
-// Loads the mesh (`shape:NAME` is a procedural shape, any other name a file), saves the recipe if asked to, prepares
+// Loads the mesh (`shape:NAME` is a procedural shape, any other name a file), writes save_recipe if it is set, prepares
 // the mesh and generates the sites. A pattern is placed in the mesh's box. Throws a Failure. `with_looks`: with
 // materials and textures.
 [[nodiscard]] Input load_input(const FractureOptions& options, bool with_looks = false);

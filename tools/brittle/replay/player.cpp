@@ -43,7 +43,7 @@ void Player::started(const Simulation& simulation, const fracture::Fragments& fr
     checks_ = {};
     difference_.reset();
     if (fragments.pieces.size() != log_.pieces)
-        difference_ = {0, std::to_string(log_.pieces) + " pieces were recorded, the recipe now gives "
+        difference_ = {0, std::to_string(log_.pieces) + " pieces were recorded, but the recipe now gives "
                               + std::to_string(fragments.pieces.size())};
     else if (const uint64_t hash = fracture::hash(fragments); hash != log_.pieces_hash)
         difference_ = {0, "the pieces are not those recorded: hash " + hash_text(hash) + " instead of "
@@ -63,13 +63,13 @@ void Player::compare(const Simulation& simulation) {
     if (difference_ || hash == recorded.hash) return;
     const uint64_t now = simulation.world().body_count();
     const uint64_t then = count_bodies(recorded.bodies).value_or(0);
-    std::string what = std::to_string(then) + " bodies were recorded, there are " + std::to_string(now);
+    std::string what = std::to_string(then) + " bodies were recorded, but there are " + std::to_string(now);
     if (now == then) {
         what = "state hash " + hash_text(hash) + " instead of " + hash_text(recorded.hash);
         if (const auto first = first_difference(bodies, recorded.bodies))
             what += "; the first to differ of " + std::to_string(now) + " is " + describe(simulation, *first);
         else
-            what += "; bodies are where they were: bonds, who sleeps or what is about to break differ";
+            what += "; all bodies are equal, so bonds, sleep states or pending breaks differ";
     }
     difference_ = {simulation.steps(), what};
 }

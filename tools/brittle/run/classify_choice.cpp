@@ -41,9 +41,9 @@ ClassifyPath classify_path(const std::string& word) {
 
 ClassifyChoice choose_classifier(ClassifyPath path, engine::Device& device, const Input& input,
                                  const FractureOptions& options) {
-    if (path == ClassifyPath::cpu) return {.why = "cpu, as asked for"};
+    if (path == ClassifyPath::cpu) return {.why = "cpu, as requested"};
     if (path == ClassifyPath::automatic && (options.algorithm != fracture::Algorithm::exact || !input.weights.empty()))
-        return {.why = "cpu: the device knows unweighted sites and the exact algorithm only"};
+        return {.why = "cpu: the device classifies for unweighted sites and the exact algorithm only"};
     auto made = engine::GpuClassifier::create(device);
     if (!made) {
         if (path == ClassifyPath::gpu) throw Failure(made.error());

@@ -132,23 +132,13 @@ struct Applier {
 } // namespace
 
 std::string_view name_of(const Edit& edit) {
-    static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{"open a mesh",
-                                                                                   "change the material",
-                                                                                   "change the pattern",
-                                                                                   "change the world",
-                                                                                   "set the sites",
-                                                                                   "place a site",
-                                                                                   "move sites",
-                                                                                   "delete sites",
-                                                                                   "weigh sites",
-                                                                                   "group sites",
-                                                                                   "duplicate sites",
-                                                                                   "mirror sites",
-                                                                                   "anchor",
-                                                                                   "rub anchors out",
-                                                                                   "strike",
-                                                                                   "mend",
-                                                                                   "open a recipe"};
+    static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{
+        "open a mesh",      "change the material", "change the pattern",
+        "change the world", "set the sites",       "place a site",
+        "move sites",       "delete sites",        "set weights of sites",
+        "group sites",      "duplicate sites",     "mirror sites",
+        "anchor",           "remove anchors",      "strike",
+        "remove strikes",   "open a recipe"};
     return names[edit.index()];
 }
 

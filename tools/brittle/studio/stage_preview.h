@@ -38,7 +38,7 @@ class StagePreview {
 
     // Requests and takes over previews. Called once per frame.
     void update();
-    // Forgets what is shown, because the stage shows other pieces.
+    // Forgets all previews. Called when the stage shows other pieces.
     void forget();
 
     // The preview on display in place of the whole mesh, or null.
