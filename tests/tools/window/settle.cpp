@@ -12,8 +12,8 @@
 
 namespace {
 
-constexpr unsigned patience =
-    60; // s per answer, since frames are slow under sanitizers; then the alarm ends the program
+// Seconds per answer, since frames are slow under sanitizers. Then the alarm ends the program.
+constexpr unsigned patience = 60;
 
 void ping(Display* display, Window window, long number) {
     XEvent event{};

@@ -58,8 +58,8 @@ struct WorldOptions {
     uint32_t blow_pieces = 48; // maximum number of pieces of one blow
     // Size and orientation of the bricks that blows take out. The bond is fitted to the mesh; its corner is ignored.
     physics::RunningBond bond{};
-    uint32_t piece_limit =
-        2000; // maximum number of pieces; beyond it debris is removed, first unseen, then small and old pieces
+    // Maximum number of pieces. Debris beyond it is removed, first unseen, then small and old pieces.
+    uint32_t piece_limit = 2000;
     std::vector<Anchor> anchors{};      // fixed balls; bonded, unless breakable
     uint64_t seed = 1;                  // seed of the cuts of blows; set by world_of()
     std::optional<BlowPattern> blows{}; // set by world_of(); empty: as the material breaks
