@@ -276,7 +276,7 @@ TEST_CASE("studio: recent files are kept, newest first, without shapes and dupli
     RecentFiles again(place);
     CHECK(again.files() == std::vector<std::string>{"/a.obj", "/b.obj"});
     for (int k = 0; k < 40; ++k) again.add("/" + std::to_string(k));
-    CHECK(again.files().size() == RecentFiles::most);
+    CHECK(again.files().size() == RecentFiles::max_files);
     CHECK(again.files().front() == "/39");
     CHECK(RecentFiles(place).files() == again.files());
     RecentFiles nowhere{fs::path()};

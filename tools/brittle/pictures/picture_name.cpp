@@ -70,9 +70,9 @@ std::string picture_name(const std::string& pattern, uint32_t frame) {
 }
 
 std::string unused_name(const std::string& pattern) {
-    constexpr uint32_t most = 1000;
+    constexpr uint32_t max_names = 1000;
     std::string name;
-    for (uint32_t k = 0; k < most; ++k) {
+    for (uint32_t k = 0; k < max_names; ++k) {
         name = picture_name(pattern, k);
         std::error_code error;
         if (!std::filesystem::exists(name, error)) break;

@@ -14,8 +14,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int version = 1;
-constexpr size_t longest_profile = size_t{256} << 20; // bytes
-constexpr uint64_t min_samples = 5;                   // minimum number of samples on either side for a verdict
+constexpr size_t max_profile_bytes = size_t{256} << 20;
+constexpr uint64_t min_samples = 5; // minimum number of samples on either side for a verdict
 
 // Throws a Failure if the rows are not {phase: {min, median, ..., samples}, ...}.
 void check_rows(const std::filesystem::path& file, const Json& rows, const std::string& path) {
@@ -119,7 +119,7 @@ const char* to_string(Verdict verdict) {
 }
 
 Json read_profile(const std::filesystem::path& file) {
-    Json json = read_json_file(file, "profile", longest_profile);
+    Json json = read_json_file(file, "profile", max_profile_bytes);
     JsonReader reader(file, json, "");
     int written_for = 0;
     reader.whole("brittle_profile", written_for, 0, INT32_MAX);

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int version = 1;
 constexpr std::string_view shape_prefix = "shape:";
-constexpr size_t longest_plan = size_t{1} << 20; // bytes
+constexpr size_t max_plan_bytes = size_t{1} << 20;
 
 // Returns the elements of a non-empty list; none if the key is missing.
 std::vector<Json> list_of(JsonReader& reader, const std::string& key) {
@@ -74,7 +74,7 @@ Scenario make_scenario(const ScenarioGroup& group, FractureOptions options, cons
 } // namespace
 
 void read_profile_plan(const std::filesystem::path& file, ProfilePlan& plan) {
-    const Json json = read_json_file(file, "profile's plan", longest_plan);
+    const Json json = read_json_file(file, "profile's plan", max_plan_bytes);
     JsonReader reader(file, json, "");
     int written_for = 0;
     reader.whole("brittle_profile", written_for, 0, INT32_MAX);

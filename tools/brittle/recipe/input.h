@@ -44,7 +44,7 @@ struct FractureOptions {
 };
 
 // Returns the world of the options, with the pattern's seed as the seed of blows: equal seeds give equal cuts. In a
-// world that starts whole, blows cut by the kind of the pattern (slices and other kinds without a local form count as
+// world that starts whole, blows cut by the kind of the pattern (grid, slices, curve and curvature count as
 // uniform) or along the diagram of sites_file, which is read here. Throws a Failure if that file cannot be read.
 [[nodiscard]] WorldOptions world_of(const FractureOptions& options);
 

@@ -12,15 +12,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int deepest = 64; // brackets; the JSON library recurses over them when it writes
+constexpr int max_depth = 64; // brackets; the JSON library recurses over them when it writes
 
 } // namespace
 
 Json parse_json(const std::filesystem::path& where, const std::string& text, const std::string& what) {
     bool too_deep = false;
     const auto keep = [&](int depth, Json::parse_event_t, Json&) {
-        too_deep = too_deep || depth > deepest;
-        return depth <= deepest;
+        too_deep = too_deep || depth > max_depth;
+        return depth <= max_depth;
     };
     Json json;
     try {
@@ -36,21 +36,21 @@ Json parse_json(const std::filesystem::path& where, const std::string& text, con
     return json;
 }
 
-Json read_json_file(const std::filesystem::path& file, const std::string& what, size_t longest) {
+Json read_json_file(const std::filesystem::path& file, const std::string& what, size_t max_bytes) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw Failure(exit_input, file.string() + ": the " + what + " cannot be read");
     std::string text;
-    for (char c = 0; text.size() <= longest && stream.get(c);) text.push_back(c);
-    if (text.size() > longest)
+    for (char c = 0; text.size() <= max_bytes && stream.get(c);) text.push_back(c);
+    if (text.size() > max_bytes)
         throw Failure(exit_input,
-                      file.string() + ": the " + what + " is larger than " + std::to_string(longest >> 20) + " MiB");
+                      file.string() + ": the " + what + " is larger than " + std::to_string(max_bytes >> 20) + " MiB");
     return parse_json(file, text, what);
 }
 
 std::string shown(const Json& value) {
-    constexpr size_t longest = 60;
+    constexpr size_t max_length = 60;
     const std::string text = value.dump();
-    return text.size() > longest ? text.substr(0, longest - 3) + "..." : text;
+    return text.size() > max_length ? text.substr(0, max_length - 3) + "..." : text;
 }
 
 JsonReader::JsonReader(const std::filesystem::path& file, const Json& json, std::string path)

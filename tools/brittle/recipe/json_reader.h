@@ -19,9 +19,9 @@ namespace brittle::tools {
 // Parses a text of at most 64 nested brackets. `where` and `what` name it in messages ("run.log:7", "recipe").
 [[nodiscard]] nlohmann::ordered_json parse_json(const std::filesystem::path& where, const std::string& text,
                                                 const std::string& what);
-// Reads and parses a file of at most `longest` bytes. `what` names it in messages ("recipe").
+// Reads and parses a file of at most `max_bytes` bytes. `what` names it in messages ("recipe").
 [[nodiscard]] nlohmann::ordered_json read_json_file(const std::filesystem::path& file, const std::string& what,
-                                                    size_t longest);
+                                                    size_t max_bytes);
 
 // Returns a value as text for a message: shortened, with control characters escaped.
 [[nodiscard]] std::string shown(const nlohmann::ordered_json& value);

@@ -23,7 +23,7 @@ using fracture::Pattern;
 
 constexpr int version = 1;
 constexpr std::string_view shape_prefix = "shape:";
-constexpr size_t longest_recipe = size_t{1} << 20; // bytes
+constexpr size_t max_recipe_bytes = size_t{1} << 20;
 constexpr size_t max_strikes = 1000;
 constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
 
@@ -342,7 +342,7 @@ std::string recipe_json(const FractureOptions& options) {
 }
 
 void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
-    read_recipe(file, read_json_file(file, "recipe", longest_recipe), "", options);
+    read_recipe(file, read_json_file(file, "recipe", max_recipe_bytes), "", options);
 }
 
 void read_recipe(const std::filesystem::path& file, const Json& json, const std::string& path,

@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int version = 1;
-constexpr size_t longest_line = size_t{16} << 20; // bytes; a million bodies take four MiB
+constexpr size_t max_line_bytes = size_t{16} << 20; // a million bodies take four MiB
 constexpr uint64_t max_steps = 1'000'000'000;
 
 uint64_t read_hash(JsonReader& reader, const char* key) {
@@ -32,9 +32,9 @@ uint64_t read_hash(JsonReader& reader, const char* key) {
 }
 
 template<class Whole>
-void required_whole(JsonReader& reader, const char* key, Whole& target, uint64_t most) {
+void required_whole(JsonReader& reader, const char* key, Whole& target, uint64_t max) {
     if (!reader.find(key)) throw reader.failure(key, "is missing");
-    reader.whole(key, target, 0, most);
+    reader.whole(key, target, 0, max);
 }
 
 // Reads the lines of a log one after the other. `where` in the functions below is the file with the line number, for
@@ -67,7 +67,7 @@ class LogReader {
         ++line_;
         for (char c = 0; stream_.get(c) && c != '\n';) {
             line.push_back(c);
-            if (line.size() > longest_line)
+            if (line.size() > max_line_bytes)
                 throw Failure(exit_input, where().string() + ": the line is too long for a replay log");
         }
         if (line.empty() && !stream_) {

@@ -13,7 +13,7 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr size_t longest_history = 500; // steps; each holds a recipe of some kilobytes
+constexpr size_t max_history = 500; // steps; each holds a recipe of some kilobytes
 
 // Returns the indices below `count`, ascending and without duplicates.
 std::vector<uint32_t> existing(std::vector<uint32_t> indices, size_t count) {
@@ -154,7 +154,7 @@ bool Document::apply(const Edit& edit, uint64_t gesture) {
     if (recipe_json(changed) == recipe_json(recipe_)) return false;
     const bool goes_on = gesture != 0 && !past_.empty() && past_.back().gesture == gesture && future_.empty();
     if (!goes_on) past_.push_back({recipe_, name_of(edit), gesture});
-    if (past_.size() > longest_history) past_.erase(past_.begin());
+    if (past_.size() > max_history) past_.erase(past_.begin());
     future_.clear();
     recipe_ = std::move(changed);
     ++version_;

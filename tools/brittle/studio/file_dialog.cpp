@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t longest_name = 4096; // bytes
+constexpr size_t max_name_bytes = 4096;
 
 } // namespace
 
@@ -25,8 +25,8 @@ void FileDialog::open(std::string title, const fs::path& folder, const std::stri
     confirmed_ = false;
     std::error_code error;
     folder_ = fs::absolute(folder.empty() ? fs::path(".") : folder, error).lexically_normal();
-    name_.assign(longest_name, '\0');
-    std::copy_n(name.begin(), std::min(name.size(), longest_name - 1), name_.begin());
+    name_.assign(max_name_bytes, '\0');
+    std::copy_n(name.begin(), std::min(name.size(), max_name_bytes - 1), name_.begin());
     list();
 }
 
@@ -69,7 +69,7 @@ std::optional<fs::path> FileDialog::draw(float scale) {
                 into = folder_ / entry.name;
             } else {
                 std::fill(name_.begin(), name_.end(), '\0');
-                std::copy_n(entry.name.begin(), std::min(entry.name.size(), longest_name - 1), name_.begin());
+                std::copy_n(entry.name.begin(), std::min(entry.name.size(), max_name_bytes - 1), name_.begin());
                 if (ImGui::IsMouseDoubleClicked(0)) chosen = folder_ / entry.name;
             }
         }

@@ -23,7 +23,7 @@ fs::path RecentFiles::usual_place() {
 
 RecentFiles::RecentFiles(fs::path place) : place_(std::move(place)) {
     std::ifstream file(place_);
-    for (std::string line; files_.size() < most && std::getline(file, line);)
+    for (std::string line; files_.size() < max_files && std::getline(file, line);)
         if (!line.empty()) files_.push_back(line);
 }
 
@@ -35,7 +35,7 @@ void RecentFiles::add(const std::string& file) {
     const std::string name = absolute.lexically_normal().string();
     std::erase(files_, name);
     files_.insert(files_.begin(), name);
-    if (files_.size() > most) files_.resize(most);
+    if (files_.size() > max_files) files_.resize(max_files);
     if (place_.empty()) return;
     fs::create_directories(place_.parent_path(), error);
     std::string text;

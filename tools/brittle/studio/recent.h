@@ -14,7 +14,7 @@ namespace brittle::tools {
 
 class RecentFiles {
   public:
-    static constexpr size_t most = 12;
+    static constexpr size_t max_files = 12;
 
     // Returns $XDG_STATE_HOME/brittle/recent, or ~/.local/state/brittle/recent; empty, which disables the list, if
     // neither is known.
