@@ -7,8 +7,8 @@
 // Where next to nothing has been stopped yet, it is waited for the next step.
 //
 //     BondBlows book;
-//     each step: for (const BondBlows::Judged& judged : book.take_up(of_step)) ...
-//                for (each contact that is too slow) load += book.load_of(piece, other, impulse);
+//     each step: for (const BondBlows::JudgedBlow& judged : book.update(of_step)) ...
+//                for (each contact that is too slow) load += book.load_part(piece, other, impulse);
 //
 // The step's blows are contacts that came in fast, so weight at rest never adds up to one. What of a blow comes slower, at its
 // end, is judged already: it is no load either, which would wear bonds. N s, J, m/s. Deterministic: those of before that end
@@ -44,34 +44,36 @@ class BondBlows {
     static constexpr int max_steps = 4; // of one blow; a longer push is several
     // The part of an approach that must have been stopped before the whole is told from it: the smaller, the more what the
     // solver leaves undone counts.
-    static constexpr float min_part = 0.2f;
+    static constexpr float min_stopped_ratio = 0.2f;
 
-    struct OfStep {
-        Impact blow;       // what the step gave; its sharpness is not looked at
-        float left = 0.0f; // m/s, mean of the approach after the step, weighed by impulse
+    struct StepBlow {
+        Impact blow;                     // what the step gave; its sharpness is not looked at
+        float remaining_approach = 0.0f; // m/s, mean of the approach after the step, weighed by impulse
     };
-    struct Judged {
-        Impact blow;         // the whole
-        float fresh = 0.0f;  // N s of it that were not judged before: more than 0
-        float before = 0.0f; // N s that were
+    struct JudgedBlow {
+        Impact blow;                 // the whole
+        float new_impulse = 0.0f;    // N s of it that were not judged before: more than 0
+        float judged_impulse = 0.0f; // N s that were
     };
     // To be called after each step with its blows, at most one of a piece and what hit it.
-    [[nodiscard]] std::vector<Judged> take_up(std::span<const OfStep> blows);
-    // Of the impulse of a contact that is too slow for a blow, after take_up(): what is none of what a blow that was judged has
+    [[nodiscard]] std::vector<JudgedBlow> update(std::span<const StepBlow> blows);
+    // Of the impulse of a contact that is too slow for a blow, after update(): what is none of what a blow that was judged has
     // yet to give, but a load.
-    [[nodiscard]] float load_of(uint32_t piece, BodyId other, float impulse);
+    [[nodiscard]] float load_part(uint32_t piece, BodyId other, float impulse);
 
   private:
     struct Running {
-        OfStep sum;          // of what came so far; left is the last step's
-        float speed = 0.0f;  // m/s, mean of its first step
-        float judged = 0.0f; // N s
+        StepBlow sum;                // of what came so far; left is the last step's
+        float speed = 0.0f;          // m/s, mean of its first step
+        float judged_impulse = 0.0f; // N s
         int steps = 1;
     };
     // N s that were judged and have not come.
-    [[nodiscard]] static float owed(const Running& running) { return running.judged - running.sum.blow.impulse; }
-    [[nodiscard]] static bool is_of(const Running& running, uint32_t piece, BodyId other);
-    static void judge(Running& running, float whole, std::vector<Judged>& judged);
+    [[nodiscard]] static float outstanding(const Running& running) {
+        return running.judged_impulse - running.sum.blow.impulse;
+    }
+    [[nodiscard]] static bool matches(const Running& running, uint32_t piece, BodyId other);
+    static void judge(Running& running, float whole, std::vector<JudgedBlow>& judged);
 
     std::vector<Running> running_;
 };

@@ -12,16 +12,16 @@ namespace brittle::physics {
 
 namespace {
 
-constexpr double min_blow = 0.1;  // share of what a piece's bonds bear, below which a blow leaves no trace
-constexpr double passed_on = 0.5; // of what is left of a blow behind a broken bond
-constexpr int blow_depth = 8;     // pieces that a blow can go through
+constexpr double min_blow_ratio = 0.1; // share of what a piece's bonds bear, below which a blow leaves no trace
+constexpr double passed_share = 0.5;   // of what is left of a blow behind a broken bond
+constexpr int max_blow_depth = 8;      // pieces that a blow can go through
 
 // How far a point is from a bond's area, taken as a disc.
 double distance_to(const BondGraph::Bond& bond, const glm::dvec3& point) {
     const glm::dvec3 arm = point - bond.centroid;
-    const double out = glm::dot(arm, bond.normal);
-    const double beside = glm::length(arm - bond.normal * out) - std::sqrt(bond.area / std::numbers::pi);
-    return std::hypot(out, std::max(beside, 0.0));
+    const double height = glm::dot(arm, bond.normal);
+    const double outside_disc = glm::length(arm - bond.normal * height) - std::sqrt(bond.area / std::numbers::pi);
+    return std::hypot(height, std::max(outside_disc, 0.0));
 }
 
 double distance_to(const BondGraph::Bond& bond, const glm::dvec3& from, const glm::dvec3& to) {
@@ -89,54 +89,55 @@ void BondGraph::damage_segment(const glm::dvec3& from, const glm::dvec3& to, dou
         if (bonds_[i].live() && inside[bonds_[i].a] && distance_to(bonds_[i], from, to) <= radius) weaken(i, amount);
 }
 
-double BondGraph::bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const {
+double BondGraph::impulse_strength(const Bond& bond, uint32_t from, const glm::dvec3& direction) const {
     const double along = glm::dot(direction, bond.normal) * (from == bond.a ? 1.0 : -1.0);
     const double across = std::sqrt(std::max(1.0 - along * along, 0.0)) * bond.lever;
-    const double straight = along > 0.0
-                                ? along * static_cast<double>(std::min(material_.tensile, material_.compressive))
-                                : along * bond.lever * static_cast<double>(material_.tensile);
-    return std::hypot(straight, across * static_cast<double>(material_.shear)) * static_cast<double>(impact_seconds)
-           * bond.area;
+    const double normal_strength = along > 0.0
+                                       ? along * static_cast<double>(std::min(material_.tensile, material_.compressive))
+                                       : along * bond.lever * static_cast<double>(material_.tensile);
+    return std::hypot(normal_strength, across * static_cast<double>(material_.shear))
+           * static_cast<double>(impact_seconds) * bond.area;
 }
 
 double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy, double max_passed) {
     const double size = glm::length(impulse);
     if (!(size > 0.0) || !(energy > 0.0)) return 0.0;
     const glm::dvec3 direction = impulse / size;
-    double left = energy;
+    double energy_left = energy;
     std::vector<std::pair<uint32_t, double>> front{{piece, size}}, next;
-    for (int depth = 0; depth < blow_depth && !front.empty() && left > 0.0; ++depth, front.swap(next)) {
+    for (int depth = 0; depth < max_blow_depth && !front.empty() && energy_left > 0.0; ++depth, front.swap(next)) {
         next.clear();
         for (const auto& [hit, share] : front) {
-            double borne = 0.0, area = 0.0;
+            double strength = 0.0, area = 0.0;
             for (const uint32_t bond : bonds_of(hit))
-                if (bonds_[bond].live()) borne += bears(bonds_[bond], hit, direction);
-            if (!(share > min_blow * borne) || borne == 0.0) continue;
-            const double loss = share / borne; // the same of each bond
+                if (bonds_[bond].live()) strength += impulse_strength(bonds_[bond], hit, direction);
+            if (!(share > min_blow_ratio * strength) || strength == 0.0) continue;
+            const double loss = share / strength; // the same of each bond
             for (const uint32_t bond : bonds_of(hit)) area += std::min(loss, bonds_[bond].health) * bonds_[bond].area;
-            const double costs = area * static_cast<double>(material_.fracture_energy),
-                         paid = std::min(left / costs, 1.0);
-            left = paid < 1.0 ? 0.0 : left - costs;
+            const double cost = area * static_cast<double>(material_.fracture_energy),
+                         paid = std::min(energy_left / cost, 1.0);
+            energy_left = paid < 1.0 ? 0.0 : energy_left - cost;
             for (const uint32_t bond : bonds_of(hit)) {
                 if (!bonds_[bond].live()) continue;
-                const double rest = (loss - bonds_[bond].health) * bears(bonds_[bond], hit, direction) * passed_on;
+                const double passed =
+                    (loss - bonds_[bond].health) * impulse_strength(bonds_[bond], hit, direction) * passed_share;
                 weaken(bond, paid * std::min(loss, bonds_[bond].health));
                 if (bonds_[bond].live()) continue;
                 const uint32_t behind = bonds_[bond].other(hit);
                 const auto known = std::ranges::find(next, behind, &std::pair<uint32_t, double>::first);
                 if (known == next.end())
-                    next.emplace_back(behind, rest);
+                    next.emplace_back(behind, passed);
                 else
-                    known->second += rest;
+                    known->second += passed;
             }
-            if (left == 0.0) break;
+            if (energy_left == 0.0) break;
         }
-        double passed = 0.0;
-        for (const auto& [behind, share] : next) passed += share;
-        if (depth == 0 && passed > max_passed)
-            for (auto& [behind, share] : next) share *= max_passed / passed;
+        double passed_total = 0.0;
+        for (const auto& [behind, share] : next) passed_total += share;
+        if (depth == 0 && passed_total > max_passed)
+            for (auto& [behind, share] : next) share *= max_passed / passed_total;
     }
-    return energy - left;
+    return energy - energy_left;
 }
 
 std::vector<uint32_t> BondGraph::take_broken() {

@@ -1,6 +1,6 @@
 // Which piece holds which: the bonds of a breakable object, their health, and the islands they leave.
 //
-// A bond is the contact area of two pieces. Against a blow it bears strength [Pa] * impact_seconds * area [m^2], in N
+// A bond is the contact area of two pieces. Against a blow it impulse_strength strength [Pa] * impact_seconds * area [m^2], in N
 // s: the tensile strength where it is pulled, that for shear across, and in between by the ellipse of them. Where it is
 // pressed the tensile one as well, or the compressive one if that is less: what is pressed splits, as that pulls across it
 // (Hiramatsu and Oka, "Determination of the tensile strength of rock by a compression test of an irregular test piece",
@@ -57,8 +57,8 @@ class BondGraph {
     // A rod: a bond whose area comes within radius of the segment loses amount.
     void damage_segment(const glm::dvec3& from, const glm::dvec3& to, double radius, double amount,
                         std::span<const uint8_t> inside);
-    // What a bond bears, N s, when the impulse along a unit direction comes from one of its pieces; as if it were intact.
-    [[nodiscard]] double bears(const Bond& bond, uint32_t from, const glm::dvec3& direction) const;
+    // What a bond impulse_strength, N s, when the impulse along a unit direction comes from one of its pieces; as if it were intact.
+    [[nodiscard]] double impulse_strength(const Bond& bond, uint32_t from, const glm::dvec3& direction) const;
     // A blow against a piece, N s. Its bonds share it by what they bear. Of what is more than a bond can bear, half goes
     // on to the piece behind, from the piece that was hit not more than max_passed in all: once it is loose, it can push
     // with its own momentum only. Blows below a tenth of what the piece's bonds bear together leave no trace. Where

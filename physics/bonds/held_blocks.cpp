@@ -20,19 +20,19 @@ constexpr uint32_t surface_samples = 2048;
 constexpr uint64_t sample_seed = 1; // where they lie; nothing else is random
 // Thicknesses below this share of the box's diagonal count as it: a rim is not cut into crumbs.
 constexpr double min_thickness = 0.01;
-constexpr double dense_enough = 0.5;      // thicknesses between sites
+constexpr double max_gap = 0.5;           // thicknesses between sites
 constexpr double tolerance = 1e-3;        // of the stresses
 constexpr uint32_t max_iterations = 2000; // of one solution; far more than hundreds of blocks need
 // Contacts that part at once: those loaded at least so much as the worst. Fewer rounds, nearly the same cracks.
-constexpr double with_worst = 0.8;
+constexpr double simultaneous_ratio = 0.8;
 
-struct Middle { // of the solid, halfway through from a place of its surface
-    glm::dvec3 at;
+struct MidPoint { // of the solid, halfway through from a place of its surface
+    glm::dvec3 position;
     double thickness;
 };
 
 // From places spread evenly over the surface.
-std::vector<Middle> middles(const fracture::TriangleMesh& mesh) {
+std::vector<MidPoint> mid_points(const fracture::TriangleMesh& mesh) {
     const fracture::Thickness through(mesh);
     const double least = min_thickness * glm::length(fracture::bounds(mesh).size());
     std::vector<double> area; // running sum
@@ -42,13 +42,13 @@ std::vector<Middle> middles(const fracture::TriangleMesh& mesh) {
         sum += glm::length(glm::cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p));
         area.push_back(sum);
     }
-    std::vector<Middle> found;
+    std::vector<MidPoint> found;
     if (!(sum > 0.0) || !std::isfinite(sum)) return found;
     fracture::Random random(sample_seed);
     for (uint32_t k = 0; k < surface_samples; ++k) {
-        const double wanted = (k + random.uniform()) / surface_samples * sum;
-        const auto t = static_cast<uint32_t>(std::min<ptrdiff_t>(std::ranges::upper_bound(area, wanted) - area.begin(),
-                                                                 static_cast<ptrdiff_t>(area.size()) - 1));
+        const double sample_area = (k + random.uniform()) / surface_samples * sum;
+        const auto t = static_cast<uint32_t>(std::min<ptrdiff_t>(
+            std::ranges::upper_bound(area, sample_area) - area.begin(), static_cast<ptrdiff_t>(area.size()) - 1));
         double u = random.uniform(), v = random.uniform();
         if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
         const fracture::Triangle& c = mesh.triangles[t];
@@ -61,21 +61,20 @@ std::vector<Middle> middles(const fracture::TriangleMesh& mesh) {
 }
 
 // Loads and what they part. Islands that nothing holds are left alone: what falls is not loaded.
-class Parting {
+class LoadedBlocks {
   public:
-    Parting(const HeldBlocks& blocks, const Material& material)
+    LoadedBlocks(const HeldBlocks& blocks, const Material& material)
         : blocks_(blocks), material_(material), solver_(blocks.nodes, blocks.bonds), live_(blocks.bonds.size(), 1),
           loads_(blocks.nodes.size()) {
         find_islands();
     }
 
-    void clear_loads() { std::ranges::fill(loads_, NodeLoad{}); }
     void add_weight(const glm::dvec3& gravity) {
         for (size_t i = 0; i < loads_.size(); ++i) loads_[i].force += blocks_.nodes[i].mass * gravity;
     }
-    void add(uint32_t node, const PointLoad& push) {
-        loads_[node].force += push.force;
-        loads_[node].torque += glm::cross(push.point - blocks_.nodes[node].centre, push.force);
+    void add_load(uint32_t node, const PointLoad& load) {
+        loads_[node].force += load.force;
+        loads_[node].torque += glm::cross(load.point - blocks_.nodes[node].centre, load.force);
     }
     [[nodiscard]] uint32_t nearest(const glm::dvec3& point) const {
         uint32_t best = 0;
@@ -86,28 +85,28 @@ class Parting {
     }
 
     // Parts the worst contacts that are loaded more than limit of their strength; false where there are none.
-    bool part_worst(double limit) {
-        for (size_t i = 0; i < loads_.size(); ++i) shown_[i] = held_[island_[i]] ? loads_[i] : NodeLoad{};
-        solver_.set_loads(shown_);
+    bool break_worst(double limit) {
+        for (size_t i = 0; i < loads_.size(); ++i) solver_loads_[i] = island_held_[island_[i]] ? loads_[i] : NodeLoad{};
+        solver_.set_loads(solver_loads_);
         solver_.solve(max_iterations, tolerance);
         std::vector<double> ratios(live_.size(), 0.0);
         double worst = 0.0;
         for (uint32_t bond = 0; bond < live_.size(); ++bond) {
-            if (!live_[bond] || !held_[island_[blocks_.bonds[bond].a]]) continue;
+            if (!live_[bond] || !island_held_[island_[blocks_.bonds[bond].a]]) continue;
             ratios[bond] = load_ratio(solver_.stress(bond), material_);
             worst = std::max(worst, ratios[bond]);
         }
         if (!(worst > limit)) return false;
-        std::vector<uint32_t> parted;
+        std::vector<uint32_t> broken;
         for (uint32_t bond = 0; bond < live_.size(); ++bond)
-            if (ratios[bond] > limit && ratios[bond] >= with_worst * worst) parted.push_back(bond);
-        for (const uint32_t bond : parted) live_[bond] = 0;
-        solver_.remove_bonds(parted);
+            if (ratios[bond] > limit && ratios[bond] >= simultaneous_ratio * worst) broken.push_back(bond);
+        for (const uint32_t bond : broken) live_[bond] = 0;
+        solver_.remove_bonds(broken);
         find_islands();
         return true;
     }
 
-    [[nodiscard]] bool is_held(uint32_t node) const { return held_[island_[node]] != 0; }
+    [[nodiscard]] bool is_held(uint32_t node) const { return island_held_[island_[node]] != 0; }
     [[nodiscard]] const std::vector<uint32_t>& islands() const { return island_; }
 
   private:
@@ -118,26 +117,26 @@ class Parting {
         for (uint32_t bond = 0; bond < live_.size(); ++bond)
             if (live_[bond]) fracture::unite(parent, blocks_.bonds[bond].a, blocks_.bonds[bond].b);
         island_.assign(count, 0);
-        held_.clear();
+        island_held_.clear();
         for (uint32_t i = 0; i < count; ++i) {
             const uint32_t root = fracture::root_of(parent, i);
             if (root == i) {
-                island_[i] = static_cast<uint32_t>(held_.size());
-                held_.push_back(0);
+                island_[i] = static_cast<uint32_t>(island_held_.size());
+                island_held_.push_back(0);
             }
             island_[i] = island_[root];
-            held_[island_[i]] |= blocks_.nodes[i].fixed ? 1 : 0;
+            island_held_[island_[i]] |= blocks_.nodes[i].fixed ? 1 : 0;
         }
-        shown_.resize(count);
+        solver_loads_.resize(count);
     }
 
     const HeldBlocks& blocks_;
     const Material& material_;
     StressSolver solver_;
     std::vector<uint8_t> live_; // by bond
-    std::vector<NodeLoad> loads_, shown_;
-    std::vector<uint32_t> island_; // by node
-    std::vector<uint8_t> held_;    // by island
+    std::vector<NodeLoad> loads_, solver_loads_;
+    std::vector<uint32_t> island_;     // by node
+    std::vector<uint8_t> island_held_; // by island
 };
 
 Material scaled(Material material, float scale) {
@@ -147,16 +146,17 @@ Material scaled(Material material, float scale) {
 
 } // namespace
 
-std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t most) {
-    const std::vector<Middle> candidates = middles(mesh);
+std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t max_sites) {
+    const std::vector<MidPoint> candidates = mid_points(mesh);
     if (candidates.empty()) return {};
     std::vector<double> gap(candidates.size(), std::numeric_limits<double>::infinity()); // squared, in thicknesses
     std::vector<glm::dvec3> sites;
-    auto next = static_cast<size_t>(std::ranges::min_element(candidates, {}, &Middle::thickness) - candidates.begin());
-    while (sites.size() < most && gap[next] > dense_enough * dense_enough) {
-        sites.push_back(candidates[next].at);
+    auto next =
+        static_cast<size_t>(std::ranges::min_element(candidates, {}, &MidPoint::thickness) - candidates.begin());
+    while (sites.size() < max_sites && gap[next] > max_gap * max_gap) {
+        sites.push_back(candidates[next].position);
         for (size_t i = 0; i < candidates.size(); ++i) {
-            const glm::dvec3 apart = (candidates[i].at - sites.back()) / candidates[i].thickness;
+            const glm::dvec3 apart = (candidates[i].position - sites.back()) / candidates[i].thickness;
             gap[i] = std::min(gap[i], glm::dot(apart, apart));
         }
         next = static_cast<size_t>(std::ranges::max_element(gap) - gap.begin());
@@ -169,7 +169,7 @@ held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSe
             const std::function<bool(const fracture::Fragments&, const fracture::Piece&)>& held, uint32_t threads,
             const std::function<bool()>& cancelled) {
     auto blocks = std::make_shared<HeldBlocks>();
-    blocks->sites = block_sites(mesh, std::max(settings.most, 2u));
+    blocks->sites = block_sites(mesh, std::max(settings.max_blocks, 2u));
     if (blocks->sites.size() < 2) return nullptr;
     const fracture::Result<fracture::Fragments> cut =
         fracture::fracture(mesh, blocks->sites, {.threads = threads, .cancelled = cancelled});
@@ -186,33 +186,33 @@ held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSe
 }
 
 std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& material, float strength_scale,
-                                 const glm::dvec3& gravity, std::span<const PointLoad> pushes) {
-    const Material lasting = scaled(material, strength_scale);
-    Parting parting(blocks, lasting);
-    parting.add_weight(gravity);
-    for (const PointLoad& push : pushes) parting.add(parting.nearest(push.point), push);
-    while (parting.part_worst(1.0)) {
+                                 const glm::dvec3& gravity, std::span<const PointLoad> contact_loads) {
+    const Material reduced = scaled(material, strength_scale);
+    LoadedBlocks loaded(blocks, reduced);
+    loaded.add_weight(gravity);
+    for (const PointLoad& load : contact_loads) loaded.add_load(loaded.nearest(load.point), load);
+    while (loaded.break_worst(1.0)) {
     }
-    return parting.islands();
+    return loaded.islands();
 }
 
 std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material, float strength_scale,
                                     const glm::dvec3& gravity, const PointLoad& impulse, double energy) {
-    const Material lasting = scaled(material, strength_scale);
+    const Material reduced = scaled(material, strength_scale);
     // Which section goes is a matter of where stresses are worst, not of how large they are.
-    Parting under_blow(blocks, lasting);
-    const uint32_t hit = under_blow.nearest(impulse.point);
-    under_blow.add(hit, impulse);
-    while (under_blow.is_held(hit) && under_blow.part_worst(0.0)) {
+    LoadedBlocks blown(blocks, reduced);
+    const uint32_t hit = blown.nearest(impulse.point);
+    blown.add_load(hit, impulse);
+    while (blown.is_held(hit) && blown.break_worst(0.0)) {
     }
-    const std::vector<uint32_t>& islands = under_blow.islands();
+    const std::vector<uint32_t>& islands = blown.islands();
     double area = 0.0, mass = 0.0;
     for (const StressBond& bond : blocks.bonds)
         if ((islands[bond.a] == islands[hit]) != (islands[bond.b] == islands[hit])) area += bond.area;
     for (size_t i = 0; i < islands.size(); ++i)
         if (islands[i] == islands[hit]) mass += blocks.nodes[i].mass;
-    const double given = std::min(0.5 * glm::dot(impulse.force, impulse.force) / mass, energy);
-    const bool breaks = !under_blow.is_held(hit) && given > area * static_cast<double>(material.fracture_energy);
+    const double kinetic = std::min(0.5 * glm::dot(impulse.force, impulse.force) / mass, energy);
+    const bool breaks = !blown.is_held(hit) && kinetic > area * static_cast<double>(material.fracture_energy);
     std::vector<uint32_t> whole(islands.size(), 0);
     if (!breaks) return whole;
     // What the crack let go of, and what is then too much for the rest.

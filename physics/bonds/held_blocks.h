@@ -32,7 +32,7 @@ namespace brittle::physics {
 
 struct HeldBlockSettings {
     bool enabled = true;
-    uint32_t most = 96; // blocks aimed at; sites in what is evenly thick stop earlier. At least 2
+    uint32_t max_blocks = 96; // blocks aimed at; sites in what is evenly thick stop earlier. At least 2
     // Of the material's strengths, against loads that last: as WearSettings::strength_scale.
     float strength_scale = 0.05f;
 };
@@ -46,7 +46,7 @@ struct HeldBlocks {
 
 // Sites for blocks: each is halfway through the solid from a place of its surface, the farthest from all before in
 // thicknesses there, until none is farther than half of one. The first is in the thinnest place.
-[[nodiscard]] std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t most);
+[[nodiscard]] std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t max_sites);
 
 // Null where the solid cannot be cut, or is one block. `held` says which pieces of the fracture the world holds.
 [[nodiscard]] std::shared_ptr<const HeldBlocks>
@@ -63,7 +63,7 @@ struct PointLoad {
 // For each block the island that it is in when what is overloaded has parted, islands numbered by their first blocks:
 // all 0 where the solid stands. Islands that nothing holds stay together. Pushes go to the nearest block.
 [[nodiscard]] std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& material, float strength_scale,
-                                               const glm::dvec3& gravity, std::span<const PointLoad> pushes);
+                                               const glm::dvec3& gravity, std::span<const PointLoad> contact_loads);
 
 // The same after a blow of an impulse, N s, at a point, and with the weight of what is left; energy, J, is the blow's own: what
 // is light gets no more.

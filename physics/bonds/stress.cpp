@@ -14,15 +14,16 @@ namespace brittle::physics {
 namespace {
 
 constexpr uint32_t none = UINT32_MAX;
-constexpr double shear_ratio = 0.4; // of the shear modulus to Young's: that of stone, glass and steel
-constexpr double min_rest = 1e-9;   // of a load whose island falls, N or N m for each N
-constexpr size_t max_groups = 32;   // of the coarse correction, whose factor costs their cube
+constexpr double shear_ratio = 0.4;     // of the shear modulus to Young's: that of stone, glass and steel
+constexpr double rounding_ratio = 1e-9; // of a load whose island falls, N or N m for each N
+constexpr size_t max_groups = 32;       // of the coarse correction, whose factor costs their cube
 constexpr size_t min_group_size = 6;
 constexpr double singular_pivot = 1e-10; // of a Cholesky factor, as a share of the diagonal
 
 double dot(const auto& a, const auto& b) {
     double sum = 0.0;
-    for (size_t i = 0; i < a.size(); ++i) sum += glm::dot(a[i].move, b[i].move) + glm::dot(a[i].turn, b[i].turn);
+    for (size_t i = 0; i < a.size(); ++i)
+        sum += glm::dot(a[i].linear, b[i].linear) + glm::dot(a[i].angular, b[i].angular);
     return sum;
 }
 
@@ -66,42 +67,44 @@ glm::dmat3 cross_matrix(const glm::dvec3& v) { // cross_matrix(v) * u = cross(v,
 
 // The matrix of a spring between the motions of points at arms from where it acts: row and column arms may differ.
 struct Stiffness {
-    glm::dmat3 pull, bend;
+    glm::dmat3 translational, rotational;
 
     template<class Put>
     void block(const glm::dvec3& row_arm, const glm::dvec3& column_arm, double sign, Put put) const {
         const glm::dmat3 row = cross_matrix(row_arm), column = cross_matrix(column_arm);
-        const glm::dmat3 moved = pull, turned = -pull * column, torque = row * pull,
-                         torque_turned = -(row * pull * column) + bend;
+        const glm::dmat3 force_linear = translational, force_angular = -translational * column,
+                         torque_linear = row * translational,
+                         torque_angular = -(row * translational * column) + rotational;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
-                put(i, j, sign * moved[j][i]);
-                put(i, j + 3, sign * turned[j][i]);
-                put(i + 3, j, sign * torque[j][i]);
-                put(i + 3, j + 3, sign * torque_turned[j][i]);
+                put(i, j, sign * force_linear[j][i]);
+                put(i, j + 3, sign * force_angular[j][i]);
+                put(i + 3, j, sign * torque_linear[j][i]);
+                put(i + 3, j + 3, sign * torque_angular[j][i]);
             }
     }
 };
 
 Stiffness stiffness_of(const auto& spring) {
     const glm::dmat3 along = glm::outerProduct(spring.normal, spring.normal);
-    return {glm::dmat3(spring.push_aside) + along * (spring.pull - spring.push_aside),
-            glm::dmat3(spring.bend) + along * (spring.twist - spring.bend)};
+    return {glm::dmat3(spring.shear) + along * (spring.axial - spring.shear),
+            glm::dmat3(spring.bending) + along * (spring.torsion - spring.bending)};
 }
 
 } // namespace
 
 double load_ratio(const BondStress& stress, const Material& material) {
-    const double pull = stress.tension + stress.bending - stress.compression;
-    const double press = stress.compression + stress.bending - stress.tension;
-    return std::max({pull / static_cast<double>(material.tensile), press / static_cast<double>(material.compressive),
+    const double tensile = stress.tension + stress.bending - stress.compression;
+    const double compressive = stress.compression + stress.bending - stress.tension;
+    return std::max({tensile / static_cast<double>(material.tensile),
+                     compressive / static_cast<double>(material.compressive),
                      stress.shear / static_cast<double>(material.shear)});
 }
 
 StressSolver::StressSolver(std::span<const StressNode> nodes, std::span<const StressBond> bonds)
     : nodes_(nodes.begin(), nodes.end()), bonds_(bonds.begin(), bonds.end()) {
     x_.resize(nodes.size());
-    given_.resize(nodes.size());
+    applied_.resize(nodes.size());
     build();
 }
 
@@ -126,11 +129,11 @@ void StressSolver::build() {
         assert(bond.a < nodes_.size() && bond.b < nodes_.size());
         const StressNode &a = nodes_[bond.a], &b = nodes_[bond.b];
         const double length = std::max(glm::length(b.centre - a.centre), 1e-9);
-        const double second = bond.area * bond.area / (4.0 * std::numbers::pi);
+        const double second_moment = bond.area * bond.area / (4.0 * std::numbers::pi);
         spring_of_bond_[i] = static_cast<uint32_t>(springs_.size());
         springs_.push_back({bond.a, bond.b, i, bond.centroid - a.centre, bond.centroid - b.centre, bond.normal,
-                            bond.area / length, shear_ratio * bond.area / length, second / length,
-                            2.0 * shear_ratio * second / length});
+                            bond.area / length, shear_ratio * bond.area / length, second_moment / length,
+                            2.0 * shear_ratio * second_moment / length});
     }
     inverse_.assign(nodes_.size(), Block{});
     for (const Spring& spring : springs_) {
@@ -153,8 +156,8 @@ void StressSolver::build() {
     }
     find_groups();
     build_coarse();
-    loads_ = given_;
-    relieve(loads_);
+    loads_ = applied_;
+    remove_acceleration(loads_);
     restart();
 }
 
@@ -181,11 +184,11 @@ void StressSolver::find_groups() {
             }
     };
     island_of_.assign(count, none);
-    held_.clear();
+    island_fixed_.clear();
     for (uint32_t i = 0; i < count; ++i) {
         if (island_of_[i] != none) continue;
-        walk(i, island_of_, static_cast<uint32_t>(held_.size()), count, [](uint32_t) { return true; });
-        held_.push_back(std::ranges::any_of(queue, [&](uint32_t node) { return nodes_[node].fixed; }));
+        walk(i, island_of_, static_cast<uint32_t>(island_fixed_.size()), count, [](uint32_t) { return true; });
+        island_fixed_.push_back(std::ranges::any_of(queue, [&](uint32_t node) { return nodes_[node].fixed; }));
     }
     const size_t size = std::max(min_group_size, (count + max_groups - 1) / max_groups);
     group_of_.assign(count, none);
@@ -210,8 +213,8 @@ void StressSolver::find_groups() {
 // The stiffness between the rigid motions of the groups about their centres.
 void StressSolver::build_coarse() {
     const size_t n = 6 * group_centre_.size();
-    factor_.assign(n * n, 0.0);
-    coarse_.assign(n, 0.0);
+    coarse_factor_.assign(n * n, 0.0);
+    coarse_solution_.assign(n, 0.0);
     for (const Spring& spring : springs_) {
         const uint32_t group_a = group_of_[spring.a], group_b = group_of_[spring.b];
         if (group_a == group_b) continue; // rigid together
@@ -223,109 +226,116 @@ void StressSolver::build_coarse() {
                 stiffness.block(
                     place - group_centre_[row], place - group_centre_[column], row == column ? 1.0 : -1.0,
                     [&](int i, int j, double value) {
-                        factor_[(row * 6 + static_cast<size_t>(i)) * n + column * 6 + static_cast<size_t>(j)] += value;
+                        coarse_factor_[(row * 6 + static_cast<size_t>(i)) * n + column * 6 + static_cast<size_t>(j)] +=
+                            value;
                     });
             }
     }
-    factorise(factor_, n);
+    factorise(coarse_factor_, n);
 }
 
 void StressSolver::set_loads(std::span<const NodeLoad> loads) {
     assert(loads.size() == nodes_.size());
-    given_.assign(loads.begin(), loads.end());
-    loads_ = given_;
-    relieve(loads_);
+    applied_.assign(loads.begin(), loads.end());
+    loads_ = applied_;
+    remove_acceleration(loads_);
     restart();
 }
 
 // Takes the acceleration as a whole out of islands that nothing holds.
-void StressSolver::relieve(std::vector<NodeLoad>& loads) const {
-    struct Whole {
+void StressSolver::remove_acceleration(std::vector<NodeLoad>& loads) const {
+    struct Island {
         double mass = 0.0;
         glm::dvec3 centre{0.0}, force{0.0}, torque{0.0};
         glm::dmat3 inertia{0.0};
     };
-    std::vector<Whole> wholes(held_.size());
+    std::vector<Island> islands(island_fixed_.size());
     for (size_t i = 0; i < nodes_.size(); ++i) {
-        Whole& whole = wholes[island_of_[i]];
-        whole.mass += nodes_[i].mass;
-        whole.centre += nodes_[i].mass * nodes_[i].centre;
-        whole.force += loads[i].force;
+        Island& island = islands[island_of_[i]];
+        island.mass += nodes_[i].mass;
+        island.centre += nodes_[i].mass * nodes_[i].centre;
+        island.force += loads[i].force;
     }
-    for (Whole& whole : wholes)
-        if (whole.mass > 0.0) whole.centre /= whole.mass;
+    for (Island& island : islands)
+        if (island.mass > 0.0) island.centre /= island.mass;
     for (size_t i = 0; i < nodes_.size(); ++i) {
-        Whole& whole = wholes[island_of_[i]];
-        const glm::dvec3 arm = nodes_[i].centre - whole.centre;
-        whole.torque += loads[i].torque + glm::cross(arm, loads[i].force);
-        whole.inertia +=
+        Island& island = islands[island_of_[i]];
+        const glm::dvec3 arm = nodes_[i].centre - island.centre;
+        island.torque += loads[i].torque + glm::cross(arm, loads[i].force);
+        island.inertia +=
             nodes_[i].inertia + nodes_[i].mass * (glm::dmat3(glm::dot(arm, arm)) - glm::outerProduct(arm, arm));
     }
     for (size_t i = 0; i < nodes_.size(); ++i) {
-        const Whole& whole = wholes[island_of_[i]];
-        if (held_[island_of_[i]] || !(whole.mass > 0.0) || !(glm::determinant(whole.inertia) > 0.0)) continue;
-        const glm::dvec3 spin = glm::inverse(whole.inertia) * whole.torque;
-        const glm::dvec3 arm = nodes_[i].centre - whole.centre;
-        loads[i].force -= nodes_[i].mass * (whole.force / whole.mass + glm::cross(spin, arm));
+        const Island& island = islands[island_of_[i]];
+        if (island_fixed_[island_of_[i]] || !(island.mass > 0.0) || !(glm::determinant(island.inertia) > 0.0)) continue;
+        const glm::dvec3 spin = glm::inverse(island.inertia) * island.torque;
+        const glm::dvec3 arm = nodes_[i].centre - island.centre;
+        loads[i].force -= nodes_[i].mass * (island.force / island.mass + glm::cross(spin, arm));
         loads[i].torque -= nodes_[i].inertia * spin;
         // In a fall nothing but rounding is left.
-        const double rounding = min_rest * glm::length(given_[i].force);
+        const double rounding = rounding_ratio * glm::length(applied_[i].force);
         if (glm::length(loads[i].force) <= rounding && glm::length(loads[i].torque) <= rounding) loads[i] = {};
     }
 }
 
 BondLoad StressSolver::load_of(const Spring& spring) const {
-    const Motion &a = x_[spring.a], &b = x_[spring.b];
-    const glm::dvec3 apart = b.move + glm::cross(b.turn, spring.arm_b) - a.move - glm::cross(a.turn, spring.arm_a);
-    const glm::dvec3 bent = b.turn - a.turn;
+    const NodeVector &a = x_[spring.a], &b = x_[spring.b];
+    const glm::dvec3 translation =
+        b.linear + glm::cross(b.angular, spring.arm_b) - a.linear - glm::cross(a.angular, spring.arm_a);
+    const glm::dvec3 rotation = b.angular - a.angular;
     const glm::dvec3& n = spring.normal;
-    return {-(spring.push_aside * apart + (spring.pull - spring.push_aside) * glm::dot(apart, n) * n),
-            -(spring.bend * bent + (spring.twist - spring.bend) * glm::dot(bent, n) * n)};
+    return {-(spring.shear * translation + (spring.axial - spring.shear) * glm::dot(translation, n) * n),
+            -(spring.bending * rotation + (spring.torsion - spring.bending) * glm::dot(rotation, n) * n)};
 }
 
 // out = stiffness * x
-void StressSolver::apply(const Motions& x, Motions& out) const {
-    std::ranges::fill(out, Motion{});
+void StressSolver::apply(const NodeVectors& x, NodeVectors& out) const {
+    std::ranges::fill(out, NodeVector{});
     for (const Spring& spring : springs_) {
-        const Motion &a = x[spring.a], &b = x[spring.b];
+        const NodeVector &a = x[spring.a], &b = x[spring.b];
         const glm::dvec3& n = spring.normal;
-        const glm::dvec3 apart = b.move + glm::cross(b.turn, spring.arm_b) - a.move - glm::cross(a.turn, spring.arm_a);
-        const glm::dvec3 bent = b.turn - a.turn;
+        const glm::dvec3 translation =
+            b.linear + glm::cross(b.angular, spring.arm_b) - a.linear - glm::cross(a.angular, spring.arm_a);
+        const glm::dvec3 rotation = b.angular - a.angular;
         const glm::dvec3 force =
-            spring.push_aside * apart + ((spring.pull - spring.push_aside) * glm::dot(apart, n)) * n;
-        const glm::dvec3 moment = spring.bend * bent + ((spring.twist - spring.bend) * glm::dot(bent, n)) * n;
-        out[spring.a].move -= force;
-        out[spring.a].turn -= glm::cross(spring.arm_a, force) + moment;
-        out[spring.b].move += force;
-        out[spring.b].turn += glm::cross(spring.arm_b, force) + moment;
+            spring.shear * translation + ((spring.axial - spring.shear) * glm::dot(translation, n)) * n;
+        const glm::dvec3 moment =
+            spring.bending * rotation + ((spring.torsion - spring.bending) * glm::dot(rotation, n)) * n;
+        out[spring.a].linear -= force;
+        out[spring.a].angular -= glm::cross(spring.arm_a, force) + moment;
+        out[spring.b].linear += force;
+        out[spring.b].angular += glm::cross(spring.arm_b, force) + moment;
     }
     for (size_t i = 0; i < nodes_.size(); ++i)
         if (nodes_[i].fixed) out[i] = {};
 }
 
-void StressSolver::precondition(const Motions& r, Motions& z) const {
-    std::ranges::fill(coarse_, 0.0);
+void StressSolver::precondition(const NodeVectors& r, NodeVectors& z) const {
+    std::ranges::fill(coarse_solution_, 0.0);
     for (size_t i = 0; i < nodes_.size(); ++i) {
         const Block& block = inverse_[i];
-        const std::array<double, 6> in{r[i].move.x, r[i].move.y, r[i].move.z, r[i].turn.x, r[i].turn.y, r[i].turn.z};
+        const std::array<double, 6> in{r[i].linear.x,  r[i].linear.y,  r[i].linear.z,
+                                       r[i].angular.x, r[i].angular.y, r[i].angular.z};
         std::array<double, 6> out{};
         for (size_t row = 0; row < 6; ++row)
             for (size_t column = 0; column < 6; ++column) out[row] += block[row * 6 + column] * in[column];
         z[i] = {{out[0], out[1], out[2]}, {out[3], out[4], out[5]}};
         if (group_of_[i] == none) continue;
-        const glm::dvec3 torque = r[i].turn + glm::cross(nodes_[i].centre - group_centre_[group_of_[i]], r[i].move);
+        const glm::dvec3 torque =
+            r[i].angular + glm::cross(nodes_[i].centre - group_centre_[group_of_[i]], r[i].linear);
         for (int axis = 0; axis < 3; ++axis) {
-            coarse_[group_of_[i] * 6 + static_cast<size_t>(axis)] += r[i].move[axis];
-            coarse_[group_of_[i] * 6 + 3 + static_cast<size_t>(axis)] += torque[axis];
+            coarse_solution_[group_of_[i] * 6 + static_cast<size_t>(axis)] += r[i].linear[axis];
+            coarse_solution_[group_of_[i] * 6 + 3 + static_cast<size_t>(axis)] += torque[axis];
         }
     }
-    solve_factor(factor_, coarse_.size(), coarse_);
+    solve_factor(coarse_factor_, coarse_solution_.size(), coarse_solution_);
     for (size_t i = 0; i < nodes_.size(); ++i) {
         if (group_of_[i] == none) continue;
-        const double* g = &coarse_[group_of_[i] * 6];
-        const glm::dvec3 turn(g[3], g[4], g[5]);
-        z[i].move += glm::dvec3(g[0], g[1], g[2]) + glm::cross(turn, nodes_[i].centre - group_centre_[group_of_[i]]);
-        z[i].turn += turn;
+        const double* g = &coarse_solution_[group_of_[i] * 6];
+        const glm::dvec3 rotation(g[3], g[4], g[5]);
+        z[i].linear +=
+            glm::dvec3(g[0], g[1], g[2]) + glm::cross(rotation, nodes_[i].centre - group_centre_[group_of_[i]]);
+        z[i].angular += rotation;
     }
     for (size_t i = 0; i < nodes_.size(); ++i)
         if (nodes_[i].fixed) z[i] = {};
@@ -333,62 +343,62 @@ void StressSolver::precondition(const Motions& r, Motions& z) const {
 
 void StressSolver::restart() {
     converged_ = false;
-    fresh_ = true;
+    restarted_ = true;
 }
 
 bool StressSolver::solve(uint32_t iterations, double tolerance) {
     if (converged_) return true;
-    if (fresh_) {
+    if (restarted_) {
         r_.resize(nodes_.size()), z_.resize(nodes_.size()), q_.resize(nodes_.size());
         apply(x_, q_);
         load_size_ = 0.0;
         for (size_t i = 0; i < nodes_.size(); ++i) {
             // A node without bonds has nothing to pass its load on to.
             const bool free = !nodes_[i].fixed && inverse_[i][0] > 0.0;
-            r_[i] = free ? Motion{loads_[i].force - q_[i].move, loads_[i].torque - q_[i].turn} : Motion{};
+            r_[i] = free ? NodeVector{loads_[i].force - q_[i].linear, loads_[i].torque - q_[i].angular} : NodeVector{};
             if (free)
                 load_size_ += glm::dot(loads_[i].force, loads_[i].force) + glm::dot(loads_[i].torque, loads_[i].torque);
         }
         precondition(r_, z_);
         p_ = z_;
         rz_ = dot(r_, z_);
-        fresh_ = false;
+        restarted_ = false;
     }
     if (load_size_ == 0.0) {
-        x_.assign(nodes_.size(), Motion{});
+        x_.assign(nodes_.size(), NodeVector{});
         return converged_ = true;
     }
     // Forces are in balance, and the energy of the error is small against that of the solution: the one says little of
     // slender parts, the other little of stiff ones.
-    const auto small = [&] {
-        double rest = 0.0, work = 0.0;
+    const auto below_tolerance = [&] {
+        double residual = 0.0, work = 0.0;
         for (size_t i = 0; i < nodes_.size(); ++i) {
-            rest += glm::dot(r_[i].move, r_[i].move);
-            work += glm::dot(loads_[i].force, x_[i].move) + glm::dot(loads_[i].torque, x_[i].turn);
+            residual += glm::dot(r_[i].linear, r_[i].linear);
+            work += glm::dot(loads_[i].force, x_[i].linear) + glm::dot(loads_[i].torque, x_[i].angular);
         }
         const double square = tolerance * tolerance;
-        return rest <= square * load_size_ && rz_ <= square * work;
+        return residual <= square * load_size_ && rz_ <= square * work;
     };
     for (uint32_t i = 0; i < iterations; ++i) {
-        if (!(rz_ > 0.0) || small()) return converged_ = true;
+        if (!(rz_ > 0.0) || below_tolerance()) return converged_ = true;
         apply(p_, q_);
         const double curvature = dot(p_, q_);
         if (!(curvature > 0.0)) return converged_ = true;
         const double step = rz_ / curvature;
         for (size_t n = 0; n < nodes_.size(); ++n) {
-            x_[n].move += step * p_[n].move, x_[n].turn += step * p_[n].turn;
-            r_[n].move -= step * q_[n].move, r_[n].turn -= step * q_[n].turn;
+            x_[n].linear += step * p_[n].linear, x_[n].angular += step * p_[n].angular;
+            r_[n].linear -= step * q_[n].linear, r_[n].angular -= step * q_[n].angular;
         }
         precondition(r_, z_);
         const double before = std::exchange(rz_, dot(r_, z_));
-        const double share = rz_ / before;
+        const double beta = rz_ / before;
         for (size_t n = 0; n < nodes_.size(); ++n) {
-            p_[n].move = z_[n].move + share * p_[n].move;
-            p_[n].turn = z_[n].turn + share * p_[n].turn;
+            p_[n].linear = z_[n].linear + beta * p_[n].linear;
+            p_[n].angular = z_[n].angular + beta * p_[n].angular;
         }
         ++iterations_;
     }
-    return converged_ = small();
+    return converged_ = below_tolerance();
 }
 
 BondLoad StressSolver::load(uint32_t bond) const {
@@ -401,19 +411,19 @@ BondStress StressSolver::stress(uint32_t bond) const {
     const BondLoad through = load(bond);
     const double area = bonds_[bond].area;
     const glm::dvec3& n = bonds_[bond].normal;
-    const double radius = std::sqrt(area / std::numbers::pi), second = area * area / (4.0 * std::numbers::pi);
-    const double pressed = glm::dot(through.force, n), twist = glm::dot(through.moment, n);
-    stress.compression = std::max(pressed, 0.0) / area;
-    stress.tension = std::max(-pressed, 0.0) / area;
-    stress.shear = glm::length(through.force - pressed * n) / area + std::abs(twist) * radius / (2.0 * second);
-    stress.bending = glm::length(through.moment - twist * n) * radius / second;
+    const double radius = std::sqrt(area / std::numbers::pi), second_moment = area * area / (4.0 * std::numbers::pi);
+    const double axial = glm::dot(through.force, n), twist = glm::dot(through.moment, n);
+    stress.compression = std::max(axial, 0.0) / area;
+    stress.tension = std::max(-axial, 0.0) / area;
+    stress.shear = glm::length(through.force - axial * n) / area + std::abs(twist) * radius / (2.0 * second_moment);
+    stress.bending = glm::length(through.moment - twist * n) * radius / second_moment;
     return stress;
 }
 
 NodeLoad StressSolver::reaction(uint32_t node) const {
     NodeLoad reaction;
     if (!nodes_[node].fixed) return reaction;
-    reaction = {-given_[node].force, -given_[node].torque};
+    reaction = {-applied_[node].force, -applied_[node].torque};
     for (const Spring& spring : springs_) {
         if (spring.a != node && spring.b != node) continue;
         const BondLoad through = load_of(spring);

@@ -101,23 +101,23 @@ class StressSolver {
     [[nodiscard]] const StressNode& node(size_t index) const { return nodes_[index]; }
 
   private:
-    struct Motion { // of a node, a step or a residual of it
-        glm::dvec3 move{0.0};
-        glm::dvec3 turn{0.0};
+    struct NodeVector { // of a node, a step or a residual of it
+        glm::dvec3 linear{0.0};
+        glm::dvec3 angular{0.0};
     };
-    using Motions = std::vector<Motion>;
+    using NodeVectors = std::vector<NodeVector>;
     using Block = std::array<double, 36>;
     struct Spring {
         uint32_t a, b, bond;
         glm::dvec3 arm_a, arm_b, normal;
-        double pull, push_aside, bend, twist; // N/m, N m
+        double axial, shear, bending, torsion; // stiffness over the elastic modulus: m, m, m^3, m^3
     };
 
     void build();
     void build_coarse();
-    void relieve(std::vector<NodeLoad>& loads) const;
-    void apply(const Motions& x, Motions& out) const;
-    void precondition(const Motions& r, Motions& z) const;
+    void remove_acceleration(std::vector<NodeLoad>& loads) const;
+    void apply(const NodeVectors& x, NodeVectors& out) const;
+    void precondition(const NodeVectors& r, NodeVectors& z) const;
     void restart();
     [[nodiscard]] BondLoad load_of(const Spring& spring) const;
     void find_groups();
@@ -126,18 +126,18 @@ class StressSolver {
     std::vector<StressBond> bonds_; // area 0 once removed
     std::vector<Spring> springs_;   // live ones
     std::vector<uint32_t> spring_of_bond_;
-    std::vector<uint32_t> island_of_; // by node: connected part
-    std::vector<uint8_t> held_;       // by island
-    std::vector<NodeLoad> given_, loads_;
+    std::vector<uint32_t> island_of_;   // by node: connected part
+    std::vector<uint8_t> island_fixed_; // by island
+    std::vector<NodeLoad> applied_, loads_;
     std::vector<Block> inverse_; // of each node's own block
     // The coarse correction: nodes in groups, and the lower Cholesky factor of the stiffness of their rigid motions.
     std::vector<uint32_t> group_of_;
     std::vector<glm::dvec3> group_centre_;
-    std::vector<double> factor_;
-    Motions x_, r_, z_, p_, q_;
-    mutable std::vector<double> coarse_; // scratch of one call
+    std::vector<double> coarse_factor_;
+    NodeVectors x_, r_, z_, p_, q_;
+    mutable std::vector<double> coarse_solution_; // scratch of one call
     double rz_ = 0.0, load_size_ = 0.0;
-    bool converged_ = true, fresh_ = true;
+    bool converged_ = true, restarted_ = true;
     uint64_t iterations_ = 0;
 };
 

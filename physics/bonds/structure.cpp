@@ -27,18 +27,18 @@ using fracture::Fragments;
 using fracture::Piece;
 using fracture::Status;
 
-constexpr int solver_sweeps = 10; // over contacts that are solved anew
+constexpr int rewound_sweeps = 10; // over contacts that are solved anew
 // That many contacts are solved anew at most: half a millisecond.
-constexpr size_t max_anew = 256;
+constexpr size_t max_rewound_contacts = 256;
 // Fewer pieces than this are not worth waking another thread for.
 constexpr uint32_t min_forms = 64;
 
-bool moves(const World& world, BodyId body) {
+bool is_movable(const World& world, BodyId body) {
     return world.contains(body) && !world.fixed(body);
 }
 
 // m/s, of a contact of the last step. What has become another one since, as one of the two broke, tells nothing of it.
-float approach_left(const World& world, const Contact& contact) {
+float remaining_approach(const World& world, const Contact& contact) {
     if (contact.impulse != contact.blow) return 0.0f;
     return speed_at(world, contact.b, contact.point, contact.normal)
            - speed_at(world, contact.a, contact.point, contact.normal);
@@ -70,7 +70,7 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
         state.centre = piece.mass.centre_of_mass;
         state.mass = mass.mass;
         state.inertia = mass.inertia;
-        state.bearable =
+        state.impact_threshold =
             static_cast<double>(toughness(desc.material)) * std::pow(mass.mass / desc.material.density, 2.0 / 3.0);
         state.hull = hulls[all.size()];
         all.push_back(static_cast<uint32_t>(all.size()));
@@ -84,7 +84,7 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     if (!added) return added.error();
     structure.changes_ = {};
     for (const BodyState& body : structure.bodies_)
-        for (const uint32_t piece : body.pieces) structure.pieces_[piece].began_with = body.pieces.size();
+        for (const uint32_t piece : body.pieces) structure.pieces_[piece].initial_pieces = body.pieces.size();
     if (!desc.wear.enabled) return structure;
     std::vector<StressNode> nodes;
     for (const PieceState& piece : structure.pieces_)
@@ -93,7 +93,8 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     return structure;
 }
 
-std::vector<uint8_t> Structure::debris_of(const World& world, std::span<const std::vector<uint32_t>> islands) const {
+std::vector<uint8_t> Structure::choose_debris(const World& world,
+                                              std::span<const std::vector<uint32_t>> islands) const {
     std::vector<Newcomer> batch;
     for (const std::vector<uint32_t>& island : islands) {
         Newcomer& one = batch.emplace_back();
@@ -255,15 +256,15 @@ void Structure::release_anchors(std::span<const uint32_t> pieces) {
 }
 
 // All that one body did to one piece in the step counts as one.
-std::vector<BondBlows::OfStep> Structure::find_blows(const World& world) const {
-    std::vector<BondBlows::OfStep> blows;
+std::vector<BondBlows::StepBlow> Structure::find_blows(const World& world) const {
+    std::vector<BondBlows::StepBlow> blows;
     for (const Contact& contact : world.solved_contacts()) {
         if (!(contact.speed > desc_.impact_speed && contact.blow > 0.0f)) continue;
         for (const bool first : {true, false}) {
             const uint32_t piece = first ? piece_at(contact.a, contact.part_a) : piece_at(contact.b, contact.part_b);
             if (piece == none || !exists(world, pieces_[piece].body)) continue;
             const BodyId other = first ? contact.b : contact.a;
-            auto at = std::ranges::find_if(blows, [&](const BondBlows::OfStep& known) {
+            auto at = std::ranges::find_if(blows, [&](const BondBlows::StepBlow& known) {
                 return known.blow.piece == piece && known.blow.other == other;
             });
             if (at == blows.end()) at = blows.insert(blows.end(), {.blow = {.piece = piece, .other = other}});
@@ -271,7 +272,8 @@ std::vector<BondBlows::OfStep> Structure::find_blows(const World& world) const {
             const float sum = blow.impulse + contact.blow;
             blow.point += (contact.point - blow.point) * (contact.blow / sum);
             if (contact.blow > 0.5f * sum) blow.normal = first ? contact.normal : -contact.normal;
-            at->left += (approach_left(world, contact) - at->left) * (contact.blow / sum);
+            at->remaining_approach +=
+                (remaining_approach(world, contact) - at->remaining_approach) * (contact.blow / sum);
             blow.impulse = sum;
             blow.energy += 0.5f * contact.blow * contact.speed;
         }
@@ -279,31 +281,32 @@ std::vector<BondBlows::OfStep> Structure::find_blows(const World& world) const {
     return blows;
 }
 
-// Harder than the piece itself bears is told once, with the energy that the bonds leave of it.
-void Structure::strike(const World& world, const BondBlows::Judged& judged) {
+// Harder than the piece itself bears is reported once, with the energy that the bonds leave of it.
+void Structure::apply_blow(const World& world, const BondBlows::JudgedBlow& judged) {
     const Impact& blow = judged.blow;
     const PieceState& piece = pieces_[blow.piece];
     if (!exists(world, piece.body)) return;
     const double speed = 2.0 * static_cast<double>(blow.energy / blow.impulse),
                  sharpness = static_cast<double>(blow.sharpness);
     const glm::dquat to_fragments = glm::conjugate(glm::dquat(world.pose(body_of(blow.piece)).orientation));
-    const double fresh = static_cast<double>(judged.fresh), given = 0.5 * fresh * speed;
-    const double spent = graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * fresh * sharpness, given,
-                                     piece.mass * speed * sharpness);
-    const double before = static_cast<double>(judged.before);
-    const bool told = before > 0.0 && before * std::cbrt(speed / before) > piece.bearable;
-    if (told || !(spent < given) || !(static_cast<double>(blow.impulse) * sharpness > piece.bearable)) return;
+    const double new_impulse = static_cast<double>(judged.new_impulse), available = 0.5 * new_impulse * speed;
+    const double spent = graph_.blow(blow.piece, to_fragments * glm::dvec3(blow.normal) * new_impulse * sharpness,
+                                     available, piece.mass * speed * sharpness);
+    const double before = static_cast<double>(judged.judged_impulse);
+    const bool reported = before > 0.0 && before * std::cbrt(speed / before) > piece.impact_threshold;
+    if (reported || !(spent < available) || !(static_cast<double>(blow.impulse) * sharpness > piece.impact_threshold))
+        return;
     changes_.impacts.push_back(blow);
-    changes_.impacts.back().energy *= static_cast<float>(1.0 - spent / given);
+    changes_.impacts.back().energy *= static_cast<float>(1.0 - spent / available);
 }
 
 const Structure::Changes& Structure::update(World& world) {
     changes_ = {};
-    contacts_due_ = world.steps_taken() != steps_seen_;
+    new_step_ = world.steps_taken() != steps_seen_;
     steps_seen_ = world.steps_taken();
-    if (contacts_due_)
-        for (const BondBlows::Judged& judged : blows_.take_up(find_blows(world))) strike(world, judged);
-    if (contacts_due_ && desc_.wear.enabled) wear_bonds(world);
+    if (new_step_)
+        for (const BondBlows::JudgedBlow& judged : blows_.update(find_blows(world))) apply_blow(world, judged);
+    if (new_step_ && desc_.wear.enabled) wear_bonds(world);
     changes_.broken = graph_.take_broken();
     for (const uint32_t bond : changes_.broken)
         for (const uint32_t piece : {graph_.bonds()[bond].a, graph_.bonds()[bond].b})
@@ -316,7 +319,7 @@ const Structure::Changes& Structure::update(World& world) {
 // Of bodies that move only contacts count: what gravity does to them it does to all their pieces alike.
 void Structure::wear_bonds(const World& world) {
     weights_.assign(pieces_.size(), {});
-    pushes_.assign(pieces_.size(), {});
+    contact_loads_.assign(pieces_.size(), {});
     const double seconds = world.settings().step;
     for (const BodyState& body : bodies_) {
         if (!body.fixed || !world.contains(body.id)) continue;
@@ -332,18 +335,18 @@ void Structure::wear_bonds(const World& world) {
             const BodyState& body = bodies_[pieces_[piece].body];
             const Pose pose = world.pose(body.id);
             const glm::dquat to_fragments = glm::conjugate(glm::dquat(pose.orientation));
-            const float load = blows_.load_of(piece, first ? contact.b : contact.a, contact.impulse);
+            const float load = blows_.load_part(piece, first ? contact.b : contact.a, contact.impulse);
             if (!(load > 0.0f)) continue;
             const glm::dvec3 impulse = static_cast<double>(load / contact.impulse)
                                        * glm::dvec3(contact.impulse * contact.normal + contact.friction);
             const glm::dvec3 force = to_fragments * (impulse * ((first ? 1.0 : -1.0) / seconds));
             const glm::dvec3 point =
                 to_fragments * (glm::dvec3(contact.point) - glm::dvec3(pose.position)) + body.centre;
-            pushes_[piece].force += force;
-            pushes_[piece].torque += glm::cross(point - pieces_[piece].centre, force);
+            contact_loads_[piece].force += force;
+            contact_loads_[piece].torque += glm::cross(point - pieces_[piece].centre, force);
         }
     }
-    wear_.step(graph_, weights_, pushes_, seconds);
+    wear_.step(graph_, weights_, contact_loads_, seconds);
 }
 
 void Structure::split(World& world) {
@@ -352,24 +355,24 @@ void Structure::split(World& world) {
     for (uint32_t i = 0; i < bodies_.size(); ++i) {
         if (!std::exchange(dirty_[i], uint8_t{0}) || !exists(world, i)) continue;
         auto islands = graph_.islands(bodies_[i].pieces);
-        const bool let_go = bodies_[i].fixed && std::ranges::none_of(bodies_[i].pieces, [&](uint32_t piece) {
-                                return pieces_[piece].anchored;
-                            });
-        if (islands.size() < 2 && !let_go) continue;
+        const bool lost_anchors = bodies_[i].fixed && std::ranges::none_of(bodies_[i].pieces, [&](uint32_t piece) {
+                                      return pieces_[piece].anchored;
+                                  });
+        if (islands.size() < 2 && !lost_anchors) continue;
         breaking[i] = 1;
         breaks.emplace_back(i, std::move(islands));
     }
     if (breaks.empty()) return;
 
-    std::vector<TakenBack> taken;
-    std::map<BodyId, float> rewound; // s that each has yet to move on
-    for (const size_t index : contacts_to_take_back(world, breaking)) {
+    std::vector<RewoundContact> rewound;
+    std::map<BodyId, float> seconds_left; // s that each has yet to move on
+    for (const size_t index : contacts_to_rewind(world, breaking)) {
         const Contact& contact = world.contacts()[index];
-        taken.push_back({index, contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
+        rewound.push_back({index, contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
         for (const BodyId body : {contact.a, contact.b})
-            if (world.contains(body)) rewound.emplace(body, 0.0f);
+            if (world.contains(body)) seconds_left.emplace(body, 0.0f);
     }
-    for (auto& [body, seconds] : rewound) seconds = world.rewind(body);
+    for (auto& [body, seconds] : seconds_left) seconds = world.rewind(body);
     for (const auto& [index, islands] : breaks) {
         const Motion motion = motion_of(world, bodies_[index]);
         const BodyId old = bodies_[index].id;
@@ -378,76 +381,77 @@ void Structure::split(World& world) {
         body_of_id_.erase(old.value);
         bodies_[index].id = {};
         for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
-        const std::vector<uint8_t> debris = debris_of(world, islands);
+        const std::vector<uint8_t> debris = choose_debris(world, islands);
         const size_t first = bodies_.size();
         [[maybe_unused]] const Result<void> added = add_islands(world, islands, motion, debris);
         assert(added && "parts of a body that the world took are bodies, too");
-        if (const auto parent = rewound.find(old); parent != rewound.end())
-            for (const BodyState& body : std::span(bodies_).subspan(first)) rewound.emplace(body.id, parent->second);
+        if (const auto parent = seconds_left.find(old); parent != seconds_left.end())
+            for (const BodyState& body : std::span(bodies_).subspan(first))
+                seconds_left.emplace(body.id, parent->second);
     }
-    solve_anew(world, taken);
-    for (const auto& [body, seconds] : rewound)
+    solve_rewound(world, rewound);
+    for (const auto& [body, seconds] : seconds_left)
         if (world.contains(body)) world.move_on(body, seconds);
 }
 
 // Between the islands contacts are dead blows without friction: what is left of a bounce went into the cracks. Each step
 // takes kinetic energy from where the bodies were before they touched, so none can come of it.
-void Structure::solve_anew(World& world, std::span<const TakenBack> taken) const {
+void Structure::solve_rewound(World& world, std::span<const RewoundContact> rewound) const {
     // What our pieces bear of a blow was asked with what it pressed then: they give no more now. The rest comes as a blow of
     // its own in the next step, which may break them, too.
-    const auto most = [&](const TakenBack& back) {
-        const auto yields = [&](uint32_t piece, BodyId body) { return piece != none || moves(world, body); };
-        return yields(back.piece_a, back.contact.a) && yields(back.piece_b, back.contact.b)
-                   ? back.contact.blow
+    const auto max_impulse = [&](const RewoundContact& contact) {
+        const auto is_limited = [&](uint32_t piece, BodyId body) { return piece != none || is_movable(world, body); };
+        return is_limited(contact.piece_a, contact.original.a) && is_limited(contact.piece_b, contact.original.b)
+                   ? contact.original.blow
                    : std::numeric_limits<float>::infinity();
     };
-    std::vector<float> given(taken.size(), 0.0f), responses;
+    std::vector<float> impulses(rewound.size(), 0.0f), responses;
     std::vector<std::array<BodyId, 2>> sides; // a and b, as they are now
-    for (const TakenBack& back : taken) {
-        const glm::vec3 &point = back.contact.point, &normal = back.contact.normal;
+    for (const RewoundContact& contact : rewound) {
+        const glm::vec3 &point = contact.original.point, &normal = contact.original.normal;
         const auto& [a, b] =
-            sides.emplace_back(std::array{back.piece_a != none ? body_of(back.piece_a) : back.contact.a,
-                                          back.piece_b != none ? body_of(back.piece_b) : back.contact.b});
+            sides.emplace_back(std::array{contact.piece_a != none ? body_of(contact.piece_a) : contact.original.a,
+                                          contact.piece_b != none ? body_of(contact.piece_b) : contact.original.b});
         responses.push_back(response_at(world, a, point, normal) + response_at(world, b, point, normal));
     }
-    for (int sweep = 0; sweep < solver_sweeps; ++sweep)
-        for (size_t i = 0; i < taken.size(); ++i) {
+    for (int sweep = 0; sweep < rewound_sweeps; ++sweep)
+        for (size_t i = 0; i < rewound.size(); ++i) {
             if (!(responses[i] > 0.0f)) continue;
-            const TakenBack& back = taken[i];
+            const RewoundContact& contact = rewound[i];
             const auto& [a, b] = sides[i];
-            const glm::vec3 &point = back.contact.point, &normal = back.contact.normal;
-            const float closing = std::max(back.contact.gap, 0.0f) / world.settings().step; // up to the touch
+            const glm::vec3 &point = contact.original.point, &normal = contact.original.normal;
+            const float closing = std::max(contact.original.gap, 0.0f) / world.settings().step; // up to the touch
             const float approach = speed_at(world, b, point, normal) - speed_at(world, a, point, normal) - closing;
-            const float before =
-                std::exchange(given[i], std::clamp(given[i] + approach / responses[i], 0.0f, most(back)));
-            const glm::vec3 impulse = (given[i] - before) * normal;
+            const float before = std::exchange(
+                impulses[i], std::clamp(impulses[i] + approach / responses[i], 0.0f, max_impulse(contact)));
+            const glm::vec3 impulse = (impulses[i] - before) * normal;
             push(world, a, impulse, point);
             push(world, b, -impulse, point);
         }
-    for (size_t i = 0; i < taken.size(); ++i) {
-        Contact contact = taken[i].contact;
-        contact.impulse = given[i];
+    for (size_t i = 0; i < rewound.size(); ++i) {
+        Contact contact = rewound[i].original;
+        contact.impulse = impulses[i];
         contact.friction = glm::vec3(0.0f);
-        name_part(taken[i].piece_a, contact.a, contact.part_a);
-        name_part(taken[i].piece_b, contact.b, contact.part_b);
-        world.amend_contact(taken[i].index, contact);
+        locate(rewound[i].piece_a, contact.a, contact.part_a);
+        locate(rewound[i].piece_b, contact.b, contact.part_b);
+        world.amend_contact(rewound[i].index, contact);
     }
 }
 
 // Where a piece of ours is now.
-void Structure::name_part(uint32_t piece, BodyId& body, uint32_t& part) const {
+void Structure::locate(uint32_t piece, BodyId& body, uint32_t& part) const {
     if (piece == none) return;
     const std::vector<uint32_t>& pieces = bodies_[pieces_[piece].body].pieces;
     body = body_of(piece);
     part = static_cast<uint32_t>(std::ranges::find(pieces, piece) - pieces.begin());
 }
 
-// All contacts of the bodies that break under a blow, of what they touch, of what that touches: an impulse that is taken
-// back while another one that answers it stays would throw a body into the air. What touches in so many points that solving
+// All contacts of the bodies that break under a blow, of what they touch, of what that touches: an impulse that is rewound
+// contact while another one that answers it stays would throw a body into the air. What touches in so many points that solving
 // it anew would take long, or touches what is gone already, is left as it is.
-std::vector<size_t> Structure::contacts_to_take_back(const World& world, const std::vector<uint8_t>& breaking) const {
+std::vector<size_t> Structure::contacts_to_rewind(const World& world, const std::vector<uint8_t>& breaking) const {
     std::vector<size_t> contacts;
-    if (!contacts_due_) return contacts;
+    if (!new_step_) return contacts;
     const auto breaks = [&](BodyId id) {
         const uint32_t body = index_of(id);
         return body != none && breaking[body];
@@ -463,8 +467,8 @@ std::vector<size_t> Structure::contacts_to_take_back(const World& world, const s
         const auto at = std::ranges::lower_bound(bodies, id);
         return at != bodies.end() && *at == id ? static_cast<uint32_t>(at - bodies.begin()) : none;
     };
-    std::vector<uint8_t> passes_on;
-    for (const BodyId id : bodies) passes_on.push_back(moves(world, id) || breaks(id));
+    std::vector<uint8_t> conducts;
+    for (const BodyId id : bodies) conducts.push_back(is_movable(world, id) || breaks(id));
     std::vector<uint32_t> groups(bodies.size()); // of who touches whom, each named by one of its bodies
     std::iota(groups.begin(), groups.end(), 0u);
     const auto group_of = [&](uint32_t body) {
@@ -474,27 +478,27 @@ std::vector<size_t> Structure::contacts_to_take_back(const World& world, const s
     std::vector<uint32_t> touching; // by contact: a body of its group
     for (const Contact& contact : all) {
         const uint32_t a = place_of(contact.a), b = place_of(contact.b);
-        const bool from_a = a != none && passes_on[a], from_b = b != none && passes_on[b];
+        const bool from_a = a != none && conducts[a], from_b = b != none && conducts[b];
         if (from_a && from_b) groups[group_of(a)] = group_of(b);
         touching.push_back(from_a ? a : from_b ? b : none);
     }
     struct Group {
-        bool hit = false, left = false;
+        bool blown = false, has_removed = false;
         size_t contacts = 0;
     };
-    std::vector<Group> found(bodies.size());
+    std::vector<Group> group_states(bodies.size());
     for (size_t i = 0; i < all.size(); ++i) {
         if (touching[i] == none) continue;
-        Group& group = found[group_of(touching[i])];
+        Group& group = group_states[group_of(touching[i])];
         ++group.contacts;
-        group.hit = group.hit || hits(all[i]);
+        group.blown = group.blown || hits(all[i]);
         for (const BodyId body : {all[i].a, all[i].b})
-            group.left = group.left || (body != BodyId{} && place_of(body) == none);
+            group.has_removed = group.has_removed || (body != BodyId{} && place_of(body) == none);
     }
     for (size_t i = 0; i < all.size(); ++i) {
         if (touching[i] == none) continue;
-        const Group& group = found[group_of(touching[i])];
-        if (group.hit && !group.left && group.contacts <= max_anew) contacts.push_back(i);
+        const Group& group = group_states[group_of(touching[i])];
+        if (group.blown && !group.has_removed && group.contacts <= max_rewound_contacts) contacts.push_back(i);
     }
     return contacts;
 }
@@ -544,7 +548,7 @@ std::span<const uint32_t> Structure::together_with(uint32_t piece) const {
 bool Structure::came_off(uint32_t piece) const {
     if (pieces_[piece].body == none) return false;
     const BodyState& body = bodies_[pieces_[piece].body];
-    return !body.fixed && 2 * body.pieces.size() <= pieces_[piece].began_with;
+    return !body.fixed && 2 * body.pieces.size() <= pieces_[piece].initial_pieces;
 }
 
 glm::vec3 Structure::offset(uint32_t piece) const {

@@ -128,11 +128,11 @@ class Structure {
         glm::dvec3 centre{0.0}; // of mass, in the fragments
         double mass = 0.0;      // kg
         glm::dmat3 inertia{0.0};
-        double bearable = 0.0; // N s; blows above are impacts
+        double impact_threshold = 0.0; // N s; blows above are impacts
         std::shared_ptr<const CollisionHull> hull;
         std::shared_ptr<const BodyForm> form; // of its body once it is alone and free; null where it can have none
         uint32_t body = UINT32_MAX;           // index into bodies_; none once taken
-        size_t began_with = 0;                // pieces of its first body
+        size_t initial_pieces = 0;            // pieces of its first body
         bool anchored = false;
     };
     struct BodyState {
@@ -157,25 +157,25 @@ class Structure {
     [[nodiscard]] BodyDesc describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const;
     void make_forms(uint32_t threads);
     // Which of the islands that a body comes apart into are debris by number.
-    [[nodiscard]] std::vector<uint8_t> debris_of(const World& world,
-                                                 std::span<const std::vector<uint32_t>> islands) const;
+    [[nodiscard]] std::vector<uint8_t> choose_debris(const World& world,
+                                                     std::span<const std::vector<uint32_t>> islands) const;
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;
     [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
     // The piece of ours that a contact's side names, or none.
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
-    [[nodiscard]] std::vector<BondBlows::OfStep> find_blows(const World& world) const;
-    void strike(const World& world, const BondBlows::Judged& judged);
+    [[nodiscard]] std::vector<BondBlows::StepBlow> find_blows(const World& world) const;
+    void apply_blow(const World& world, const BondBlows::JudgedBlow& judged);
     void wear_bonds(const World& world);
     // A contact of a body that comes apart, taken back from both.
-    struct TakenBack {
+    struct RewoundContact {
         size_t index; // into World::contacts()
-        Contact contact;
+        Contact original;
         uint32_t piece_a = none, piece_b = none;
     };
-    [[nodiscard]] std::vector<size_t> contacts_to_take_back(const World& world,
-                                                            const std::vector<uint8_t>& breaking) const;
-    void solve_anew(World& world, std::span<const TakenBack> taken) const;
-    void name_part(uint32_t piece, BodyId& body, uint32_t& part) const;
+    [[nodiscard]] std::vector<size_t> contacts_to_rewind(const World& world,
+                                                         const std::vector<uint8_t>& breaking) const;
+    void solve_rewound(World& world, std::span<const RewoundContact> rewound) const;
+    void locate(uint32_t piece, BodyId& body, uint32_t& part) const;
     void split(World& world);
     template<class Damage>
     void damage_bodies(const World& world, const Damage& damage);
@@ -184,13 +184,13 @@ class Structure {
     BondGraph graph_;
     BondBlows blows_;
     Wear wear_;
-    std::vector<NodeLoad> weights_, pushes_; // scratch of one update
+    std::vector<NodeLoad> weights_, contact_loads_; // scratch of one update
     std::vector<PieceState> pieces_;
     std::vector<BodyState> bodies_;
     std::unordered_map<uint32_t, uint32_t> body_of_id_; // by BodyId::value, of our bodies; looked up only
     std::vector<uint8_t> dirty_;                        // by body: may have come apart
     uint64_t steps_seen_ = 0;                           // of the world: contacts of a step are taken up once
-    bool contacts_due_ = false;                         // in the current update
+    bool new_step_ = false;                             // in the current update
     Changes changes_;
 };
 

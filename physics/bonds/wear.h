@@ -40,7 +40,8 @@ class Wear {
 
     // One step of so many seconds: the weights of the pieces that something holds, and the forces of contacts in this step.
     // Contacts with none in a step fade. Overloaded bonds of the graph lose health.
-    void step(BondGraph& graph, std::span<const NodeLoad> weights, std::span<const NodeLoad> pushes, double seconds);
+    void step(BondGraph& graph, std::span<const NodeLoad> weights, std::span<const NodeLoad> contact_loads,
+              double seconds);
 
     [[nodiscard]] const StressSolver& solver() const { return solver_; }
     // Of each bond, as it was when the stresses were last in balance; 1: breaks when intact.
@@ -50,10 +51,10 @@ class Wear {
     StressSolver solver_;
     Material material_; // strengths scaled
     WearSettings settings_;
-    std::vector<NodeLoad> means_, loads_; // of contacts; those that the solver has
-    std::vector<NodeLoad> next_;          // scratch of one call
+    std::vector<NodeLoad> mean_contact_loads_, solver_loads_; // of contacts; those that the solver has
+    std::vector<NodeLoad> next_loads_;                        // scratch of one call
     std::vector<double> ratios_;
-    bool due_ = true; // ratios_ are not those of the solver
+    bool ratios_due_ = true; // ratios_ are not those of the solver
 };
 
 } // namespace brittle::physics

@@ -24,7 +24,7 @@ constexpr double flat_ratio = 1e-3;
 constexpr double flat_half_thickness = 5e-5;
 constexpr double point_half_thickness = 5e-5;
 // Range of HullSettings::margin_fraction: something to stand on, and something left in the middle.
-constexpr double min_fraction = 1e-3, greatest_fraction = 0.45;
+constexpr double min_fraction = 1e-3, max_fraction = 0.45;
 // Directions in which a piece's points are looked through, 16 degrees apart, and as many again closer to the thin axes.
 constexpr size_t even_directions = 160;
 constexpr double golden_angle = 2.399963229728653; // rad; of Vogel's spiral
@@ -40,7 +40,7 @@ struct FullHull {
     std::vector<glm::dvec3> vertices;
     std::vector<Plane> planes;
     glm::dvec3 centre{0.0}; // mean of the vertices
-    double inner = 0.0;     // least distance from the centre to a plane
+    double inradius = 0.0;  // least distance from the centre to a plane
     CrossSection section;
 };
 
@@ -61,7 +61,7 @@ std::vector<glm::dvec3> finite_points(std::span<const glm::dvec3> points, const 
 // Of points in convex position, at most count that span nearly the same hull: the extremes along the axes,
 // then always the point farthest from those chosen. Distances are relative to the extents, so thin pieces
 // keep both sides.
-std::vector<glm::dvec3> spread_subset(const std::vector<glm::dvec3>& points, size_t count) {
+std::vector<glm::dvec3> farthest_point_subset(const std::vector<glm::dvec3>& points, size_t count) {
     if (points.size() <= count) return points;
     glm::dvec3 low = points[0], high = points[0];
     std::array<size_t, 6> extremes{};
@@ -104,7 +104,7 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
         hull.centre += hull.vertices.back();
     }
     hull.centre /= static_cast<double>(hull.vertices.size());
-    hull.inner = std::numeric_limits<double>::infinity();
+    hull.inradius = std::numeric_limits<double>::infinity();
     std::vector<glm::dvec3> areas;
     for (int face = 0; face < computer.faces.size(); ++face) {
         const btConvexHullComputer::Edge* first = &computer.edges[computer.faces[face]];
@@ -124,7 +124,7 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
         plane.distance = glm::dot(plane.normal, apex);
         for (const glm::dvec3& vertex : hull.vertices)
             plane.distance = std::max(plane.distance, glm::dot(plane.normal, vertex));
-        hull.inner = std::min(hull.inner, plane.distance - glm::dot(plane.normal, hull.centre));
+        hull.inradius = std::min(hull.inradius, plane.distance - glm::dot(plane.normal, hull.centre));
         hull.planes.push_back(plane);
     }
     hull.section = section_of_faces(areas);
@@ -138,7 +138,7 @@ struct InnerHull {
 
 // Planes moved inwards by the margin. btConvexHullComputer works on a grid of about 10^4 cells an axis, so
 // what was reached is measured afterwards, in double; nothing where that is far less than was asked for.
-std::optional<InnerHull> planes_moved_in(const FullHull& hull, double margin) {
+std::optional<InnerHull> offset_hull(const FullHull& hull, double margin) {
     btConvexHullComputer computer;
     const btScalar moved =
         computer.compute(&hull.vertices[0].x, static_cast<int>(sizeof(glm::dvec3)),
@@ -155,10 +155,10 @@ std::optional<InnerHull> planes_moved_in(const FullHull& hull, double margin) {
 
 // A hull whose distance s * d + margin from the centre stays within d for every plane as s = 1 - margin /
 // inner.
-InnerHull scaled_in(const FullHull& hull, double margin) {
+InnerHull scaled_hull(const FullHull& hull, double margin) {
     InnerHull inner{hull.vertices, margin};
     for (glm::dvec3& vertex : inner.vertices)
-        vertex = hull.centre + (vertex - hull.centre) * (1.0 - margin / hull.inner);
+        vertex = hull.centre + (vertex - hull.centre) * (1.0 - margin / hull.inradius);
     return inner;
 }
 
@@ -226,33 +226,33 @@ Directions directions_for(const OrientedExtents& extents) {
 std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points, const Directions& directions,
                                           size_t count) {
     if (points.size() <= count) return points;
-    std::array<float, Directions::count> all, chosen_reach;
+    std::array<float, Directions::count> full_support, chosen_support;
     std::array<uint32_t, Directions::count> farthest{};
-    all.fill(-std::numeric_limits<float>::infinity());
-    chosen_reach = all;
-    const auto reach_of = [&](const glm::vec3& p, size_t d) {
+    full_support.fill(-std::numeric_limits<float>::infinity());
+    chosen_support = full_support;
+    const auto support = [&](const glm::vec3& p, size_t d) {
         return directions.x[d] * p.x + directions.y[d] * p.y + directions.z[d] * p.z;
     };
     for (uint32_t i = 0; i < points.size(); ++i) {
         const glm::vec3 p(points[i]);
         for (size_t d = 0; d < Directions::count; ++d) {
-            const float reach = reach_of(p, d);
-            farthest[d] = reach > all[d] ? i : farthest[d];
-            all[d] = reach > all[d] ? reach : all[d];
+            const float value = support(p, d);
+            farthest[d] = value > full_support[d] ? i : farthest[d];
+            full_support[d] = value > full_support[d] ? value : full_support[d];
         }
     }
     std::vector<glm::dvec3> chosen;
     while (chosen.size() < count) {
         size_t worst = 0;
-        float most = 0.0f;
+        float max_gap = 0.0f;
         for (size_t d = 0; d < Directions::count; ++d)
-            if (all[d] - chosen_reach[d] > most) most = all[d] - chosen_reach[d], worst = d;
-        if (!(most > 0.0f)) break;
+            if (full_support[d] - chosen_support[d] > max_gap) max_gap = full_support[d] - chosen_support[d], worst = d;
+        if (!(max_gap > 0.0f)) break;
         chosen.push_back(points[farthest[worst]]);
         const glm::vec3 p(chosen.back());
         for (size_t d = 0; d < Directions::count; ++d) {
-            const float reach = reach_of(p, d);
-            chosen_reach[d] = reach > chosen_reach[d] ? reach : chosen_reach[d];
+            const float value = support(p, d);
+            chosen_support[d] = value > chosen_support[d] ? value : chosen_support[d];
         }
     }
     return chosen;
@@ -281,7 +281,7 @@ CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExt
     for (const glm::dvec3& point : points)
         outline.push_back(flatten * (point - extents.centre) * (1.0 - 2.0 * flat_half_thickness));
     if (outline.empty()) outline.push_back(glm::dvec3(0.0));
-    outline = spread_subset(outline, std::max<size_t>(max_vertices / offsets.size(), 1));
+    outline = farthest_point_subset(outline, std::max<size_t>(max_vertices / offsets.size(), 1));
 
     CollisionHull hull;
     hull.margin = static_cast<float>(thickness * 0.5);
@@ -307,12 +307,12 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     // Exact hulls are of few points: one of 700 costs two milliseconds, and so does moving its planes in.
     const Directions directions = directions_for(extents);
     const std::optional<FullHull> full = full_hull(supporting_subset(local, directions, max_vertices));
-    if (!full || full->inner <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
+    if (!full || full->inradius <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
 
-    const double fraction = std::clamp<double>(settings.margin_fraction, min_fraction, greatest_fraction);
-    const double margin = std::min(std::max<double>(settings.max_margin, 1e-6), 2.0 * fraction * full->inner);
-    std::optional<InnerHull> inner = planes_moved_in(*full, margin);
-    if (!inner) inner = scaled_in(*full, margin);
+    const double fraction = std::clamp<double>(settings.margin_fraction, min_fraction, max_fraction);
+    const double margin = std::min(std::max<double>(settings.max_margin, 1e-6), 2.0 * fraction * full->inradius);
+    std::optional<InnerHull> inner = offset_hull(*full, margin);
+    if (!inner) inner = scaled_hull(*full, margin);
 
     CollisionHull hull;
     hull.margin = static_cast<float>(inner->margin);

@@ -21,8 +21,8 @@ using fracture::Status;
 
 // Least extent of the box that stands in for a piece without volume: as a ratio of its longest, and in
 // metres.
-constexpr double box_least_ratio = 1e-3;
-constexpr double box_least_extent = 1e-4;
+constexpr double min_box_ratio = 1e-3;
+constexpr double min_box_extent = 1e-4;
 
 // Slack for "none above the sum of the other two", as in world.cpp.
 constexpr double moment_slack = 1e-3;
@@ -85,7 +85,7 @@ BodyMass box_mass(std::span<const glm::dvec3> points, double density) {
     }
     glm::dvec3 size = high - low;
     const double longest = std::max({size.x, size.y, size.z});
-    size = glm::max(size, glm::dvec3(std::max(longest * box_least_ratio, box_least_extent)));
+    size = glm::max(size, glm::dvec3(std::max(longest * min_box_ratio, min_box_extent)));
     const double mass = density * size.x * size.y * size.z;
     const glm::dvec3 square = size * size;
     glm::dmat3 inertia(0.0);

@@ -17,7 +17,7 @@ using namespace brittle::physics::test_bodies;
 namespace {
 
 // What a step gave of a blow by a mass: it came at a speed and goes on at another.
-BondBlows::OfStep step_of(float mass, float speed, float left, uint32_t piece = 7, BodyId other = {3}) {
+BondBlows::StepBlow step_of(float mass, float speed, float left, uint32_t piece = 7, BodyId other = {3}) {
     const float impulse = mass * (speed - left);
     Impact blow{.piece = piece, .other = other, .normal = {0.0f, 1.0f, 0.0f}, .impulse = impulse};
     blow.energy = 0.5f * impulse * speed;
@@ -25,7 +25,7 @@ BondBlows::OfStep step_of(float mass, float speed, float left, uint32_t piece = 
 }
 
 struct Sum {
-    float fresh = 0.0f;
+    float new_impulse = 0.0f;
     size_t count = 0;
     Impact last;
 };
@@ -35,17 +35,17 @@ Sum judged(float mass, float speed, const std::vector<float>& left) {
     BondBlows book;
     Sum sum;
     for (const float then : left) {
-        const std::vector<BondBlows::OfStep> blows{step_of(mass, speed, then)};
-        for (const BondBlows::Judged& blow : book.take_up(blows)) {
-            sum.fresh += blow.fresh;
+        const std::vector<BondBlows::StepBlow> blows{step_of(mass, speed, then)};
+        for (const BondBlows::JudgedBlow& blow : book.update(blows)) {
+            sum.new_impulse += blow.new_impulse;
             ++sum.count;
             sum.last = blow.blow;
-            CHECK(blow.before + blow.fresh == doctest::Approx(blow.blow.impulse));
+            CHECK(blow.judged_impulse + blow.new_impulse == doctest::Approx(blow.blow.impulse));
         }
         speed = then;
     }
     for (int i = 0; i < 3; ++i)
-        for (const BondBlows::Judged& blow : book.take_up({})) sum.fresh += blow.fresh, ++sum.count;
+        for (const BondBlows::JudgedBlow& blow : book.update({})) sum.new_impulse += blow.new_impulse, ++sum.count;
     return sum;
 }
 
@@ -53,11 +53,13 @@ Sum judged(float mass, float speed, const std::vector<float>& left) {
 
 TEST_CASE("no contacts are no blows, and those of other pieces or bodies are others") {
     BondBlows book;
-    CHECK(book.take_up({}).empty());
-    const std::vector<BondBlows::OfStep> first{step_of(10.0f, 2.0f, 1.0f, 1, {3}), step_of(10.0f, 2.0f, 1.0f, 2, {3})};
-    CHECK(book.take_up(first).size() == 2);
-    const std::vector<BondBlows::OfStep> second{step_of(10.0f, 2.0f, 0.0f, 1, {4}), step_of(10.0f, 2.0f, 0.0f, 3, {3})};
-    CHECK(book.take_up(second).size() == 2);
+    CHECK(book.update({}).empty());
+    const std::vector<BondBlows::StepBlow> first{step_of(10.0f, 2.0f, 1.0f, 1, {3}),
+                                                 step_of(10.0f, 2.0f, 1.0f, 2, {3})};
+    CHECK(book.update(first).size() == 2);
+    const std::vector<BondBlows::StepBlow> second{step_of(10.0f, 2.0f, 0.0f, 1, {4}),
+                                                  step_of(10.0f, 2.0f, 0.0f, 3, {3})};
+    CHECK(book.update(second).size() == 2);
 }
 
 TEST_CASE("a blow is judged once and whole, however it falls on steps") {
@@ -72,7 +74,7 @@ TEST_CASE("a blow is judged once and whole, however it falls on steps") {
                     CAPTURE(left);
                     const Sum sum = judged(mass, speed, parts);
                     CHECK(sum.count == 1);
-                    CHECK(sum.fresh == doctest::Approx(mass * speed).epsilon(1e-3));
+                    CHECK(sum.new_impulse == doctest::Approx(mass * speed).epsilon(1e-3));
                     CHECK(sum.last.energy == doctest::Approx(0.5f * mass * speed * speed).epsilon(1e-3));
                     CHECK(sum.last.sharpness == doctest::Approx(std::cbrt(1.0f / mass)).epsilon(1e-3));
                     CHECK(sum.last.normal == glm::vec3(0.0f, 1.0f, 0.0f));
@@ -83,16 +85,16 @@ TEST_CASE("a blow is judged once and whole, however it falls on steps") {
 TEST_CASE("a touch that ends before much is stopped counts as what it gave") {
     const Sum sum = judged(10.0f, 2.0f, {1.8f});
     CHECK(sum.count == 1);
-    CHECK(sum.fresh == doctest::Approx(2.0f).epsilon(1e-3));
+    CHECK(sum.new_impulse == doctest::Approx(2.0f).epsilon(1e-3));
 }
 
 TEST_CASE("what goes on pressing in is a blow every few steps") {
     BondBlows book;
     float pressed = 0.0f, fresh = 0.0f;
     for (int step = 0; step < 41; ++step) {
-        const std::vector<BondBlows::OfStep> blows{step_of(20.0f, 2.0f, 1.9f)};
+        const std::vector<BondBlows::StepBlow> blows{step_of(20.0f, 2.0f, 1.9f)};
         pressed += blows[0].blow.impulse;
-        for (const BondBlows::Judged& blow : book.take_up(blows)) fresh += blow.fresh;
+        for (const BondBlows::JudgedBlow& blow : book.update(blows)) fresh += blow.new_impulse;
     }
     CHECK(fresh <= pressed * 1.0001f);
     CHECK(fresh > 0.9f * pressed); // but for the last one, which is not over
@@ -100,19 +102,19 @@ TEST_CASE("what goes on pressing in is a blow every few steps") {
 
 TEST_CASE("what a blow has yet to give is no load when it comes slowly, what is more is") {
     BondBlows book;
-    const std::vector<BondBlows::OfStep> blows{step_of(10.0f, 2.0f, 0.4f)}; // 16 of 20 N s
-    CHECK(book.take_up(blows).size() == 1);
-    CHECK(book.load_of(7, {4}, 5.0f) == 5.0f);
-    CHECK(book.load_of(6, {3}, 5.0f) == 5.0f);
-    CHECK(book.take_up({}).empty());
-    CHECK(book.load_of(7, {3}, 3.0f) == 0.0f);
-    CHECK(book.load_of(7, {3}, 3.0f) == doctest::Approx(2.0f).epsilon(1e-3));
-    CHECK(book.load_of(7, {3}, 3.0f) == 3.0f);
+    const std::vector<BondBlows::StepBlow> blows{step_of(10.0f, 2.0f, 0.4f)}; // 16 of 20 N s
+    CHECK(book.update(blows).size() == 1);
+    CHECK(book.load_part(7, {4}, 5.0f) == 5.0f);
+    CHECK(book.load_part(6, {3}, 5.0f) == 5.0f);
+    CHECK(book.update({}).empty());
+    CHECK(book.load_part(7, {3}, 3.0f) == 0.0f);
+    CHECK(book.load_part(7, {3}, 3.0f) == doctest::Approx(2.0f).epsilon(1e-3));
+    CHECK(book.load_part(7, {3}, 3.0f) == 3.0f);
     // Nothing is owed for ever.
     BondBlows late;
-    CHECK(late.take_up(blows).size() == 1);
-    for (int step = 0; step < BondBlows::max_steps; ++step) CHECK(late.take_up({}).empty());
-    CHECK(late.load_of(7, {3}, 3.0f) == 3.0f);
+    CHECK(late.update(blows).size() == 1);
+    for (int step = 0; step < BondBlows::max_steps; ++step) CHECK(late.update({}).empty());
+    CHECK(late.load_part(7, {3}, 3.0f) == 3.0f);
 }
 
 namespace {
@@ -157,10 +159,10 @@ size_t broken_of(const fracture::Fragments& fragments, float speed, double stren
 } // namespace
 
 TEST_CASE("whether what lands flat breaks a bond is not up to where in a step it lands") {
-    // The foot stops all of it: m^(2/3) v N s as of a kilogram, against what its bond bears pressed.
-    const double mass = 6.0 * 2400.0 * side * side * side, bears = 30e6 * 1e-4 * side * side;
+    // The foot stops all of it: m^(2/3) v N s as of a kilogram, against what its bond strength pressed.
+    const double mass = 6.0 * 2400.0 * side * side * side, strength = 30e6 * 1e-4 * side * side;
     for (const float speed : {1.0f, 2.0f, 4.0f}) {
-        const double just = std::pow(mass, 2.0 / 3.0) * static_cast<double>(speed) / bears;
+        const double just = std::pow(mass, 2.0 / 3.0) * static_cast<double>(speed) / strength;
         for (int k = 0; k < 16; ++k) {
             CAPTURE(speed);
             CAPTURE(k);
