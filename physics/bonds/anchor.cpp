@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "physics/bonds/nearest.h"
+#include "fracture/mesh/nearest.h"
 
 namespace brittle::physics {
 
@@ -40,7 +40,7 @@ bool reaches_box(const Box& box, const glm::dvec3& a, const glm::dvec3& b, const
 bool reaches(const AnchorRegion& region, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     if (const Box* box = std::get_if<Box>(&region)) return reaches_box(*box, a, b, c);
     const Ball& ball = std::get<Ball>(region);
-    const glm::dvec3 apart = nearest_on_triangle(ball.centre, a, b, c) - ball.centre;
+    const glm::dvec3 apart = fracture::nearest_on_triangle(ball.centre, a, b, c) - ball.centre;
     return glm::dot(apart, apart) <= ball.radius * ball.radius;
 }
 

@@ -9,7 +9,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "physics/bonds/nearest.h"
+#include "fracture/mesh/nearest.h"
 #include "physics/cutting/destruction_seeds.h"
 #include "physics/world/body_motion.h"
 #include "physics/world/crowd.h"
@@ -23,8 +23,8 @@ double distance_to(const SolidPiece& solid, const glm::dvec3& point) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const BodyPart& part : solid.parts) {
         const glm::dvec3 local = point - solid.mass.centre_of_mass - glm::dvec3(part.offset);
-        nearest =
-            std::min(nearest, distance_to_hull(part.hull->points, local) - static_cast<double>(part.hull->margin));
+        nearest = std::min(nearest, fracture::distance_to_hull(part.hull->points, local)
+                                        - static_cast<double>(part.hull->margin));
     }
     return nearest;
 }

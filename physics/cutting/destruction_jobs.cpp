@@ -12,7 +12,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "physics/bonds/nearest.h"
+#include "fracture/mesh/nearest.h"
 #include "physics/cutting/destruction_seeds.h"
 #include "physics/world/body_motion.h"
 
@@ -167,7 +167,7 @@ Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::functi
     ImpactPattern pattern = cut.desc->pattern;
     pattern.seed = cut.seed;
     Blow on_surface = cut.blow;
-    on_surface.point = nearest_on(cut.solid->mesh, cut.blow.point);
+    on_surface.point = fracture::nearest_on(cut.solid->mesh, cut.blow.point);
     ImpactSites sites;
     const auto broken = [&] {
         sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, cut.damage, pattern);

@@ -16,8 +16,8 @@
 
 #include "fracture/fracture.h"
 #include "fracture/mesh/mass_properties.h"
+#include "fracture/mesh/nearest.h"
 #include "fracture/shapes/shapes.h"
-#include "physics/bonds/nearest.h"
 #include "physics/cutting/destruction.h"
 #include "physics/cutting/impact_pattern.h"
 
@@ -199,7 +199,7 @@ TEST_CASE("beside a hole the bricks that are left are taken, not those that have
     for (const double angle : {0.3, 1.4, 2.5, 3.6, 4.7, 5.8}) {
         CAPTURE(angle);
         const glm::dvec3 towards(0.03 + 0.3 * std::cos(angle), 0.61 + 0.3 * std::sin(angle), 0.06);
-        const glm::dvec3 rim = nearest_on(holed, glm::mix(glm::dvec3(0.03, 0.61, 0.06), towards, 0.3));
+        const glm::dvec3 rim = fracture::nearest_on(holed, glm::mix(glm::dvec3(0.03, 0.61, 0.06), towards, 0.3));
         CHECK(broken(holed, rim, {0.0, 0.0, -1.0}, {.radius = 0.09, .pieces = 1}, cut).pieces.size() > 1);
     }
 }

@@ -1,4 +1,4 @@
-#include "physics/bonds/nearest.h"
+#include "fracture/mesh/nearest.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,11 +6,11 @@
 
 #include <glm/geometric.hpp>
 
-namespace brittle::physics {
+namespace brittle::fracture {
 
 namespace {
 
-// Triangles thinner than this, as the square of the sine at a, are nearer to their edges than rounding tells.
+// Squared sine of the angle at a, below which a triangle is treated as its edges: rounding exceeds its width.
 constexpr double thin = 1e-8;
 
 glm::dvec3 nearest_on_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
@@ -27,7 +27,7 @@ glm::dvec3 nearest_on_edges(const glm::dvec3& p, const glm::dvec3& a, const glm:
 
 } // namespace
 
-// By the region of its plane that the point is over (Ericson, "Real-Time Collision Detection", 5.1.5).
+// Classifies the projected point by Voronoi region of the triangle (Ericson, "Real-Time Collision Detection", 5.1.5).
 glm::dvec3 nearest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     const glm::dvec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
     const glm::dvec3 normal = glm::cross(ab, ac);
@@ -48,10 +48,10 @@ glm::dvec3 nearest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const g
     return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
-glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& point) {
+glm::dvec3 nearest_on(const TriangleMesh& mesh, const glm::dvec3& point) {
     glm::dvec3 nearest = point;
     double least = std::numeric_limits<double>::infinity();
-    for (const fracture::Triangle& t : mesh.triangles) {
+    for (const Triangle& t : mesh.triangles) {
         const glm::dvec3 on = nearest_on_triangle(point, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
         const glm::dvec3 apart = on - point;
         if (const double square = glm::dot(apart, apart); square < least) {
@@ -63,23 +63,24 @@ glm::dvec3 nearest_on(const fracture::TriangleMesh& mesh, const glm::dvec3& poin
 }
 
 double distance_to_hull(std::span<const glm::vec3> points, const glm::dvec3& point) {
-    constexpr int max_steps = 200;     // a few dozen do
-    constexpr double precision = 1e-3; // of the distance, or of the reach where that is less than a thousandth of it
-    double reach = 0.0;
-    for (const glm::vec3& corner : points) reach = std::max(reach, glm::distance(glm::dvec3(corner), point));
-    const double near = precision * precision * reach * reach;
+    constexpr int max_steps = 200;     // usual hulls converge in a few dozen
+    constexpr double precision = 1e-3; // relative to the distance, and to the farthest point's distance near the hull
+    double farthest_distance = 0.0;
+    for (const glm::vec3& corner : points)
+        farthest_distance = std::max(farthest_distance, glm::distance(glm::dvec3(corner), point));
+    const double near = precision * precision * farthest_distance * farthest_distance;
     std::vector<double> weights(points.size(), 0.0);
     weights[0] = 1.0;
     glm::dvec3 apart = glm::dvec3(points[0]) - point;
     for (int step = 0; step < max_steps; ++step) {
         const auto ahead = [&](size_t i) { return glm::dot(apart, glm::dvec3(points[i]) - point); };
-        size_t nearest = 0,
-               farthest = points.size(); // along the way to the point; the farthest of those that carry weight
+        // Along the direction to the query point; farthest among the points with weight.
+        size_t nearest = 0, farthest = points.size();
         for (size_t i = 0; i < points.size(); ++i) {
             if (ahead(i) < ahead(nearest)) nearest = i;
             if (weights[i] > 0.0 && (farthest == points.size() || ahead(i) > ahead(farthest))) farthest = i;
         }
-        // No point of the hull is nearer than ahead(nearest) / |apart|.
+        // ahead(nearest) / |apart| is a lower bound of the distance to the hull.
         const double square = glm::dot(apart, apart);
         if (square <= near || square - ahead(nearest) <= precision * square) break;
         const glm::dvec3 way = glm::dvec3(points[nearest]) - glm::dvec3(points[farthest]);
@@ -91,4 +92,4 @@ double distance_to_hull(std::span<const glm::vec3> points, const glm::dvec3& poi
     return glm::length(apart);
 }
 
-} // namespace brittle::physics
+} // namespace brittle::fracture
