@@ -1,7 +1,9 @@
-// Where the world holds what is breakable: regions of space, and which pieces they hold.
+// Anchors: regions of space in which the world holds breakable objects, and the pieces that they hold.
 //
-// A piece is held where its surface reaches into a region: a foot in the ground, a rim in a frame, a spot that was
-// painted. Coordinates are those of the fragments, metres. Pure functions.
+// A region holds each piece whose surface reaches into it: a foot in the ground, a rim in a frame, a painted spot.
+// Coordinates are those of the fragments, metres. Pure functions; thread-safe.
+//
+//     desc.anchored = anchor_to(fragments, std::array{AnchorRegion(Ball{{0.0, 1.0, 0.0}, 0.1})});
 #pragma once
 
 #include <cstdint>
@@ -25,20 +27,22 @@ struct Ball {
 
 using AnchorRegion = std::variant<fracture::Box, Ball>;
 
-// Whether a triangle reaches into a region; touching counts. Boxes by separating axes (their sides, the normal, cross
-// products of edges), balls by the triangle's nearest point.
+// Returns whether a triangle intersects a region; touching counts. Boxes are tested by separating axes (box normals,
+// triangle normal, cross products of edges), balls by the triangle's nearest point to the centre.
 [[nodiscard]] bool reaches(const AnchorRegion& region, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
-// Whether one of the triangles reaches into one of the regions.
+// Returns whether any triangle intersects any region.
 [[nodiscard]] bool reaches(std::span<const AnchorRegion> regions, std::span<const glm::dvec3> positions,
                            std::span<const fracture::Triangle> triangles);
 
-// For StructureDesc::anchored, ascending: the pieces that reach into one of the regions,
+// The following functions return pieces for StructureDesc::anchored, ascending.
+//
+// Pieces whose surface intersects a region.
 [[nodiscard]] std::vector<uint32_t> anchor_to(const fracture::Fragments& fragments,
                                               std::span<const AnchorRegion> regions);
-// those that come within height (m) of the ground or reach below it,
+// Pieces with a vertex at most `height` (m) above the plane y = ground (m, world) once placed.
 [[nodiscard]] std::vector<uint32_t> anchor_to_ground(const fracture::Fragments& fragments, const Pose& placement = {},
                                                      float ground = 0.0f, float height = 0.01f);
-// and those for which the predicate holds.
+// Pieces for which the predicate returns true.
 [[nodiscard]] std::vector<uint32_t> anchor_where(const fracture::Fragments& fragments,
                                                  const std::function<bool(const fracture::Piece&)>& held);
 

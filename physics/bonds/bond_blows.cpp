@@ -8,7 +8,7 @@ namespace brittle::physics {
 
 namespace {
 
-// Less than this part more is the same blow: what the solver leaves of one step to the next.
+// Relative excess over the judged impulse below which the blow counts as judged; covers solver residuals.
 constexpr float same_blow_ratio = 0.05f;
 
 } // namespace

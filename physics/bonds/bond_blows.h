@@ -1,18 +1,19 @@
-// Blows on bonded pieces, judged whole in the step in which they begin.
+// Judges a blow on bonded pieces as a whole in the step in which it begins. structure.h defines a blow.
 //
-// What comes slowly, lands flat or has a gap left to close gives its impulse over several steps (contact_blows.h). Bonds do not
-// wait for the last of them: where a blow breaks something, the contacts of its step are taken back (structure.h), and that can be
-// done for one step only. So the whole is told from the first: it took so much impulse to stop a part of the approach, and what
-// is left of that will take its share. What then comes is held against it, over at most four steps; only more is a blow again.
-// Where next to nothing has been stopped yet, it is waited for the next step.
+// A slow, flat or not yet closed contact spreads its impulse over several steps (contact_blows.h). Bonds cannot wait
+// for the last of them: a blow that breaks something rewinds the contacts of its step (structure.h), which works for
+// one step only. So the whole impulse is extrapolated from the first step: if the impulse so far stopped a part of the
+// approach speed, the rest of the approach takes its share. Later impulse is charged against this forecast for at most
+// max_steps steps; only the excess is a blow again. While less than min_stopped_ratio of the approach has been
+// stopped, the judgement is postponed to the next step.
 //
-//     BondBlows book;
-//     each step: for (const BondBlows::JudgedBlow& judged : book.update(of_step)) ...
-//                for (each contact that is too slow) load += book.load_part(piece, other, impulse);
+//     BondBlows blows;
+//     each step: for (const BondBlows::JudgedBlow& judged : blows.update(step_blows)) ...
+//                for (each contact below impact_speed) load += blows.load_part(piece, other, impulse);
 //
-// The step's blows are contacts that came in fast, so weight at rest never adds up to one. What of a blow comes slower, at its
-// end, is judged already: it is no load either, which would wear bonds. N s, J, m/s. Deterministic: those of before that end
-// without a contact come first, then in the order of the step's blows.
+// Blows consist of fast contacts, so weight at rest never adds up to one. The slow end of a judged blow is part of the
+// forecast, and load_part() excludes it from the loads that wear bonds. N s, J, m/s. Deterministic order: unfinished
+// blows that ended without a contact, then the order of the step's blows. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -25,50 +26,52 @@
 
 namespace brittle::physics {
 
-// A blow that was hard enough to break the piece itself: impulse above toughness(material) * volume^(2/3), as a blow
-// of a kilogram, and of which the bonds around have left energy. Who wants things to break again takes the piece away
-// (isolate, take_piece), fractures it at the point and makes a structure of the result.
+// A blow against one piece. In Structure::Changes: one that is hard enough to break the piece itself, as impulse *
+// sharpness > toughness(material) * volume^(2/3) and the bonds left some of its energy. To break the piece, remove it
+// (Structure::isolate(), then take_piece()), fracture it at the point and create a Structure of the parts.
 struct Impact {
     uint32_t piece = 0;
-    BodyId other;           // what hit it; the default for the ground
+    BodyId other;           // the striker; BodyId{} for the ground
     glm::vec3 point{0.0f};  // world, m
     glm::vec3 normal{0.0f}; // unit, towards the piece
     float impulse = 0.0f;   // N s
-    float sharpness = 1.0f; // cube root of 1 kg / mass that was stopped: for the time that it took
-    float energy = 0.0f;    // J, half of impulse times approach speed: what a dead blow turns into cracks and heat; of
-                            // Structure::Changes, what bonds have left of it
+    float sharpness = 1.0f; // (1 kg / stopped mass)^(1/3): scales the impulse to that of a striker of 1 kg
+    // J, half of impulse times approach speed, which an inelastic impact turns into cracks and heat. In
+    // Structure::Changes: the part that the bonds left.
+    float energy = 0.0f;
 };
 
 class BondBlows {
   public:
-    static constexpr int max_steps = 4; // of one blow; a longer push is several
-    // The part of an approach that must have been stopped before the whole is told from it: the smaller, the more what the
-    // solver leaves undone counts.
+    static constexpr int max_steps = 4; // of one blow; a longer push counts as several blows
+    // Stopped share of the approach speed from which the whole is extrapolated. A smaller one amplifies solver
+    // residuals.
     static constexpr float min_stopped_ratio = 0.2f;
 
     struct StepBlow {
-        Impact blow;                     // what the step gave; its sharpness is not looked at
-        float remaining_approach = 0.0f; // m/s, mean of the approach after the step, weighed by impulse
+        Impact blow;                     // of this step alone; sharpness is ignored
+        float remaining_approach = 0.0f; // m/s, after the step; mean weighted by impulse
     };
     struct JudgedBlow {
-        Impact blow;                 // the whole
-        float new_impulse = 0.0f;    // N s of it that were not judged before: more than 0
-        float judged_impulse = 0.0f; // N s that were
+        Impact blow;                 // the whole, forecast included
+        float new_impulse = 0.0f;    // N s, the part of blow.impulse that is judged now, > 0
+        float judged_impulse = 0.0f; // N s, the part of blow.impulse that earlier steps judged
     };
-    // To be called after each step with its blows, at most one of a piece and what hit it.
+    // Takes the blows of the last step, at most one per piece and striker, and returns the new judgements. Call it
+    // once a step.
     [[nodiscard]] std::vector<JudgedBlow> update(std::span<const StepBlow> blows);
-    // Of the impulse of a contact that is too slow for a blow, after update(): what is none of what a blow that was judged has
-    // yet to give, but a load.
+    // Returns the part of a slow contact's impulse (N s) that is a load: the impulse less what a judged blow of the
+    // same piece and striker still has outstanding. Call it after update().
     [[nodiscard]] float load_part(uint32_t piece, BodyId other, float impulse);
 
   private:
     struct Running {
-        StepBlow sum;                // of what came so far; left is the last step's
-        float speed = 0.0f;          // m/s, mean of its first step
-        float judged_impulse = 0.0f; // N s
+        StepBlow sum;                // of all steps so far; remaining_approach of the last step
+        float speed = 0.0f;          // m/s, approach in the first step; mean weighted by impulse
+        float judged_impulse = 0.0f; // N s, forecast included
         int steps = 1;
     };
-    // N s that were judged and have not come.
+    // N s that were judged and have not arrived.
     [[nodiscard]] static float outstanding(const Running& running) {
         return running.judged_impulse - running.sum.blow.impulse;
     }

@@ -12,11 +12,11 @@ namespace brittle::physics {
 
 namespace {
 
-constexpr double min_blow_ratio = 0.1; // share of what a piece's bonds bear, below which a blow leaves no trace
-constexpr double passed_share = 0.5;   // of what is left of a blow behind a broken bond
-constexpr int max_blow_depth = 8;      // pieces that a blow can go through
+constexpr double min_blow_ratio = 0.1; // share of the strength of a piece's bonds; weaker blows leave no damage
+constexpr double passed_share = 0.5;   // of a broken bond's excess impulse, to the piece behind
+constexpr int max_blow_depth = 8;      // pieces in a row that a blow can pass through
 
-// How far a point is from a bond's area, taken as a disc.
+// Returns the distance of a point from a bond's area, taken as a disc.
 double distance_to(const BondGraph::Bond& bond, const glm::dvec3& point) {
     const glm::dvec3 arm = point - bond.centroid;
     const double height = glm::dot(arm, bond.normal);
@@ -28,7 +28,7 @@ double distance_to(const BondGraph::Bond& bond, const glm::dvec3& from, const gl
     const glm::dvec3 path = to - from;
     const double square = glm::dot(path, path), along = glm::dot(path, bond.normal);
     const auto at = [&](double t) { return distance_to(bond, from + path * std::clamp(t, 0.0, 1.0)); };
-    // Where the segment is nearest to the centre, and where it goes through the plane.
+    // Candidates: the segment's nearest point to the centre, and its intersection with the plane.
     double nearest = at(square > 0.0 ? glm::dot(bond.centroid - from, path) / square : 0.0);
     if (along != 0.0) nearest = std::min(nearest, at(glm::dot(bond.centroid - from, bond.normal) / along));
     return nearest;
@@ -112,7 +112,7 @@ double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy,
             for (const uint32_t bond : bonds_of(hit))
                 if (bonds_[bond].live()) strength += impulse_strength(bonds_[bond], hit, direction);
             if (!(share > min_blow_ratio * strength) || strength == 0.0) continue;
-            const double loss = share / strength; // the same of each bond
+            const double loss = share / strength; // of health; equal for all bonds of the piece
             for (const uint32_t bond : bonds_of(hit)) area += std::min(loss, bonds_[bond].health) * bonds_[bond].area;
             const double cost = area * static_cast<double>(material_.fracture_energy),
                          paid = std::min(energy_left / cost, 1.0);
@@ -163,7 +163,7 @@ std::vector<std::vector<uint32_t>> BondGraph::islands(std::span<const uint32_t> 
     std::vector<std::vector<uint32_t>> parts;
     std::vector<uint32_t> part_of(piece_count(), outside);
     for (const uint32_t piece : sorted) {
-        const uint32_t at = find(piece); // the least piece of its island, so it comes first
+        const uint32_t at = find(piece); // the lowest piece of its island comes first
         if (part_of[at] == outside) part_of[at] = static_cast<uint32_t>(parts.size()), parts.emplace_back();
         parts[part_of[at]].push_back(piece);
     }

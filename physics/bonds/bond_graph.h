@@ -1,17 +1,26 @@
-// Which piece holds which: the bonds of a breakable object, their health, and the islands they leave.
+// The bonds between the pieces of a breakable object: their strength and health, and the islands that live bonds
+// connect.
 //
-// A bond is the contact area of two pieces. Against a blow it impulse_strength strength [Pa] * impact_seconds * area [m^2], in N
-// s: the tensile strength where it is pulled, that for shear across, and in between by the ellipse of them. Where it is
-// pressed the tensile one as well, or the compressive one if that is less: what is pressed splits, as that pulls across it
-// (Hiramatsu and Oka, "Determination of the tensile strength of rock by a compression test of an irregular test piece",
-// 1966). Where it is not pressed, the lever min(1, area / (distance of the centres)^2) of thin parts counts, too: a pane
-// breaks by bending over its span, not by shearing through. Health is the share of all that is left: 1 intact, 0 broken;
-// broken bonds do not come back.
+// A bond is the contact area of two pieces. Against an impulse it bears strength [Pa] * impact_seconds [s] * area
+// [m^2], in N s. The strength depends on the direction of the impulse against the bond's normal:
+// - Tension: the tensile strength. Shear: the shear strength. Between them: the ellipse of the two.
+// - Compression: the smaller of the tensile and the compressive strength. A compressed body splits, as compression
+//   causes tension across it (Hiramatsu and Oka, "Determination of the tensile strength of rock by a compression test
+//   of an irregular test piece", 1966).
+// - Tension and shear are multiplied by the lever min(1, area / (distance of the centres of mass)^2) of thin parts: a
+//   pane breaks by bending over its span before it shears through.
+// Health is the remaining share of strength: 1 intact, 0 broken. A broken bond never heals.
 //
-// What breaks takes its area times Material::fracture_energy of the blow's energy, and no more breaks than that pays for:
-// glass goes to pieces where wood, which is weaker, holds.
+// Breaking a bond costs its area times Material::fracture_energy of the blow's energy, and a blow breaks only what its
+// energy pays for: glass shatters where wood, which is weaker, holds.
 //
-// Coordinates are those of the fragments. No bodies, no time: structure.h has those. Everything is deterministic.
+// Coordinates are those of the fragments; SI units. No bodies and no time: structure.h adds them. Deterministic. Not
+// thread-safe.
+//
+//     BondGraph graph(fragments, material);
+//     graph.blow(piece, impulse, energy);
+//     for (const uint32_t bond : graph.take_broken()) ...
+//     std::vector<std::vector<uint32_t>> islands = graph.islands(pieces);
 #pragma once
 
 #include <cstdint>
@@ -33,7 +42,7 @@ class BondGraph {
         double area = 0.0;     // m^2
         glm::dvec3 centroid{0.0};
         glm::dvec3 normal{0.0}; // unit, from a to b
-        double lever = 1.0;     // 0 .. 1
+        double lever = 1.0;     // 0 .. 1, see above
         double health = 1.0;    // 1 .. 0
 
         [[nodiscard]] bool live() const { return health > 0.0; }
@@ -41,7 +50,7 @@ class BondGraph {
     };
 
     BondGraph() = default;
-    // Bonds without area or between pieces that do not exist are broken from the start.
+    // A bond without area, or one that names a piece that does not exist, is broken from the start.
     BondGraph(const fracture::Fragments& fragments, const Material& material);
 
     [[nodiscard]] size_t piece_count() const { return first_.empty() ? 0 : first_.size() - 1; }
@@ -49,35 +58,37 @@ class BondGraph {
     [[nodiscard]] std::span<const uint32_t> bonds_of(uint32_t piece) const;
     [[nodiscard]] size_t live_count() const;
 
-    // Takes a share of health, 0 to 1, from a bond; what breaks is found in take_broken().
+    // Takes `share` (0 .. 1) of health from a bond. A bond that breaks is listed by take_broken().
     void weaken(uint32_t bond, double share);
-    // A ball: a bond whose area comes within radius of the point loses amount, less with distance, nothing at the
-    // radius. Of the pieces for which inside is not zero.
+    // Takes health from each bond whose area (as a disc) is nearer than radius to the point: `amount` at the point,
+    // linearly less to 0 at the radius. inside: by piece; bonds whose piece a has 0 are skipped.
     void damage(const glm::dvec3& point, double radius, double amount, std::span<const uint8_t> inside);
-    // A rod: a bond whose area comes within radius of the segment loses amount.
+    // Takes `amount` of health from each bond whose area (as a disc) is within radius of the segment.
     void damage_segment(const glm::dvec3& from, const glm::dvec3& to, double radius, double amount,
                         std::span<const uint8_t> inside);
-    // What a bond impulse_strength, N s, when the impulse along a unit direction comes from one of its pieces; as if it were intact.
+    // Returns the impulse, N s, that an intact bond bears along a unit direction when piece `from` passes it on.
     [[nodiscard]] double impulse_strength(const Bond& bond, uint32_t from, const glm::dvec3& direction) const;
-    // A blow against a piece, N s. Its bonds share it by what they bear. Of what is more than a bond can bear, half goes
-    // on to the piece behind, from the piece that was hit not more than max_passed in all: once it is loose, it can push
-    // with its own momentum only. Blows below a tenth of what the piece's bonds bear together leave no trace. Where
-    // the energy, J, pays for only a part of what the bonds of a piece would lose, each loses so much less, none breaks, and
-    // the blow ends. Returns how much of it was spent.
+    // Applies a blow of `impulse` (N s) to a piece and returns the energy (J) that it spent on bonds.
+    // - The bonds of the piece share the impulse in proportion to their impulse_strength().
+    // - Half of a broken bond's excess passes to the piece behind it. The piece that was hit passes on at most
+    //   max_passed (N s) in all: once loose, it pushes with its own momentum only.
+    // - A blow below a tenth of the strength of all the piece's bonds leaves no damage.
+    // - Where the remaining energy pays for a part of the damage to a piece's bonds only, each bond loses that part of
+    //   it, none breaks, and the blow ends.
     double blow(uint32_t piece, const glm::dvec3& impulse, double energy,
                 double max_passed = std::numeric_limits<double>::infinity());
 
-    // Bonds broken since the last call, in the order in which they broke.
+    // Returns the bonds that broke since the last call, in order of breaking.
     [[nodiscard]] std::vector<uint32_t> take_broken();
 
-    // The connected parts of a set of pieces, in the order of their first pieces; pieces within one in ascending order.
+    // Returns the connected components of a set of pieces, ordered by their lowest piece; pieces ascend within each.
     [[nodiscard]] std::vector<std::vector<uint32_t>> islands(std::span<const uint32_t> pieces) const;
 
   private:
     Material material_;
     std::vector<Bond> bonds_;
-    std::vector<uint32_t> first_;    // by piece, into of_piece_; one more than there are pieces
-    std::vector<uint32_t> of_piece_; // bonds of each piece
+    std::vector<uint32_t> first_;    // by piece: begin of its range in of_piece_; piece_count() + 1 entries
+    std::vector<uint32_t> of_piece_; // bonds, grouped by piece
     std::vector<uint32_t> broken_;
 };
 

@@ -17,21 +17,21 @@ namespace brittle::physics {
 namespace {
 
 constexpr uint32_t surface_samples = 2048;
-constexpr uint64_t sample_seed = 1; // where they lie; nothing else is random
-// Thicknesses below this share of the box's diagonal count as it: a rim is not cut into crumbs.
+constexpr uint64_t sample_seed = 1; // of the surface samples, the only random numbers
+// Lower bound of the thickness, as a share of the bounding box's diagonal: keeps rims from being cut into crumbs.
 constexpr double min_thickness = 0.01;
 constexpr double max_gap = 0.5;           // thicknesses between sites
 constexpr double tolerance = 1e-3;        // of the stresses
 constexpr uint32_t max_iterations = 2000; // of one solution; far more than hundreds of blocks need
-// Contacts that part at once: those loaded at least so much as the worst. Fewer rounds, nearly the same cracks.
+// Contacts with at least this share of the worst load ratio break together: fewer rounds, nearly the same cracks.
 constexpr double simultaneous_ratio = 0.8;
 
-struct MidPoint { // of the solid, halfway through from a place of its surface
+struct MidPoint { // halfway through the solid from a surface point
     glm::dvec3 position;
     double thickness;
 };
 
-// From places spread evenly over the surface.
+// Starts from points that are spread evenly over the surface.
 std::vector<MidPoint> mid_points(const fracture::TriangleMesh& mesh) {
     const fracture::Thickness through(mesh);
     const double least = min_thickness * glm::length(fracture::bounds(mesh).size());
@@ -60,7 +60,7 @@ std::vector<MidPoint> mid_points(const fracture::TriangleMesh& mesh) {
     return found;
 }
 
-// Loads and what they part. Islands that nothing holds are left alone: what falls is not loaded.
+// Blocks under load, whose overloaded contacts break. Islands without a fixed block fall and carry no load.
 class LoadedBlocks {
   public:
     LoadedBlocks(const HeldBlocks& blocks, const Material& material)
@@ -84,7 +84,7 @@ class LoadedBlocks {
         return best;
     }
 
-    // Parts the worst contacts that are loaded more than limit of their strength; false where there are none.
+    // Breaks the most loaded contacts among those with a load ratio above limit; returns false if there are none.
     bool break_worst(double limit) {
         for (size_t i = 0; i < loads_.size(); ++i) solver_loads_[i] = island_held_[island_[i]] ? loads_[i] : NodeLoad{};
         solver_.set_loads(solver_loads_);
@@ -199,7 +199,7 @@ std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& mater
 std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material, float strength_scale,
                                     const glm::dvec3& gravity, const PointLoad& impulse, double energy) {
     const Material reduced = scaled(material, strength_scale);
-    // Which section goes is a matter of where stresses are worst, not of how large they are.
+    // The section that breaks depends on where stresses are largest, not on their size: hence the limit 0.
     LoadedBlocks blown(blocks, reduced);
     const uint32_t hit = blown.nearest(impulse.point);
     blown.add_load(hit, impulse);
@@ -215,7 +215,7 @@ std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& ma
     const bool breaks = !blown.is_held(hit) && kinetic > area * static_cast<double>(material.fracture_energy);
     std::vector<uint32_t> whole(islands.size(), 0);
     if (!breaks) return whole;
-    // What the crack let go of, and what is then too much for the rest.
+    // Breaks the section, then all contacts that are overloaded without it.
     HeldBlocks left = blocks;
     std::erase_if(left.bonds, [&](const StressBond& bond) {
         return (islands[bond.a] == islands[hit]) != (islands[bond.b] == islands[hit]);

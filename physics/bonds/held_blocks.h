@@ -1,18 +1,19 @@
-// Where a thing that starts whole and is held gives way: under its weight and what rests on it, or under a blow that does
-// not break it where it lands.
+// Where a whole solid that is held in place breaks: under its weight and its loads, or under a blow that does not
+// break it at the point of impact.
 //
-// For this the solid is taken as blocks: Voronoi cells of sites in the middle between its sides, closer together where it is
-// thin. So a stem is blocks one upon another, whose contacts are its sections. How blocks bear on each other is what
-// StressSolver finds; contacts beyond their strength part, the worst first, until all that is left bears its load.
+// The solid is divided into blocks: the Voronoi cells of sites midway between its sides, denser where it is thin. A
+// stem becomes a row of blocks whose contacts are its cross sections. StressSolver finds the stresses between the
+// blocks. Contacts beyond their strength break, the most loaded first, until the rest bears its load.
 //
-//     std::shared_ptr<const HeldBlocks> blocks = held_blocks(mesh, density, anchors);
-//     std::vector<uint32_t> islands = overloaded(*blocks, material, gravity, {});   // all 0: it stands
+//     std::shared_ptr<const HeldBlocks> blocks = held_blocks(mesh, density, settings, is_held);
+//     std::vector<uint32_t> islands = overloaded(*blocks, material, 0.05f, gravity, {});   // all 0: it stands
 //
-// A blow that breaks nothing where it lands sets what it hits moving: J^2 / (2 m) of energy, where m is all that the
-// weakest section under it lets go of; or the blow's own energy where that is less. That section breaks where this is more than the fracture energy of its area
-// (Griffith, as in impact_pattern.h): a tap leaves a statue on its ankles, a ram does not.
+// A blow of impulse J that breaks nothing where it lands gives the struck part the kinetic energy J^2 / (2 m), at most
+// the energy of the blow; m is the mass beyond the weakest section under the blow. That section breaks if the energy
+// exceeds its area times the fracture energy (Griffith, as in impact_pattern.h): a tap leaves a statue on its ankles,
+// a ram does not.
 //
-// Coordinates of the solid, SI units. Pure functions for worker threads; equal input gives equal results.
+// Coordinates of the solid, SI units. Pure functions for worker threads; deterministic.
 #pragma once
 
 #include <cstdint>
@@ -32,41 +33,45 @@ namespace brittle::physics {
 
 struct HeldBlockSettings {
     bool enabled = true;
-    uint32_t max_blocks = 96; // blocks aimed at; sites in what is evenly thick stop earlier. At least 2
-    // Of the material's strengths, against loads that last: as WearSettings::strength_scale.
+    uint32_t max_blocks = 96; // upper bound, at least 2; fewer in a solid of even thickness
+    // Factor on the material's strengths against permanent loads, as WearSettings::strength_scale.
     float strength_scale = 0.05f;
 };
 
 struct HeldBlocks {
     std::vector<glm::dvec3> sites;
-    std::vector<StressNode> nodes; // one a piece of the fracture by the sites, in its order
+    std::vector<StressNode> nodes; // one a piece, in the order of the fracture by `sites`
     std::vector<StressBond> bonds;
-    double min_area = 0.0; // m^2, of a contact
+    double min_area = 0.0; // m^2, of the smallest contact
 };
 
-// Sites for blocks: each is halfway through the solid from a place of its surface, the farthest from all before in
-// thicknesses there, until none is farther than half of one. The first is in the thinnest place.
+// Returns sites for blocks. Candidates lie halfway through the solid from sampled surface points. The first site is at
+// the thinnest place; each further one is the candidate that is farthest from all sites, measured in local
+// thicknesses. Stops at max_sites, or where no candidate is farther than half a thickness. Empty for a mesh without
+// area or interior.
 [[nodiscard]] std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t max_sites);
 
-// Null where the solid cannot be cut, or is one block. `held` says which pieces of the fracture the world holds.
+// Divides the solid into blocks. `held` returns whether a piece of that fracture is fixed to the world. threads: 0 is
+// one a core. Null if the solid cannot be fractured, yields one block only, or `cancelled` returns true.
 [[nodiscard]] std::shared_ptr<const HeldBlocks>
 held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSettings& settings,
             const std::function<bool(const fracture::Fragments&, const fracture::Piece&)>& held, uint32_t threads = 1,
             const std::function<bool()>& cancelled = {});
 
-// At a point: a force that lasts, N; of a blow its impulse, N s.
+// A permanent force, N, or the impulse of a blow, N s, at a point of the solid.
 struct PointLoad {
     glm::dvec3 point{0.0};
     glm::dvec3 force{0.0};
 };
 
-// For each block the island that it is in when what is overloaded has parted, islands numbered by their first blocks:
-// all 0 where the solid stands. Islands that nothing holds stay together. Pushes go to the nearest block.
+// Breaks overloaded contacts until none is left, and returns the island of each block. Islands are numbered by their
+// first blocks; all are 0 if the solid stands. An island without a fixed block carries no load and stays whole. Each
+// contact load acts on the nearest block.
 [[nodiscard]] std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& material, float strength_scale,
                                                const glm::dvec3& gravity, std::span<const PointLoad> contact_loads);
 
-// The same after a blow of an impulse, N s, at a point, and with the weight of what is left; energy, J, is the blow's own: what
-// is light gets no more.
+// Returns the islands after a blow of an impulse (N s) at a point and of an energy (J), which bounds the kinetic energy
+// of the struck part; all 0 if no section breaks. Once a section breaks, further contacts may break under the weight.
 [[nodiscard]] std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material,
                                                   float strength_scale, const glm::dvec3& gravity,
                                                   const PointLoad& impulse, double energy);

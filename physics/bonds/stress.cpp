@@ -14,11 +14,12 @@ namespace brittle::physics {
 namespace {
 
 constexpr uint32_t none = UINT32_MAX;
-constexpr double shear_ratio = 0.4;     // of the shear modulus to Young's: that of stone, glass and steel
-constexpr double rounding_ratio = 1e-9; // of a load whose island falls, N or N m for each N
-constexpr size_t max_groups = 32;       // of the coarse correction, whose factor costs their cube
+constexpr double shear_ratio = 0.4; // shear modulus over Young's modulus, of stone, glass and steel
+// Loads of a free island below this share of the applied force are rounding; 1 for forces, m for torques.
+constexpr double rounding_ratio = 1e-9;
+constexpr size_t max_groups = 32; // of the coarse correction; the cost of its factor is cubic in them
 constexpr size_t min_group_size = 6;
-constexpr double singular_pivot = 1e-10; // of a Cholesky factor, as a share of the diagonal
+constexpr double singular_pivot = 1e-10; // relative to the diagonal entry
 
 double dot(const auto& a, const auto& b) {
     double sum = 0.0;
@@ -27,7 +28,8 @@ double dot(const auto& a, const auto& b) {
     return sum;
 }
 
-// Lower Cholesky factor in place, row-major. A motion that nothing resists gets a row that solves to zero.
+// Replaces a matrix by its lower Cholesky factor, row-major. A singular pivot gets a zero row, whose unknown solves to
+// zero.
 void factorise(std::span<double> matrix, size_t n) {
     for (size_t i = 0; i < n; ++i) {
         double* row = &matrix[i * n];
@@ -65,7 +67,8 @@ glm::dmat3 cross_matrix(const glm::dvec3& v) { // cross_matrix(v) * u = cross(v,
     return {glm::dvec3(0.0, v.z, -v.y), glm::dvec3(-v.z, 0.0, v.x), glm::dvec3(v.y, -v.x, 0.0)};
 }
 
-// The matrix of a spring between the motions of points at arms from where it acts: row and column arms may differ.
+// A spring's stiffness at its own point, and the 6 x 6 blocks that it causes between two nodes (or groups) from which
+// that point lies at row_arm and column_arm.
 struct Stiffness {
     glm::dmat3 translational, rotational;
 
@@ -161,7 +164,8 @@ void StressSolver::build() {
     restart();
 }
 
-// Islands, and groups of neighbouring free nodes within them: breadth first from the first node that has none.
+// Labels islands, and groups of neighbouring free nodes within them, by breadth-first search from the first unlabelled
+// node.
 void StressSolver::find_groups() {
     const size_t count = nodes_.size();
     std::vector<uint32_t> first(count + 1, 0), next_to;
@@ -197,7 +201,7 @@ void StressSolver::find_groups() {
         if (group_of_[i] != none || nodes_[i].fixed || first[i] == first[i + 1]) continue;
         walk(i, group_of_, static_cast<uint32_t>(group_centre_.size()), size,
              [&](uint32_t node) { return !nodes_[node].fixed; });
-        // What is left over between groups stays without one; the blocks of the nodes serve it.
+        // A small remnant between groups stays ungrouped; the block preconditioner suffices for it.
         if (queue.size() * 3 < size && count > size) {
             for (const uint32_t node : queue) group_of_[node] = none - 1;
             continue;
@@ -210,14 +214,14 @@ void StressSolver::find_groups() {
         if (group == none - 1) group = none;
 }
 
-// The stiffness between the rigid motions of the groups about their centres.
+// Assembles and factorises the stiffness between the rigid motions of the groups about their centres.
 void StressSolver::build_coarse() {
     const size_t n = 6 * group_centre_.size();
     coarse_factor_.assign(n * n, 0.0);
     coarse_solution_.assign(n, 0.0);
     for (const Spring& spring : springs_) {
         const uint32_t group_a = group_of_[spring.a], group_b = group_of_[spring.b];
-        if (group_a == group_b) continue; // rigid together
+        if (group_a == group_b) continue; // a rigid motion does not strain it
         const Stiffness stiffness = stiffness_of(spring);
         const glm::dvec3 place = nodes_[spring.a].centre + spring.arm_a;
         for (const uint32_t row : {group_a, group_b})
@@ -242,7 +246,7 @@ void StressSolver::set_loads(std::span<const NodeLoad> loads) {
     restart();
 }
 
-// Takes the acceleration as a whole out of islands that nothing holds.
+// Subtracts the rigid acceleration of each free island from its loads (d'Alembert).
 void StressSolver::remove_acceleration(std::vector<NodeLoad>& loads) const {
     struct Island {
         double mass = 0.0;
@@ -272,7 +276,7 @@ void StressSolver::remove_acceleration(std::vector<NodeLoad>& loads) const {
         const glm::dvec3 arm = nodes_[i].centre - island.centre;
         loads[i].force -= nodes_[i].mass * (island.force / island.mass + glm::cross(spin, arm));
         loads[i].torque -= nodes_[i].inertia * spin;
-        // In a fall nothing but rounding is left.
+        // In free fall only rounding is left.
         const double rounding = rounding_ratio * glm::length(applied_[i].force);
         if (glm::length(loads[i].force) <= rounding && glm::length(loads[i].torque) <= rounding) loads[i] = {};
     }
@@ -353,7 +357,7 @@ bool StressSolver::solve(uint32_t iterations, double tolerance) {
         apply(x_, q_);
         load_size_ = 0.0;
         for (size_t i = 0; i < nodes_.size(); ++i) {
-            // A node without bonds has nothing to pass its load on to.
+            // A node without bonds cannot transmit its load.
             const bool free = !nodes_[i].fixed && inverse_[i][0] > 0.0;
             r_[i] = free ? NodeVector{loads_[i].force - q_[i].linear, loads_[i].torque - q_[i].angular} : NodeVector{};
             if (free)
@@ -368,8 +372,8 @@ bool StressSolver::solve(uint32_t iterations, double tolerance) {
         x_.assign(nodes_.size(), NodeVector{});
         return converged_ = true;
     }
-    // Forces are in balance, and the energy of the error is small against that of the solution: the one says little of
-    // slender parts, the other little of stiff ones.
+    // Both the residual and the energy of the error must be small: the residual says little about slender parts, the
+    // energy little about stiff ones.
     const auto below_tolerance = [&] {
         double residual = 0.0, work = 0.0;
         for (size_t i = 0; i < nodes_.size(); ++i) {

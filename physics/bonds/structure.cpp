@@ -27,17 +27,18 @@ using fracture::Fragments;
 using fracture::Piece;
 using fracture::Status;
 
-constexpr int rewound_sweeps = 10; // over contacts that are solved anew
-// That many contacts are solved anew at most: half a millisecond.
+constexpr int rewound_sweeps = 10; // Gauss-Seidel sweeps over rewound contacts
+// Contacts of one group that are solved again, at most: half a millisecond.
 constexpr size_t max_rewound_contacts = 256;
-// Fewer pieces than this are not worth waking another thread for.
+// Pieces per chunk below which waking another thread costs more than it saves.
 constexpr uint32_t min_forms = 64;
 
 bool is_movable(const World& world, BodyId body) {
     return world.contains(body) && !world.fixed(body);
 }
 
-// m/s, of a contact of the last step. What has become another one since, as one of the two broke, tells nothing of it.
+// Returns the approach speed, m/s, that remains at a contact after the step; 0 for a contact that was amended after a
+// break, as the velocities of its parts no longer belong to it.
 float remaining_approach(const World& world, const Contact& contact) {
     if (contact.impulse != contact.blow) return 0.0f;
     return speed_at(world, contact.b, contact.point, contact.normal)
@@ -107,7 +108,7 @@ std::vector<uint8_t> Structure::choose_debris(const World& world,
     return crowded_out(batch, room_in(world));
 }
 
-// As bodies that come at once: they do not overlap.
+// Islands are siblings: they are added together and do not overlap.
 Result<void> Structure::add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
                                     std::span<const uint8_t> debris) {
     std::vector<BodyState> bodies(islands.size());
@@ -131,7 +132,7 @@ Result<void> Structure::add_islands(World& world, std::span<const std::vector<ui
     return {};
 }
 
-// What single pieces take when they come off, made ahead: most of it is how the air meets them.
+// Precomputes the body forms of single pieces for when they come off. Most of the cost is the cross section.
 void Structure::make_forms(uint32_t threads) {
     const auto count = static_cast<uint32_t>(pieces_.size());
     fracture::Threads(threads).for_chunks(count, min_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
@@ -209,7 +210,8 @@ void Structure::isolate(uint32_t piece) {
     break_bonds(graph_.bonds_of(piece));
 }
 
-// Calls damage for each body with the function from the world to the fragments and the body's pieces as flags.
+// Calls damage(to_fragments, inside) for each body: to_fragments maps world points to the fragments, inside flags the
+// body's pieces.
 template<class Damage>
 void Structure::damage_bodies(const World& world, const Damage& damage) {
     std::vector<uint8_t> inside(pieces_.size(), 0);
@@ -255,7 +257,7 @@ void Structure::release_anchors(std::span<const uint32_t> pieces) {
     if (desc_.wear.enabled) wear_.release(pieces);
 }
 
-// All that one body did to one piece in the step counts as one.
+// Sums the fast contacts of the step into one blow per piece and striker.
 std::vector<BondBlows::StepBlow> Structure::find_blows(const World& world) const {
     std::vector<BondBlows::StepBlow> blows;
     for (const Contact& contact : world.solved_contacts()) {
@@ -281,7 +283,8 @@ std::vector<BondBlows::StepBlow> Structure::find_blows(const World& world) const
     return blows;
 }
 
-// Harder than the piece itself bears is reported once, with the energy that the bonds leave of it.
+// Damages the bonds. A blow above what the piece itself bears is reported once, with the energy that the bonds left of
+// it.
 void Structure::apply_blow(const World& world, const BondBlows::JudgedBlow& judged) {
     const Impact& blow = judged.blow;
     const PieceState& piece = pieces_[blow.piece];
@@ -316,7 +319,7 @@ const Structure::Changes& Structure::update(World& world) {
     return changes_;
 }
 
-// Of bodies that move only contacts count: what gravity does to them it does to all their pieces alike.
+// Free bodies get contact loads only: gravity accelerates all their pieces alike and causes no stress.
 void Structure::wear_bonds(const World& world) {
     weights_.assign(pieces_.size(), {});
     contact_loads_.assign(pieces_.size(), {});
@@ -365,7 +368,7 @@ void Structure::split(World& world) {
     if (breaks.empty()) return;
 
     std::vector<RewoundContact> rewound;
-    std::map<BodyId, float> seconds_left; // s that each has yet to move on
+    std::map<BodyId, float> seconds_left; // s that each body has yet to move
     for (const size_t index : contacts_to_rewind(world, breaking)) {
         const Contact& contact = world.contacts()[index];
         rewound.push_back({index, contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
@@ -384,7 +387,7 @@ void Structure::split(World& world) {
         const std::vector<uint8_t> debris = choose_debris(world, islands);
         const size_t first = bodies_.size();
         [[maybe_unused]] const Result<void> added = add_islands(world, islands, motion, debris);
-        assert(added && "parts of a body that the world took are bodies, too");
+        assert(added && "an island of a valid body is a valid body");
         if (const auto parent = seconds_left.find(old); parent != seconds_left.end())
             for (const BodyState& body : std::span(bodies_).subspan(first))
                 seconds_left.emplace(body.id, parent->second);
@@ -394,11 +397,11 @@ void Structure::split(World& world) {
         if (world.contains(body)) world.move_on(body, seconds);
 }
 
-// Between the islands contacts are dead blows without friction: what is left of a bounce went into the cracks. Each step
-// takes kinetic energy from where the bodies were before they touched, so none can come of it.
+// Projected Gauss-Seidel, inelastic and without friction: the cracks took the energy of a bounce. Each impulse reduces
+// the kinetic energy that the bodies had before the contacts, so energy cannot rise.
 void Structure::solve_rewound(World& world, std::span<const RewoundContact> rewound) const {
-    // What our pieces bear of a blow was asked with what it pressed then: they give no more now. The rest comes as a blow of
-    // its own in the next step, which may break them, too.
+    // The bonds were tested with the impulse `blow`, so a contact between pieces or movable bodies transmits no more now.
+    // The rest arrives as a blow in the next step and may break more bonds.
     const auto max_impulse = [&](const RewoundContact& contact) {
         const auto is_limited = [&](uint32_t piece, BodyId body) { return piece != none || is_movable(world, body); };
         return is_limited(contact.piece_a, contact.original.a) && is_limited(contact.piece_b, contact.original.b)
@@ -406,7 +409,7 @@ void Structure::solve_rewound(World& world, std::span<const RewoundContact> rewo
                    : std::numeric_limits<float>::infinity();
     };
     std::vector<float> impulses(rewound.size(), 0.0f), responses;
-    std::vector<std::array<BodyId, 2>> sides; // a and b, as they are now
+    std::vector<std::array<BodyId, 2>> sides; // bodies a and b after the break
     for (const RewoundContact& contact : rewound) {
         const glm::vec3 &point = contact.original.point, &normal = contact.original.normal;
         const auto& [a, b] =
@@ -420,7 +423,8 @@ void Structure::solve_rewound(World& world, std::span<const RewoundContact> rewo
             const RewoundContact& contact = rewound[i];
             const auto& [a, b] = sides[i];
             const glm::vec3 &point = contact.original.point, &normal = contact.original.normal;
-            const float closing = std::max(contact.original.gap, 0.0f) / world.settings().step; // up to the touch
+            // The speed that closes the gap within the step.
+            const float closing = std::max(contact.original.gap, 0.0f) / world.settings().step;
             const float approach = speed_at(world, b, point, normal) - speed_at(world, a, point, normal) - closing;
             const float before = std::exchange(
                 impulses[i], std::clamp(impulses[i] + approach / responses[i], 0.0f, max_impulse(contact)));
@@ -438,7 +442,7 @@ void Structure::solve_rewound(World& world, std::span<const RewoundContact> rewo
     }
 }
 
-// Where a piece of ours is now.
+// Sets the body and hull index to those of a piece of this structure.
 void Structure::locate(uint32_t piece, BodyId& body, uint32_t& part) const {
     if (piece == none) return;
     const std::vector<uint32_t>& pieces = bodies_[pieces_[piece].body].pieces;
@@ -446,9 +450,9 @@ void Structure::locate(uint32_t piece, BodyId& body, uint32_t& part) const {
     part = static_cast<uint32_t>(std::ranges::find(pieces, piece) - pieces.begin());
 }
 
-// All contacts of the bodies that break under a blow, of what they touch, of what that touches: an impulse that is rewound
-// contact while another one that answers it stays would throw a body into the air. What touches in so many points that solving
-// it anew would take long, or touches what is gone already, is left as it is.
+// Returns all contacts in the groups of touching bodies in which a blow breaks a body. The whole group is rewound: an
+// impulse that is taken back while its reaction stays would throw a body into the air. A group with more than
+// max_rewound_contacts, or with a contact of a body that was removed, is left as it is.
 std::vector<size_t> Structure::contacts_to_rewind(const World& world, const std::vector<uint8_t>& breaking) const {
     std::vector<size_t> contacts;
     if (!new_step_) return contacts;
@@ -459,7 +463,7 @@ std::vector<size_t> Structure::contacts_to_rewind(const World& world, const std:
     const auto hits = [&](const Contact& contact) {
         return contact.speed > desc_.impact_speed && (breaks(contact.a) || breaks(contact.b));
     };
-    // Nothing hits what sleeps; and where thousands do, all contacts are many.
+    // Blows are among the solved contacts, which spares building the list of all contacts of sleeping bodies.
     if (std::ranges::none_of(world.solved_contacts(), hits)) return contacts;
     const std::span<const Contact> all = world.contacts();
     const std::span<const BodyId> bodies = world.bodies();
@@ -469,13 +473,13 @@ std::vector<size_t> Structure::contacts_to_rewind(const World& world, const std:
     };
     std::vector<uint8_t> conducts;
     for (const BodyId id : bodies) conducts.push_back(is_movable(world, id) || breaks(id));
-    std::vector<uint32_t> groups(bodies.size()); // of who touches whom, each named by one of its bodies
+    std::vector<uint32_t> groups(bodies.size()); // union-find: bodies connected by contacts
     std::iota(groups.begin(), groups.end(), 0u);
     const auto group_of = [&](uint32_t body) {
         while (groups[body] != body) body = groups[body] = groups[groups[body]];
         return body;
     };
-    std::vector<uint32_t> touching; // by contact: a body of its group
+    std::vector<uint32_t> touching; // by contact: a body of its group, or none
     for (const Contact& contact : all) {
         const uint32_t a = place_of(contact.a), b = place_of(contact.b);
         const bool from_a = a != none && conducts[a], from_b = b != none && conducts[b];

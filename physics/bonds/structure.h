@@ -1,4 +1,4 @@
-// A breakable object: bonded pieces that move as one body until bonds break, and then as the islands that are left.
+// A breakable object of bonded pieces. Connected pieces move as one rigid body; broken bonds split it into islands.
 //
 //     Result<Structure> wall = Structure::create(world, fragments, {.material = concrete,
 //         .motion = {.placement = at}, .anchored = anchor_to_ground(fragments, at)});
@@ -6,29 +6,34 @@
 //     each step:
 //         world.step();
 //         const Structure::Changes& changes = wall->update(world);
-//     each frame: wall->visit_poses(world, alpha, 0, [&](uint32_t piece, const Pose& pose) { instances[piece] = pose; });
+//     each frame:
+//         wall->visit_poses(world, alpha, 0, [&](uint32_t piece, const Pose& pose) { instances[piece] = pose; });
 //
-// - A body is a compound of the hulls of its pieces, with the sum of their masses and, by parallel axes, of their
-//   inertias. Its axes are those of the fragments, its origin is its centre of mass.
-// - A body that holds an anchored piece is fixed. When it breaks, islands without an anchor fall.
-// - Bodies break in update() only. The new ones start with the velocity v + w x r of the old one at their centres and
-//   its angular velocity w: momentum and angular momentum are those of before.
-// - Contacts of the last step that came in faster than impact_speed are blows: see BondGraph::blow(). Those of heavy
-//   bodies take longer and break less for their impulse (impact_seconds in material.h). How a blow falls on the steps does not
-//   matter: it is judged whole (bond_blows.h). Where a blow splits a body,
-//   the step is taken back for it and for all that touches it, directly or not: positions and velocities are those of
-//   before the contacts. These are solved anew, as dead blows, for the islands, and all move on by a step: a ball goes
-//   through a pane that would have held it, momentum is kept and no energy comes of it. World::contacts() then tells
-//   what became of them. Where more than some hundred contacts hang together, the islands share what the body got.
-// - A single piece that comes off while more than enough collide is debris (crowd.h); several that are bonded never are.
-// - Weight of what is anchored, and contacts slower than that, are loads: bonds that carry too much wear (wear.h).
+// - A body is a compound of its pieces' hulls. Its mass is the sum of theirs, its inertia the sum by parallel axes. Its
+//   axes are those of the fragments; its origin is its centre of mass.
+// - A body with an anchored piece is fixed. When it breaks, the islands without an anchor fall.
+// - Bodies break in update() only. A new body starts with the velocity v + w x r of the old one at its centre of mass
+//   and with its angular velocity w, which conserves momentum and angular momentum.
+// - A blow is an impact that can break something: the contacts of one piece with one other body in one step whose
+//   approach was faster than impact_speed. BondGraph::blow() turns it into damage. For equal impulse a heavier striker
+//   breaks less, as its impact lasts longer (impact_seconds in material.h). bond_blows.h judges a blow that spreads
+//   over several steps as one, so the result does not depend on how it falls on the steps.
+// - A blow that splits a body rewinds the step for that body and for all bodies that touch it, directly or through
+//   others: positions and velocities return to those before the contacts. The contacts are solved again for the
+//   islands, inelastic and without friction, and the bodies move on by one step. A ball thus passes through a pane
+//   that would have stopped it; momentum is conserved and energy does not rise. World::contacts() then holds the new
+//   results. A group of more than some hundred contacts is not rewound: its islands share the impulse that the body
+//   received.
+// - A single piece that comes off while more bodies collide than the limit allows becomes debris (crowd.h). A body of
+//   several bonded pieces never does.
+// - The weight of anchored bodies and contacts slower than impact_speed are loads. Overloaded bonds wear (wear.h).
 //
 // Bonded convex pieces, compounds and islands: Mueller, Chentanez and Kim, "Real Time Dynamic Fracture with Volumetric
 // Approximate Convex Decompositions", SIGGRAPH 2013, section 4.
 //
-// World coordinates, metres, kilograms, seconds. The fragments are not needed after create(). Bodies that someone
-// else takes out of the world are gone, with their pieces. Every call gets the world it was created in.
-// Deterministic; not thread-safe.
+// World coordinates, right-handed; metres, kilograms, seconds. The fragments may be destroyed after create(). A body
+// that other code removes from the world is gone together with its pieces. Every call takes the World that create()
+// got. Deterministic. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -55,71 +60,75 @@ namespace brittle::physics {
 
 struct StructureDesc {
     Material material{};
-    PlacedMotion motion{}; // an anchored body keeps its placement and does not move
+    PlacedMotion motion{}; // of the whole; an anchored body takes the placement only
     HullSettings hull{};
-    PieceHulls hulls{}; // made ahead, one a piece (collision_hulls()); if there are any, hull is not looked at
-    std::vector<uint32_t> anchored{}; // pieces held by the world (anchor.h)
-    float impact_speed = 0.5f;        // m/s; slower contacts are no blows
+    PieceHulls hulls{};               // precomputed, one a piece (collision_hulls()); replaces `hull` unless empty
+    std::vector<uint32_t> anchored{}; // pieces that are fixed to the world (anchor.h)
+    float impact_speed = 0.5f;        // m/s; faster contacts are blows, slower ones loads
     WearSettings wear{};
 };
 
 class Structure {
   public:
-    // Adds the object's bodies to the world, as many as its bonds and anchors leave islands. Fails as add_pieces()
-    // does, and on an anchored piece that does not exist (invalid_setting); then no body is added.
+    // Adds one body per island of the bond graph. Fails as add_pieces() does, and with invalid_setting on an anchored
+    // piece that does not exist or on a wrong number of hulls. On failure the world is unchanged.
     static Result<Structure> create(World& world, const fracture::Fragments& fragments, const StructureDesc& desc = {});
 
-    // Breaks bonds, indices as in Fragments::bonds. As all of the following it shows with the next update().
+    // The following functions damage bonds or anchors; bodies split in the next update().
+    //
+    // Breaks bonds, given by their indices in Fragments::bonds.
     void break_bonds(std::span<const uint32_t> bonds);
     // Breaks all bonds of a piece.
     void isolate(uint32_t piece);
-    // Bonds whose area comes within radius (m) of the point lose up to amount of their health, which is 1 when intact;
-    // linearly less with distance.
+    // Takes health (1: intact, 0: broken) from each bond whose area is nearer than radius (m) to the point: `amount`
+    // at the point, linearly less to 0 at the radius.
     void damage(const World& world, glm::vec3 point, float radius, float amount);
-    // Bonds whose area comes within radius (m) of the segment lose amount: a saw, a bullet's path.
+    // Takes `amount` of health from each bond whose area is within radius (m) of the segment: a saw, a bullet's path.
     void damage_segment(const World& world, glm::vec3 from, glm::vec3 to, float radius, float amount = 1.0f);
-    // As if something of a kilogram hit the piece with this impulse, N s; nothing moves of it.
+    // Damages bonds as an impulse (N s) of a striker of 1 kg on the piece would. No body receives the impulse.
     void blow(const World& world, uint32_t piece, glm::vec3 impulse);
-    // The world lets go of pieces.
+    // Removes the anchors of pieces.
     void release_anchors(std::span<const uint32_t> pieces);
 
     struct Changes {
-        std::vector<uint32_t> broken; // bonds
+        std::vector<uint32_t> broken; // bonds, in the order in which they broke
         std::vector<BodyId> removed;
         std::vector<BodyId> added;
-        std::vector<Impact> impacts;
+        std::vector<Impact> impacts; // blows that exceed what their piece bears
     };
-    // To be called after each step of the world: takes up its contacts, wears bonds and splits what broke. The result
-    // is valid until the next call.
+    // Applies the contacts of the last step to the bonds, wears overloaded bonds and splits bodies. Call it after each
+    // World::step(). The result is valid until the next call.
     const Changes& update(World& world);
 
-    // Takes a piece out of world and structure, if it is alone in its body; nothing otherwise. Its motion is that
-    // of the coordinates of the fragments: what it is cut into continues with it (StructureDesc::motion).
+    // Removes a piece that is alone in its body from world and structure; returns nothing for any other piece. The
+    // returned motion is that of the fragments' coordinate system: parts that the piece is cut into continue it
+    // (StructureDesc::motion).
     std::optional<PlacedMotion> take_piece(World& world, uint32_t piece);
-    // Takes the body of a piece out of world and structure with all its pieces. Their bonds break.
+    // Removes the body of a piece, with all its pieces, from world and structure. The bonds of these pieces break.
     void remove_body(World& world, uint32_t piece);
-    // Takes all bodies out of the world.
+    // Removes all bodies from the world.
     void remove(World& world);
 
     [[nodiscard]] const BondGraph& graph() const { return graph_; }
     [[nodiscard]] const Wear& wear() const { return wear_; }
     [[nodiscard]] size_t piece_count() const { return pieces_.size(); }
-    [[nodiscard]] BodyId body_of(uint32_t piece) const; // none for a piece that was taken
+    [[nodiscard]] BodyId body_of(uint32_t piece) const; // BodyId{} for a removed piece
     [[nodiscard]] bool anchored(uint32_t piece) const { return pieces_[piece].anchored; }
-    // Of the body that a piece is in, itself among them, ascending; none for a piece that was taken.
+    // Returns all pieces of the piece's body, itself included, in ascending order; empty for a removed piece.
     [[nodiscard]] std::span<const uint32_t> together_with(uint32_t piece) const;
-    // Whether it came off and nothing holds it: its body is not fixed and has at most half of the pieces of its first one.
+    // Returns whether the piece's body is not fixed and has at most half as many pieces as the piece's first body.
     [[nodiscard]] bool came_off(uint32_t piece) const;
-    // Of a piece in its body: a vertex p of the fragments is drawn at p - centre in the pose of
-    // visit_poses(), and lies at p - centre + offset in the body.
+    // Returns the piece's centre of mass in body coordinates, m; zero for a removed piece. With `centre` the piece's
+    // centre of mass in the fragments, vertex p of the fragments is at p - centre in the pose of visit_poses(), and at
+    // p - centre + offset in the body.
     [[nodiscard]] glm::vec3 offset(uint32_t piece) const;
-    [[nodiscard]] std::vector<BodyId> bodies() const; // in the order in which they were made
-    // Of the health of bonds, who is anchored, and in which body: what World::state_hash() does not know.
+    [[nodiscard]] std::vector<BodyId> bodies() const; // in order of creation
+    // Hashes the state that World::state_hash() lacks: health of bonds, anchors, and the body of each piece.
     [[nodiscard]] uint64_t state_hash() const;
 
-    // Calls visit for each piece with the interpolated pose of its centre of mass, in the axes of the fragments: the pose of
-    // the piece's body under add_pieces(). Order: by body, then by piece. Taken pieces and pieces of bodies with
-    // World::last_moved_step() < since are skipped.
+    // Calls visit for each piece with the interpolated pose of its centre of mass, in the axes of the fragments: the
+    // pose of the piece's body under add_pieces(). Order: by body, then by piece. Removed pieces and pieces of bodies
+    // with World::last_moved_step() < since are skipped.
     using PoseVisitor = std::function<void(uint32_t piece, const Pose& pose)>;
     void visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const;
 
@@ -128,15 +137,15 @@ class Structure {
         glm::dvec3 centre{0.0}; // of mass, in the fragments
         double mass = 0.0;      // kg
         glm::dmat3 inertia{0.0};
-        double impact_threshold = 0.0; // N s; blows above are impacts
+        double impact_threshold = 0.0; // N s by 1 kg; a harder blow is an Impact
         std::shared_ptr<const CollisionHull> hull;
-        std::shared_ptr<const BodyForm> form; // of its body once it is alone and free; null where it can have none
-        uint32_t body = UINT32_MAX;           // index into bodies_; none once taken
-        size_t initial_pieces = 0;            // pieces of its first body
+        std::shared_ptr<const BodyForm> form; // of its body while alone and free; null if make_form() failed
+        uint32_t body = UINT32_MAX;           // index into bodies_; none once removed
+        size_t initial_pieces = 0;            // piece count of its first body
         bool anchored = false;
     };
     struct BodyState {
-        BodyId id;              // none once it was split
+        BodyId id;              // BodyId{} once split or removed
         glm::dvec3 centre{0.0}; // of mass, in the fragments
         std::vector<uint32_t> pieces;
         bool fixed = false;
@@ -146,7 +155,7 @@ class Structure {
         Pose previous;
         glm::vec3 linear{0.0f};
         glm::vec3 angular{0.0f};
-        glm::dvec3 centre{0.0}; // what is at the pose's position, in the fragments
+        glm::dvec3 centre{0.0}; // point of the fragments at pose.position
     };
 
     static constexpr uint32_t none = UINT32_MAX;
@@ -156,17 +165,17 @@ class Structure {
                              std::span<const uint8_t> debris);
     [[nodiscard]] BodyDesc describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const;
     void make_forms(uint32_t threads);
-    // Which of the islands that a body comes apart into are debris by number.
+    // Returns 1 for each island of a split body that becomes debris because too many bodies collide, else 0.
     [[nodiscard]] std::vector<uint8_t> choose_debris(const World& world,
                                                      std::span<const std::vector<uint32_t>> islands) const;
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;
     [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
-    // The piece of ours that a contact's side names, or none.
+    // Returns the piece at hull `part` of a body, or none if the body is not of this structure.
     [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] std::vector<BondBlows::StepBlow> find_blows(const World& world) const;
     void apply_blow(const World& world, const BondBlows::JudgedBlow& judged);
     void wear_bonds(const World& world);
-    // A contact of a body that comes apart, taken back from both.
+    // A contact whose impulse was taken back from both bodies.
     struct RewoundContact {
         size_t index; // into World::contacts()
         Contact original;
@@ -184,13 +193,13 @@ class Structure {
     BondGraph graph_;
     BondBlows blows_;
     Wear wear_;
-    std::vector<NodeLoad> weights_, contact_loads_; // scratch of one update
+    std::vector<NodeLoad> weights_, contact_loads_; // by piece; scratch of one update
     std::vector<PieceState> pieces_;
     std::vector<BodyState> bodies_;
-    std::unordered_map<uint32_t, uint32_t> body_of_id_; // by BodyId::value, of our bodies; looked up only
-    std::vector<uint8_t> dirty_;                        // by body: may have come apart
-    uint64_t steps_seen_ = 0;                           // of the world: contacts of a step are taken up once
-    bool new_step_ = false;                             // in the current update
+    std::unordered_map<uint32_t, uint32_t> body_of_id_; // index into bodies_ by BodyId::value; never iterated
+    std::vector<uint8_t> dirty_;                        // by body: 1 if it may have split
+    uint64_t steps_seen_ = 0;                           // World::steps_taken() at the last update
+    bool new_step_ = false;                             // whether the current update has contacts of a new step
     Changes changes_;
 };
 

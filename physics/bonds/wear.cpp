@@ -9,9 +9,10 @@ namespace brittle::physics {
 namespace {
 
 constexpr double tolerance = 0.01; // of the stresses
-// A load that changed by less than this share of it, or of what its piece weighs on earth, is the unchanged: contacts tremble.
+// Load changes below this share of the load, or of the piece's weight at 9.81 m/s^2, are ignored: contact forces
+// fluctuate.
 constexpr double load_tolerance = 0.05, weight_tolerance = 0.01 * 9.81;
-// Contacts below this share of that weight are min_contact_ratio.
+// Averages below this share of that weight are set to zero.
 constexpr double min_contact_ratio = 1e-3;
 
 } // namespace

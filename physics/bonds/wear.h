@@ -1,11 +1,15 @@
-// What carries too much for long gives way: bonds of a structure wear under weight and what rests on it.
+// Wear: bonds of a structure that are overloaded for some time lose health and break.
 //
-// Each step the stresses (stress.h) are brought up to date, a bounded number of iterations at a time, and where they are in
-// balance with the loads, bonds beyond their strength lose health: speed * (ratio - 1) a second, where ratio is that
-// of load_ratio() over the health that is left. So a column that is cut takes its part of the house down a moment later,
-// bond by bond, and what stands stands for ever. Blows are no loads: BondGraph::blow() has those.
+// Each step updates the stresses (stress.h) by a bounded number of iterations. Once they are in equilibrium with the
+// loads, each overloaded bond loses health at the rate speed * (ratio - 1) per second, where ratio is load_ratio()
+// divided by the remaining health. A cut column thus takes its part of the house down a moment later, bond by bond,
+// and a structure that bears its load stands for ever. Blows are no loads: BondGraph::blow() handles them.
 //
-// Coordinates are those of the fragments; SI units. Deterministic.
+// Coordinates are those of the fragments; SI units. Deterministic. Not thread-safe.
+//
+//     Wear wear(nodes, graph, material, settings);
+//     each step: wear.step(graph, weights, contact_loads, seconds);
+//                wear.remove_bonds(graph.take_broken());
 #pragma once
 
 #include <cstdint>
@@ -20,13 +24,13 @@ namespace brittle::physics {
 
 struct WearSettings {
     bool enabled = true;
-    // Of the material's handbook strengths. Those are of flawless samples: a model of a metre in them carries a
-    // hundred times its own weight, and nothing ever falls. At a twentieth, as with old mortar, a concrete slab over a
-    // gap of a metre just carries itself when it is a sixth of that thick.
+    // Factor on the material's handbook strengths. Those are of flawless samples: a model of one metre would carry a
+    // hundred times its own weight, and nothing would ever fall. At a twentieth, as with old mortar, a concrete slab
+    // over a gap of one metre just carries itself if its thickness is a sixth of the gap.
     float strength_scale = 0.05f;
-    float speed = 8.0f;        // health lost in a second by a bond at twice its strength
-    uint32_t iterations = 16;  // of the solver in one step; one takes 0.2 ms for 1000 pieces
-    float load_seconds = 0.1f; // contacts count by their mean over about so long
+    float speed = 8.0f;        // health per second that a bond at twice its strength loses
+    uint32_t iterations = 16;  // of the solver in one step; one costs 0.2 ms for 1000 pieces
+    float load_seconds = 0.1f; // s, time constant of the moving average of contact loads
 };
 
 class Wear {
@@ -38,23 +42,24 @@ class Wear {
     void remove_bonds(std::span<const uint32_t> bonds);
     void release(std::span<const uint32_t> nodes);
 
-    // One step of so many seconds: the weights of the pieces that something holds, and the forces of contacts in this step.
-    // Contacts with none in a step fade. Overloaded bonds of the graph lose health.
+    // Advances by one step of `seconds`. weights: by piece, the weight of pieces in fixed bodies, zero for others.
+    // contact_loads: by piece, the loads of this step's contacts; the average of a contact that ended decays. Overloaded
+    // bonds of the graph lose health.
     void step(BondGraph& graph, std::span<const NodeLoad> weights, std::span<const NodeLoad> contact_loads,
               double seconds);
 
     [[nodiscard]] const StressSolver& solver() const { return solver_; }
-    // Of each bond, as it was when the stresses were last in balance; 1: breaks when intact.
+    // By bond: load_ratio() at the last equilibrium; an intact bond wears above 1.
     [[nodiscard]] std::span<const double> ratios() const { return ratios_; }
 
   private:
     StressSolver solver_;
-    Material material_; // strengths scaled
+    Material material_; // with strength_scale applied
     WearSettings settings_;
-    std::vector<NodeLoad> mean_contact_loads_, solver_loads_; // of contacts; those that the solver has
-    std::vector<NodeLoad> next_loads_;                        // scratch of one call
+    std::vector<NodeLoad> mean_contact_loads_, solver_loads_; // by node
+    std::vector<NodeLoad> next_loads_;                        // scratch of step()
     std::vector<double> ratios_;
-    bool ratios_due_ = true; // ratios_ are not those of the solver
+    bool ratios_due_ = true; // whether ratios_ are older than the solver's loads
 };
 
 } // namespace brittle::physics

@@ -1,6 +1,6 @@
-// Small sums over the motion of bodies that breaking things needs in several places.
+// Velocities, responses and impulses at points of bodies, for code that breaks them.
 //
-// World coordinates, SI units. Bodies that are not in the world neither move nor give way.
+// World coordinates, SI units. A body that is not in the world has zero velocity and infinite mass.
 #pragma once
 
 #include <glm/geometric.hpp>
@@ -19,12 +19,12 @@ namespace brittle::physics {
     return glm::conjugate(glm::dquat(pose.orientation)) * glm::dvec3(arm);
 }
 
-// The pose of what is at an arm, in body axes, from a body.
+// Returns the pose of a frame at an offset (m, body axes) from the body's, with the body's orientation.
 [[nodiscard]] inline Pose moved(const Pose& body, const glm::dvec3& arm) {
     return {glm::vec3(glm::dvec3(body.position) + turned(body, arm)), body.orientation};
 }
 
-// Of a body's point, along a unit direction.
+// Returns the velocity, m/s, of a body's point along a unit direction.
 [[nodiscard]] inline float speed_at(const World& world, BodyId body, const glm::vec3& point,
                                     const glm::vec3& direction) {
     if (!world.contains(body)) return 0.0f;

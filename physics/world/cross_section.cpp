@@ -8,7 +8,7 @@ namespace brittle::physics {
 
 namespace {
 
-// Half of the directions to a cube's faces, edges and corners, not of unit length.
+// One of each pair of opposite directions to a cube's faces, edges and corners; not normalised.
 constexpr std::array<std::array<int, 3>, 13> axes_of_cube{{
     {1, 0, 0},
     {0, 1, 0},
@@ -36,7 +36,7 @@ float CrossSection::along(const glm::vec3& direction) const {
 float CrossSection::mean() const {
     float sum = 0.0f;
     for (const glm::vec3& side : sides) sum += glm::length(side);
-    return 0.5f * sum; // |a . u| is half of |a| on average
+    return 0.5f * sum; // the mean of |a . u| over all u is |a| / 2
 }
 
 CrossSection section_of_faces(std::span<const glm::dvec3> areas) {

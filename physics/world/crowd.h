@@ -1,24 +1,25 @@
-// Who is debris because there are too many, whatever its size (WorldSettings::max_colliding).
+// Limits how many awake bodies collide with each other: beyond WorldSettings::max_colliding, new bodies become debris
+// whatever their size.
 //
-// Five hundred awake pieces that all meet are what a step has time for as they land; twice as many make it nearly twice as
-// long, as many more as debris a third. So where pieces come, the largest collide with each other as long as there is room, and the
-// rest are debris: they meet the ground, what is fixed and what is large beside them, at least twice as long, but not each other and
-// their like: what falls onto a thousand pieces of its size would make a step two and a half times as long. What it costs is that
-// they overlap.
+// The cost of a step grows with the bodies that all collide with each other, and far less with debris. When a batch of
+// bodies arrives, its largest ones collide with each other as long as there is room, and the rest are debris. Debris
+// collides with the ground, with fixed bodies and with bodies at least twice as long, but not with other debris or
+// bodies of similar size. The price is that such pieces overlap.
 //
-// - Decided when pieces come, from the state of the world alone, and never again: a run repeats, and nothing begins or
-//   ceases to collide while someone looks.
-// - As debris grows in number, what comes meets less of what moves: crowding().
-// - The largest of a batch collides in any case, as do several pieces that are bonded: they are what is left of what broke.
-//   A body that comes alone is such a largest one. Of debris that breaks, which took no room itself, all parts may be debris.
-//   So where there is no room a break adds nothing to those that collide, but the largest part of what was held.
+// - The decision is made once, when a body is added, from the state of the world alone. Runs repeat, and no body
+//   starts or stops colliding in view.
+// - The more debris is awake, the larger a moving body must be to collide with new debris: crowding().
+// - The largest body of a batch always collides, and so does a body of several bonded pieces: they are the remains of
+//   the object that broke. A body that is added alone is the largest of its batch. If debris breaks, which took no
+//   room itself, all parts may be debris. Without room, a break thus adds no colliding bodies except the largest part
+//   of a held object.
 //
 //     std::vector<Newcomer> batch;
 //     for (const Piece& piece : fragments.pieces) batch.push_back({.size = piece.mass.volume});
 //     const std::vector<uint8_t> debris = crowded_out(batch, room_in(world));
 //     for each piece: desc.debris = debris[i];
 //
-// Pure functions of their arguments. add_pieces(), Structure and Destruction ask who is debris, World::add_body() does not; it asks for
+// Pure functions; thread-safe. add_pieces(), Structure and Destruction call crowded_out(); World::add_body() calls only
 // crowding().
 #pragma once
 
@@ -31,23 +32,24 @@
 
 namespace brittle::physics {
 
-// A body that is about to come, with others at once.
+// One body of a batch that is added at once.
 struct Newcomer {
-    double size = 0.0;   // volume or mass, the same of all of a batch; what is no number counts as 0
-    bool fixed = false;  // takes no room and is no debris
-    bool bonded = false; // of several pieces: collides in any case, and takes its room before others
+    double size = 0.0;   // volume or mass, one kind throughout a batch; NaN counts as 0
+    bool fixed = false;  // takes no room and is never debris
+    bool bonded = false; // of several pieces: always collides, and takes room before single pieces
 };
 
-// How many more awake bodies may collide with each other; SIZE_MAX without a limit.
+// Returns how many more awake bodies may collide with each other; SIZE_MAX without a limit.
 [[nodiscard]] size_t room_in(const World& world);
 
-// 1 for each of the batch that is debris, otherwise 0. Of equal sizes the first collide. of_debris: they come of a piece that
-// was debris.
+// Returns 1 for each body of the batch that is debris, else 0. Among equal sizes the first ones collide. of_debris:
+// whether the batch comes from a body that was debris.
 [[nodiscard]] std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, bool of_debris = false);
 
-// How many times as long as otherwise must be what debris meets of what moves, if it comes when, itself and its batch included, so
-// much debris is awake, small debris too: once, up to twice the limit, then in proportion: twice with three times the limit, thrice
-// with four. So the next thousand cost less than the last one did. 1 without a limit.
+// Returns the factor on the length that a moving body must have to collide with new debris. awake_debris counts all
+// awake debris, the new batch included. The factor is 1 up to twice the limit, then awake_debris / max_colliding - 1:
+// 2 at three times the limit, 3 at four times. Each further thousand thus costs less than the one before. 1 without a
+// limit.
 [[nodiscard]] float crowding(size_t awake_debris, uint32_t max_colliding);
 
 } // namespace brittle::physics

@@ -17,18 +17,18 @@ namespace brittle::physics {
 
 namespace {
 
-// Below this ratio of thinnest to longest extent a point set counts as flat (or as a needle, or as a point):
-// float contact code cannot tell its two sides apart.
+// Ratio of thinnest to longest extent below which a point set counts as flat (a flake, needle or point):
+// single-precision contact code cannot separate its two sides.
 constexpr double flat_ratio = 1e-3;
-// Half thickness given to a flat set, as a ratio of its longest extent, and in metres where it has none.
+// Half thickness of a flat set, as a ratio of its longest extent; of a point, m.
 constexpr double flat_half_thickness = 5e-5;
 constexpr double point_half_thickness = 5e-5;
-// Range of HullSettings::margin_fraction: something to stand on, and something left in the middle.
+// Range of HullSettings::margin_fraction: a positive margin, and a core that is not empty.
 constexpr double min_fraction = 1e-3, max_fraction = 0.45;
-// Directions in which a piece's points are looked through, 16 degrees apart, and as many again closer to the thin axes.
+// Directions for which supporting points are found, 16 degrees apart; as many again are denser around the thin axes.
 constexpr size_t even_directions = 160;
-constexpr double golden_angle = 2.399963229728653; // rad; of Vogel's spiral
-// Cosine of 3 degrees: planes closer in direction are one face to the eye.
+constexpr double golden_angle = 2.399963229728653; // rad, of Vogel's spiral
+// Cosine of 3 degrees: faces at a smaller angle look like one.
 constexpr double same_face = 0.9986;
 
 struct Plane {
@@ -40,7 +40,7 @@ struct FullHull {
     std::vector<glm::dvec3> vertices;
     std::vector<Plane> planes;
     glm::dvec3 centre{0.0}; // mean of the vertices
-    double inradius = 0.0;  // least distance from the centre to a plane
+    double inradius = 0.0;  // smallest distance from the centre to a plane
     CrossSection section;
 };
 
@@ -58,9 +58,8 @@ std::vector<glm::dvec3> finite_points(std::span<const glm::dvec3> points, const 
     return kept;
 }
 
-// Of points in convex position, at most count that span nearly the same hull: the extremes along the axes,
-// then always the point farthest from those chosen. Distances are relative to the extents, so thin pieces
-// keep both sides.
+// Returns at most `count` points that span nearly the same hull: the extremes along the axes, then always the point
+// farthest from the chosen ones. Distances are relative to the extents, so thin pieces keep both sides.
 std::vector<glm::dvec3> farthest_point_subset(const std::vector<glm::dvec3>& points, size_t count) {
     if (points.size() <= count) return points;
     glm::dvec3 low = points[0], high = points[0];
@@ -98,7 +97,7 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
     computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
     if (computer.vertices.size() < 4 || computer.faces.size() < 4) return std::nullopt;
     FullHull hull;
-    // The computer's own coordinates are rounded to its grid: take the points they came from.
+    // btConvexHullComputer rounds coordinates to its grid: use the original points.
     for (int i = 0; i < computer.vertices.size(); ++i) {
         hull.vertices.push_back(points[static_cast<size_t>(computer.original_vertex_index[i])]);
         hull.centre += hull.vertices.back();
@@ -117,10 +116,10 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
         }
         areas.push_back(0.5 * area);
         const double length = glm::length(area);
-        if (!(length > 0.0)) continue; // a face that has no area once its vertices are off the grid
+        if (!(length > 0.0)) continue; // its area vanishes without the rounding to the grid
         Plane plane{area / length, 0.0};
         if (glm::dot(plane.normal, apex - hull.centre) < 0.0) plane.normal = -plane.normal;
-        // The farthest vertex, not the face's own: rounding to the grid may have put a neighbour inside.
+        // The supporting vertex may be a neighbour of the face that rounding to the grid put inside.
         plane.distance = glm::dot(plane.normal, apex);
         for (const glm::dvec3& vertex : hull.vertices)
             plane.distance = std::max(plane.distance, glm::dot(plane.normal, vertex));
@@ -133,11 +132,11 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
 
 struct InnerHull {
     std::vector<glm::dvec3> vertices;
-    double margin = 0.0; // least distance of a vertex to a plane of the full hull
+    double margin = 0.0; // smallest distance of a vertex to a plane of the full hull
 };
 
-// Planes moved inwards by the margin. btConvexHullComputer works on a grid of about 10^4 cells an axis, so
-// what was reached is measured afterwards, in double; nothing where that is far less than was asked for.
+// Moves the planes inwards by the margin. btConvexHullComputer works on a grid of about 10^4 cells an axis, so the
+// margin is measured afterwards in double; returns nothing if it is below 0.7 of the requested one.
 std::optional<InnerHull> offset_hull(const FullHull& hull, double margin) {
     btConvexHullComputer computer;
     const btScalar moved =
@@ -153,8 +152,8 @@ std::optional<InnerHull> offset_hull(const FullHull& hull, double margin) {
     return inner.margin < 0.7 * margin ? std::nullopt : std::optional(std::move(inner));
 }
 
-// A hull whose distance s * d + margin from the centre stays within d for every plane as s = 1 - margin /
-// inner.
+// Scales the hull about its centre by s = 1 - margin / inradius: each plane at distance d >= inradius moves to
+// s * d <= d - margin.
 InnerHull scaled_hull(const FullHull& hull, double margin) {
     InnerHull inner{hull.vertices, margin};
     for (glm::dvec3& vertex : inner.vertices)
@@ -163,9 +162,9 @@ InnerHull scaled_hull(const FullHull& hull, double margin) {
 }
 
 struct OrientedExtents {
-    glm::dvec3 centre{0.0}; // middle of the extents
-    glm::dmat3 axes{1.0};   // of the covariance of the points
-    glm::dvec3 half{0.0};   // half extents along them
+    glm::dvec3 centre{0.0}; // midpoint of the extents
+    glm::dmat3 axes{1.0};   // principal axes of the points' covariance
+    glm::dvec3 half{0.0};   // half extents along the axes
 };
 
 OrientedExtents oriented_extents(const std::vector<glm::dvec3>& points) {
@@ -191,14 +190,14 @@ CrossSection section_of(const OrientedExtents& extents) {
     return section_of_box(extents.half, {extents.axes[0], extents.axes[1], extents.axes[2]});
 }
 
-// Unit directions, in the axes of the points: single precision and an array an axis, for loops over all of them at once.
+// Unit directions in the axes of the points, as structure of arrays in single precision for vectorised loops.
 struct Directions {
     static constexpr size_t count = 2 * even_directions;
     std::array<float, count> x, y, z;
 };
 
-// Evenly over the sphere (a spiral of equal areas), and evenly once the piece is scaled to a cube: in a plate most of these
-// are near its normal, so that what tilts it is seen.
+// The first half covers the sphere evenly (a spiral of equal areas). The second half is even once the piece is scaled
+// to a cube: for a plate it concentrates around the normal, where a missing corner would tilt it.
 Directions directions_for(const OrientedExtents& extents) {
     static const std::array<glm::dvec3, even_directions> even = [] {
         std::array<glm::dvec3, even_directions> sphere;
@@ -221,8 +220,8 @@ Directions directions_for(const OrientedExtents& extents) {
     return directions;
 }
 
-// At most count of the points, whose hull comes close to that of all: always the one that sticks out farthest of the hull of
-// those before, in any of the directions. That is how deep it would be in a floor which that hull stands on.
+// Returns at most `count` points whose hull is close to that of all points. Each is the point farthest outside the
+// hull of the points before it, over all directions: the depth at which it would penetrate a floor under that hull.
 std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points, const Directions& directions,
                                           size_t count) {
     if (points.size() <= count) return points;
@@ -258,12 +257,12 @@ std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points,
     return chosen;
 }
 
-// For flakes, needles and points: every thin axis gets a thickness, the others keep their outline. The margin
-// takes half of the thickness.
+// For flakes, needles and points: each thin axis gets a thickness, half of which is margin; the other axes keep their
+// outline.
 CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExtents& extents, size_t max_vertices) {
     const double longest = std::max({extents.half.x, extents.half.y, extents.half.z});
     const double thickness = longest > 0.0 ? 2.0 * longest * flat_half_thickness : point_half_thickness;
-    glm::dmat3 flatten(0.0); // projects onto the axes that are not thin
+    glm::dmat3 flatten(0.0); // projection onto the axes that are not thin
     std::vector<glm::dvec3> offsets{glm::dvec3(0.0)};
     const double thinnest = std::min({extents.half.x, extents.half.y, extents.half.z});
     for (int axis = 0; axis < 3; ++axis) {
@@ -304,7 +303,7 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     const size_t max_vertices =
         std::max<size_t>(crumb ? std::min(settings.max_vertices, settings.crumb_vertices) : settings.max_vertices, 8);
     if (thinnest <= longest * flat_ratio) return flat_hull(local, extents, max_vertices);
-    // Exact hulls are of few points: one of 700 costs two milliseconds, and so does moving its planes in.
+    // The exact hull gets few points: at 700 points it costs two milliseconds, and offsetting its planes as much again.
     const Directions directions = directions_for(extents);
     const std::optional<FullHull> full = full_hull(supporting_subset(local, directions, max_vertices));
     if (!full || full->inradius <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
@@ -348,7 +347,7 @@ std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points) {
     btConvexHullComputer computer;
     computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
     const auto index_of = [&](int vertex) { return static_cast<uint32_t>(computer.original_vertex_index[vertex]); };
-    // Of the face on an edge's left; the computer's faces are planar polygons.
+    // Returns the area vector of the face to the left of an edge; faces are planar polygons.
     const auto normal_of = [&](const btConvexHullComputer::Edge* first) {
         const glm::dvec3 apex(points[index_of(first->getSourceVertex())]);
         glm::dvec3 area(0.0);
@@ -384,7 +383,8 @@ fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points) {
             mesh.triangles.emplace_back(apex, static_cast<uint32_t>(edge->getSourceVertex()),
                                         static_cast<uint32_t>(edge->getTargetVertex()));
     }
-    if (fracture::signed_volume(mesh.positions, mesh.triangles) < 0.0) // whichever way the computer goes around faces
+    // The winding of btConvexHullComputer's faces is unspecified.
+    if (fracture::signed_volume(mesh.positions, mesh.triangles) < 0.0)
         for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
     return mesh;
 }

@@ -19,21 +19,21 @@ using fracture::Piece;
 using fracture::Result;
 using fracture::Status;
 
-// Least extent of the box that stands in for a piece without volume: as a ratio of its longest, and in
-// metres.
+// Smallest extent of the box that replaces a piece without volume: as a ratio of its longest, and in metres.
 constexpr double min_box_ratio = 1e-3;
 constexpr double min_box_extent = 1e-4;
 
-// Slack for "none above the sum of the other two", as in world.cpp.
+// Relative tolerance of the triangle inequality of principal moments; equals that of world_check.cpp.
 constexpr double moment_slack = 1e-3;
 
 bool finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// Whether all are. They nearly always are, so without a branch for each, and two sums, as each addition waits for the one before.
+// Returns whether all points are finite. x - x is 0 or NaN, which avoids a branch per point; two sums shorten the
+// dependency chain.
 bool finite(std::span<const glm::dvec3> points) {
-    glm::dvec3 even(0.0), odd(0.0); // 0, or not a number
+    glm::dvec3 even(0.0), odd(0.0); // 0 or NaN
     for (size_t i = 1; i < points.size(); i += 2) {
         even += points[i - 1] - points[i - 1];
         odd += points[i] - points[i];

@@ -1,6 +1,6 @@
-// Mass and inertia of a piece of a fracture, also of one whose own integrals are none that a body can have.
+// Mass and inertia of a piece, also of one whose own integrals no rigid body can have.
 //
-// kg, m, in the axes of the fragments. Pure functions.
+// kg, m, in the axes of the fragments. Pure functions; thread-safe.
 #pragma once
 
 #include <span>
@@ -19,20 +19,20 @@ struct BodyMass {
     glm::dmat3 inertia{0.0}; // kg m^2, about the centre of mass
 };
 
-// Fails (invalid_setting, invalid_mesh) on a material without density or strength, non-finite positions and
-// vertex ranges outside the arena, naming the piece.
+// Fails with invalid_setting on a material without density or strength, and with invalid_mesh on non-finite positions
+// or vertex ranges outside the arena, naming the piece.
 [[nodiscard]] fracture::Result<void> check_pieces(const fracture::Fragments& fragments, const Material& material);
 
-// From the piece's integrals; a sliver's can round to what no body has.
+// Returns density times the piece's integrals. Those of a sliver may round to values that is_possible() rejects.
 [[nodiscard]] BodyMass true_mass(const fracture::Piece& piece, double density);
 
-// Whether a rigid body can have it: positive mass, principal moments of which none exceeds the sum of the others.
+// Returns whether a rigid body can have it: positive mass, and no principal moment above the sum of the other two.
 [[nodiscard]] bool is_possible(const BodyMass& body);
 
-// Of a box around the points, no side of which is below a thousandth of the longest.
+// Returns the mass of the points' bounding box, whose sides are at least a thousandth of the longest.
 [[nodiscard]] BodyMass box_mass(std::span<const glm::dvec3> points, double density);
 
-// The true mass if a body can have it, else that of the box.
+// Returns true_mass() if it is_possible(), else box_mass().
 [[nodiscard]] BodyMass piece_mass(const fracture::Fragments& fragments, const fracture::Piece& piece, double density);
 
 } // namespace brittle::physics

@@ -1,9 +1,11 @@
-// Bodies for all pieces of a fracture: density times volume as mass, the true inertia, a hull that does not
-// push neighbours apart (hull.h).
+// Rigid bodies for all pieces of a fracture: density times volume as mass, the piece's own inertia, and a hull that
+// does not push neighbours apart (hull.h).
 //
-// The frame of a piece's body has the input's axes and its origin at the piece's centre of mass: a vertex p
-// of the fragments is at (p - piece.mass.centre_of_mass) in the body, and is drawn with the body's pose. At
-// birth a pose is that centre of mass moved by the placement, so pieces stand exactly where the mesh stood.
+// A piece's body has the axes of the input and its origin at the piece's centre of mass: vertex p of the fragments is
+// at p - piece.mass.centre_of_mass in the body and is drawn with the body's pose. The initial pose is the placement
+// applied to the centre of mass, so pieces stand exactly where the mesh stood.
+//
+// World coordinates, right-handed; metres, kilograms, seconds. add_pieces() follows the thread rule of World.
 //
 //     Result<std::vector<BodyId>> bodies = add_pieces(world, fragments, {.density = 2400.0f});
 #pragma once
@@ -19,30 +21,33 @@
 
 namespace brittle::physics {
 
-// How the solid moved when it broke; pieces inherit v + w x r.
+// Placement and motion of the solid when it broke. Pieces inherit v + w x r.
 struct PlacedMotion {
     Pose placement{};                 // from the coordinates of the fragments to the world
     glm::vec3 linear_velocity{0.0f};  // m/s, of the point at placement.position
     glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
 };
 
-// One body a piece, in the order of fragments.pieces. Fails (invalid_mesh, invalid_setting) on non-finite
-// positions, vertex ranges outside the arena, or a density that is not positive, naming the piece; then no
-// body is added. A piece without volume (a sliver, an open or inside-out shell) gets the mass properties of a
-// thin box around it. Where the world has no room for all, the smaller ones are debris (crowd.h).
+// Adds one body per piece and returns them in the order of fragments.pieces. Fails with invalid_mesh on non-finite
+// positions or vertex ranges outside the arena, naming the piece, and with invalid_setting on a density that is not
+// positive; then no body is added. A piece without volume (a sliver, an open or inside-out shell) gets the mass
+// properties of its bounding box. Where the limit on colliding bodies leaves no room for all pieces, the smaller ones
+// are debris (crowd.h).
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments,
                                        const Material& material = {}, const PlacedMotion& motion = {},
                                        const HullSettings& hull = {});
-// The same with hulls made ahead, one a piece (collision_hulls()). Too few of them, or a missing one, is invalid_setting.
+// As above with precomputed hulls, one a piece (collision_hulls()). A wrong number of hulls or a null one is
+// invalid_setting.
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments, const Material& material,
                                        const PlacedMotion& motion, const PieceHulls& hulls);
 
-// All of the bodies but where they will be, one a piece, side by side on so many threads (0: one a core): what can be made
-// ahead of the frame in which they come, on any thread. Fails as add_pieces() does.
+// Prepares one body form per piece: all of the body except its pose and motion. It may run ahead of time on any
+// thread, and uses `threads` threads (0: one a core). Fails as add_pieces() does.
 using PieceForms = std::vector<std::shared_ptr<const BodyForm>>;
 [[nodiscard]] Result<PieceForms> piece_forms(const fracture::Fragments& fragments, const Material& material,
                                              const PieceHulls& hulls, uint32_t threads = 0);
-// The same with those: less than half a microsecond a body is left. Too few of them, or a missing one, is invalid_setting.
+// As above with precomputed forms; under half a microsecond a body remains. A wrong number of forms or a null one is
+// invalid_setting.
 Result<std::vector<BodyId>> add_pieces(World& world, const fracture::Fragments& fragments, const Material& material,
                                        const PlacedMotion& motion, const PieceForms& forms);
 

@@ -1,4 +1,4 @@
-// FNV-1a over the bits of numbers, for states that are to be equal to the last bit.
+// FNV-1a over the bits of numbers, for comparing states bit for bit.
 #pragma once
 
 #include <bit>
