@@ -15,7 +15,8 @@ using namespace brittle::physics;
 
 namespace {
 
-// How far a point is from a region, m; 0 within. Of boxes the largest of the three distances, no more than the true one.
+// Returns a lower bound of a point's distance from a region, m; 0 inside. For boxes the largest of the three axis
+// distances.
 double distance_to(const AnchorRegion& region, const glm::dvec3& p) {
     if (const Ball* ball = std::get_if<Ball>(&region))
         return std::max(0.0, glm::distance(ball->centre, p) - ball->radius);
@@ -26,7 +27,7 @@ double distance_to(const AnchorRegion& region, const glm::dvec3& p) {
 
 } // namespace
 
-TEST_CASE("a triangle reaches into a region as a fine sampling of it does") {
+TEST_CASE("reaches() agrees with a fine sampling of the triangle") {
     fracture::Random random(11);
     const fracture::Box around{{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}};
     for (const AnchorRegion& region : {AnchorRegion(fracture::Box{{-0.3, -0.2, -0.1}, {0.3, 0.2, 0.1}}),
@@ -37,7 +38,7 @@ TEST_CASE("a triangle reaches into a region as a fine sampling of it does") {
             const glm::dvec3 a = random.uniform_in(around), b = random.uniform_in(around),
                              c = random.uniform_in(around);
             constexpr int n = 60;
-            const double slack = 3.0 / n; // of the triangle's sides, below 3.5 m
+            const double slack = 3.0 / n; // sample spacing on sides below 3.5 m
             double nearest = 10.0;
             for (int u = 0; u <= n; ++u)
                 for (int v = 0; v + u <= n; ++v)
@@ -52,11 +53,11 @@ TEST_CASE("a triangle reaches into a region as a fine sampling of it does") {
     }
 }
 
-TEST_CASE("a ball without radius is a point, and triangles without area reach what they touch") {
+TEST_CASE("a ball of radius 0 is a point, and triangles without area reach regions that they touch") {
     const glm::dvec3 a(0.0), b(1.0, 0.0, 0.0), c(0.0, 1.0, 0.0);
     CHECK(reaches(Ball{{0.25, 0.25, 0.0}, 0.0}, a, b, c));
     CHECK_FALSE(reaches(Ball{{0.25, 0.25, 1e-9}, 0.0}, a, b, c));
-    CHECK(reaches(Ball{{0.5, 0.1, 0.0}, 0.1}, a, b, b)); // an edge there and back
+    CHECK(reaches(Ball{{0.5, 0.1, 0.0}, 0.1}, a, b, b)); // a segment
     CHECK(reaches(Ball{{0.0, 0.0, 0.5}, 0.5}, a, a, a)); // a point
     CHECK_FALSE(reaches(Ball{{0.0, 0.0, 0.5}, 0.49}, a, a, a));
     CHECK_FALSE(reaches(std::span<const AnchorRegion>(), std::array{a, b, c}, std::array{fracture::Triangle(0, 1, 2)}));
@@ -71,7 +72,7 @@ TEST_CASE("anchors are found by region, by height above the ground and by predic
     CHECK(anchor_to_ground(fragments, {{0.0f, 1.0f, 0.0f}, upside_down}) == std::vector<uint32_t>{3, 7});
     CHECK(anchor_where(fragments, [](const fracture::Piece& piece) { return piece.mass.centre_of_mass.x > 0.5; })
           == std::vector<uint32_t>{4, 5, 6, 7});
-    // Painted at an upper corner, and a rim along the top of the other column.
+    // A ball at an upper corner, and a box along the top of the other column.
     const std::vector<AnchorRegion> corner{Ball{{0.0, 1.0, 0.0}, 0.2}};
     CHECK(anchor_to(fragments, corner) == std::vector<uint32_t>{3});
     const std::vector<AnchorRegion> both{Ball{{0.0, 1.0, 0.0}, 0.2}, fracture::Box{{0.6, 0.95, 0.0}, {1.0, 1.05, 1.0}}};

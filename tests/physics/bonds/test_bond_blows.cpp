@@ -16,7 +16,7 @@ using namespace brittle::physics::test_bodies;
 
 namespace {
 
-// What a step gave of a blow by a mass: it came at a speed and goes on at another.
+// The blow of one step in which a mass slows down from `speed` to `left`.
 BondBlows::StepBlow step_of(float mass, float speed, float left, uint32_t piece = 7, BodyId other = {3}) {
     const float impulse = mass * (speed - left);
     Impact blow{.piece = piece, .other = other, .normal = {0.0f, 1.0f, 0.0f}, .impulse = impulse};
@@ -30,7 +30,7 @@ struct Sum {
     Impact last;
 };
 
-// A mass that comes at a speed, and is left with these after each step.
+// Sums the judgements of a mass that arrives at `speed` and has the speeds `left` after the steps.
 Sum judged(float mass, float speed, const std::vector<float>& left) {
     BondBlows book;
     Sum sum;
@@ -51,7 +51,7 @@ Sum judged(float mass, float speed, const std::vector<float>& left) {
 
 } // namespace
 
-TEST_CASE("no contacts are no blows, and those of other pieces or bodies are others") {
+TEST_CASE("without contacts there are no blows, and blows of distinct pieces or strikers are distinct") {
     BondBlows book;
     CHECK(book.update({}).empty());
     const std::vector<BondBlows::StepBlow> first{step_of(10.0f, 2.0f, 1.0f, 1, {3}),
@@ -62,7 +62,7 @@ TEST_CASE("no contacts are no blows, and those of other pieces or bodies are oth
     CHECK(book.update(second).size() == 2);
 }
 
-TEST_CASE("a blow is judged once and whole, however it falls on steps") {
+TEST_CASE("a blow is judged once and as a whole, however it spreads over steps") {
     for (const float mass : {0.1f, 30.0f, 1e5f})
         for (const float speed : {0.6f, 4.0f, 50.0f})
             for (int sixteenths = 0; sixteenths < 16; ++sixteenths) {
@@ -82,13 +82,13 @@ TEST_CASE("a blow is judged once and whole, however it falls on steps") {
             }
 }
 
-TEST_CASE("a touch that ends before much is stopped counts as what it gave") {
+TEST_CASE("a contact that ends early counts with its own impulse") {
     const Sum sum = judged(10.0f, 2.0f, {1.8f});
     CHECK(sum.count == 1);
     CHECK(sum.new_impulse == doctest::Approx(2.0f).epsilon(1e-3));
 }
 
-TEST_CASE("what goes on pressing in is a blow every few steps") {
+TEST_CASE("continuous pressing counts as a blow every few steps") {
     BondBlows book;
     float pressed = 0.0f, fresh = 0.0f;
     for (int step = 0; step < 41; ++step) {
@@ -97,12 +97,12 @@ TEST_CASE("what goes on pressing in is a blow every few steps") {
         for (const BondBlows::JudgedBlow& blow : book.update(blows)) fresh += blow.new_impulse;
     }
     CHECK(fresh <= pressed * 1.0001f);
-    CHECK(fresh > 0.9f * pressed); // but for the last one, which is not over
+    CHECK(fresh > 0.9f * pressed); // all but the last, unfinished blow
 }
 
-TEST_CASE("what a blow has yet to give is no load when it comes slowly, what is more is") {
+TEST_CASE("slow impulse is a load only beyond the outstanding impulse of a judged blow") {
     BondBlows book;
-    const std::vector<BondBlows::StepBlow> blows{step_of(10.0f, 2.0f, 0.4f)}; // 16 of 20 N s
+    const std::vector<BondBlows::StepBlow> blows{step_of(10.0f, 2.0f, 0.4f)}; // 16 N s of 20 N s
     CHECK(book.update(blows).size() == 1);
     CHECK(book.load_part(7, {4}, 5.0f) == 5.0f);
     CHECK(book.load_part(6, {3}, 5.0f) == 5.0f);
@@ -110,7 +110,7 @@ TEST_CASE("what a blow has yet to give is no load when it comes slowly, what is 
     CHECK(book.load_part(7, {3}, 3.0f) == 0.0f);
     CHECK(book.load_part(7, {3}, 3.0f) == doctest::Approx(2.0f).epsilon(1e-3));
     CHECK(book.load_part(7, {3}, 3.0f) == 3.0f);
-    // Nothing is owed for ever.
+    // Outstanding impulse expires after max_steps.
     BondBlows late;
     CHECK(late.update(blows).size() == 1);
     for (int step = 0; step < BondBlows::max_steps; ++step) CHECK(late.update({}).empty());
@@ -121,7 +121,7 @@ namespace {
 
 constexpr double side = 0.3; // of each block, m
 
-// Five blocks in a row, on a foot of one in the middle or without.
+// Five blocks in a row, with or without a foot of one block under the middle.
 fracture::Fragments row_of_blocks(bool foot) {
     const double low = foot ? side : 0.0;
     fracture::Fragments fragments =
@@ -133,7 +133,7 @@ fracture::Fragments row_of_blocks(bool foot) {
     return fragments;
 }
 
-// How many bonds break when it comes down flat at a speed, so many sixteenths of a step later.
+// Counts the bonds that break when the blocks land flat at `speed`, `sixteenths` of a step later.
 size_t broken_of(const fracture::Fragments& fragments, float speed, double strength, int sixteenths) {
     World world({.gravity = {0.0f, 0.0f, 0.0f}});
     const auto scale = static_cast<float>(strength);
@@ -158,8 +158,8 @@ size_t broken_of(const fracture::Fragments& fragments, float speed, double stren
 
 } // namespace
 
-TEST_CASE("whether what lands flat breaks a bond is not up to where in a step it lands") {
-    // The foot stops all of it: m^(2/3) v N s as of a kilogram, against what its bond strength pressed.
+TEST_CASE("a flat landing breaks a bond or not, independently of its time within a step") {
+    // The foot stops the whole mass: m^(2/3) v, N s by 1 kg, against its bond's strength in compression.
     const double mass = 6.0 * 2400.0 * side * side * side, strength = 30e6 * 1e-4 * side * side;
     for (const float speed : {1.0f, 2.0f, 4.0f}) {
         const double just = std::pow(mass, 2.0 / 3.0) * static_cast<double>(speed) / strength;
@@ -170,7 +170,7 @@ TEST_CASE("whether what lands flat breaks a bond is not up to where in a step it
             CHECK(broken_of(row_of_blocks(true), speed, 0.94 * just, k) > 0);
         }
     }
-    // How a row shares the blow among its blocks is the solver's; that it is the same in any step was set after seeing it.
+    // The solver decides how a row shares the blow among its blocks. The strengths were found by experiment.
     for (const auto& [speed, whole, all] : {std::tuple(1.0f, 0.6, 0.33), {2.0f, 1.24, 0.65}, {4.0f, 2.45, 1.3}})
         for (int k = 0; k < 16; ++k) {
             CAPTURE(speed);

@@ -33,7 +33,7 @@ std::shared_ptr<const HeldBlocks> blocks_of(const fracture::TriangleMesh& mesh, 
     return (*solid)->blocks;
 }
 
-// Wide above a stem of this radius: a head of about a ton, one metre up.
+// A foot, a stem of this radius, and a head of about a ton one metre up.
 fracture::TriangleMesh mushroom(double stem) {
     return lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
 }
@@ -42,7 +42,7 @@ bool stands(const std::vector<uint32_t>& islands) {
     return std::ranges::all_of(islands, [](uint32_t island) { return island == 0; });
 }
 
-// The islands of blocks for which it holds.
+// Returns the islands of the blocks that satisfy the predicate.
 template<class Choice>
 std::set<uint32_t> islands_of(const HeldBlocks& blocks, const std::vector<uint32_t>& islands, Choice choice) {
     std::set<uint32_t> found;
@@ -51,7 +51,7 @@ std::set<uint32_t> islands_of(const HeldBlocks& blocks, const std::vector<uint32
     return found;
 }
 
-// The mushroom's foot and its head are whole, and not the same part.
+// Checks that the mushroom's foot and head are each whole, and separate.
 void check_head_is_off(const HeldBlocks& blocks, const std::vector<uint32_t>& islands) {
     REQUIRE_FALSE(stands(islands));
     const auto foot = islands_of(blocks, islands, [](const StressNode& node) { return node.fixed; });
@@ -63,7 +63,7 @@ void check_head_is_off(const HeldBlocks& blocks, const std::vector<uint32_t>& is
 
 } // namespace
 
-TEST_CASE("blocks: what is not held, too small to break or in no way a solid has none") {
+TEST_CASE("blocks: a solid that is not held, too small to break or degenerate has none") {
     const auto solid = [](const SolidSettings& settings) {
         return (*make_solid(fracture::cube(1.0), settings))->blocks;
     };
@@ -77,7 +77,7 @@ TEST_CASE("blocks: what is not held, too small to break or in no way a solid has
     CHECK(block_sites(flat, 10).size() <= 10);
 }
 
-TEST_CASE("blocks: sites lie inside, closer together where it is thin, masses sum to the whole's") {
+TEST_CASE("blocks: sites lie inside and denser where the solid is thin, and masses sum to the total") {
     const fracture::TriangleMesh mesh = mushroom(0.1);
     const std::vector<glm::dvec3> sites = block_sites(mesh, 96);
     CHECK(sites.size() <= 96);
@@ -91,7 +91,7 @@ TEST_CASE("blocks: sites lie inside, closer together where it is thin, masses su
             ++in_stem;
         }
     }
-    CHECK(in_stem >= 5); // of 0.65 m, 0.2 m thick: every half a thickness or so
+    CHECK(in_stem >= 5); // length 0.65 m, thickness 0.2 m: a site about every half thickness
     const auto blocks = blocks_of(mesh);
     REQUIRE(blocks);
     double mass = 0.0;
@@ -101,9 +101,9 @@ TEST_CASE("blocks: sites lie inside, closer together where it is thin, masses su
     CHECK(std::ranges::any_of(blocks->nodes, &StressNode::fixed));
 }
 
-// A column of radius r presses its foot with m g / (pi r^2): handbook strengths at a scale say which stem is too thin.
-TEST_CASE("blocks: a stem bears what its section does, and is parted in the stem") {
-    const auto section_ratio = [](double stem) { // of compression alone, at the stem's lower end
+// The pressure at the foot of a column of radius r is m g / (pi r^2).
+TEST_CASE("blocks: a stem bears the load of its cross section, and breaks in the stem") {
+    const auto section_ratio = [](double stem) { // from compression alone, at the stem's lower end
         const fracture::TriangleMesh mesh = mushroom(stem);
         const double above =
             fracture::signed_volume(mesh.positions, mesh.triangles) - std::numbers::pi * 0.3 * 0.3 * 0.1;
@@ -115,43 +115,42 @@ TEST_CASE("blocks: a stem bears what its section does, and is parted in the stem
         const auto blocks = blocks_of(mushroom(stem));
         REQUIRE(blocks);
         const auto scale = static_cast<float>(section_ratio(stem));
-        // Sections of Voronoi blocks are a little askew and the head's middle is not quite over them.
+        // Contacts of Voronoi blocks are slightly tilted, and the head's centre is not exactly above them.
         CHECK(stands(overloaded(*blocks, concrete, 8.0f * scale, down, {})));
         check_head_is_off(*blocks, overloaded(*blocks, concrete, 0.6f * scale, down, {}));
     }
 }
 
-// A beam of length l, height h and width b out of a wall: bending stress 6 (rho b h l g) (l / 2) / (b h^2) = 3 rho g l^2 / h.
-TEST_CASE(
-    "blocks: a cantilever breaks where Euler and Bernoulli say, within what square sections taken as discs allow") {
+// Bending stress at the wall for length l, height h and width b: 6 (rho b h l g) (l / 2) / (b h^2) = 3 rho g l^2 / h.
+TEST_CASE("blocks: a cantilever breaks at the Euler-Bernoulli load, up to the error of discs for square sections") {
     const double length = 2.0, height = 0.2;
     const double stress = 3.0 * 2400.0 * 9.81 * length * length / height;
-    const auto critical = stress / static_cast<double>(concrete.tensile); // the scale at which it just bears
+    const auto critical = stress / static_cast<double>(concrete.tensile); // strength scale at the limit
     const auto blocks = blocks_of(fracture::cuboid({length, height, 0.2}), {{-1.1, -1.0, -1.0}, {-0.99, 1.0, 1.0}});
     REQUIRE(blocks);
-    double low = 0.01 * critical, high = 100.0 * critical; // falls, stands
+    double low = 0.01 * critical, high = 100.0 * critical; // breaks, stands
     REQUIRE(!stands(overloaded(*blocks, concrete, static_cast<float>(low), down, {})));
     REQUIRE(stands(overloaded(*blocks, concrete, static_cast<float>(high), down, {})));
     for (int k = 0; k < 30; ++k) {
         const double middle = std::sqrt(low * high);
         (stands(overloaded(*blocks, concrete, static_cast<float>(middle), down, {})) ? high : low) = middle;
     }
-    MESSAGE("a strength of ", high / critical, " of what the beam needs by the formula is enough");
-    CHECK(high
-          > 0.4 * critical); // expectation set from the disc's I = A^2 / (4 pi) and a first joint away from the wall
+    MESSAGE("the beam stands at ", high / critical, " of the strength by the formula");
+    // Expected from the disc's I = A^2 / (4 pi) and a first contact at a distance from the wall.
+    CHECK(high > 0.4 * critical);
     CHECK(high < 2.0 * critical);
-    // What hangs at its end comes on top, and where gravity is none nothing breaks.
+    // A load at its end adds to the weight, and without gravity nothing breaks.
     const PointLoad hanging{{0.95, 0.0, 0.0}, {0.0, -2400.0 * 0.08 * 9.81, 0.0}};
     CHECK_FALSE(stands(overloaded(*blocks, concrete, static_cast<float>(1.2 * high), down, {&hanging, 1})));
     CHECK(stands(overloaded(*blocks, concrete, static_cast<float>(low), glm::dvec3(0.0), {})));
 }
 
-TEST_CASE("blocks: a blow breaks the stem where its energy pays for the section, and not below that") {
+TEST_CASE("blocks: a blow breaks the stem if and only if its energy pays for the cross section") {
     const double stem = 0.1;
     const fracture::TriangleMesh mesh = mushroom(stem);
     const auto blocks = blocks_of(mesh);
     REQUIRE(blocks);
-    // E = J^2 / (2 m) against G A: of the stem's area and the head's mass the one that just does.
+    // The impulse J at which J^2 / (2 m) equals G A, with the stem's area A and the mushroom's mass m.
     const double head = fracture::signed_volume(mesh.positions, mesh.triangles) * 2400.0;
     const double energy = std::numbers::pi * stem * stem * static_cast<double>(concrete.fracture_energy);
     const double impulse = std::sqrt(2.0 * head * energy);
@@ -160,8 +159,8 @@ TEST_CASE("blocks: a blow breaks the stem where its energy pays for the section,
                              own_energy);
     };
     CHECK(stands(after(0.4, 1e6)));
-    CHECK(stands(after(2.5, 0.5 * energy))); // a blow brings no more than it has
+    CHECK(stands(after(2.5, 0.5 * energy))); // limited by the blow's own energy
     check_head_is_off(*blocks, after(2.5, 1e6));
-    // The foot itself is held: a blow to it lets go of nothing.
+    // The foot is fixed: a blow to it breaks nothing.
     CHECK(stands(knocked_loose(*blocks, concrete, 1.0f, down, {{0.3, 0.005, 0.0}, {-1e-3 * impulse, 0.0, 0.0}}, 1e6)));
 }

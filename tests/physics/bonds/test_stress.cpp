@@ -61,7 +61,7 @@ fracture::Fragments broken_cube(int count) {
 
 } // namespace
 
-TEST_CASE("nothing carries nothing") {
+TEST_CASE("an empty solver and a single falling node converge at once") {
     StressSolver solver;
     CHECK(solver.solve(10));
     StressSolver alone(std::array{StressNode{{}, 1.0, glm::dmat3(1.0), false}}, {});
@@ -69,7 +69,7 @@ TEST_CASE("nothing carries nothing") {
     CHECK(alone.solve(10));
 }
 
-TEST_CASE("a cantilever has the bending moment and the shear of the closed form at the wall and along it") {
+TEST_CASE("a cantilever has the shear and bending moment of the closed form along its length") {
     for (const int blocks : {2, 5, 20, 60}) {
         const double side = 0.1;
         const fracture::Fragments beam =
@@ -83,11 +83,12 @@ TEST_CASE("a cantilever has the bending moment and the shear of the closed form 
             const double beyond = blocks - i, moment = block * beyond * beyond * side * 0.5;
             const auto bond = static_cast<uint32_t>(i);
             const BondLoad load = solver.load(bond);
-            CHECK(load.force.y == doctest::Approx(block * beyond).epsilon(1e-3)); // upwards, onto the outer part
+            CHECK(load.force.y == doctest::Approx(block * beyond).epsilon(1e-3)); // upwards, on the outer part
             CHECK(load.moment.z == doctest::Approx(moment).epsilon(1e-3));
             CHECK(std::abs(load.moment.x) + std::abs(load.moment.y) < 1e-6 * moment);
             const BondStress stress = solver.stress(bond);
-            const double modulus = std::pow(side, 3.0) / (4.0 * std::sqrt(std::numbers::pi)); // of a disc of that area
+            const double modulus =
+                std::pow(side, 3.0) / (4.0 * std::sqrt(std::numbers::pi)); // section modulus of a disc of that area
             CHECK(stress.bending == doctest::Approx(moment / modulus).epsilon(1e-3));
             CHECK(stress.shear == doctest::Approx(block * beyond / (side * side)).epsilon(1e-3));
             CHECK(stress.tension + stress.compression < 1e-3 * stress.bending);
@@ -97,7 +98,7 @@ TEST_CASE("a cantilever has the bending moment and the shear of the closed form 
     }
 }
 
-TEST_CASE("a column presses on its foot with density * gravity * height, and a hanging one pulls") {
+TEST_CASE("a standing column has the compression density * gravity * height, and a hanging one that tension") {
     for (const bool hanging : {false, true}) {
         const fracture::Fragments column = test::bonded_grid({0, 0, 0}, {0.3, 2.1, 0.3}, 1, 21, 1);
         const Model model = model_of(column, [&](const glm::dvec3& at) { return hanging ? at.y > 2.0 : at.y < 0.1; });
@@ -112,8 +113,8 @@ TEST_CASE("a column presses on its foot with density * gravity * height, and a h
     }
 }
 
-TEST_CASE("the legs of a table share its weight, and a load nearer to one of them goes there by the lever") {
-    // A top of 3 x 3 blocks of a metre on legs under its corners; pins are told from columns by thin legs.
+TEST_CASE("the legs of a table share its weight, and an eccentric load by the lever rule") {
+    // A top of 3 x 3 blocks of 1 m on legs under its corners. Thin legs act as pins.
     fracture::Fragments table;
     const auto add = [&](const glm::dvec3& low, const glm::dvec3& high) {
         test::append_piece(table, test::box_polyhedron(low, high));
@@ -148,8 +149,8 @@ TEST_CASE("the legs of a table share its weight, and a load nearer to one of the
         CHECK(solver.load(bond).force.y == doctest::Approx(top / 4.0).epsilon(1e-3));
         CHECK(solver.stress(bond).compression == doctest::Approx(top / 4.0 / (4.0 * thin * thin)).epsilon(1e-3));
     }
-    // With one leg gone and a load over the leg opposite to it the rest is statically determinate: the top's weight
-    // is on the diagonal, half on each of its legs, and the third leg has what is put on it.
+    // Without one leg, and with a load above the opposite leg, the table is statically determinate: the diagonal's two
+    // legs carry half of the top's weight each, and the third leg carries the load.
     solver.remove_bonds(std::array{bonds[3]});
     model.weights[tops[0]].force.y -= 1000.0;
     solver.set_loads(model.weights);
@@ -160,7 +161,7 @@ TEST_CASE("the legs of a table share its weight, and a load nearer to one of the
     CHECK(solver.load(bonds[3]).force.y == 0.0);
 }
 
-TEST_CASE("reactions sum to the weight, in force and in moment, for any pile of pieces") {
+TEST_CASE("reactions balance the weight in force and in moment for random piles of pieces") {
     const fracture::Fragments cube = broken_cube(200);
     const Model model = model_of(cube, [](const glm::dvec3& at) { return at.y < -0.4; });
     const StressSolver solver = solved(model);
@@ -175,12 +176,12 @@ TEST_CASE("reactions sum to the weight, in force and in moment, for any pile of 
     CHECK(glm::length(torque) < 1e-4 * model.weight());
 }
 
-TEST_CASE("in free fall there is no stress, and a push goes through what is behind it") {
+TEST_CASE("free fall causes no stress, and a push accelerates the pieces behind it") {
     const fracture::Fragments bar = test::bonded_grid({0, 0, 0}, {1.0, 0.1, 0.1}, 10, 1, 1);
     Model model = model_of(bar, [](const glm::dvec3&) { return false; });
     StressSolver solver = solved(model);
     for (uint32_t i = 0; i < 9; ++i) CHECK(load_ratio(solver.stress(i), Material{}) < 1e-9);
-    // A tenth of the mass stays behind at each bond.
+    // Each bond transmits the force less a tenth for each accelerated piece before it.
     model.weights[0].force.x = 100.0;
     solver.set_loads(model.weights);
     CHECK(solver.solve(200, 1e-6));
@@ -188,7 +189,7 @@ TEST_CASE("in free fall there is no stress, and a push goes through what is behi
         CHECK(solver.stress(i).compression == doctest::Approx(100.0 * (9 - i) / 10.0 / 0.01).epsilon(1e-3));
 }
 
-TEST_CASE("it goes on where it stopped, and starts warm after a change") {
+TEST_CASE("the solver continues where it stopped, and starts warm after a change") {
     const fracture::Fragments cube = broken_cube(300);
     const Model model = model_of(cube, [](const glm::dvec3& at) { return at.y < -0.4; });
     StressSolver at_once(model.nodes, model.bonds), in_steps(model.nodes, model.bonds);
@@ -209,7 +210,7 @@ TEST_CASE("it goes on where it stopped, and starts warm after a change") {
     CHECK(at_once.load(100).force == glm::dvec3(0.0));
 }
 
-TEST_CASE("bonds break by tension, by compression and by shear, pressure helps against bending") {
+TEST_CASE("bonds break by tension, compression and shear, and compression counteracts bending") {
     const Material material{.tensile = 1e6f, .compressive = 1e7f, .shear = 2e6f};
     CHECK(load_ratio({.tension = 1e6}, material) == doctest::Approx(1.0));
     CHECK(load_ratio({.compression = 1e6}, material) == doctest::Approx(0.1));

@@ -32,14 +32,14 @@ Structure must_create(World& world, const fracture::Fragments& fragments, const 
     return std::move(*structure);
 }
 
-// By piece.
+// Indexed by piece.
 std::vector<Pose> poses_of(const Structure& structure, const World& world, float alpha = 1.0f) {
     std::vector<Pose> poses(structure.piece_count());
     structure.visit_poses(world, alpha, 0, [&](uint32_t piece, const Pose& pose) { poses[piece] = pose; });
     return poses;
 }
 
-// A bar of blocks along x, 0.1 each.
+// A bar of cubes of 0.1 m along x.
 fracture::Fragments bar(int count) {
     return test::bonded_grid({0.0, 0.0, 0.0}, {0.1 * count, 0.1, 0.1}, count, 1, 1);
 }
@@ -72,7 +72,7 @@ double off(const glm::dvec3& now, const glm::dvec3& before) {
 
 } // namespace
 
-TEST_CASE("a structure that cannot be is refused, and the world is unchanged") {
+TEST_CASE("an invalid structure is refused and leaves the world unchanged") {
     World world;
     const fracture::Fragments good = bar(3);
     CHECK_FALSE(Structure::create(world, good, {.anchored = {3}}).has_value());
@@ -86,7 +86,7 @@ TEST_CASE("a structure that cannot be is refused, and the world is unchanged") {
     CHECK(must_create(world, {}).bodies().empty());
 }
 
-TEST_CASE("materials are sound, and what is wrong with one is said") {
+TEST_CASE("material presets are valid, and the fault of an invalid material is named") {
     for (const MaterialPreset& preset : material_presets()) {
         CHECK(fault_of(preset.material).empty());
         CHECK(preset.material.compressive >= preset.material.tensile);
@@ -97,7 +97,7 @@ TEST_CASE("materials are sound, and what is wrong with one is said") {
     CHECK(toughness(Material{}) == doctest::Approx(300.0));
 }
 
-TEST_CASE("bonds between pieces that do not exist, or without area, hold nothing") {
+TEST_CASE("bonds to missing pieces and bonds without area are broken from the start") {
     fracture::Fragments fragments = bar(3);
     fragments.bonds[0].b = 7;
     fragments.bonds[1].area = 0.0;
@@ -135,7 +135,7 @@ TEST_CASE("bonded pieces are one body with the mass and inertia of the whole") {
     }
 }
 
-TEST_CASE("a thousand fresh bonded pieces in empty space do not move, nor when all their bonds are cut") {
+TEST_CASE("a thousand bonded pieces in empty space stay at rest, also when all bonds are cut") {
     WorldSettings settings = empty_space;
     settings.max_colliding = 0;
     World world(settings);
@@ -157,14 +157,15 @@ TEST_CASE("a thousand fresh bonded pieces in empty space do not move, nor when a
     for (size_t i = 0; i < before.size(); ++i) CHECK(glm::length(after[i].position - before[i].position) < 1e-6f);
 }
 
-TEST_CASE("pieces of what comes apart in the air have no contacts with each other while they fly as one, on the ground "
-          "they do") {
+TEST_CASE(
+    "islands of a body that splits in the air have no mutual contacts while they fly in formation, and have them on "
+    "the ground") {
     const fracture::Fragments fragments = broken_box(200, 3);
     for (const bool flies : {true, false}) {
         CAPTURE(flies);
         World world({.air_density = 0.0f});
         StructureDesc desc;
-        desc.motion.placement.position.y = flies ? 5.0f : 0.51f; // of a cube around the origin
+        desc.motion.placement.position.y = flies ? 5.0f : 0.51f; // the cube is centred at the origin
         desc.motion.linear_velocity = flies ? glm::vec3(3.0f, 1.0f, 0.0f) : glm::vec3(0.0f);
         Structure structure = must_create(world, fragments, desc);
         world.step();
@@ -190,7 +191,7 @@ TEST_CASE("pieces of what comes apart in the air have no contacts with each othe
     }
 }
 
-TEST_CASE("a bar cut in the middle is two, where they were, and a saw cuts as a list does") {
+TEST_CASE("a bar cut in the middle becomes two bodies in place, by a list of bonds or by a saw") {
     for (const bool saw : {false, true}) {
         World world(empty_space);
         const fracture::Fragments fragments = bar(6);
@@ -219,7 +220,7 @@ TEST_CASE("a bar cut in the middle is two, where they were, and a saw cuts as a 
     }
 }
 
-TEST_CASE("momentum and angular momentum are kept across a hundred random sequences of breaks") {
+TEST_CASE("a hundred random sequences of breaks conserve momentum and angular momentum") {
     double worst = 0.0, worst_turn = 0.0;
     for (uint64_t seed = 1; seed <= 100; ++seed) {
         test::Random random(seed);
@@ -254,7 +255,7 @@ TEST_CASE("momentum and angular momentum are kept across a hundred random sequen
     CHECK(worst_turn < 1e-4);
 }
 
-TEST_CASE("what is anchored stays, what is cut off from it falls, and it falls when it is let go") {
+TEST_CASE("anchored pieces stay, pieces cut off from them fall, and released pieces fall") {
     World world;
     const fracture::Fragments fragments = bar(5);
     const Pose placement{{0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}};
@@ -282,7 +283,7 @@ TEST_CASE("what is anchored stays, what is cut off from it falls, and it falls w
     CHECK(world.body_count() >= 2);
 }
 
-TEST_CASE("damage is full at the point, falls off to nothing at the radius, and adds up") {
+TEST_CASE("damage is full at the point, decreases to zero at the radius, and accumulates") {
     World world(empty_space);
     const fracture::Fragments fragments = bar(9);
     Structure structure = must_create(world, fragments, {.motion = {.placement = {{5.0f, 0.0f, 0.0f}, {1, 0, 0, 0}}}});
@@ -299,8 +300,9 @@ TEST_CASE("damage is full at the point, falls off to nothing at the radius, and 
     CHECK(world.body_count() == 3);
 }
 
-TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it") {
-    // Blocks of 0.1: a bond bears 0.01 m^2 * toughness, 1 N s, however strong it is where it is only pressed.
+TEST_CASE("a blow breaks out the piece that it hits, and a harder blow also the pieces behind") {
+    // A bond of 0.01 m^2 bears 1 N s in tension and shear, and in compression too, as the tensile strength is the
+    // smaller.
     const Material material{.tensile = 1e6f, .compressive = 1e7f, .shear = 1e6f, .fracture_energy = 1e-3f};
     for (const auto& [impulse, broken] : {std::pair(0.05f, 0u), {1.5f, 0u}, {2.5f, 2u}, {9.0f, 4u}}) {
         World world(empty_space);
@@ -313,14 +315,14 @@ TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it
     }
     World world(empty_space);
     Structure structure = must_create(world, bar(7), {.material = material});
-    structure.blow(world, 3, {1.0f, 0.0f, 0.0f}); // pulls at one bond and presses the other
+    structure.blow(world, 3, {1.0f, 0.0f, 0.0f}); // tension in one bond, compression in the other
     CHECK(structure.graph().bonds()[2].health == doctest::Approx(0.5));
     CHECK(structure.graph().bonds()[3].health == doctest::Approx(0.5));
     structure.blow(world, 0, {-0.8f, 0.0f, 0.0f});
     CHECK(structure.graph().bonds()[0].health == doctest::Approx(0.2));
-    structure.blow(world, 6, {-0.09f, 0.0f, 0.0f}); // less than a tenth of what it bears
+    structure.blow(world, 6, {-0.09f, 0.0f, 0.0f}); // less than a tenth of the bond's strength
     CHECK(structure.graph().bonds()[5].health == 1.0);
-    // What is weaker pressed than pulled.
+    // A material that is weaker in compression than in tension.
     Material soft = material;
     soft.compressive = 5e5f;
     World other(empty_space);
@@ -331,8 +333,9 @@ TEST_CASE("a blow breaks out the piece it hits, and a harder one those behind it
     CHECK(presses.graph().bonds()[5].health == doctest::Approx(0.75));
 }
 
-TEST_CASE("no more bonds break of a blow than its energy pays for, and weak ones that cost much hold longer") {
-    // Each blow has 800 J, as of a kilogram, and impulse for the whole bar. A bond costs 0.01 m^2 * the fracture energy.
+TEST_CASE("a blow breaks no more bonds than its energy pays for, so weak but tough bonds hold longer") {
+    // Each blow has 800 J (a striker of 1 kg) and impulse enough for the whole bar. A bond costs 0.01 m^2 * fracture
+    // energy.
     for (const auto& [fracture_energy, broken, left] :
          {std::tuple(1e3f, 6u, 0.0), {1.9e4f, 4u, 0.0}, {5e4f, 0u, 0.2}, {5e5f, 0u, 0.92}}) {
         CAPTURE(fracture_energy);
@@ -351,8 +354,8 @@ TEST_CASE("no more bonds break of a blow than its energy pays for, and weak ones
     }
 }
 
-TEST_CASE("a blow that the bonds use up does not break the piece as well") {
-    // The ball has 200 J; the four bonds of the piece that it hits cost so much together.
+TEST_CASE("a blow whose energy the bonds absorb is no Impact on the piece") {
+    // The ball has 200 J. `costs` is the energy, J, that breaks the four bonds of the piece that it hits.
     for (const auto& [costs, told] : {std::pair(2000.0f, false), {2.0f, true}}) {
         World world(empty_space);
         const fracture::Fragments pane = test::bonded_grid({-0.5, -0.5, -0.01}, {0.5, 0.5, 0.01}, 5, 5, 1);
@@ -374,7 +377,7 @@ TEST_CASE("a blow that the bonds use up does not break the piece as well") {
     }
 }
 
-TEST_CASE("a ball breaks a piece out of a pane and flies on, momentum is kept") {
+TEST_CASE("a ball breaks a piece out of a pane and flies on, and momentum is conserved") {
     for (const bool anchored : {false, true}) {
         World world(empty_space);
         const fracture::Fragments pane = test::bonded_grid({-0.5, -0.5, -0.01}, {0.5, 0.5, 0.01}, 5, 5, 1);
@@ -402,7 +405,7 @@ TEST_CASE("a ball breaks a piece out of a pane and flies on, momentum is kept") 
         CAPTURE(anchored);
         CHECK(broken >= 4);
         CHECK(impacts >= 1);
-        // The piece of 2 kg takes its share; the ball of 4 kg goes on through where it was.
+        // The piece of 2 kg takes a share of the momentum; the ball of 4 kg flies on through the gap.
         CHECK(world.linear_velocity(flying).z < -2.0f);
         CHECK(world.pose(flying).position.z < -0.1f);
         CHECK(world.linear_velocity(structure.body_of(12)).z < -2.0f);
@@ -411,12 +414,12 @@ TEST_CASE("a ball breaks a piece out of a pane and flies on, momentum is kept") 
             CHECK(std::abs(world.pose(structure.body_of(0)).position.z) < 1e-6f);
         } else {
             CHECK(off(after.momentum, before.momentum) < 1e-4);
-            CHECK(glm::length(after.angular_momentum - before.angular_momentum) < 3e-2); // Bullet's repair of overlaps
+            CHECK(glm::length(after.angular_momentum - before.angular_momentum) < 3e-2); // from overlap correction
         }
     }
 }
 
-TEST_CASE("a fresh structure that falls flat breaks, one that rests does not wear away") {
+TEST_CASE("a structure that falls breaks, and one at rest does not wear") {
     World world;
     const Material weak{.tensile = 2e5f};
     Structure resting = must_create(
@@ -432,7 +435,7 @@ TEST_CASE("a fresh structure that falls flat breaks, one that rests does not wea
 
 namespace {
 
-// Four columns of blocks of 0.2 under the corners of a slab of a metre.
+// A slab of 1 m x 1 m on four columns of cubes of 0.2 m under its corners.
 struct Table {
     fracture::Fragments fragments;
     std::vector<uint32_t> second_blocks; // of the columns at x = 0
@@ -472,7 +475,7 @@ struct Table {
 
 } // namespace
 
-TEST_CASE("a table stands for ten seconds, and comes down within one when two of its columns lose a block") {
+TEST_CASE("a table stands for ten seconds, and falls within one second when two of its columns lose a block") {
     const Table table;
     World world;
     Structure structure = must_create(
@@ -484,7 +487,7 @@ TEST_CASE("a table stands for ten seconds, and comes down within one when two of
     CHECK(world.body_count() == 1);
     double worst = 0.0;
     for (const double ratio : structure.wear().ratios()) worst = std::max(worst, ratio);
-    MESSAGE("the worst bond of the table carries ", worst, " of what it bears");
+    MESSAGE("the highest load ratio of the table is ", worst);
     CHECK(worst > 0.1);
     CHECK(worst < 1.0);
     for (const uint32_t block : table.second_blocks) {
@@ -502,7 +505,7 @@ TEST_CASE("a table stands for ten seconds, and comes down within one when two of
     CHECK(step < 120);
 }
 
-TEST_CASE("a load that is set down breaks a cantilever, and a lighter one does not") {
+TEST_CASE("a heavy resting load breaks a cantilever, and a light one does not") {
     for (const float mass : {20.0f, 1000.0f}) {
         World world;
         const fracture::Fragments fragments = bar(6);
@@ -516,7 +519,7 @@ TEST_CASE("a load that is set down breaks a cantilever, and a lighter one does n
             world.step();
             broken += structure.update(world).broken.size();
             if (i == 300 && mass < 100.0f) {
-                // 20 kg at 0.35 m from the bond at the wall, and five blocks of 2.4 kg at 0.25 m.
+                // About the bond at the wall: 20 kg at 0.35 m and five blocks of 2.4 kg at 0.25 m.
                 const double moment = 9.81 * (20.0 * 0.35 + 12.0 * 0.25);
                 const double ratio = moment * 7.0898 / 0.001 / (3e6 / 3.0);
                 CHECK(structure.wear().ratios()[0] == doctest::Approx(ratio).epsilon(0.1));
@@ -528,7 +531,7 @@ TEST_CASE("a load that is set down breaks a cantilever, and a lighter one does n
     }
 }
 
-TEST_CASE("two cubes that break on each other and on the ground gain no energy from it, and come to rest") {
+TEST_CASE("two cubes that break on each other and on the ground gain no energy") {
     for (uint64_t seed = 3; seed < 9; ++seed) {
         RunLog log("two cubes of a hundred pieces, seed " + std::to_string(seed));
         INFO(log);
@@ -552,10 +555,11 @@ TEST_CASE("two cubes that break on each other and on the ground gain no energy f
             energy.look(world);
             rise_of_break = std::max(rise_of_break, energy.last - std::max(moved, before));
         }
-        MESSAGE("energy rose by ", energy.risen / energy.start, " of the start in all, above the least before by ",
-                energy.max_above_min / energy.start, ", where something breaks by ", rise_of_break / energy.start);
+        MESSAGE("energy, as a share of its start: sum of all rises ", energy.risen / energy.start,
+                ", highest above an earlier minimum ", energy.max_above_min / energy.start,
+                ", highest rise in a break ", rise_of_break / energy.start);
         CHECK(rise_of_break < 1e-6 * energy.start);
-        // What the solver's sweeps leave over; set after seeing 4.5e-4 above the least, 9.5e-4 in all.
+        // Bounds on solver residuals; observed were 4.5e-4 above the minimum and 9.5e-4 in all.
         CHECK(energy.steepest < 1e-3 * energy.start);
         CHECK(energy.max_above_min < 2e-3 * energy.start);
         CHECK(energy.risen < 4e-3 * energy.start);
@@ -564,7 +568,7 @@ TEST_CASE("two cubes that break on each other and on the ground gain no energy f
     }
 }
 
-TEST_CASE("a body that came off can be taken out with all its pieces, and what holds goes on") {
+TEST_CASE("a body that came off can be removed with all its pieces while the anchored rest goes on") {
     World world;
     Structure structure =
         must_create(world, bar(7), {.motion = {.placement = {{0.0f, 0.3f, 0.0f}}}, .anchored = {0, 6}});
@@ -582,7 +586,7 @@ TEST_CASE("a body that came off can be taken out with all its pieces, and what h
         structure.update(world);
         world.step();
     }
-    structure.remove_body(world, 4); // between the blow and when it is taken up
+    structure.remove_body(world, 4); // after the blow, before update() sees it
     CHECK(world.body_count() == 3);
     CHECK(structure.bodies().size() == 2);
     CHECK(structure.graph().live_count() == 2);
@@ -607,7 +611,7 @@ TEST_CASE("a body that came off can be taken out with all its pieces, and what h
     CHECK(world.body_count() == 3);
 }
 
-TEST_CASE("a piece can be taken out, and what it is cut into goes on as it did") {
+TEST_CASE("a piece can be taken out, and the parts that it is cut into continue its motion") {
     World world(empty_space);
     const fracture::Fragments fragments = bar(3);
     const PlacedMotion motion{.placement = {{1.0f, 0.5f, 0.0f}, glm::angleAxis(0.7f, glm::vec3(0.0f, 1.0f, 0.0f))},
@@ -626,7 +630,7 @@ TEST_CASE("a piece can be taken out, and what it is cut into goes on as it did")
     CHECK(world.body_count() == 2);
     CHECK(structure.body_of(1) == BodyId{});
     CHECK_FALSE(structure.take_piece(world, 1).has_value());
-    // The middle block in four, in the same coordinates.
+    // The middle block cut in four, in the coordinates of the fragments.
     const fracture::Fragments parts = test::bonded_grid({0.1, 0.0, 0.0}, {0.2, 0.1, 0.1}, 1, 2, 2);
     Structure crumbs = must_create(world, parts, {.motion = *taken});
     const Mechanics after = world.mechanics();
@@ -637,7 +641,7 @@ TEST_CASE("a piece can be taken out, and what it is cut into goes on as it did")
     CHECK(world.body_count() == 1);
 }
 
-TEST_CASE("bodies that are taken out of the world are gone, and nothing minds") {
+TEST_CASE("a structure survives the removal of its bodies from the world") {
     World world;
     Structure structure = must_create(world, bar(4), {.motion = {.placement = {{0, 1, 0}, {1, 0, 0, 0}}}});
     structure.break_bonds(std::array{1u});
@@ -658,7 +662,7 @@ TEST_CASE("bodies that are taken out of the world are gone, and nothing minds") 
     CHECK(there.empty());
 }
 
-TEST_CASE("the same breaks give the same state again") {
+TEST_CASE("equal breaks reproduce equal states") {
     const auto play = [](World& world) {
         const fracture::Fragments fragments = broken_box(60, 9);
         Structure structure = must_create(

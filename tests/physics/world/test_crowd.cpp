@@ -1,4 +1,4 @@
-// Debris by number: who it is, and what becomes of it.
+// Debris because of too many colliding bodies: the choice, and its effects.
 #include "physics/world/crowd.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ using Flags = std::vector<uint8_t>;
 constexpr size_t no_limit = std::numeric_limits<size_t>::max();
 constexpr float half = block_half;
 
-// By looking at each body.
+// Compares the world's counts with a count over all bodies.
 void check_counts(const World& world) {
     size_t awake = 0, colliding = 0;
     for (const BodyId id : world.bodies()) {
@@ -55,7 +55,7 @@ std::vector<BodyId> must_add_pieces(World& world, const fracture::Fragments& fra
     return *bodies;
 }
 
-// Indices by volume, the largest first, those that are equal as they come.
+// Returns indices by descending volume; equal volumes keep their order.
 std::vector<size_t> by_volume(const fracture::Fragments& fragments) {
     std::vector<size_t> order(fragments.pieces.size());
     std::iota(order.begin(), order.end(), size_t{0});
@@ -72,13 +72,13 @@ void strike_top(const World& world, Destruction& destruction, PieceId piece, dou
 
 } // namespace
 
-TEST_CASE("crowd: nobody is debris of a batch that is empty, or has room") {
+TEST_CASE("crowd: a batch that is empty or has room contains no debris") {
     for (const size_t room : {size_t{0}, size_t{1}, no_limit}) CHECK(crowded_out({}, room).empty());
     const std::vector<Newcomer> three{{.size = 1.0}, {.size = 3.0}, {.size = 2.0}};
     for (const size_t room : {size_t{3}, size_t{4}, no_limit}) CHECK(crowded_out(three, room) == Flags{0, 0, 0});
 }
 
-TEST_CASE("crowd: the smallest are debris, of equal ones the last, and never the largest") {
+TEST_CASE("crowd: the smallest bodies are debris, the last among equals, and never the largest") {
     const std::vector<Newcomer> three{{.size = 1.0}, {.size = 3.0}, {.size = 2.0}};
     CHECK(crowded_out(three, 2) == Flags{1, 0, 0});
     CHECK(crowded_out(three, 1) == Flags{1, 0, 1});
@@ -93,7 +93,7 @@ TEST_CASE("crowd: the smallest are debris, of equal ones the last, and never the
         CHECK(crowded_out(std::vector<Newcomer>{{.size = size}}, 0) == Flags{0});
 }
 
-TEST_CASE("crowd: sizes that are none are the smallest") {
+TEST_CASE("crowd: NaN and negative sizes count as the smallest") {
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
     const std::vector<Newcomer> batch{{.size = nan}, {.size = -infinity}, {.size = 1e-300},
                                       {.size = 0.0}, {.size = infinity},  {.size = nan}};
@@ -101,16 +101,16 @@ TEST_CASE("crowd: sizes that are none are the smallest") {
     CHECK(crowded_out(batch, 3) == Flags{0, 1, 0, 1, 0, 1});
 }
 
-TEST_CASE("crowd: what is fixed takes no room, what is bonded takes it first") {
+TEST_CASE("crowd: fixed bodies take no room, and bonded ones take it first") {
     CHECK(crowded_out(std::vector<Newcomer>(5, {.size = 1.0, .fixed = true}), 0) == Flags(5, 0));
     CHECK(crowded_out(std::vector<Newcomer>(5, {.size = 1.0, .bonded = true}), 0) == Flags(5, 0));
-    // The largest is held: all else may be debris.
+    // The largest is fixed: all others may be debris.
     const std::vector<Newcomer> held{
         {.size = 1.0}, {.size = 9.0, .fixed = true}, {.size = 2.0}, {.size = 1.0, .fixed = true}};
     CHECK(crowded_out(held, 0) == Flags{1, 0, 1, 0});
     CHECK(crowded_out(held, 1) == Flags{1, 0, 0, 0});
     CHECK(crowded_out(held, 2) == Flags{0, 0, 0, 0});
-    // What is held is smaller than what comes off: that is what is left.
+    // The fixed body is smaller than a free one, which collides as the largest.
     const std::vector<Newcomer> crumb_held{{.size = 1.0, .fixed = true}, {.size = 9.0}, {.size = 2.0}};
     CHECK(crowded_out(crumb_held, 0) == Flags{0, 0, 1});
     const std::vector<Newcomer> bonded{
@@ -120,11 +120,11 @@ TEST_CASE("crowd: what is fixed takes no room, what is bonded takes it first") {
     CHECK(crowded_out(bonded, 0) == Flags{1, 0, 0, 0});
 }
 
-TEST_CASE("crowd: of a random batch exactly those collide that have fewer before them than there is room") {
+TEST_CASE("crowd: in a random batch the largest bodies collide, as many as there is room for") {
     test::Random random(3);
     for (int trial = 0; trial < 200; ++trial) {
         std::vector<Newcomer> batch(static_cast<size_t>(random.uniform(1.0, 40.0)));
-        for (Newcomer& one : batch) one.size = std::floor(random.uniform(0.0, 10.0)); // many are equal
+        for (Newcomer& one : batch) one.size = std::floor(random.uniform(0.0, 10.0)); // many equal sizes
         const auto room = static_cast<size_t>(random.uniform(0.0, 45.0));
         const Flags debris = crowded_out(batch, room);
         for (size_t i = 0; i < batch.size(); ++i) {
@@ -136,7 +136,7 @@ TEST_CASE("crowd: of a random batch exactly those collide that have fewer before
     }
 }
 
-TEST_CASE("crowd: room is what is left of the limit, and without a limit there is always some") {
+TEST_CASE("crowd: room is the rest of the limit, and unbounded without a limit") {
     World world({.max_colliding = 3}), unlimited({.max_colliding = 0});
     for (World* one : {&world, &unlimited}) {
         BodyDesc fixed = block({0.0f, 0.0f, 9.0f});
@@ -145,7 +145,7 @@ TEST_CASE("crowd: room is what is left of the limit, and without a limit there i
         must_add(*one, block({0.0f, 1.0f, 9.0f}, true));
     }
     CHECK(room_in(world) == 3);
-    for (const size_t left : {2u, 1u, 0u, 0u}) { // who adds one by one is not asked
+    for (const size_t left : {2u, 1u, 0u, 0u}) { // add_body() ignores the limit
         must_add(world, block({static_cast<float>(left), 1.0f, 0.0f}));
         must_add(unlimited, block({static_cast<float>(left), 1.0f, 0.0f}));
         CHECK(room_in(world) == left);
@@ -158,7 +158,7 @@ TEST_CASE("crowd: room is what is left of the limit, and without a limit there i
     CHECK(room_in(world) == 7);
 }
 
-TEST_CASE("crowd: the count of who collides is right after all that changes it") {
+TEST_CASE("crowd: the count of colliding bodies is right after every operation that changes it") {
     for (const bool sleeping : {true, false}) {
         World world({.debris_size = 0.03f, .sleeping = sleeping});
         CHECK(world.colliding_count() == 0);
@@ -201,7 +201,7 @@ TEST_CASE("crowd: the count of who collides is right after all that changes it")
     }
 }
 
-TEST_CASE("crowd: what debris meets grows with its number beyond twice the limit, and nowhere without one") {
+TEST_CASE("crowd: crowding() grows beyond twice the limit, and is 1 without a limit") {
     CHECK(crowding(0, 500) == 1.0f);
     CHECK(crowding(1000, 500) == 1.0f);
     CHECK(crowding(1001, 500) > 1.0f);
@@ -214,7 +214,7 @@ TEST_CASE("crowd: what debris meets grows with its number beyond twice the limit
     for (size_t debris = 1; debris < 3000; ++debris) CHECK(crowding(debris, 500) >= crowding(debris - 1, 500));
 }
 
-TEST_CASE("crowd: of fifteen hundred pieces that come at once the five hundred largest collide") {
+TEST_CASE("crowd: of fifteen hundred pieces that are added at once the five hundred largest collide") {
     const fracture::TriangleMesh cube = fracture::cube(2.0);
     const auto broken = fracture::fracture(cube, fracture::uniform_sites(fracture::bounds(cube), 1500, 4));
     REQUIRE(broken.has_value());
@@ -225,7 +225,7 @@ TEST_CASE("crowd: of fifteen hundred pieces that come at once the five hundred l
     CHECK(world.colliding_count() == 500);
     const std::vector<size_t> order = by_volume(fragments);
     for (size_t i = 0; i < order.size(); ++i) CHECK(world.debris(bodies[order[i]]) == (i >= 500));
-    // All of the next are debris but the largest.
+    // Of the next batch all but the largest are debris.
     const std::vector<BodyId> more = must_add_pieces(world, fragments);
     CHECK(world.colliding_count() == 501);
     CHECK_FALSE(world.debris(more[order[0]]));
@@ -236,7 +236,7 @@ TEST_CASE("crowd: of fifteen hundred pieces that come at once the five hundred l
     CHECK(debris_count(unlimited) == 0);
 }
 
-TEST_CASE("crowd: what sleeps gives room, and what was debris stays it") {
+TEST_CASE("crowd: sleeping bodies free room, and debris remains debris") {
     World world({.max_colliding = 6});
     const fracture::Fragments row = test::grid_pieces({0.0, 0.0, 0.0}, {0.8, 0.1, 0.1}, 8, 1, 1);
     const std::vector<BodyId> first = must_add_pieces(world, row);
@@ -251,21 +251,21 @@ TEST_CASE("crowd: what sleeps gives room, and what was debris stays it") {
     REQUIRE(second.has_value());
     for (const std::vector<BodyId>& bodies : {first, *second})
         for (size_t i = 0; i < 8; ++i) CHECK(world.debris(bodies[i]) == (i >= 6));
-    world.wake_all(); // more than enough may come to be awake
+    world.wake_all(); // waking may exceed the limit
     CHECK(world.colliding_count() == 12);
     CHECK(room_in(world) == 0);
 }
 
-TEST_CASE("crowd: pieces that are refused leave the count as it was") {
+TEST_CASE("crowd: refused pieces leave the count unchanged") {
     World world;
     fracture::Fragments bad = test::grid_pieces(glm::dvec3(0.0), glm::dvec3(1.0), 2, 2, 2);
-    bad.pieces[5].mass.centre_of_mass.x = 1e300; // no place for a body in single precision
+    bad.pieces[5].mass.centre_of_mass.x = 1e300; // beyond single precision
     CHECK_FALSE(add_pieces(world, bad).has_value());
     CHECK(world.body_count() == 0);
     CHECK(world.colliding_count() == 0);
 }
 
-TEST_CASE("crowd: of what a blow cuts off the smallest are debris, not what is left of it") {
+TEST_CASE("crowd: the smallest parts of a struck piece are debris, and the largest part never") {
     const auto broken = [](uint32_t most, int others) {
         WorldSettings settings = empty_space;
         settings.max_colliding = most;
@@ -283,7 +283,7 @@ TEST_CASE("crowd: of what a blow cuts off the smallest are debris, not what is l
         std::ranges::sort(made, std::ranges::greater());
         size_t collide = 0;
         while (collide < made.size() && !made[collide].second) ++collide;
-        for (size_t i = collide; i < made.size(); ++i) CHECK(made[i].second); // all that are smaller
+        for (size_t i = collide; i < made.size(); ++i) CHECK(made[i].second); // all smaller parts
         CHECK(world.colliding_count() == collide + static_cast<size_t>(others));
         return std::pair(collide, made.size());
     };
@@ -294,7 +294,7 @@ TEST_CASE("crowd: of what a blow cuts off the smallest are debris, not what is l
     CHECK(all == made);
 }
 
-TEST_CASE("crowd: however often things break, no more collide than the limit has or did before") {
+TEST_CASE("crowd: repeated breaks never raise the number of colliding bodies above the limit or its start") {
     WorldSettings settings = empty_space;
     settings.max_colliding = 12;
     for (const int others : {0, 20}) {
@@ -324,7 +324,7 @@ TEST_CASE("crowd: however often things break, no more collide than the limit has
     }
 }
 
-TEST_CASE("crowd: of a held thing the part that is held is what is left of it") {
+TEST_CASE("crowd: when a held object breaks, the held part is the one that is no debris") {
     WorldSettings settings = empty_space;
     settings.max_colliding = 1;
     World world(settings);
@@ -347,7 +347,7 @@ TEST_CASE("crowd: of a held thing the part that is held is what is left of it") 
     CHECK(world.colliding_count() == 1);
 }
 
-TEST_CASE("crowd: single pieces that come off a structure are debris, several that are bonded never are") {
+TEST_CASE("crowd: single pieces that come off a structure are debris, and bonded groups never") {
     WorldSettings settings = empty_space;
     settings.max_colliding = 3;
     World world(settings);
@@ -355,7 +355,7 @@ TEST_CASE("crowd: single pieces that come off a structure are debris, several th
     Result<Structure> made = Structure::create(world, bar);
     REQUIRE(made.has_value());
     Structure& structure = *made;
-    const auto cut = [&](std::vector<uint32_t> bonds) { // between i and i + 1
+    const auto cut = [&](std::vector<uint32_t> bonds) { // bond i lies between pieces i and i + 1
         structure.break_bonds(bonds);
         structure.update(world);
     };
@@ -363,20 +363,20 @@ TEST_CASE("crowd: single pieces that come off a structure are debris, several th
     CHECK(world.colliding_count() == 1);
     cut({3, 4, 5}); // 0-3, 4, 5, 6-11
     CHECK(world.colliding_count() == 3);
-    CHECK(debris(4) != debris(5)); // there was room for one, and they are of the same size, up to rounding
+    CHECK(debris(4) != debris(5)); // room for one; their sizes are equal up to rounding
     cut({8});                      // 6-8, 9-11: both bonded
     CHECK(world.colliding_count() == 4);
     cut({0}); // 0, 1-3
     CHECK(debris(0));
     CHECK_FALSE(debris(1));
     CHECK(world.colliding_count() == 4);
-    cut({6, 7}); // 6, 7, 8: nothing is left but single ones, one of which stays for them
+    cut({6, 7}); // 6, 7, 8: three single pieces, the largest of which collides
     CHECK(debris(6) + debris(7) + debris(8) == 2);
     CHECK(world.colliding_count() == 4);
     CHECK(greatest_speed(world) == 0.0f);
 }
 
-TEST_CASE("crowd: a piece that its anchor lets go of is no debris, and what is held takes no room") {
+TEST_CASE("crowd: a piece whose anchor is released is no debris, and held pieces take no room") {
     WorldSettings settings = empty_space;
     settings.max_colliding = 1;
     World world(settings);
@@ -397,7 +397,7 @@ TEST_CASE("crowd: a piece that its anchor lets go of is no debris, and what is h
     CHECK(world.colliding_count() == 3);
 }
 
-TEST_CASE("crowd: a crowd that breaks repeats on any number of threads, and few pieces fall as without a limit") {
+TEST_CASE("crowd: breaks repeat on any number of threads, and below the limit the run equals one without a limit") {
     const auto story = [](WorldSettings settings) {
         World world(settings);
         Destruction destruction;
@@ -432,7 +432,7 @@ TEST_CASE("crowd: a crowd that breaks repeats on any number of threads, and few 
     CHECK(all.back() == 0);
 }
 
-TEST_CASE("crowd: a heap most of which is debris comes to rest on the ground, and a shelf holds what falls on it") {
+TEST_CASE("crowd: a heap of mostly debris comes to rest on the ground and on a fixed shelf") {
     World world({.max_colliding = 30});
     BodyDesc shelf = box({0.6f, 0.03f, 0.6f}, 1.0f, {0.3f, 0.5f, 0.0f});
     shelf.fixed = true;
@@ -451,7 +451,7 @@ TEST_CASE("crowd: a heap most of which is debris comes to rest on the ground, an
         CHECK(at.y > 0.0f);
         const glm::vec3 local = at - shelf.pose.position;
         CHECK_FALSE(
-            (std::abs(local.x) < 0.6f && std::abs(local.y) < 0.03f && std::abs(local.z) < 0.6f)); // in the shelf
+            (std::abs(local.x) < 0.6f && std::abs(local.y) < 0.03f && std::abs(local.z) < 0.6f)); // inside the shelf
         above += local.y > 0.0f;
     }
     CHECK(above > 30);

@@ -39,8 +39,8 @@ double support(std::span<const glm::dvec3> points, const glm::dvec3& direction) 
     return most;
 }
 
-// How far hull + margin reaches beyond the points, over many directions; negative where it stays inside. For
-// a convex set the support function in all directions decides containment.
+// Returns how far hull + margin reaches outside the points' hull over many directions, m; negative inside. The support
+// function decides containment of convex sets.
 double overreach(const CollisionHull& hull, const std::vector<glm::dvec3>& points, const glm::dvec3& origin) {
     double most = -std::numeric_limits<double>::infinity();
     test::Random random(77);
@@ -59,7 +59,7 @@ void check_usable(const CollisionHull& hull, size_t max_vertices) {
     CHECK(hull.margin > 0.0f);
     for (const glm::vec3& point : hull.points)
         CHECK((std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z)));
-    double volume = 0.0; // of the largest tetrahedron on the first point: not coplanar
+    double volume = 0.0; // of the largest tetrahedron at the first point; positive: not coplanar
     for (size_t i = 1; i < hull.points.size(); ++i)
         for (size_t j = 1; j < i; ++j)
             for (size_t k = 1; k < j; ++k) {
@@ -71,7 +71,7 @@ void check_usable(const CollisionHull& hull, size_t max_vertices) {
     CHECK(volume > 0.0);
 }
 
-// How far the points stick out of hull and margin at most, in many directions.
+// Returns how far the points reach outside hull + margin at most, over many directions, m.
 double deviation(const CollisionHull& hull, const std::vector<glm::dvec3>& points, const glm::dvec3& origin) {
     const std::vector<glm::dvec3> own(hull.points.begin(), hull.points.end());
     test::Random random(11);
@@ -140,7 +140,7 @@ TEST_CASE("the margin is bounded by its setting and by the size of the piece") {
     CHECK(margin_of(0.01, {.margin_fraction = 0.05f}) == doctest::Approx(0.001).epsilon(0.05).scale(0.0));
 }
 
-TEST_CASE("margins that leave nothing, or are nothing, are clamped") {
+TEST_CASE("margins that are zero or leave no core are clamped") {
     const auto points = vertices_of(test::box_polyhedron(glm::dvec3(-0.1), glm::dvec3(0.1)));
     for (const float fraction : {-1.0f, 0.0f, 0.5f, 100.0f}) {
         for (const float bound : {-1.0f, 0.0f, 1.0f}) {
@@ -152,7 +152,7 @@ TEST_CASE("margins that leave nothing, or are nothing, are clamped") {
     }
 }
 
-TEST_CASE("the edges of a cube are twelve, whatever the order of its points and however its faces are cut") {
+TEST_CASE("a cube has twelve edges, whatever the order of its points and the triangulation of its faces") {
     std::vector<glm::vec3> points;
     for (const glm::dvec3& point : vertices_of(test::box_polyhedron(glm::dvec3(-0.1), glm::dvec3(0.1))))
         points.push_back(glm::vec3(point)); // each corner three times
@@ -216,9 +216,9 @@ TEST_CASE("a sphere of two thousand points is reduced and loses little of its wi
     }
 }
 
-TEST_CASE("no corner of a piece sticks out far of its hull: what is below a floor that the hull stands on") {
-    // Of a ball 32 points leave no place farther than 23 degrees at best, 8 hundredths of its radius; one by one, each where
-    // most is left out, they come to 30 degrees and 13 hundredths (seen, then the bound was set).
+TEST_CASE("no corner of a piece reaches far outside its hull, below a floor on which the hull stands") {
+    // At best, 32 points cover a sphere within 23 degrees, a depth of 0.08 radii. The greedy choice was observed to
+    // reach 30 degrees and 0.13 radii, which set the bound.
     const std::vector<glm::dvec3> ball = sphere_points(2000, 0.5);
     CHECK(deviation(collision_hull(ball, glm::dvec3(0.0)), ball, glm::dvec3(0.0)) < 0.16 * 0.5);
     std::vector<double> shares;
@@ -239,13 +239,13 @@ TEST_CASE("no corner of a piece sticks out far of its hull: what is below a floo
     MESSAGE(shares.size(), " pieces: half below ", shares[shares.size() / 2],
             " of their diagonal, all but a twentieth below ", shares[shares.size() * 19 / 20], ", the worst ",
             shares.back());
-    // Set after seeing 0.006, 0.011 and 0.03; the points far from each other that were kept before gave 0.02, 0.04 and 0.07.
+    // Observed: 0.006, 0.011 and 0.03. Farthest-point sampling, the rejected alternative, gave 0.02, 0.04 and 0.07.
     CHECK(shares[shares.size() / 2] < 0.01);
     CHECK(shares[shares.size() * 19 / 20] < 0.02);
     CHECK(shares.back() < 0.05);
 }
 
-TEST_CASE("hulls made side by side are those made one by one, with any number of threads") {
+TEST_CASE("parallel hulls equal sequential ones for any number of threads") {
     const auto fragments = test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 60, 21);
     for (const uint32_t threads : {1u, 2u, 5u}) {
         const physics::PieceHulls hulls = physics::collision_hulls(fragments, {}, threads);
@@ -260,8 +260,8 @@ TEST_CASE("hulls made side by side are those made one by one, with any number of
     CHECK(physics::collision_hulls({}).empty());
 }
 
-TEST_CASE("of many points the hull keeps the corners, and crumbs have few") {
-    // A long box with a thousand points inside and on its sides: all eight corners stay, wherever they are in the list.
+TEST_CASE("the hull of many points keeps the corners, and crumbs get few vertices") {
+    // A long box with a thousand points inside and on its faces keeps all eight corners, wherever they are in the list.
     test::Random random(4);
     std::vector<glm::dvec3> points;
     const glm::dvec3 half(1.0, 0.2, 0.05);

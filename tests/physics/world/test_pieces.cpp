@@ -20,7 +20,7 @@ using namespace brittle::physics::test_bodies;
 
 namespace {
 
-constexpr float max_drift = 1e-6f; // m, of bodies that do not overlap; none was seen above 1e-16
+constexpr float max_drift = 1e-6f; // m, of bodies that do not overlap; at most 1e-16 was observed
 
 std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments, const Material& material = {},
                              const PlacedMotion& motion = {}) {
@@ -30,7 +30,7 @@ std::vector<BodyId> must_add(World& world, const fracture::Fragments& fragments,
     return *bodies;
 }
 
-// All meet, however small.
+// All bodies collide, however small.
 WorldSettings space_for_all() {
     WorldSettings settings = empty_space;
     settings.debris_size = 0.0f;
@@ -38,7 +38,7 @@ WorldSettings space_for_all() {
     return settings;
 }
 
-// Of pieces that are strangers to each other, since nobody looks at siblings that fly as one. Hulls are so many times as large as theirs.
+// Adds pieces without sibling numbers, as contacts of siblings in formation are not searched for. Hulls are scaled.
 Drift drift_of_strangers(const fracture::Fragments& fragments, float factor = 1.0f) {
     PieceHulls hulls = collision_hulls(fragments);
     if (factor != 1.0f)
@@ -55,7 +55,7 @@ Drift drift_of_strangers(const fracture::Fragments& fragments, float factor = 1.
     return drift(world, 10);
 }
 
-// Hulls of fresh pieces do not overlap, and those of a twentieth more would be found out.
+// Checks that new pieces do not overlap, and that the check would notice hulls enlarged by a twentieth.
 void check_that_they_stay(const fracture::Fragments& fragments) {
     World world(space_for_all());
     must_add(world, fragments);
@@ -66,7 +66,7 @@ void check_that_they_stay(const fracture::Fragments& fragments) {
     CHECK(drift_of_strangers(fragments, 1.05f).way > 100.0f * max_drift);
 }
 
-// The lowest vertex of any piece where its body stands now: the true shape, not the hull.
+// Returns the height of the lowest vertex of all pieces, of the meshes rather than the hulls.
 float lowest_vertex(const World& world, const fracture::Fragments& fragments, const std::vector<BodyId>& bodies) {
     float lowest = std::numeric_limits<float>::infinity();
     for (size_t i = 0; i < bodies.size(); ++i) {
@@ -86,7 +86,7 @@ TEST_CASE("no pieces give no bodies") {
     CHECK(must_add(world, fracture::Fragments{}).empty());
 }
 
-TEST_CASE("broken fragments are refused with the piece named, and nothing is added") {
+TEST_CASE("invalid fragments are refused, the piece is named, and nothing is added") {
     const fracture::Fragments good = test::grid_pieces(glm::dvec3(0.0), glm::dvec3(1.0), 2, 1, 1);
     World world;
     fracture::Fragments bad = good;
@@ -115,7 +115,7 @@ TEST_CASE("broken fragments are refused with the piece named, and nothing is add
     CHECK(world.body_count() == 0);
 }
 
-TEST_CASE("pieces without volume, needles, crumbs and giants live without a NaN") {
+TEST_CASE("pieces without volume, needles, crumbs and giants give no NaN") {
     for (const double size : {1e-4, 1e-2, 1.0, 1e3}) {
         std::vector<test::Polyhedron> shapes{
             test::box_polyhedron({0, 2, 0}, {1, 2.000001, 1}), // a flake
@@ -148,7 +148,7 @@ TEST_CASE("pieces without volume, needles, crumbs and giants live without a NaN"
     }
 }
 
-TEST_CASE("mass and inertia are those of the closed forms") {
+TEST_CASE("mass and inertia equal the closed forms") {
     // A box with sides 0.2, 0.4, 0.6.
     World world(empty_space);
     const auto boxes = test::fragments_of({test::box_polyhedron({1.0, 2.0, 3.0}, {1.2, 2.4, 3.6})});
@@ -161,7 +161,7 @@ TEST_CASE("mass and inertia are those of the closed forms") {
     for (int axis = 0; axis < 3; ++axis) {
         glm::vec3 arm(0.0f), push(0.0f);
         arm[(axis + 1) % 3] = 1.0f;
-        push[(axis + 2) % 3] = 1.0f; // a couple: torque of 2 about the axis, no force
+        push[(axis + 2) % 3] = 1.0f; // a couple: torque of 2 about the axis without force
         const glm::vec3 before = world.angular_velocity(body[0]);
         world.apply_impulse(body[0], push, arm);
         world.apply_impulse(body[0], -push, -arm);
@@ -171,7 +171,7 @@ TEST_CASE("mass and inertia are those of the closed forms") {
               == doctest::Approx(2.0 / moment).epsilon(1e-5).scale(0.0));
     }
 
-    // A sphere of 64 x 128 faces: 2/5 m r^2, to the error of the faceting.
+    // A sphere of 64 x 128 faces: 2/5 m r^2 up to the error of the facets.
     test::Polyhedron sphere;
     const int rings = 64, segments = 128;
     const auto at = [&](int ring, int segment) {
@@ -197,7 +197,7 @@ TEST_CASE("pieces inherit the motion of the solid that broke") {
     motion.linear_velocity = {0.5f, 0.0f, -1.0f};
     motion.angular_velocity = {0.3f, 2.0f, 0.1f};
     const std::vector<BodyId> bodies = must_add(world, fragments, {.density = 1000.0f}, motion);
-    // A unit cube of 1000 kg: momentum m v, spin energy and momentum of the whole.
+    // A unit cube of 1000 kg: momentum m v, and the rotational energy and angular momentum of the whole.
     const Mechanics sum = world.mechanics();
     CHECK(glm::length(sum.momentum - 1000.0 * glm::dvec3(motion.linear_velocity)) < 1e-2);
     const glm::dvec3 orbital =
@@ -231,8 +231,8 @@ TEST_CASE("pieces do not push apart at birth") {
     }
 }
 
-TEST_CASE("a hull that were not shrunk would push its neighbours apart") {
-    // Two margins are enough: by so much the same grid with hulls at full size overlaps.
+TEST_CASE("hulls that are not shrunk push their neighbours apart") {
+    // With hulls at full size the grid overlaps by two margins, which suffices.
     const auto fragments = test::grid_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 2, 2, 2);
     World world(empty_space);
     for (const fracture::Piece& piece : fragments.pieces) {
@@ -283,14 +283,14 @@ TEST_CASE("a cube of a hundred pieces falls, rests on the ground and falls aslee
                             << energy.max_above_min / energy.start);
     CHECK(asleep_after > 0.0f);
     CHECK(all_finite(world));
-    CHECK(energy.risen < 1e-4 * energy.start);         // set after seeing 1.9e-5
-    CHECK(energy.max_above_min < 5e-5 * energy.start); // and 1.1e-5
-    CHECK(lowest > -0.06f);                            // one step at the speed of the fall
+    CHECK(energy.risen < 1e-4 * energy.start);         // observed: 1.9e-5
+    CHECK(energy.max_above_min < 5e-5 * energy.start); // observed: 1.1e-5
+    CHECK(lowest > -0.06f);                            // one step at the impact speed
     CHECK(lowest_vertex(world, fragments, bodies) > -5e-3f);
     CHECK(lowest_vertex(world, fragments, bodies) < 5e-3f);
 }
 
-TEST_CASE("pieces of solids that are not convex stay where they are born") {
+TEST_CASE("pieces of non-convex solids stay where they are born") {
     for (const char* name : {"animal", "torus_knot", "hollow_sphere"}) {
         CAPTURE(name);
         const fracture::TriangleMesh mesh = *fracture::shape(name);
@@ -314,7 +314,7 @@ TEST_CASE("splinters dropped from two metres do not go through the ground") {
     }
 }
 
-TEST_CASE("hulls made ahead give the same world, and a wrong number of them none") {
+TEST_CASE("precomputed hulls give an equal world, and a wrong number of them is refused") {
     const auto fragments = test::voronoi_pieces({-0.25, 0.5, -0.25}, {0.25, 1.0, 0.25}, 30, 8);
     PieceHulls hulls = collision_hulls(fragments, {}, 1);
     World plain, ahead;
@@ -334,8 +334,9 @@ TEST_CASE("hulls made ahead give the same world, and a wrong number of them none
     CHECK(empty.body_count() == 0);
 }
 
-TEST_CASE("forms made ahead give the same world, and a wrong number of them none") {
-    const auto fragments = test::voronoi_pieces({-0.25, 0.5, -0.25}, {0.25, 1.0, 0.25}, 150, 8); // on several threads
+TEST_CASE("precomputed forms give an equal world, and a wrong number of them is refused") {
+    const auto fragments =
+        test::voronoi_pieces({-0.25, 0.5, -0.25}, {0.25, 1.0, 0.25}, 150, 8); // enough for several threads
     const PieceHulls hulls = collision_hulls(fragments, {}, 1);
     World now, ahead, empty;
     Result<PieceForms> forms = piece_forms(fragments, {}, hulls, 2);
@@ -357,11 +358,11 @@ TEST_CASE("forms made ahead give the same world, and a wrong number of them none
     CHECK(empty.body_count() == 0);
 }
 
-TEST_CASE("a thousand fresh pieces in empty space stay where they are") {
+TEST_CASE("a thousand new pieces in empty space stay where they are") {
     check_that_they_stay(test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 1000, 6));
 }
 
-TEST_CASE("the same fracture falls the same way twice") {
+TEST_CASE("two runs of one fracture give equal states") {
     const auto play = [] {
         World world;
         must_add(world, test::voronoi_pieces({-0.25, 0.5, -0.25}, {0.25, 1.0, 0.25}, 60, 8));
