@@ -10,6 +10,12 @@ namespace brittle::physics {
 
 using fracture::PatternKind;
 
+Material scale_strength(const Material& material, float factor) {
+    Material scaled = material;
+    for (float* strength : {&scaled.tensile, &scaled.compressive, &scaled.shear}) *strength *= factor;
+    return scaled;
+}
+
 std::string fault_of(const Material& material) {
     std::ostringstream text;
     if (!(material.density > 0.0f) || !std::isfinite(material.density))
@@ -25,7 +31,7 @@ std::string fault_of(const Material& material) {
 
 std::span<const MaterialPreset> material_presets() {
     static const std::array presets = {
-        // Shards around the point of impact, through the pane.
+        // Rings of shards around the point of impact, each as deep as the pane.
         MaterialPreset{"glass",
                        {2500.0f, 0.5f, 0.3f, 40e6f, 1000e6f, 40e6f, 5e2f},
                        {.kind = PatternKind::radial, .jitter = 0.5, .axis = {0.0, 0.0, 1.0}},
@@ -36,7 +42,7 @@ std::span<const MaterialPreset> material_presets() {
                        {.kind = PatternKind::uniform},
                        {0.62f, 0.60f, 0.56f},
                        {0.45f, 0.32f, 0.23f}},
-        // Crumbles where it is hit, large lumps elsewhere.
+        // Crumbs at the point of impact, large lumps elsewhere.
         MaterialPreset{"concrete",
                        {2400.0f, 0.8f, 0.15f, 3e6f, 30e6f, 5e6f, 5e3f},
                        {.kind = PatternKind::clustered, .spread = 0.3},
@@ -47,13 +53,13 @@ std::span<const MaterialPreset> material_presets() {
                        {.kind = PatternKind::splinters, .slenderness = 8.0},
                        {0.36f, 0.20f, 0.09f},
                        {0.58f, 0.38f, 0.19f}},
-        // Thin walls give small sherds, thick ones large.
+        // Thin walls break into small sherds, thick walls into large ones.
         MaterialPreset{"ceramic",
                        {2300.0f, 0.5f, 0.25f, 30e6f, 400e6f, 35e6f, 1.5e3f},
                        {.kind = PatternKind::thickness},
                        {0.75f, 0.74f, 0.70f},
                        {0.55f, 0.22f, 0.10f}},
-        // Comes apart at its joints.
+        // Breaks along its joints.
         MaterialPreset{"brick",
                        {1900.0f, 0.7f, 0.15f, 1e6f, 12e6f, 1.5e6f, 1e3f},
                        {.kind = PatternKind::bricks},

@@ -1,4 +1,10 @@
-// What things are made of: how they move, how they break, and what they look like inside. One word gives a good result.
+// Materials: density, friction, strength and fracture energy, and presets that name a material with its fracture
+// pattern and its colours.
+//
+//     const MaterialPreset* stone = material_preset("stone");
+//     Material weathered = scale_strength(stone->material, flawed_strength);
+//
+// SI units. Plain data and pure functions, for any thread.
 #pragma once
 
 #include <span>
@@ -11,46 +17,56 @@
 
 namespace brittle::physics {
 
-// A blow breaks it where the impulse through an area exceeds strength * impact_seconds * area, and its energy pays for that
-// area; see toughness() and fracture_energy.
+// A blow breaks an area A of the material if its impulse through A exceeds strength * impact_seconds * A (toughness())
+// and its energy exceeds fracture_energy * A. The defaults are those of concrete.
 struct Material {
-    float density = 2400.0f; // kg/m^3; concrete
+    float density = 2400.0f; // kg/m^3
     float friction = 0.8f;
     float restitution = 0.2f;
-    float tensile = 3e6f;      // Pa; also what bending may pull at the outermost fibre
+    float tensile = 3e6f;      // Pa; also the limit of bending stress at the outermost fibre
     float compressive = 30e6f; // Pa
     float shear = 5e6f;        // Pa
-    // What a blow spends on one square metre of new surface, J/m^2: the fracture energy of handbooks times fifty, as in
-    // crushing about one part in fifty of the energy ends in new surface and the rest in heat and sound.
+    // J/m^2, the energy that a blow spends on new surface: fifty times the fracture energy of handbooks. In crushing,
+    // about one part in fifty of the energy becomes new surface; the rest becomes heat and sound.
     float fracture_energy = 5e3f;
 };
 
-// How long a blow between hard bodies of a kilogram lasts, s: about that of Hertz's contact of stones at some metres
-// a second. For larger ones it grows with their size, so with the cube root of the mass that is stopped.
+// Duration of a blow between hard bodies of one kilogram, s: about the duration of Hertz's contact between stones at
+// some metres a second. The duration of a heavier blow grows with the size of the bodies, hence with the cube root of
+// the mass that is stopped.
 inline constexpr float impact_seconds = 1e-4f;
 
-// Impulse through one square metre that breaks the material, Pa s: its tensile strength for the time of a blow.
+// Strength of a real object against blows, as a share of its material's handbook strength. Handbooks measure small,
+// nearly flawless samples. The largest flaw decides the strength of a brittle body (Griffith, "The phenomena of rupture
+// and flow in solids", 1921), and a larger body holds larger flaws (Weibull, "A statistical theory of the strength of
+// materials", 1939). At full handbook strength, a stone arch turns back a ball of a quarter of a ton.
+inline constexpr float flawed_strength = 0.1f;
+
+// The material with its tensile, compressive and shear strength multiplied by `factor`. Its fracture energy stays.
+[[nodiscard]] Material scale_strength(const Material& material, float factor);
+
+// Impulse through one square metre that breaks the material, Pa s: the tensile strength for the duration of a blow.
 [[nodiscard]] constexpr float toughness(const Material& material) {
     return material.tensile * impact_seconds;
 }
 
-// What is wrong with a material's density or strengths, or an empty string. A world refuses wrong friction and
-// restitution itself.
+// Names the first density, strength or fracture energy that is not positive and finite; empty for a valid material. A
+// world checks friction and restitution itself.
 [[nodiscard]] std::string fault_of(const Material& material);
 
-// Density, friction, restitution and strengths are those of handbooks, rounded (annealed glass, granite, plain concrete,
-// softwood between along and across the grain, porcelain, clay bricks in mortar); colours are linear light.
+// Density, friction, restitution and strengths are rounded handbook values of annealed glass, granite, plain concrete,
+// softwood (between its values along and across the grain), porcelain, and clay bricks in mortar.
 struct MaterialPreset {
     std::string_view name;
     Material material;
-    fracture::Pattern pattern; // how it breaks: kind and shape, not count and seed
-    glm::vec3 exterior;
-    glm::vec3 interior;
+    fracture::Pattern pattern; // kind and shape; its count and seed are the caller's
+    glm::vec3 exterior;        // linear colour of the original surface
+    glm::vec3 interior;        // linear colour of fracture surfaces
 };
 
-// glass, stone, concrete, wood, ceramic, brick.
+// In this order: glass, stone, concrete, wood, ceramic, brick.
 [[nodiscard]] std::span<const MaterialPreset> material_presets();
-// Null where there is none of that name.
+// Null for an unknown name.
 [[nodiscard]] const MaterialPreset* material_preset(std::string_view name);
 
 } // namespace brittle::physics

@@ -24,10 +24,6 @@ namespace {
 using physics::BodyId;
 using physics::Pose;
 
-// Of the handbook strengths of flawless samples, what things have against blows: at full strength a stone
-// arch turns back a ball of a quarter of a ton.
-constexpr float flawed = 0.1f;
-
 // What is grabbed comes to the hand with this share of the distance a second, no harder than this, and stops
 // to swing.
 constexpr float grab_rate = 10.0f;          // 1/s; higher: stiffer
@@ -47,10 +43,8 @@ physics::Material plain_material(const physics::MaterialPreset* preset) {
 }
 
 physics::Material flawed_material(const physics::MaterialPreset* preset, const WorldOptions& options) {
-    physics::Material material = plain_material(preset);
-    for (float* strength : {&material.tensile, &material.compressive, &material.shear})
-        *strength *= flawed * static_cast<float>(options.strength);
-    return material;
+    return physics::scale_strength(plain_material(preset),
+                                   physics::flawed_strength * static_cast<float>(options.strength));
 }
 
 std::vector<physics::AnchorRegion> anchor_regions(const fracture::Fragments& fragments, const WorldOptions& options) {
@@ -69,7 +63,7 @@ std::vector<physics::AnchorRegion> anchor_regions(const fracture::Fragments& fra
 physics::StructureDesc structure_desc(const fracture::Fragments& fragments, const physics::MaterialPreset* preset,
                                       const WorldOptions& options) {
     physics::StructureDesc desc{.material = flawed_material(preset, options)};
-    desc.wear.strength_scale /= flawed;
+    desc.wear.strength_scale /= physics::flawed_strength; // it is a share of the handbook strength
     desc.anchored = physics::anchor_to(fragments, anchor_regions(fragments, options));
     return desc;
 }
@@ -78,7 +72,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
                                       const WorldOptions& options, const PieceLook& look) {
     physics::BreakableDesc desc;
     desc.solid.material = flawed_material(preset, options);
-    desc.solid.blocks.strength_scale /= flawed;
+    desc.solid.blocks.strength_scale /= physics::flawed_strength; // as WearSettings::strength_scale
     desc.solid.min_size = options.min_size;
     desc.solid.look = look;
     desc.pattern.seed = options.seed;
