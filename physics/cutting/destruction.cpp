@@ -44,7 +44,8 @@ Result<ObjectId> Destruction::add(World& world, const fracture::TriangleMesh& me
     return add(world, *whole, desc);
 }
 
-Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc) {
+Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload) {
+    if (!payload && desc.payload) payload = desc.payload(*whole);
     const ObjectId id{next_object_};
     objects_.emplace(id, Object{for_jobs(desc), nullptr, {}, 0});
     Live piece{.object = id,
@@ -53,7 +54,8 @@ Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableD
                .born = world.steps_taken()};
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity};
-    const Result<PieceId> added = add_piece(world, std::move(piece), motion, glm::dvec3(0.0), false);
+    const Result<PieceId> added =
+        add_piece(world, std::move(piece), std::move(payload), motion, glm::dvec3(0.0), false);
     if (!added) {
         objects_.erase(id);
         return added.error();
@@ -64,7 +66,8 @@ Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableD
 }
 
 Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
-                                  const BreakableDesc& pieces, std::span<const SolidPtr> solids) {
+                                  const BreakableDesc& pieces, std::span<const SolidPtr> solids,
+                                  std::vector<PayloadPtr> payloads) {
     std::vector<SolidPtr> own;
     if (solids.empty()) {
         Result<std::vector<SolidPtr>> made = solids_of(fragments, pieces.solid, false, pieces.solid.threads);
@@ -72,6 +75,8 @@ Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragm
         solids = own = std::move(*made);
     }
     assert(solids.size() == fragments.pieces.size());
+    if (payloads.empty()) payloads = payloads_of(solids, pieces.payload, pieces.solid.threads);
+    assert(payloads.size() == solids.size());
     StructureDesc desc = structure;
     if (desc.hulls.empty())
         for (const SolidPtr& solid : solids) desc.hulls.push_back(solid->parts[0].hull);
@@ -84,7 +89,8 @@ Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragm
     const uint64_t seed = seed_of(pieces.pattern.seed, id.value);
     for (uint32_t i = 0; i < fragments.pieces.size(); ++i)
         object.bonded.push_back(register_piece(
-            {.object = id, .solid = solids[i], .seed = seed_of(seed, i), .bonded = i, .born = world.steps_taken()}));
+            {.object = id, .solid = solids[i], .seed = seed_of(seed, i), .bonded = i, .born = world.steps_taken()},
+            std::move(payloads[i])));
     return id;
 }
 
@@ -145,17 +151,27 @@ BodyDesc Destruction::body_of(const SolidPiece& solid) {
     return body;
 }
 
-// On the job's thread. What cannot become a body is told by who adds it.
-void Destruction::make_forms(Broken& broken) {
-    for (const SolidPtr& solid : broken.pieces) {
-        const Result<std::shared_ptr<const BodyForm>> form = make_form(body_of(*solid));
-        broken.forms.push_back(form ? *form : nullptr);
+// Runs on the job's thread. A solid that cannot become a body is reported by add_piece().
+Destruction::Broken Destruction::broken_into(Result<std::vector<SolidPtr>> pieces, const PayloadMaker& payload) {
+    Broken broken;
+    if (!pieces) {
+        broken.failure = pieces.error().message;
+        return broken;
     }
+    if (pieces->size() < 2) return broken;
+    for (SolidPtr& solid : *pieces) {
+        Made& made = broken.pieces.emplace_back();
+        if (const Result<std::shared_ptr<const BodyForm>> form = make_form(body_of(*solid))) made.form = *form;
+        if (payload) made.payload = payload(*solid);
+        made.solid = std::move(solid);
+    }
+    return broken;
 }
 
 // The motion is of the point `from`, in the coordinates of the object.
-Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from,
-                                       bool debris, const std::shared_ptr<const BodyForm>& form) {
+Result<PieceId> Destruction::add_piece(World& world, Live piece, PayloadPtr payload, const Motion& motion,
+                                       const glm::dvec3& from, bool debris,
+                                       const std::shared_ptr<const BodyForm>& form) {
     const BreakableDesc& desc = desc_of(piece);
     const SolidPiece& solid = *piece.solid;
     const glm::dvec3 arm = solid.mass.centre_of_mass - from;
@@ -171,19 +187,19 @@ Result<PieceId> Destruction::add_piece(World& world, Live piece, const Motion& m
     const Result<BodyId> added = world.add_body(body);
     if (!added) return added.error();
     piece.own = *added;
-    const PieceId id = register_piece(std::move(piece));
+    const PieceId id = register_piece(std::move(piece), std::move(payload));
     piece_of_body_[added->value] = id;
     return id;
 }
 
-PieceId Destruction::register_piece(Live piece) {
+PieceId Destruction::register_piece(Live piece, PayloadPtr payload) {
     const PieceId id{next_piece_++};
     if (free_slots_.empty())
         piece.slot = slot_count_++;
     else
         piece.slot = free_slots_.extract(free_slots_.begin()).value();
     ++objects_.at(piece.object).pieces;
-    added_[id] = {id, piece.object, piece.slot, piece.depth, piece.solid, piece.of};
+    added_[id] = {id, piece.object, piece.slot, piece.depth, piece.solid, piece.of, std::move(payload)};
     pieces_.emplace(id, std::move(piece));
     return id;
 }
@@ -200,15 +216,21 @@ void Destruction::forget_piece(PieceId id) {
     free_slots_.insert(piece.slot);
     --objects_.at(piece.object).pieces;
     fading_.erase(id);
-    if (added_.erase(id) == 0) removed_[id] = {id, piece.slot};
-    let_go(std::move(piece.solid));
+    PayloadPtr payload;
+    if (auto added = added_.extract(id))
+        payload = std::move(added.mapped().payload);
+    else
+        removed_[id] = {id, piece.slot};
+    let_go(std::move(piece.solid), std::move(payload));
     pieces_.erase(at);
 }
 
 // To free a mesh of a million triangles takes 4 to 8 ms: not on this thread.
-void Destruction::let_go(SolidPtr solid) {
+void Destruction::let_go(SolidPtr solid, PayloadPtr payload) {
     constexpr size_t many_triangles = 10'000; // the blocks of smaller ones stay with the allocator
-    if (solid->mesh.triangles.size() > many_triangles) background_.discard(std::move(solid));
+    if (solid->mesh.triangles.size() <= many_triangles) return;
+    if (payload) background_.discard(std::shared_ptr<const PiecePayload>(std::move(payload)));
+    background_.discard(std::move(solid));
 }
 
 // Bodies that someone else took out of the world.

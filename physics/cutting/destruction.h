@@ -54,6 +54,7 @@
 #include "physics/cutting/contact_blows.h"
 #include "physics/cutting/debris.h"
 #include "physics/cutting/impact_pattern.h"
+#include "physics/cutting/piece_payload.h"
 #include "physics/cutting/solid_piece.h"
 #include "physics/world/pieces.h"
 #include "physics/world/world.h"
@@ -74,6 +75,7 @@ struct BreakableDesc {
     uint32_t max_pieces = 48;  // of one blow
     PlacedMotion motion{};     // an anchored object keeps its placement and does not move
     float impact_speed = 0.5f; // m/s
+    PayloadMaker payload{};    // for each piece, handed over with its PieceAdded
 };
 
 // When jobs are committed, see above.
@@ -115,7 +117,8 @@ struct PieceAdded {
     uint32_t slot = 0;
     uint32_t depth = 0; // how often what it is of was cut
     SolidPtr solid;
-    PieceId of{}; // what was cut; none at the beginning
+    PieceId of{};         // what was cut; none at the beginning
+    PayloadPtr payload{}; // what BreakableDesc::payload made, null without one
 };
 struct PieceRemoved {
     PieceId id;
@@ -153,12 +156,13 @@ class Destruction {
 
     // A whole object. Fails as make_solid() does, which is called here on this thread; or was, on any, for the second.
     Result<ObjectId> add(World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc);
-    Result<ObjectId> add(World& world, SolidPtr whole, const BreakableDesc& desc);
+    Result<ObjectId> add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload = {});
     // Bonded pieces. Fails as Structure::create() does; `structure` holds for how they hold together, `pieces` for how they
     // break themselves. The parts of a broken piece are anchored by pieces.solid.anchors alone. Where solids_of() was
     // called ahead, its result, one a piece; their hulls are then the structure's.
     Result<ObjectId> add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
-                         const BreakableDesc& pieces, std::span<const SolidPtr> solids = {});
+                         const BreakableDesc& pieces, std::span<const SolidPtr> solids = {},
+                         std::vector<PayloadPtr> payloads = {});
     // Takes an object out with all its pieces, and calls its jobs off.
     void remove(World& world, ObjectId object);
 
@@ -249,10 +253,14 @@ class Destruction {
         Hit hit{};
         bool parts = false; // along its blocks, of a load, where hit is none, or of a blow elsewhere
     };
+    struct Made { // a piece, all that its commit takes
+        SolidPtr solid;
+        std::shared_ptr<const BodyForm> form; // null where it has several hulls
+        PayloadPtr payload;
+    };
     struct Broken {
-        std::vector<SolidPtr> pieces;
-        std::vector<std::shared_ptr<const BodyForm>> forms; // of each of them; null where it has several hulls
-        std::string failure;                                // empty: none
+        std::vector<Made> pieces; // none where the piece withstands, else two or more
+        std::string failure;      // empty: none
     };
     struct Motion { // of a piece, in the world
         Pose pose, previous;
@@ -264,13 +272,13 @@ class Destruction {
     [[nodiscard]] std::optional<Motion> motion_of(const World& world, const Live& piece) const;
     [[nodiscard]] std::optional<Pose> pose_of(const World& world, const Live& piece) const;
     [[nodiscard]] Pose in_body(const Live& piece, const Pose& body) const;
-    Result<PieceId> add_piece(World& world, Live piece, const Motion& motion, const glm::dvec3& from, bool debris,
-                              const std::shared_ptr<const BodyForm>& form = {});
+    Result<PieceId> add_piece(World& world, Live piece, PayloadPtr payload, const Motion& motion,
+                              const glm::dvec3& from, bool debris, const std::shared_ptr<const BodyForm>& form = {});
     static BodyDesc body_of(const SolidPiece& solid);
-    static void make_forms(Broken& broken);
-    PieceId register_piece(Live piece);
+    static Broken broken_into(Result<std::vector<SolidPtr>> pieces, const PayloadMaker& payload);
+    PieceId register_piece(Live piece, PayloadPtr payload);
     void forget_piece(PieceId id);
-    void let_go(SolidPtr solid);
+    void let_go(SolidPtr solid, PayloadPtr payload = {});
     void remove_lost(const World& world);
     void take_up_blows(World& world);
     void update_structures(World& world);
@@ -292,7 +300,7 @@ class Destruction {
     void commit_due(World& world, double budget);
     bool commit(World& world, uint32_t job);
     [[nodiscard]] bool is_held(const Live& piece) const;
-    std::vector<PieceId> replace(World& world, PieceId old, const Broken& broken);
+    std::vector<PieceId> replace(World& world, PieceId old, Broken& broken);
     [[nodiscard]] PieceId nearest_of(std::span<const PieceId> made, const glm::dvec3& point) const;
     [[nodiscard]] double crack_energy(const Live& piece, const Broken& broken) const;
     void exchange(World& world, const Live& piece, double cracks, Hit& hit) const;

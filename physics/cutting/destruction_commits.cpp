@@ -95,7 +95,6 @@ bool Destruction::commit(World& world, uint32_t number) {
             const bool later = waiting && (job.parts || waiting->blow.energy > job.hit.blow.energy);
             knock(world, job.piece, later ? *waiting : job.hit);
         }
-        for (SolidPtr& unused : broken.pieces) let_go(std::move(unused));
     } else {
         ++statistics_.breaks;
         exchange(world, piece, crack_energy(piece, broken), job.hit);
@@ -110,7 +109,7 @@ bool Destruction::commit(World& world, uint32_t number) {
 }
 
 // Takes a piece's body out and puts what it broke into in, with its motion.
-std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broken& broken) {
+std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& broken) {
     Live parent = pieces_.at(old);
     const Motion motion = *motion_of(world, parent);
     const bool was_debris = world.debris(body_of(parent));
@@ -121,18 +120,21 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, const Broke
         world.remove_body(parent.own);
     forget_piece(old);
     std::vector<Newcomer> batch;
-    for (const SolidPtr& solid : broken.pieces) batch.push_back({.size = solid->mass.volume, .fixed = solid->anchored});
+    for (const Made& piece : broken.pieces)
+        batch.push_back({.size = piece.solid->mass.volume, .fixed = piece.solid->anchored});
     const std::vector<uint8_t> debris = crowded_out(batch, room_in(world), was_debris);
     std::vector<PieceId> made;
     for (size_t i = 0; i < broken.pieces.size(); ++i) {
-        const Result<PieceId> added = add_piece(world,
-                                                {.object = parent.object,
-                                                 .solid = broken.pieces[i],
-                                                 .depth = parent.depth + 1,
-                                                 .of = old,
-                                                 .seed = seed_of(parent.seed, i),
-                                                 .born = world.steps_taken()},
-                                                motion, parent.solid->mass.centre_of_mass, debris[i], broken.forms[i]);
+        Made& piece = broken.pieces[i];
+        const Result<PieceId> added =
+            add_piece(world,
+                      {.object = parent.object,
+                       .solid = std::move(piece.solid),
+                       .depth = parent.depth + 1,
+                       .of = old,
+                       .seed = seed_of(parent.seed, i),
+                       .born = world.steps_taken()},
+                      std::move(piece.payload), motion, parent.solid->mass.centre_of_mass, debris[i], piece.form);
         if (added)
             made.push_back(*added);
         else // a speck whose mass single precision cannot hold
@@ -156,7 +158,7 @@ PieceId Destruction::nearest_of(std::span<const PieceId> made, const glm::dvec3&
 // J, of both sides of the cracks half each.
 double Destruction::crack_energy(const Live& piece, const Broken& broken) const {
     double surface = -piece.solid->mass.area;
-    for (const SolidPtr& made : broken.pieces) surface += made->mass.area;
+    for (const Made& made : broken.pieces) surface += made.solid->mass.area;
     return 0.5 * std::max(surface, 0.0) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
 }
 

@@ -201,14 +201,7 @@ void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
     jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit};
     ++statistics_.blows;
     background_.start(piece.job, [cut = *cut](const std::atomic<bool>& cancelled) {
-        Broken broken;
-        Result<std::vector<SolidPtr>> pieces = carry_out(cut, [&] { return cancelled.load(); });
-        if (pieces)
-            broken.pieces = std::move(*pieces);
-        else
-            broken.failure = pieces.error().message;
-        make_forms(broken);
-        return broken;
+        return broken_into(carry_out(cut, [&] { return cancelled.load(); }), cut.desc->payload);
     });
 }
 
@@ -283,17 +276,9 @@ void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, 
     jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit, true};
     background_.start(piece.job, [=, solid = piece.solid, gravity = gravity_of(world, piece),
                                   desc = objects_.at(piece.object).desc](const std::atomic<bool>& cancelled) {
-        Broken broken;
         const std::vector<uint32_t> islands = parts(*solid, desc->solid, gravity);
-        if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size())) return broken;
-        Result<std::vector<SolidPtr>> pieces =
-            break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); });
-        if (pieces)
-            broken.pieces = std::move(*pieces);
-        else
-            broken.failure = pieces.error().message;
-        make_forms(broken);
-        return broken;
+        if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size())) return Broken{};
+        return broken_into(break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); }), desc->payload);
     });
 }
 

@@ -49,7 +49,6 @@ void finish(SolidPiece& solid, const SolidSettings& settings) {
     solid.bearable = bearable_impulse(settings.material, solid.mass.volume, fracture::bounds(solid.mesh));
     solid.anchored = reaches(settings.anchors, positions, solid.mesh.triangles);
     solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
-    if (settings.look) solid.look = settings.look(solid);
 }
 
 // What loads are found with, of what is held.

@@ -28,8 +28,6 @@
 
 namespace brittle::physics {
 
-struct SolidPiece;
-
 struct SolidSettings {
     Material material{};
     // m, cube root of volume: no smaller piece is made but where it hangs together with nothing, and what is smaller than
@@ -39,10 +37,6 @@ struct SolidSettings {
     ConvexPartSettings parts{};
     HeldBlockSettings blocks{}; // of what is held and breakable
     uint32_t threads = 1;       // of one fracture; a Destruction's jobs cut on one each
-    // What else is wanted of each piece, such as what a renderer uploads: made on the thread that makes the piece, when
-    // all but its parts is there, and kept as SolidPiece::look. May be called on several threads at once,
-    // and what it made be let go of on any.
-    std::function<std::shared_ptr<void>(const SolidPiece&)> look{};
 };
 
 struct SolidPiece {
@@ -58,7 +52,6 @@ struct SolidPiece {
     bool anchored = false;
     bool breakable = false;
     std::shared_ptr<const HeldBlocks> blocks{}; // for loads: of what is anchored and breakable; or null
-    std::shared_ptr<void> look{};               // what SolidSettings::look made; belongs to who set that
 };
 
 using SolidPtr = std::shared_ptr<const SolidPiece>;

@@ -6,8 +6,11 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <malloc.h>
 
@@ -22,54 +25,68 @@ using namespace brittle::physics;
 using namespace brittle::physics::test_bodies;
 using namespace brittle::physics::test_destruction;
 
-// A frame would wait for it: a million triangles are 50 MB.
-TEST_CASE("large meshes that are needed no more are freed on other threads: what broke, what was taken out, a cut that "
-          "is not used") {
+// Freeing a mesh of a million triangles, 50 MB, on the main thread would delay a frame.
+TEST_CASE("destruction: large solids and unclaimed payloads are freed on other threads") {
     const std::thread::id here = std::this_thread::get_id();
     std::atomic<int> freed = 0, freed_here = 0;
-    BreakableDesc desc = desc_of(0.05);
-    desc.solid.look = [&](const SolidPiece& solid) { // goes with its solid
-        return std::shared_ptr<void>(new size_t(solid.mesh.triangles.size()), [&](const void* look) {
-            const std::unique_ptr<const size_t> triangles(static_cast<const size_t*>(look));
-            if (*triangles < 15'000) return;
-            freed_here += std::this_thread::get_id() == here;
-            ++freed;
-        });
+    const auto note = [&] {
+        freed_here += std::this_thread::get_id() == here;
+        ++freed;
     };
-    const fracture::TriangleMesh ball = fracture::icosphere(5, 0.25);
-    World world(empty_space);
-    Destruction destruction;
+    struct Noted : PiecePayload {
+        explicit Noted(std::function<void()> end) : ended(std::move(end)) {}
+        ~Noted() override { ended(); }
+        std::function<void()> ended;
+    };
     const auto wait_for = [&](int count) {
         while (freed < count) std::this_thread::yield();
         CHECK(freed == count);
         CHECK(freed_here == 0);
+        freed = freed_here = 0;
     };
-    const ObjectId object = must_add(destruction, world, ball, desc);
+    BreakableDesc desc = desc_of(0.05);
+    const fracture::TriangleMesh ball = fracture::icosphere(5, 0.25);
+    const auto whole = [&] {
+        SolidPtr made = *make_solid(ball, desc.solid);
+        const SolidPiece* solid = made.get();
+        return SolidPtr(solid, [&note, made = std::move(made)](const SolidPiece*) mutable {
+            made.reset();
+            note();
+        });
+    };
+    World world(empty_space);
+    Destruction destruction;
+    const ObjectId broken = *destruction.add(world, whole(), desc);
     (void)destruction.take_events();
     REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 20.0));
     run(world, destruction, 4);
     REQUIRE(destruction.statistics().breaks == 1);
     wait_for(1);
-    (void)destruction.take_events();
-    destruction.remove(world, object);
-    wait_for(2); // the rest
+    destruction.remove(world, broken);
 
-    const ObjectId hard = must_add(destruction, world, ball, desc);
-    (void)destruction.take_events();
-    for (double energy = 1.0; energy < 8.0 && destruction.statistics().withstood == 0; energy *= 1.1) {
-        const PieceId whole = destruction.pieces()[0];
-        const auto cut = destruction.foresee(world, whole, {0.0f, 0.25f, 0.0f}, {0.0f, -1.0f, 0.0f}, energy);
-        if (!cut || carry_out(*cut)->size() > 1) continue;
-        freed = freed_here = 0; // of what was tried here
-        REQUIRE(strike_from_above(world, destruction, whole, energy));
-        run(world, destruction, 4);
-    }
-    REQUIRE(destruction.statistics().withstood == 1);
-    CHECK(freed_here == 0);
-    destruction.remove(world, hard);
-    (void)destruction.take_events();
-    while (freed < 2) std::this_thread::yield();
-    CHECK(freed_here == 0);
+    const ObjectId claimed = *destruction.add(world, whole(), desc, std::make_unique<Noted>(note));
+    DestructionEvents events = destruction.take_events();
+    REQUIRE(events.added.size() == 1);
+    const PayloadPtr payload = std::move(events.added[0].payload);
+    events = {};
+    destruction.remove(world, claimed);
+    wait_for(1); // the solid; the payload has another owner
+
+    desc.payload = [&](const SolidPiece& solid) {
+        return solid.mesh.triangles.size() > 15'000 ? std::make_unique<Noted>(note) : nullptr;
+    };
+    const ObjectId unclaimed = *destruction.add(world, whole(), desc);
+    destruction.remove(world, unclaimed);
+    wait_for(2);
+
+    (void)*destruction.add(world, whole(), desc);
+    const PayloadPtr first = std::move(destruction.take_events().added[0].payload);
+    REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 20.0));
+    run(world, destruction, 4);
+    wait_for(1);
+    const auto made = destruction.take_events().added;
+    REQUIRE(made.size() > 1); // the rest alone is large enough for a payload
+    CHECK(std::ranges::count_if(made, [](const PieceAdded& added) { return added.payload != nullptr; }) == 1);
 }
 
 TEST_CASE("cycles of breaking and clearing leave nothing behind") {

@@ -47,10 +47,11 @@ TEST_CASE("stage: new pieces are staged for the device ahead, whether cut before
 
     const PreparedPieces solid = whole.prepare();
     REQUIRE(solid.bodies.solids.size() == 1);
-    const auto* look = static_cast<const engine::PieceBatch*>(solid.bodies.solids[0]->look.get());
-    REQUIRE(look);
-    CHECK(look->pieces().size() == 1);
-    CHECK(look->staged());
+    REQUIRE(solid.bodies.payloads.size() == 1);
+    const auto* drawing = static_cast<const PieceDrawing*>(solid.bodies.payloads[0].get());
+    REQUIRE(drawing);
+    CHECK(drawing->batch.pieces().size() == 1);
+    CHECK(drawing->batch.staged());
 }
 
 TEST_CASE("stage: a batch of the whole mesh and its replacement are drawn equally, staged ahead or not") {

@@ -69,12 +69,12 @@ physics::StructureDesc structure_desc(const fracture::Fragments& fragments, cons
 }
 
 physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, const physics::MaterialPreset* preset,
-                                      const WorldOptions& options, const PieceLook& look) {
+                                      const WorldOptions& options, const physics::PayloadMaker& payload) {
     physics::BreakableDesc desc;
     desc.solid.material = flawed_material(preset, options);
     desc.solid.blocks.strength_scale /= physics::flawed_strength; // as WearSettings::strength_scale
     desc.solid.min_size = options.min_size;
-    desc.solid.look = look;
+    desc.payload = payload;
     desc.pattern.seed = options.seed;
     if (options.blows) {
         desc.pattern.kind = options.blows->kind;
@@ -95,20 +95,21 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
 } // namespace
 
 PreparedBodies prepare_bodies(const fracture::Fragments& fragments, const WorldOptions& options,
-                              const std::string& material, const PieceLook& look, uint32_t threads) {
+                              const std::string& material, const physics::PayloadMaker& payload, uint32_t threads) {
     PreparedBodies ahead;
     if (options.breakable) {
         const physics::BreakableDesc desc =
-            breakable_desc(fragments, physics::material_preset(material), options, look);
+            breakable_desc(fragments, physics::material_preset(material), options, payload);
         ahead.solids = must(physics::solids_of(fragments, desc.solid, !options.bonded, threads));
+        ahead.payloads = physics::payloads_of(ahead.solids, desc.payload, threads);
     } else {
         ahead.hulls = physics::collision_hulls(fragments, {}, threads);
     }
     return ahead;
 }
 
-Simulation::Simulation(const std::string& material, PieceLook look)
-    : material_(physics::material_preset(material)), look_(std::move(look)) {}
+Simulation::Simulation(const std::string& material, physics::PayloadMaker payload)
+    : material_(physics::material_preset(material)), payload_(std::move(payload)) {}
 
 void Simulation::commit_as(physics::Timing timing, std::vector<physics::Commit> script) {
     timing_ = timing;
@@ -128,7 +129,8 @@ void Simulation::clear() {
 }
 
 void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options) {
-    start(fragments, options, prepare_bodies(fragments, options, std::string(material_ ? material_->name : ""), look_));
+    start(fragments, options,
+          prepare_bodies(fragments, options, std::string(material_ ? material_->name : ""), payload_));
 }
 
 void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead) {
@@ -158,13 +160,14 @@ void Simulation::start_breakable(const fracture::Fragments& fragments, const Wor
     destruction_.emplace(
         physics::DestructionSettings{.timing = timing_, .debris = {.max_pieces = options.piece_limit}});
     destruction_->follow(script_);
-    const physics::BreakableDesc desc = breakable_desc(fragments, material_, options, look_);
+    const physics::BreakableDesc desc = breakable_desc(fragments, material_, options, payload_);
     if (options.bonded) {
-        object_ = must(
-            destruction_->add(world_, fragments, structure_desc(fragments, material_, options), desc, ahead.solids));
+        object_ = must(destruction_->add(world_, fragments, structure_desc(fragments, material_, options), desc,
+                                         ahead.solids, std::move(ahead.payloads)));
         return;
     }
-    for (const physics::SolidPtr& solid : ahead.solids) (void)must(destruction_->add(world_, solid, desc));
+    for (size_t i = 0; i < ahead.solids.size(); ++i)
+        (void)must(destruction_->add(world_, ahead.solids[i], desc, std::move(ahead.payloads[i])));
 }
 
 void Simulation::apply(const Action& action) {

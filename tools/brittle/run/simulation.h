@@ -29,6 +29,7 @@
 #include "fracture/pieces/fragments.h"
 #include "physics/bonds/structure.h"
 #include "physics/cutting/destruction.h"
+#include "physics/cutting/piece_payload.h"
 #include "physics/cutting/solid_piece.h"
 #include "physics/material.h"
 #include "physics/world/hull.h"
@@ -58,25 +59,23 @@ class SimulationObserver {
     virtual void acted(uint64_t, const Action&) {}
 };
 
-// What someone else wants made of each piece, on the thread that makes it: SolidSettings::look.
-using PieceLook = std::function<std::shared_ptr<void>(const physics::SolidPiece&)>;
-
-// The part of a start that costs milliseconds: one hull a piece, and where things are breakable all that Destruction
-// keeps of it.
+// The part of a start that costs milliseconds: a hull a piece, or for breakable pieces a solid and a payload a piece.
 struct PreparedBodies {
     physics::PieceHulls hulls;
     std::vector<physics::SolidPtr> solids;
+    std::vector<physics::PayloadPtr> payloads;
 };
 
-// On any thread. `material` and `look` must be the simulation's. threads: 0 is one a core. Throws a Failure.
+// Callable on any thread. `material` and `payload` must be the simulation's. threads: 0 is one a core. Throws a
+// Failure.
 [[nodiscard]] PreparedBodies prepare_bodies(const fracture::Fragments& fragments, const WorldOptions& options,
-                                            const std::string& material, const PieceLook& look = {},
+                                            const std::string& material, const physics::PayloadMaker& payload = {},
                                             uint32_t threads = 0);
 
 class Simulation {
   public:
-    // `material` is a preset's name, or empty.
-    explicit Simulation(const std::string& material = {}, PieceLook look = {});
+    // `material` is a preset's name, or empty. `payload` makes what take_events() hands over with each piece.
+    explicit Simulation(const std::string& material = {}, physics::PayloadMaker payload = {});
 
     // When cuts are committed, from the next start on: fixed_latency, which repeats by itself, unless this is called;
     // when_ready for a window; scripted by the commits of a log. See destruction.h.
@@ -165,7 +164,7 @@ class Simulation {
 
     physics::World world_;
     const physics::MaterialPreset* material_ = nullptr;
-    PieceLook look_;
+    physics::PayloadMaker payload_;
     physics::Timing timing_ = physics::Timing::fixed_latency;
     std::vector<physics::Commit> script_;
     // One of the three has the pieces.

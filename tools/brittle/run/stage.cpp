@@ -28,14 +28,15 @@ uint32_t packed(const glm::vec3& linear) {
 
 // Returns the function that prepares the geometry of a new piece for the renderer. The thread that cuts calls it; the
 // stage takes over the result when the piece appears.
-PieceLook look_for(const engine::Renderer& renderer) {
-    return [&renderer](const physics::SolidPiece& solid) -> std::shared_ptr<void> {
+physics::PayloadMaker drawing_maker(const engine::Renderer& renderer) {
+    return [&renderer](const physics::SolidPiece& solid) {
         const engine::PieceMesh mesh{.positions = solid.positions,
                                      .triangles = solid.mesh.triangles,
                                      .exterior_triangles = solid.exterior_triangles};
-        const auto look = std::make_shared<engine::PieceBatch>(must(engine::PieceBatch::create({&mesh, 1})));
-        renderer.stage(*look);
-        return look;
+        auto drawing = std::make_unique<PieceDrawing>();
+        drawing->batch = must(engine::PieceBatch::create({&mesh, 1}));
+        renderer.stage(drawing->batch);
+        return drawing;
     };
 }
 
@@ -70,7 +71,7 @@ engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh) {
 PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
                               const WorldOptions& world, const std::string& material, uint32_t threads) {
     PreparedPieces ahead;
-    ahead.bodies = prepare_bodies(fragments, world, material, look_for(renderer), threads);
+    ahead.bodies = prepare_bodies(fragments, world, material, drawing_maker(renderer), threads);
     if (world.breakable) return ahead;
     std::vector<glm::vec3> positions(fragments.positions.size());
     std::vector<engine::PieceMesh> meshes;
@@ -98,7 +99,8 @@ Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, con
 
 Stage::Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole,
              const std::string& material)
-    : renderer_(renderer), simulation_(material, look_for(renderer)), home_{glm::vec3(box.min), glm::vec3(box.max)} {
+    : renderer_(renderer),
+      simulation_(material, drawing_maker(renderer)), home_{glm::vec3(box.min), glm::vec3(box.max)} {
     draw_anew(std::move(whole));
 }
 
@@ -147,7 +149,7 @@ glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physi
 // Draws the pieces that appeared and disappeared since the last call. Removal comes first, because slots are used
 // again.
 void Stage::take_events() {
-    const physics::DestructionEvents events = simulation_.take_events();
+    physics::DestructionEvents events = simulation_.take_events();
     std::vector<engine::PieceHandle> gone;
     std::map<physics::PieceId, glm::vec3> before;
     for (const physics::PieceRemoved& removed : events.removed) {
@@ -160,9 +162,8 @@ void Stage::take_events() {
     std::vector<engine::PieceBatch> batches;
     std::vector<glm::vec3> tints;
     for (const physics::PieceAdded& added : events.added) {
-        auto& look = *static_cast<engine::PieceBatch*>(added.solid->look.get());
         tints.push_back(tint_of(added, events.added, before));
-        batches.push_back(std::exchange(look, {}));
+        batches.push_back(std::move(static_cast<PieceDrawing&>(*added.payload).batch));
         batches.back().assign(added.slot, tints.back());
         radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
         radii_[added.slot] = added.solid->radius;

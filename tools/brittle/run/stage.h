@@ -1,6 +1,6 @@
 // A mesh on a stage: whole at first, then broken into pieces that fall. The stage draws a Simulation: fragments become
 // geometry, and the poses of moved pieces go straight into the renderer's instance buffer. Of pieces that blows cut,
-// only the new ones are uploaded; the thread that cut them has prepared their geometry (PieceLook).
+// only the new ones are uploaded; the thread that cut them has prepared their geometry (PieceDrawing).
 //
 // Lengths are metres: the mesh is scaled and stands on the ground (y = 0) or above it (stage_placement.h).
 //
@@ -21,6 +21,7 @@
 #include "engine/render/scene.h"
 #include "fracture/mesh/mesh.h"
 #include "fracture/pieces/fragments.h"
+#include "physics/cutting/piece_payload.h"
 #include "physics/world/world.h"
 #include "tools/brittle/recipe/input.h"
 #include "tools/brittle/run/simulation.h"
@@ -33,6 +34,12 @@ namespace brittle::tools {
 
 // Returns the unbroken mesh in the form that the renderer draws. On any thread. Throws a Failure.
 [[nodiscard]] engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh);
+
+// The geometry of a breakable piece, made and staged by the thread that cuts the piece; the stage moves it into the
+// renderer.
+struct PieceDrawing : physics::PiecePayload {
+    engine::PieceBatch batch;
+};
 
 // Results of the slow part of putting pieces on the stage.
 struct PreparedPieces {
