@@ -15,6 +15,7 @@
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/thickness.h"
+#include "fracture/sites/layout.h"
 #include "fracture/sites/sites.h"
 
 namespace brittle::fracture {
@@ -62,21 +63,15 @@ Result<void> check(const Pattern& p) {
     return {};
 }
 
-// An orthonormal frame of the pattern in the mesh's box.
-struct Frame {
-    glm::dvec3 along, u, v; // the axis, and two directions across
-    glm::dvec3 centre;
-    double length = 0.0; // of the box along the axis
+// The frame of the pattern's axis, with the extents of the mesh's box in it.
+struct Frame : AxisFrame {
+    glm::dvec3 centre{0.0};
+    double length = 0.0; // m along the axis
     double width_u = 0.0, width_v = 0.0;
 };
 
 Frame frame_of(const Pattern& pattern, const Box& box) {
-    Frame f;
-    f.along = glm::normalize(pattern.axis);
-    const glm::dvec3 other = std::abs(f.along.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
-    f.u = glm::normalize(glm::cross(other, f.along));
-    f.v = glm::cross(f.along, f.u);
-    f.centre = box.centre();
+    Frame f{axis_frame(glm::normalize(pattern.axis)), box.centre()};
     const auto extent = [&](const glm::dvec3& d) { return glm::dot(box.size(), glm::abs(d)); };
     f.length = extent(f.along);
     f.width_u = extent(f.u);
@@ -157,20 +152,15 @@ class Maker {
     }
 
     void radial() {
-        const double reach = 0.5 * std::hypot(frame_.width_u, frame_.width_v);
-        const auto rings = std::max(1u, static_cast<uint32_t>(std::lround(std::sqrt(count_ / 3.0))));
-        const auto rays = std::max(3u, (count_ + rings - 1) / rings);
         const double irregular = jitter(0.5);
-        for (uint32_t ring = 0; ring < rings; ++ring) {
-            const double turn = random_.uniform();
-            for (uint32_t ray = 0; ray < rays; ++ray) {
-                const double angle =
-                    2.0 * pi * (ray + turn * irregular + 0.5 * (ring % 2) + irregular * centred()) / rays;
-                // Shards grow with the distance from the blow.
-                const double r = reach * std::pow((ring + 0.5 + 0.8 * irregular * centred()) / rings, 1.6);
-                add(focus() + r * (std::cos(angle) * frame_.u + std::sin(angle) * frame_.v));
-            }
-        }
+        const RadialLayout layout{.count = count_,
+                                  .reach = 0.5 * std::hypot(frame_.width_u, frame_.width_v),
+                                  .ring_exponent = 1.6,
+                                  .ring_turn = irregular,
+                                  .stagger = 0.5,
+                                  .angle_jitter = irregular,
+                                  .ring_jitter = 0.8 * irregular};
+        for (const glm::dvec3& site : radial_sites(layout, focus(), frame_, random_)) add(site);
     }
 
     // Returns whole numbers of cells along the sides of the box: about count_ in total, with the given proportions.
@@ -219,20 +209,19 @@ class Maker {
         }
     }
 
-    // Layers along the axis, each a crowd of sites nearly level with each other: their bisectors run along the axis.
     void splinters() {
         const double across = std::sqrt(frame_.width_u * frame_.width_v);
         const double layers = std::clamp(
             std::round(std::pow(frame_.length * std::sqrt(count_) / (pattern_.slenderness * across), 2.0 / 3.0)), 1.0,
             static_cast<double>(count_));
         const double depth = frame_.length / layers, width = across / std::sqrt(count_ / layers);
-        const double irregular = jitter(0.6);
+        SplinterLayers stack{frame_.centre, frame_.along, {}};
+        for (double layer = 0.5; layer < layers; ++layer) stack.heights.push_back(layer * depth - 0.5 * frame_.length);
+        const double lift_jitter = 0.4 * jitter(0.6); // width of the random range of lifts, in widths of a splinter
         for (uint32_t k = 0; k < count_; ++k) {
             const double u = centred() * frame_.width_u, v = centred() * frame_.width_v;
-            const double layer = std::fmod(k, layers) + 0.5;
-            const double tilt = 0.4 * irregular * centred() * width;
-            add(frame_.centre + (layer * depth - 0.5 * frame_.length + tilt) * frame_.along + u * frame_.u
-                + v * frame_.v);
+            const double lift = lift_jitter * centred() * width;
+            add(stack.on_axis(stack.layer_of(k), lift) + u * frame_.u + v * frame_.v);
         }
     }
 

@@ -12,11 +12,13 @@
 #include "fracture/base/random.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/principal_axes.h"
+#include "fracture/sites/layout.h"
 
 namespace brittle::physics {
 
 namespace {
 
+using fracture::AxisFrame;
 using fracture::PatternKind;
 using fracture::Random;
 
@@ -26,23 +28,17 @@ constexpr uint32_t min_pieces = 4;
 constexpr double half_ball = 2.0 / 3.0 * pi;
 // Surface between n cubes that fill a half ball: so much times R^2 n^(1/3). 3 V^(2/3), V = half_ball R^3.
 const double surface_per_radius = 3.0 * std::pow(half_ball, 2.0 / 3.0);
-// Sites of the shell around the damage, and of the rest beyond: so that the rest's cells, which are its collision hulls, are
-// not larger than the solid's own features.
+// Sites of the shell around the damage, and of the rest beyond: so that the rest's cells, which are its collision
+// hulls, are not larger than the solid's own features.
 constexpr uint32_t shell_sites = 16, outer_sites = 12;
-constexpr uint32_t shell_around = 5; // of a layer of splinters
-// Radius of the shell by that of the damage: bisectors between the outermost pieces and the shell are near the damage's rim.
+constexpr uint32_t shell_around = 5; // sites around a layer of splinters
+// Distance between the layers of splinters, and width of the random range of a site's height in its layer: shares of
+// the length of the damage by the number of layers.
+constexpr double layer_spacing = 1.6, lift_jitter = 0.1;
+// Radius of the shell by that of the damage: bisectors between the outermost pieces and the shell are near the damage's
+// rim.
 constexpr double shell_ratio = 1.35;
 constexpr double inner_ratio = 0.75; // the pieces' sites keep so far within the damage
-
-struct Frame {
-    glm::dvec3 along, u, v;
-};
-
-Frame frame_along(const glm::dvec3& axis) {
-    const glm::dvec3 other = std::abs(axis.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
-    const glm::dvec3 u = glm::normalize(glm::cross(other, axis));
-    return {axis, u, glm::cross(axis, u)};
-}
 
 bool finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -148,47 +144,49 @@ class Maker {
         }
     }
 
-    // Rings and rays, the shards longer the farther out; half a turn between rings, as glass breaks.
+    // Rings and rays of shards, as glass breaks.
     void radial() {
-        const Frame frame = frame_along(blow_.normal);
-        const auto rings = std::max(1u, static_cast<uint32_t>(std::lround(std::sqrt(damage_.pieces / 3.0))));
-        const uint32_t rays = std::max(3u, (damage_.pieces + rings - 1) / rings);
-        for (uint32_t ring = 0, made = 0; ring < rings; ++ring) {
-            const double turn = random_.uniform();
-            for (uint32_t ray = 0; ray < rays && made < damage_.pieces; ++ray, ++made) {
-                const double angle = 2.0 * pi * (ray + turn + 0.5 * (random_.uniform() - 0.5)) / rays;
-                const double r = reach_ * std::pow((ring + 0.5 + 0.4 * (random_.uniform() - 0.5)) / rings, 1.4);
-                add_piece(blow_.point + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
-            }
-        }
+        const fracture::RadialLayout layout{.count = damage_.pieces,
+                                            .exact = true,
+                                            .reach = reach_,
+                                            .ring_exponent = 1.4,
+                                            .ring_turn = 1.0,
+                                            .angle_jitter = 0.5,
+                                            .ring_jitter = 0.4};
+        const AxisFrame frame = fracture::axis_frame(blow_.normal);
+        for (const glm::dvec3& site : fracture::radial_sites(layout, blow_.point, frame, random_)) add_piece(site);
     }
 
-    // Layers across the grain, in each a crowd of sites nearly level with each other: their bisectors run along the grain. An
-    // odd number, so that one is at the contact. The shell has sites around each layer, level with it: elsewhere they would be
-    // nearer to what is between two layers than those are, and the rest would keep it, the contact above all.
+    // An odd number of layers across the grain, the middle one at the contact. The shell has sites around each layer,
+    // level with it: shell sites at other heights would be nearer to the region between two layers than the layers' own
+    // sites, and the rest would keep that region, above all at the contact.
     void splinters(const glm::dvec3& grain) {
-        const Frame frame = frame_along(grain);
+        const AxisFrame frame = fracture::axis_frame(grain);
         const double stretch = std::cbrt(pattern_.slenderness); // the damage keeps its volume
         const double length = reach_ * stretch * stretch, width = reach_ / stretch;
-        // Pieces of n / k in each of k layers are 0.9 sqrt(n) / k^1.5 times as slender as was asked for: k = (0.81 n)^(1/3).
+        // Pieces of n / k in each of k layers are 0.9 sqrt(n) / k^1.5 times as slender as was asked for: k = (0.81
+        // n)^(1/3).
         const uint32_t layers = 2 * (static_cast<uint32_t>(std::cbrt(0.81 * damage_.pieces)) / 2) + 1;
-        const double apart = 1.6 * length / layers;
-        const auto at = [&](double along, double r, double angle) {
-            return blow_.point + along * frame.along + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v);
+        const double spacing = layer_spacing * length / layers;
+        fracture::SplinterLayers stack{blow_.point, frame.along, {}};
+        for (uint32_t layer = 0; layer < layers; ++layer)
+            stack.heights.push_back((layer - 0.5 * (layers - 1.0)) * spacing);
+        const auto across = [&](double r, double angle) {
+            return r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v);
         };
-        const auto middle = [&](uint32_t layer) { return (layer - 0.5 * (layers - 1.0)) * apart; };
         for (uint32_t i = 0; i < damage_.pieces; ++i) {
-            const double tilt = 0.1 * (random_.uniform() - 0.5) * length / layers;
+            const double lift = lift_jitter * (random_.uniform() - 0.5) * length / layers;
             const double angle = 2.0 * pi * random_.uniform();
-            add_piece(at(middle(i % layers) + tilt, width * std::sqrt(random_.uniform()), angle));
+            add_piece(stack.on_axis(stack.layer_of(i), lift) + across(width * std::sqrt(random_.uniform()), angle));
         }
         const double beside = shell_ratio * damage_.radius / stretch;
         for (uint32_t layer = 0; layer < layers; ++layer) {
             const double turn = random_.uniform();
             for (uint32_t k = 0; k < shell_around; ++k)
-                add_rest(at(middle(layer), beside, 2.0 * pi * (k + turn) / shell_around));
+                add_rest(stack.on_axis(layer) + across(beside, 2.0 * pi * (k + turn) / shell_around));
         }
-        for (const double end : {-0.5 * (layers + 1.0), 0.5 * (layers + 1.0)}) add_rest(at(end * apart, 0.0, 0.0));
+        for (const double end : {-0.5 * (layers + 1.0), 0.5 * (layers + 1.0)})
+            add_rest(blow_.point + end * spacing * frame.along);
     }
 
     // Halves beside those that come off are the rest's, or what lies farther off would give the bricks other faces.
