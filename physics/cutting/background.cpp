@@ -18,9 +18,9 @@ namespace {
 // A tenth of the weight: on a machine where all cores work, a job still gets done. It has the core for a tenth of a millisecond
 // at a time (ns; Linux 6.12, before it is not looked at): a step that works on all cores waits at the end of a loop
 // for the thread that was put aside.
-constexpr int lower = 10;
-constexpr uint64_t at_a_time = 100'000;
-constexpr int lowest = 19;
+constexpr int nice_increment = 10;
+constexpr uint64_t slice_ns = 100'000;
+constexpr int max_nice = 19;
 
 // As sched_setattr(2) has it: the kernel's header and glibc's cannot both be included.
 struct SchedAttributes {
@@ -38,8 +38,8 @@ struct SchedAttributes {
 void yield_to_frames() {
 #if defined(__linux__)
     SchedAttributes attributes;
-    attributes.nice = std::min(getpriority(PRIO_PROCESS, 0) + lower, lowest);
-    attributes.runtime = at_a_time;
+    attributes.nice = std::min(getpriority(PRIO_PROCESS, 0) + nice_increment, max_nice);
+    attributes.runtime = slice_ns;
     (void)syscall(SYS_sched_setattr, 0, &attributes, 0); // 0: this thread; who may not stays as he is
 #endif
 }

@@ -19,11 +19,11 @@ glm::vec3 velocity_at(const World& world, BodyId body, const glm::vec3& arm) {
 
 } // namespace
 
-std::vector<BodyBlow> BlowBook::take_up(const World& world, float speed, const std::function<bool(BodyId)>& wanted) {
-    std::vector<Running> now = of_step(world, speed, wanted);
+std::vector<BodyBlow> BlowTracker::update(const World& world, float speed, const std::function<bool(BodyId)>& filter) {
+    std::vector<Running> now = blows_of_step(world, speed, filter);
     std::vector<BodyBlow> over;
     for (const Running& before : running_) {
-        if (!world.contains(before.blow.body) || !wanted(before.blow.body)) continue;
+        if (!world.contains(before.blow.body) || !filter(before.blow.body)) continue;
         const auto next = std::ranges::find_if(now, [&](const Running& running) {
             return running.blow.body == before.blow.body && running.blow.other == before.blow.other;
         });
@@ -34,7 +34,7 @@ std::vector<BodyBlow> BlowBook::take_up(const World& world, float speed, const s
     }
     running_.clear();
     for (const Running& running : now)
-        if (running.steps < max_steps && goes_on(world, running, speed))
+        if (running.steps < max_steps && continues(world, running, speed))
             running_.push_back(running);
         else
             over.push_back(ended(running));
@@ -42,20 +42,20 @@ std::vector<BodyBlow> BlowBook::take_up(const World& world, float speed, const s
 }
 
 // Contacts are where bodies were when the step began.
-std::vector<BlowBook::Running> BlowBook::of_step(const World& world, float speed,
-                                                 const std::function<bool(BodyId)>& wanted) {
+std::vector<BlowTracker::Running> BlowTracker::blows_of_step(const World& world, float speed,
+                                                             const std::function<bool(BodyId)>& filter) {
     std::vector<Running> blows;
     for (const Contact& contact : world.solved_contacts()) {
         if (!(contact.speed > speed && contact.impulse > 0.0f)) continue;
         for (const bool first : {true, false}) {
             const BodyId own = first ? contact.a : contact.b, other = first ? contact.b : contact.a;
-            if (!world.contains(own) || !wanted(own)) continue;
+            if (!world.contains(own) || !filter(own)) continue;
             auto at = std::ranges::find_if(
                 blows, [&](const Running& known) { return known.blow.body == own && known.blow.other == other; });
             if (at == blows.end()) at = blows.insert(blows.end(), Running{.blow = {.body = own, .other = other}});
-            at->pressed += contact.impulse;
+            at->total_impulse += contact.impulse;
             BodyBlow& blow = at->blow;
-            const float part = contact.impulse / at->pressed;
+            const float part = contact.impulse / at->total_impulse;
             const Pose pose = world.previous_pose(own);
             blow.point += (glm::vec3(turned_back(pose, contact.point - pose.position)) - blow.point) * part;
             if (world.contains(other))
@@ -65,24 +65,24 @@ std::vector<BlowBook::Running> BlowBook::of_step(const World& world, float speed
             blow.energy += 0.5f * contact.impulse * contact.speed;
         }
     }
-    for (Running& running : blows) running.speed = 2.0f * running.blow.energy / running.pressed;
+    for (Running& running : blows) running.speed = 2.0f * running.blow.energy / running.total_impulse;
     return blows;
 }
 
 // What is left of an approach after a step is slower than it was, but it is the same mass that comes.
-void BlowBook::join(Running& now, const Running& before) {
-    const float part = before.pressed / (before.pressed + now.pressed);
-    now.blow.energy = std::max(now.blow.energy, 0.5f * now.pressed * before.speed) + before.blow.energy;
+void BlowTracker::join(Running& now, const Running& before) {
+    const float part = before.total_impulse / (before.total_impulse + now.total_impulse);
+    now.blow.energy = std::max(now.blow.energy, 0.5f * now.total_impulse * before.speed) + before.blow.energy;
     now.blow.point += (before.blow.point - now.blow.point) * part;
     now.blow.arm += (before.blow.arm - now.blow.arm) * part;
     now.blow.normal += before.blow.normal;
     now.blow.friction += before.blow.friction;
-    now.pressed += before.pressed;
+    now.total_impulse += before.total_impulse;
     now.speed = before.speed;
     now.steps = before.steps + 1;
 }
 
-bool BlowBook::goes_on(const World& world, const Running& running, float speed) {
+bool BlowTracker::continues(const World& world, const Running& running, float speed) {
     const BodyBlow& blow = running.blow;
     const float length = glm::length(blow.normal);
     if (!(length > 0.0f)) return false;
@@ -91,12 +91,12 @@ bool BlowBook::goes_on(const World& world, const Running& running, float speed) 
     return glm::dot(approach, blow.normal / length) > speed;
 }
 
-BodyBlow BlowBook::ended(const Running& running) {
+BodyBlow BlowTracker::ended(const Running& running) {
     BodyBlow blow = running.blow;
     blow.impulse = glm::length(blow.normal);
     if (blow.impulse > 0.0f) blow.normal /= blow.impulse;
-    const float mean_speed = 2.0f * blow.energy / running.pressed;
-    blow.sharp = blow.impulse > 0.0f ? blow.impulse * std::cbrt(mean_speed / blow.impulse) : 0.0f;
+    const float mean_speed = 2.0f * blow.energy / running.total_impulse;
+    blow.equivalent_impulse = blow.impulse > 0.0f ? blow.impulse * std::cbrt(mean_speed / blow.impulse) : 0.0f;
     return blow;
 }
 

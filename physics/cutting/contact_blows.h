@@ -1,14 +1,15 @@
-// Contacts that were blows: what one body did to another, as one, however many steps it took.
+// Blows: the contacts of one body with another, summed over the steps that the collision lasts.
 //
-// What comes slowly, lands flat or has a gap left to close gives its impulse in several steps: a step's solution stops it only
-// as far as the gap allows. A blow is over when the two no longer approach each other faster than the least speed, or no
-// longer press, at the latest after four steps. Contacts that are slower never count, so what rests never adds up to a blow.
+// A slow or flat collision, or one with a gap left to close, spreads its impulse over several steps, because a step's
+// solution stops a body only as far as the gap allows. A blow ends when the bodies no longer approach each other faster
+// than the speed limit, when they no longer touch, or after max_steps. Slower contacts never count, so a resting body
+// never adds up to a blow.
 //
-//     BlowBook book;
+//     BlowTracker tracker;
 //     each step: world.step();
-//                for (const BodyBlow& blow : book.take_up(world, 0.5f, wanted)) ...   // those that ended with it
+//                for (const BodyBlow& blow : tracker.update(world, 0.5f, filter)) ...   // ended in this step
 //
-// N s, J, m. Those of before come first, then in the order of the contacts. Every call gets the same world.
+// N s, J, m. Order: blows of earlier steps first, then by contact. Every call gets the same world. Not thread-safe.
 #pragma once
 
 #include <functional>
@@ -22,37 +23,39 @@ namespace brittle::physics {
 
 struct BodyBlow {
     BodyId body;
-    BodyId other;             // the default for the ground
-    glm::vec3 point{0.0f};    // from the body's centre of mass, in its axes; weighed by impulse, as is
-    glm::vec3 arm{0.0f};      // that from the other's centre of mass when it was, world axes
-    glm::vec3 normal{0.0f};   // unit, world, towards the body
-    float impulse = 0.0f;     // along the normal
-    glm::vec3 friction{0.0f}; // what the body got across it
-    float energy = 0.0f;      // half of impulse times first approach speed: what a dead blow turns into cracks and heat
-    // The impulse as if something of a kilogram gave it: blows of more mass take longer (impact_seconds in material.h), as
-    // the cube root of the mass that is stopped, impulse / speed.
-    float sharp = 0.0f;
+    BodyId other;           // the default for the ground
+    glm::vec3 point{0.0f};  // m, from the body's centre of mass in body axes; mean of the contacts weighted by impulse
+    glm::vec3 arm{0.0f};    // m, from the other's centre of mass in world axes, at the time of contact; weighted alike
+    glm::vec3 normal{0.0f}; // unit, world axes, towards the body
+    float impulse = 0.0f;   // N s, along the normal
+    glm::vec3 friction{0.0f}; // N s, on the body, world axes
+    float energy = 0.0f; // J, half of impulse times first approach speed: the loss of a perfectly inelastic collision
+    // Impulse, N s, of a blow by one kilogram that stresses the body equally. The duration of a blow grows with the
+    // cube root of the mass that is stopped, impulse / speed (impact_seconds in material.h), and the stress falls with
+    // the duration.
+    float equivalent_impulse = 0.0f;
 };
 
-class BlowBook {
+class BlowTracker {
   public:
-    static constexpr int max_steps = 4; // of one blow; a longer push is several
+    static constexpr int max_steps = 4; // of one blow; a longer push is several blows
 
-    // To be called after each step of the world: the blows that are over. Of contacts that came in faster than speed (m/s); a
-    // body that `wanted` refuses is hit by none.
-    [[nodiscard]] std::vector<BodyBlow> take_up(const World& world, float speed,
-                                                const std::function<bool(BodyId)>& wanted);
+    // Call after each step of the world. Returns the blows that ended, on bodies that `filter` accepts, of contacts
+    // that came in faster than `speed`, m/s.
+    [[nodiscard]] std::vector<BodyBlow> update(const World& world, float speed,
+                                               const std::function<bool(BodyId)>& filter);
 
   private:
     struct Running {
-        BodyBlow blow;        // its normal is the sum of impulses
-        float pressed = 0.0f; // N s, the sum whatever their directions
-        float speed = 0.0f;   // m/s, mean of its first step
+        BodyBlow blow;              // its normal is the sum of the impulses
+        float total_impulse = 0.0f; // N s, sum of the magnitudes
+        float speed = 0.0f;         // m/s, mean approach speed of its first step
         int steps = 1;
     };
-    static std::vector<Running> of_step(const World& world, float speed, const std::function<bool(BodyId)>& wanted);
+    static std::vector<Running> blows_of_step(const World& world, float speed,
+                                              const std::function<bool(BodyId)>& filter);
     static void join(Running& now, const Running& before);
-    static bool goes_on(const World& world, const Running& running, float speed);
+    static bool continues(const World& world, const Running& running, float speed);
     static BodyBlow ended(const Running& running);
 
     std::vector<Running> running_;

@@ -21,9 +21,9 @@ using fracture::Fragments;
 using fracture::Triangle;
 using fracture::TriangleMesh;
 
-constexpr size_t few_points = 500;    // below, all are candidates
-constexpr int directions_a_side = 10; // of a cube
-constexpr int settling_rounds = 3;    // of the two sites towards the middles of their halves
+constexpr size_t max_exact_points = 500; // below, all are candidates
+constexpr int directions_a_side = 10;    // of a cube
+constexpr int settling_rounds = 3;       // of the two sites towards the middles of their halves
 
 struct Part {
     TriangleMesh mesh; // empty until it is to be cut, for a part of the solid itself
@@ -99,7 +99,7 @@ std::vector<Part> cut(const TriangleMesh& mesh, const HullSettings& settings, fr
 } // namespace
 
 std::vector<glm::dvec3> hull_candidates(std::span<const glm::dvec3> points) {
-    if (points.size() <= few_points) return {points.begin(), points.end()};
+    if (points.size() <= max_exact_points) return {points.begin(), points.end()};
     const glm::dvec3 middle = middle_of(points);
     struct Farthest {
         double square = -1.0;

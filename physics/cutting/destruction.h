@@ -1,37 +1,55 @@
-// Things that break where they are hit, again and again, while the world goes on.
+// Breakable objects: a blow cuts a piece into smaller pieces while the world runs, and those can break again.
 //
 //     Destruction destruction;
-//     Result<ObjectId> statue = destruction.add(world, mesh, {.solid = {.material = stone}, .motion = {.placement = at}});
+//     Result<ObjectId> statue = destruction.add(world, mesh, {.solid = {.material = stone}});
 //     each step:  world.step();  destruction.update(world);
-//     each frame: for (what is in destruction.take_events()) add it to the renderer or take it out;
+//     each frame: DestructionEvents events = destruction.take_events();   // removed pieces first, then added ones
 //                 destruction.visit_poses(world, alpha, 0, [&](uint32_t slot, const Pose& pose) { poses[slot] = pose; });
 //
-// - An object starts whole, as one body and one closed mesh, or as a Structure of bonded pieces. Contacts that came in faster
-//   than impact_speed are a blow, one for as many steps as it takes (contact_blows.h); one that is harder than the piece bears
-//   (bearable_impulse() in solid_piece.h, compared as for a blow of a kilogram, impact_seconds in material.h) breaks it: sites are
-//   laid around the contact (impact_pattern.h), and what comes of it can break again, down to min_size.
-// - Cutting, masses, hulls and what a renderer draws are made by a job on another thread. Until it is committed the piece
-//   moves on whole, with what hit it resting at it: a bounce off what is about to give way is taken back. Pieces then start
-//   with the motion of that moment, v + w x r. The impulse that the contact had is given back to both sides, less what the
-//   cracks took of the energy, and solved anew against the piece that was hit alone. Momentum and angular momentum are kept. (Of bonded pieces the
-//   contact stays as Structure leaves it.) Where a piece is held, the world is the other side: it gives back what the contact
-//   gave it, friction with it, so what comes loose takes the blow as a free body would; of what the cracks took it keeps all.
-// - One job a piece at a time. Later blows to it are summed up, and what comes out nearest to the hardest takes them; the
-//   contact of the hardest is solved anew likewise.
-// - A piece that reaches into an anchor is fixed; what no longer does, falls. What is held and too thin for its weight, for
-//   what rests on it or for a blow to another place of it parts there (held_blocks.h): when it is added, after a cut in the
-//   same job, and in a job of its own when more comes to rest on it or a blow breaks nothing where it lands.
-// - Commits: a job is committed as a whole, in the order of job numbers. What the main thread does then is to take one body
-//   out and put at most some dozens of prepared ones in: microseconds each, since masses and hulls are there. So a
-//   budget is divided by jobs: when_ready takes jobs while the budget lasts, at least one a step.
-// - Deterministic with Timing::fixed_latency (commits in the step they are due, waiting where a job is late) and with
-//   Timing::scripted (commits as a log says). Timing::when_ready looks at the clock; commits() is the log to keep.
-// - A slot is an index that the piece's pose is written to; it is used again once the piece is gone.
-// - Debris: retire_debris() in debris.h says what goes when there is too much, bonded pieces that came off their structure among
-//   it; not what is being cut, nor what is bonded to that. crowd.h says which parts of what breaks do not meet each other when
-//   more than enough do. What is added whole always collides.
+// An object starts whole, as one closed mesh and one body, or as a Structure of bonded pieces. A piece is one closed
+// mesh with mass, collision hulls and a PieceId (solid_piece.h). Its body is its own, or in a structure the body of its
+// island. A piece that reaches into an anchor is fixed. Each piece has a slot, an index into the caller's array of
+// poses; the slot is reused once the piece is gone.
 //
-// World coordinates where nothing else is said; metres, kilograms, seconds. Every call gets the same world. Not thread-safe.
+// From a contact to new pieces:
+//  1. Blow. update() sums contacts that came in faster than impact_speed into blows, each over as many steps as it
+//     lasts (contact_blows.h). A structure reports the impacts on its pieces itself.
+//  2. Judgement. A blow breaks a piece if its equivalent impulse exceeds the piece's bearable_impulse() (solid_piece.h)
+//     and its energy is enough for a cut (damage_of() in impact_pattern.h). A blow below that on a held piece may still
+//     break its weakest section elsewhere (knocked_loose() in held_blocks.h).
+//  3. Suspension. The piece moves on whole until its job is done. The striker rests at the piece: its bounce is taken
+//     back (suspended_contact.h).
+//  4. Job, on a worker thread. It places sites around the contact, cuts the solid, and makes masses, hulls, body forms
+//     and payloads. Pieces that are held and now too weak for their load are cut along their blocks in the same job. A
+//     piece has at most one job. Later blows to it are summed; the hardest of them is kept for step 6.
+//  5. Commit, on the main thread. Both bodies get the contact's impulse back, less the share of energy that the cracks
+//     took. The piece's body is replaced by those of the new pieces, which inherit its motion, v + w x r. The contact
+//     is solved again, inelastically, with the piece nearest to it. (In a structure the contact stays as Structure
+//     solved it.)
+//  6. Next blow. The piece nearest to the hardest waiting blow takes the summed blow, and may start its own job.
+//  7. Events. take_events() reports removed, added and fading pieces to a renderer.
+//
+// A job is committed as a whole, in the order of job numbers. A commit takes microseconds for each piece, since the job
+// has prepared everything else; a time budget is therefore spent in whole jobs.
+//
+// Momentum and angular momentum are conserved. Energy is lost to cracks and to inelastic contacts, never gained. Where
+// a piece is fixed, the world is the other side of the exchange: a part that comes loose takes the blow as a free body
+// would, and the world keeps the share of the cracks.
+//
+// Loads. A fixed piece that is too thin for its weight, or for bodies that rest on it, is cut at its overloaded
+// sections (held_blocks.h): when it is added, in the job that cuts it, and in a job of its own when the load on it
+// grows.
+//
+// Debris. Free pieces that came off, alone or bonded, are retired beyond DebrisLimits (debris.h). A piece with a job,
+// and pieces bonded to it, stay until the commit. In a crowd, new small pieces do not collide with each other
+// (crowd.h); an object that is added whole always collides.
+//
+// Determinism. With Timing::fixed_latency a job is committed in the step it is due, and update() waits for a late one.
+// With Timing::scripted, commits follow a log. Both repeat bit for bit with any number of threads. Timing::when_ready
+// depends on the clock; commits() is the log that repeats it.
+//
+// Threads. Not thread-safe: every call comes from one thread, with one World. Workers read immutable solids alone.
+// World coordinates unless stated; metres, kilograms, seconds.
 #pragma once
 
 #include <compare>
@@ -56,12 +74,13 @@
 #include "physics/cutting/impact_pattern.h"
 #include "physics/cutting/piece_payload.h"
 #include "physics/cutting/solid_piece.h"
+#include "physics/cutting/suspended_contact.h"
 #include "physics/world/pieces.h"
 #include "physics/world/world.h"
 
 namespace brittle::physics {
 
-// Never used again within a Destruction.
+// Names an object of one Destruction; never reused there.
 struct ObjectId {
     uint32_t value = UINT32_MAX; // the default names none
 
@@ -70,42 +89,44 @@ struct ObjectId {
 
 struct BreakableDesc {
     SolidSettings solid{};
-    ImpactPattern pattern{};   // its seed is the object's: that of a blow derives from it, the object's number, the
-                               // piece's ancestry and how many blows to the piece were worked on before
+    // The seed is the object's. The seed of a blow derives from it, the object's number, the piece's ancestry and the
+    // number of earlier jobs of the piece.
+    ImpactPattern pattern{};
     uint32_t max_pieces = 48;  // of one blow
     PlacedMotion motion{};     // an anchored object keeps its placement and does not move
-    float impact_speed = 0.5f; // m/s
-    PayloadMaker payload{};    // for each piece, handed over with its PieceAdded
+    float impact_speed = 0.5f; // m/s; a slower contact is no blow
+    PayloadMaker payload{};    // makes the payload of each piece, which its PieceAdded hands over
 };
 
-// When jobs are committed, see above.
+// When jobs are committed: a fixed number of steps after the blow, as soon as they are ready, or by a log.
 enum class Timing { fixed_latency, when_ready, scripted };
 
 struct DestructionSettings {
     Timing timing = Timing::fixed_latency;
     uint32_t latency = 2;        // steps from blow to commit, at least 1; for fixed_latency
-    uint32_t commits_a_step = 0; // for fixed_latency, at most so many; 0: all that are due
-    uint32_t workers = 1;        // threads, each with a job of its own; they give way to frames (background.h)
+    uint32_t commits_a_step = 0; // limit for fixed_latency; 0: all that are due
+    uint32_t workers = 1;        // threads of low priority (background.h), each with a job of its own
     DebrisLimits debris{};
 };
 
-// What a blow makes of a piece: all that it takes to carry it out, on any thread.
+// The cut that a blow makes, with all that it takes to carry it out on any thread.
 struct PlannedCut {
     SolidPtr solid;
     std::shared_ptr<const BreakableDesc> desc;
     Blow blow; // in the coordinates of the object
     Damage damage;
     uint64_t seed = 0;
-    glm::dvec3 gravity{0.0}; // m/s^2, likewise: what is held and left too thin comes apart as well
+    glm::dvec3 gravity{0.0}; // m/s^2, in the coordinates of the object; loads held parts that the cut leaves too thin
 };
-// The pieces, one where it withstands. Where no brick comes off by itself, crumbs do, and crumbs that are each too small come off
-// together, where they and what is left are each enough for a piece. Fails as break_solid() does.
+// The pieces of a cut; a single piece where the solid withstands. If no whole brick comes off, crumbs do. Crumbs that
+// are each below the minimum size come off as one piece, if that piece and the rest are both large enough. Fails as
+// break_solid() does.
 [[nodiscard]] Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut,
                                                       const std::function<bool()>& cancelled = {});
 
-// A job that was committed, and the World::steps_taken() of then.
+// The commit of a job.
 struct Commit {
-    uint64_t step = 0;
+    uint64_t step = 0; // World::steps_taken() at the commit
     uint32_t job = 0;
 
     friend bool operator==(const Commit&, const Commit&) = default;
@@ -115,10 +136,10 @@ struct PieceAdded {
     PieceId id;
     ObjectId object;
     uint32_t slot = 0;
-    uint32_t depth = 0; // how often what it is of was cut
+    uint32_t depth = 0; // number of cuts between the original object and this piece
     SolidPtr solid;
-    PieceId of{};         // what was cut; none at the beginning
-    PayloadPtr payload{}; // what BreakableDesc::payload made, null without one
+    PieceId parent{};     // the piece that was cut; none for a piece of the original object
+    PayloadPtr payload{}; // made by BreakableDesc::payload; null without one
 };
 struct PieceRemoved {
     PieceId id;
@@ -127,60 +148,64 @@ struct PieceRemoved {
 struct PieceFading {
     PieceId id;
     uint32_t slot = 0;
-    float share = 1.0f; // of it that is left, 1 to 0; it is removed after the last
+    float share = 1.0f; // visible share, falling from 1 to 0; the piece is removed afterwards
 };
-// Since the last call; to be taken in this order, as slots are used again. A piece that came and went between two calls
-// is in none.
+// Changes since the last call. Apply them in the order of the members, because added pieces reuse the slots of removed
+// ones. A piece that was added and removed between two calls appears in none.
 struct DestructionEvents {
     std::vector<PieceRemoved> removed;
     std::vector<PieceAdded> added;
-    std::vector<PieceFading> fading; // the last share of each piece
+    std::vector<PieceFading> fading; // the latest share of each piece
 };
 
 class Destruction {
   public:
     struct Statistics {
-        uint32_t blows = 0; // that began a job
+        uint32_t blows = 0; // that started a job
         uint32_t commits = 0;
-        uint32_t overloads = 0; // jobs that took a held piece apart under its load, or after a blow elsewhere
-        uint32_t breaks = 0;    // commits by which a piece came apart
-        uint32_t withstood =
-            0; // blows that cut nothing where they land: all that they would take off, or leave, is below min_size
-        uint32_t failed = 0;         // jobs whose cut was refused: such a piece is not cut again
-        uint32_t retired = 0;        // debris
-        double longest_commit = 0.0; // s, of the main thread, with Timing::when_ready
+        // Commits that cut a held piece along its blocks, under its load or after a blow elsewhere.
+        uint32_t overloads = 0;
+        uint32_t breaks = 0;    // commits by which a piece broke
+        uint32_t withstood = 0; // blows that cut nothing: all that they would take off, or leave, is below min_size
+        uint32_t failed = 0;    // jobs whose cut failed; that piece is not cut again
+        uint32_t retired = 0;   // pieces of debris
+        double longest_commit = 0.0; // s on the main thread, with Timing::when_ready
         std::string last_failure;
     };
 
     explicit Destruction(const DestructionSettings& settings = {});
 
-    // A whole object. Fails as make_solid() does, which is called here on this thread; or was, on any, for the second.
+    // Adds a whole object. The first overload makes the solid on this thread and fails as make_solid() does. The second
+    // takes a solid that was made on any thread, with its payload; without a payload, desc.payload makes one here.
     Result<ObjectId> add(World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc);
     Result<ObjectId> add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload = {});
-    // Bonded pieces. Fails as Structure::create() does; `structure` holds for how they hold together, `pieces` for how they
-    // break themselves. The parts of a broken piece are anchored by pieces.solid.anchors alone. Where solids_of() was
-    // called ahead, its result, one a piece; their hulls are then the structure's.
+    // Adds bonded pieces. Fails as Structure::create() does. `structure` describes the bonds between the pieces,
+    // `pieces` how each piece breaks. The parts of a broken piece are anchored by pieces.solid.anchors alone. `solids`
+    // and `payloads` are results of solids_of() and payloads_of() that were made ahead, one a piece; the solids' hulls
+    // are then the structure's.
     Result<ObjectId> add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
                          const BreakableDesc& pieces, std::span<const SolidPtr> solids = {},
                          std::vector<PayloadPtr> payloads = {});
-    // Takes an object out with all its pieces, and calls its jobs off.
+    // Removes an object with all its pieces and cancels its jobs.
     void remove(World& world, ObjectId object);
 
-    // To be called after each step of the world. budget: s of the main thread for commits, for Timing::when_ready.
+    // Call after each step of the world. budget: s of the main thread for commits, with Timing::when_ready; at least
+    // one ready job is committed a call.
     void update(World& world, double budget = 2e-3);
-    // A blow by hand: nothing moves of it. The normal points into the piece. False where the piece is not there or does not
-    // break of it.
+    // Strikes a piece with a blow of `energy` J that has no impulse. The normal points into the piece. False for an
+    // unknown piece or a blow that does not break it.
     bool strike(const World& world, PieceId piece, const glm::vec3& point, const glm::vec3& normal, double energy);
-    // What strike() would make of it, without doing it. Nothing where it would not break, or while another blow breaks it.
+    // The cut that strike() would start. Nothing for a blow that would not break the piece, or while a job cuts it.
     [[nodiscard]] std::optional<PlannedCut> foresee(const World& world, PieceId piece, const glm::vec3& point,
                                                     const glm::vec3& normal, double energy) const;
-    // What to commit when, for Timing::scripted: a log of commits(), in its order. Jobs that are not in it are not committed.
+    // The log for Timing::scripted, in the order of commits(). A job without an entry is never committed.
     void follow(std::span<const Commit> log) { script_.assign(log.begin(), log.end()); }
     [[nodiscard]] std::span<const Commit> commits() const { return commits_; } // of the last update()
 
     [[nodiscard]] DestructionEvents take_events();
-    // Whether someone sees any of a ball around a piece: centre and radius, m. Asked when debris is to go, in update().
-    // None set: all is seen. It is an input of the run: a log of one must have it.
+    // Sets the test for whether a ball (centre and radius, m) around a piece is visible. update() calls it when debris
+    // is to be retired. Without one, everything is visible. The test is an input of the run: a log that repeats it must
+    // hold it.
     void set_view(std::function<bool(const glm::vec3&, float)> visible) { visible_ = std::move(visible); }
 
     // Calls visit for each piece in the order of PieceId, with its slot and the interpolated pose of its centre of mass, in
@@ -189,78 +214,75 @@ class Destruction {
     void visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const;
     [[nodiscard]] uint32_t slot_count() const { return slot_count_; } // all slots are below this
 
-    [[nodiscard]] std::vector<PieceId> pieces() const; // in the order in which they came
+    [[nodiscard]] std::vector<PieceId> pieces() const; // ascending
     [[nodiscard]] bool contains(PieceId piece) const { return pieces_.contains(piece); }
-    // Of a piece that exists:
+    // Precondition of these five: contains(piece).
     [[nodiscard]] const SolidPtr& solid(PieceId piece) const { return pieces_.at(piece).solid; }
     [[nodiscard]] uint32_t slot(PieceId piece) const { return pieces_.at(piece).slot; }
     [[nodiscard]] uint32_t depth(PieceId piece) const { return pieces_.at(piece).depth; }
     [[nodiscard]] ObjectId object(PieceId piece) const { return pieces_.at(piece).object; }
-    [[nodiscard]] BodyId body(PieceId piece) const {
-        return body_of(pieces_.at(piece));
-    }                                                                  // none once someone else removed it
-    [[nodiscard]] PieceId next_piece() const { return {next_piece_}; } // all that have been are below
-    // Of bonded pieces, or null: for blows by hand to their bonds. Its pieces are those with the object's first numbers.
+    // The world no longer contains the body if the caller removed it there.
+    [[nodiscard]] BodyId body(PieceId piece) const { return body_of(pieces_.at(piece)); }
+    [[nodiscard]] PieceId next_piece() const { return {next_piece_}; } // above all pieces so far
+    // The bonds of an object, for damage by hand; null for an object without bonds. Its piece indices are, in order,
+    // the first PieceIds of the object.
     [[nodiscard]] Structure* structure(ObjectId object);
     [[nodiscard]] const Structure* structure(ObjectId object) const;
-    // Which piece of its structure it is; nothing for one that is in none.
+    // Index of the piece in its structure; nothing for a piece outside one.
     [[nodiscard]] std::optional<uint32_t> bonded(PieceId piece) const;
     [[nodiscard]] size_t jobs_in_flight() const { return jobs_.size(); }
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
-    // Of the pieces and what they have borne, what is being cut, and of structures: what World::state_hash() does not know.
+    // Hash of pieces, their loads, jobs and structures: the state that World::state_hash() does not cover.
     [[nodiscard]] uint64_t state_hash() const;
 
   private:
     static constexpr uint32_t none = UINT32_MAX;
 
-    struct Hit { // a blow in the coordinates of the object
-        Blow blow{};
-        double sharp = 0.0; // N s, as of a kilogram
-        BodyId striker{};
-        glm::vec3 owed{0.0f};   // N s, world: what the piece got and the striker against it, to be solved anew
-        glm::vec3 rubbed{0.0f}; // likewise of friction, where the piece is held; a free one has taken that over
-        glm::vec3 arm{0.0f};    // m, world axes: from the striker's centre of mass to the contact, when it was
-        double lost = 0.0;      // J, by that contact: no more comes back; the blow's energy may be that of several
+    struct Hit {
+        Blow blow{};                     // in the coordinates of the object; of several blows with their summed energy
+        double equivalent_impulse = 0.0; // N s, of an equal blow by one kilogram: BodyBlow::equivalent_impulse
+        SuspendedContact contact{};      // of the hardest blow
     };
     struct Object {
         std::shared_ptr<const BreakableDesc> desc;
-        std::unique_ptr<Structure> structure;
-        std::vector<PieceId> bonded; // by piece of the structure
+        std::unique_ptr<Structure> structure; // null for an object that started whole
+        std::vector<PieceId> bonded;          // by piece of the structure
         uint32_t pieces = 0;
     };
     struct Live {
         ObjectId object;
         SolidPtr solid{};
         uint32_t depth = 0;
-        PieceId of{};
+        PieceId parent{};
         uint64_t seed = 0;
         uint32_t slot = 0;
-        BodyId own{};           // none for a piece of a structure
-        uint32_t bonded = none; // piece of the structure
-        uint32_t job = none;
-        uint32_t blows = 0;           // that began a job
-        bool unbreakable = false;     // a cut of it was refused
-        std::optional<Hit> waiting{}; // blows while the job runs
-        uint64_t born = 0;            // steps; of a piece of a structure, when it came off
-        uint64_t slept = 0;           // steps
-        uint64_t fading = 0;          // steps that are left of it; 0: not fading
-        double load = 0.0;            // N, mean of what rests on a held piece,
-        double looked_at = 0.0;       // and the least since its blocks were looked at
+        BodyId own{};                 // none for a piece of a structure
+        uint32_t bonded = none;       // index in its structure
+        uint32_t job = none;          // number of the job that cuts it
+        uint32_t blows = 0;           // that started a job
+        bool unbreakable = false;     // its cut failed
+        std::optional<Hit> waiting{}; // sum of the blows since the job started
+        uint64_t born = 0;            // step of its creation; of a piece of a structure, the step at which it came off
+        uint64_t slept = 0;           // steps since it fell asleep
+        uint64_t fading = 0;          // steps until it is removed; 0: not fading
+        double load = 0.0;            // N, running mean of the forces on a held piece
+        double checked_load = 0.0;    // N, lowest load since its blocks were last checked
     };
     struct Job {
         PieceId piece;
-        uint64_t due = 0; // steps
+        uint64_t due = 0; // step of its commit
         Hit hit{};
-        bool parts = false; // along its blocks, of a load, where hit is none, or of a blow elsewhere
+        bool along_blocks =
+            false; // cuts a held piece along its blocks: under load (hit is empty), or after a blow elsewhere
     };
-    struct Made { // a piece, all that its commit takes
+    struct Made { // a new piece with all that its commit takes
         SolidPtr solid;
-        std::shared_ptr<const BodyForm> form; // null where it has several hulls
+        std::shared_ptr<const BodyForm> form; // null for several hulls, or where making it failed
         PayloadPtr payload;
     };
     struct Broken {
-        std::vector<Made> pieces; // none where the piece withstands, else two or more
-        std::string failure;      // empty: none
+        std::vector<Made> pieces; // empty where the piece withstands, else two or more
+        std::string failure;      // message of a failed cut; empty: none
     };
     struct Motion { // of a piece, in the world
         Pose pose, previous;
@@ -278,9 +300,9 @@ class Destruction {
     static Broken broken_into(Result<std::vector<SolidPtr>> pieces, const PayloadMaker& payload);
     PieceId register_piece(Live piece, PayloadPtr payload);
     void forget_piece(PieceId id);
-    void let_go(SolidPtr solid, PayloadPtr payload = {});
+    void free_elsewhere(SolidPtr solid, PayloadPtr payload = {});
     void remove_lost(const World& world);
-    void take_up_blows(World& world);
+    void collect_blows(World& world);
     void update_structures(World& world);
     [[nodiscard]] bool cuts(const World& world, const Live& piece, const Hit& hit) const;
     void hit_piece(const World& world, PieceId id, const Hit& hit);
@@ -291,21 +313,17 @@ class Destruction {
     using Parting =
         std::function<std::vector<uint32_t>(const SolidPiece&, const SolidSettings&, const glm::dvec3& gravity)>;
     [[nodiscard]] glm::dvec3 gravity_of(const World& world, const Live& piece) const;
-    void knock(const World& world, PieceId id, const Hit& hit);
+    void break_elsewhere(const World& world, PieceId id, const Hit& hit);
     void update_loads(const World& world);
     void part_if_overloaded(const World& world, PieceId id);
     void start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts);
-    static void take_back_bounce(World& world, BodyId own, Hit& hit);
-    [[nodiscard]] static double lost_by(const World& world, const Hit& hit, const glm::vec3& impulse);
     void commit_due(World& world, double budget);
     bool commit(World& world, uint32_t job);
-    [[nodiscard]] bool is_held(const Live& piece) const;
+    [[nodiscard]] bool has_bonds(const Live& piece) const;
     std::vector<PieceId> replace(World& world, PieceId old, Broken& broken);
     [[nodiscard]] PieceId nearest_of(std::span<const PieceId> made, const glm::dvec3& point) const;
     [[nodiscard]] double crack_energy(const Live& piece, const Broken& broken) const;
-    void exchange(World& world, const Live& piece, double cracks, Hit& hit) const;
-    PieceId solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const;
-    void see_debris(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const;
+    void mark_visible(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const;
     [[nodiscard]] std::vector<PieceId> together_with(PieceId id) const;
     [[nodiscard]] bool is_seen(const World& world, const Live& piece) const;
     [[nodiscard]] bool came_off(const Live& piece) const;
@@ -317,12 +335,13 @@ class Destruction {
     DestructionSettings settings_;
     std::map<ObjectId, Object> objects_;
     std::map<PieceId, Live> pieces_;
-    std::unordered_map<uint32_t, PieceId> piece_of_body_; // whole pieces, by BodyId::value; looked up only
+    std::unordered_map<uint32_t, PieceId>
+        piece_of_body_; // pieces with a body of their own, by BodyId::value; never iterated
     std::map<uint32_t, Job> jobs_;
     std::set<uint32_t> free_slots_;
     uint32_t slot_count_ = 0, next_object_ = 0, next_piece_ = 0, next_job_ = 0;
     uint64_t steps_seen_ = 0, removed_seen_ = 0;
-    BlowBook blows_;
+    BlowTracker blows_;
     std::vector<Commit> commits_, script_;
     size_t script_at_ = 0;
     std::map<PieceId, PieceAdded> added_;
@@ -330,7 +349,7 @@ class Destruction {
     std::map<PieceId, PieceFading> fading_;
     std::function<bool(const glm::vec3&, float)> visible_;
     Statistics statistics_;
-    Background<Broken> background_; // last: its threads end first
+    Background<Broken> background_; // last member: its threads end before the others are destroyed
 };
 
 std::ostream& operator<<(std::ostream& stream, PieceId id);

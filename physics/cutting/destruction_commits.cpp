@@ -69,7 +69,7 @@ void Destruction::commit_due(World& world, double budget) {
 }
 
 // A piece of a structure that is still held to others: its structure lets go of it with the next update.
-bool Destruction::is_held(const Live& piece) const {
+bool Destruction::has_bonds(const Live& piece) const {
     return piece.bonded != none && objects_.at(piece.object).structure->together_with(piece.bonded).size() > 1;
 }
 
@@ -77,33 +77,40 @@ bool Destruction::is_held(const Live& piece) const {
 bool Destruction::commit(World& world, uint32_t number) {
     Job job = jobs_.at(number);
     Live& piece = pieces_.at(job.piece);
-    if (is_held(piece)) return false;
+    if (has_bonds(piece)) return false;
     Broken broken = background_.take(number);
     jobs_.erase(number);
     piece.job = none;
     std::optional<Hit> waiting = std::exchange(piece.waiting, std::nullopt);
     ++statistics_.commits;
-    if (job.parts && broken.pieces.size() > 1) ++statistics_.overloads;
+    if (job.along_blocks && broken.pieces.size() > 1) ++statistics_.overloads;
     if (!broken.failure.empty()) {
         ++statistics_.failed;
         statistics_.last_failure = broken.failure;
         piece.unbreakable = true;
     } else if (broken.pieces.size() < 2) {
-        if (!job.parts) ++statistics_.withstood;
+        if (!job.along_blocks) ++statistics_.withstood;
         if (waiting) start_job(world, job.piece, *waiting);
-        if (piece.job == none && (waiting || !job.parts)) {
-            const bool later = waiting && (job.parts || waiting->blow.energy > job.hit.blow.energy);
-            knock(world, job.piece, later ? *waiting : job.hit);
+        if (piece.job == none && (waiting || !job.along_blocks)) {
+            const bool later = waiting && (job.along_blocks || waiting->blow.energy > job.hit.blow.energy);
+            break_elsewhere(world, job.piece, later ? *waiting : job.hit);
         }
     } else {
         ++statistics_.breaks;
-        exchange(world, piece, crack_energy(piece, broken), job.hit);
-        if (waiting) exchange(world, piece, 0.0, *waiting);
+        const BodyId whole = body_of(piece);
+        restore(world, whole, crack_energy(piece, broken) / job.hit.blow.energy, job.hit.contact);
+        if (waiting) restore(world, whole, 0.0, waiting->contact);
         const std::vector<PieceId> made = replace(world, job.piece, broken);
-        solve_anew(world, made, job.hit);
+        const auto solve_for_part = [&](Hit& hit) {
+            const PieceId part = nearest_of(made, hit.blow.point);
+            if (part != PieceId{}) solve_again(world, pieces_.at(part).own, hit.contact);
+            return part;
+        };
+        solve_for_part(job.hit);
         if (!waiting) return true;
-        const PieceId next = solve_anew(world, made, *waiting);
-        if (next != PieceId{} && waiting->sharp > pieces_.at(next).solid->bearable) start_job(world, next, *waiting);
+        const PieceId next = solve_for_part(*waiting);
+        if (next != PieceId{} && waiting->equivalent_impulse > pieces_.at(next).solid->bearable)
+            start_job(world, next, *waiting);
     }
     return true;
 }
@@ -131,7 +138,7 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& bro
                       {.object = parent.object,
                        .solid = std::move(piece.solid),
                        .depth = parent.depth + 1,
-                       .of = old,
+                       .parent = old,
                        .seed = seed_of(parent.seed, i),
                        .born = world.steps_taken()},
                       std::move(piece.payload), motion, parent.solid->mass.centre_of_mass, debris[i], piece.form);
@@ -140,7 +147,7 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& bro
         else // a speck whose mass single precision cannot hold
             statistics_.last_failure = added.error().message;
     }
-    let_go(std::move(parent.solid)); // again: what forget_piece() handed over may be gone
+    free_elsewhere(std::move(parent.solid)); // again: what forget_piece() handed over may be gone
     return made;
 }
 
@@ -160,67 +167,6 @@ double Destruction::crack_energy(const Live& piece, const Broken& broken) const 
     double surface = -piece.solid->mass.area;
     for (const Made& made : broken.pieces) surface += made.solid->mass.area;
     return 0.5 * std::max(surface, 0.0) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
-}
-
-// Gives back what is owed, less what the cracks took: f of an impulse brings back f^2 of the energy. It goes through the
-// point of what hit, which may have slid since: a ball off whose middle it went would be left spinning. Where the two have
-// gone other ways and it would bring more energy than was lost, so much less of it. Of a held piece, what the world had
-// got comes back, and its friction with it.
-void Destruction::exchange(World& world, const Live& piece, double cracks, Hit& hit) const {
-    const BodyId own = body_of(piece);
-    if (!world.contains(hit.striker) || !world.contains(own)) hit.owed = glm::vec3(0.0f);
-    if (!(glm::length(hit.owed) > 0.0f)) return;
-    const auto scale = [&](double part) {
-        hit.owed *= static_cast<float>(part);
-        hit.rubbed *= static_cast<float>(part);
-    };
-    scale(std::sqrt(std::max(0.0, 1.0 - cracks / hit.blow.energy)));
-    const float along = glm::length(hit.owed + hit.rubbed);
-    if (!(along > 0.0f)) return;
-    const glm::vec3 normal = (hit.owed + hit.rubbed) / along;
-    const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
-    // s of it brings  linear s + quadratic s^2  of energy.
-    const double linear = static_cast<double>(
-        along * (speed_at(world, hit.striker, point, normal) - speed_at(world, own, point, normal)));
-    const double response =
-        static_cast<double>(response_at(world, hit.striker, point, normal) + response_at(world, own, point, normal));
-    const double quadratic = 0.5 * response * static_cast<double>(along) * static_cast<double>(along);
-    if (linear + quadratic > hit.lost && quadratic > 0.0) {
-        const double root = std::sqrt(linear * linear + 4.0 * quadratic * hit.lost);
-        scale(std::clamp((root - linear) / (2.0 * quadratic), 0.0, 1.0));
-    }
-    push(world, own, -hit.owed - hit.rubbed, point);
-    push(world, hit.striker, hit.owed + hit.rubbed, point);
-}
-
-// A dead blow between what hit and the piece that is there now, which is returned, and where the old one was held its friction;
-// what is owed, and was lost, is then of that.
-PieceId Destruction::solve_anew(World& world, std::span<const PieceId> made, Hit& hit) const {
-    const PieceId id = nearest_of(made, hit.blow.point);
-    const float most = glm::length(hit.owed);
-    if (id == PieceId{} || !(most > 0.0f)) return id;
-    const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
-    const BodyId own = pieces_.at(id).own;
-    double lost = 0.0;
-    const auto stop = [&](const glm::vec3& direction, float max_impulse) {
-        const float approach = speed_at(world, hit.striker, point, direction) - speed_at(world, own, point, direction);
-        const float response =
-            response_at(world, own, point, direction) + response_at(world, hit.striker, point, direction);
-        const float impulse = response > 0.0f ? std::clamp(approach / response, 0.0f, max_impulse) : 0.0f;
-        push(world, own, impulse * direction, point);
-        push(world, hit.striker, -impulse * direction, point);
-        lost += static_cast<double>(impulse * (approach - 0.5f * response * impulse));
-        return impulse;
-    };
-    const glm::vec3 normal = hit.owed / most;
-    const float impulse = stop(normal, most), rubbing = glm::length(hit.rubbed);
-    hit.owed = impulse * normal;
-    if (rubbing > 0.0f) { // as much for what presses
-        const glm::vec3 along = hit.rubbed / rubbing;
-        hit.rubbed = stop(along, rubbing * (impulse / most)) * along;
-    }
-    hit.lost = std::min(hit.lost, lost);
-    return id;
 }
 
 } // namespace brittle::physics

@@ -21,10 +21,10 @@ namespace brittle::physics {
 namespace {
 
 // Blows after a piece's first, among its children: those are fewer.
-constexpr uint64_t first_blow = uint64_t{1} << 32;
+constexpr uint64_t blow_seed_base = uint64_t{1} << 32;
 // What rests on a held piece counts by its mean over so long, s, and is looked at again where it has become so many times
 // what it was, and by this share of the piece's weight more: a job each.
-constexpr double load_seconds = 0.1, more_load = 1.25, new_load = 0.05;
+constexpr double load_seconds = 0.1, load_growth = 1.25, weight_growth = 0.05;
 
 bool finite(const glm::vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -54,28 +54,24 @@ std::vector<SolidPtr> standing(std::vector<SolidPtr> pieces, const SolidSettings
 
 } // namespace
 
-void Destruction::take_up_blows(World& world) {
+void Destruction::collect_blows(World& world) {
     float least = std::numeric_limits<float>::infinity();
     for (const auto& [id, object] : objects_) least = std::min(least, object.desc->impact_speed);
     const auto ours = [&](BodyId body) { return piece_of_body_.contains(body.value); };
-    for (const BodyBlow& blow : blows_.take_up(world, least, ours)) {
+    for (const BodyBlow& blow : blows_.update(world, least, ours)) {
         const auto at = piece_of_body_.find(blow.body.value);
         const PieceId id = at->second;
         const Live& piece = pieces_.at(id);
         if (2.0f * blow.energy <= desc_of(piece).impact_speed * blow.impulse) continue;
         Hit hit{.blow = {glm::dvec3(blow.point) + piece.solid->mass.centre_of_mass,
                          turned_back(world.pose(blow.body), blow.normal), blow.energy},
-                .sharp = blow.sharp,
-                .striker = blow.other,
-                .arm = blow.arm,
-                .lost = blow.energy};
-        // What the ground or a fixed body gave is not solved anew.
-        if (world.contains(blow.other) && !world.fixed(blow.other)) hit.owed = blow.impulse * blow.normal;
-        if (cuts(world, piece, hit)) take_back_bounce(world, blow.body, hit);
-        if (glm::length(hit.owed) > 0.0f && world.fixed(blow.body)) {
-            hit.rubbed = blow.friction;
-            hit.lost = std::max(hit.lost, lost_by(world, hit, hit.owed + hit.rubbed));
-        }
+                .equivalent_impulse = blow.equivalent_impulse,
+                .contact = {.striker = blow.other, .arm = blow.arm, .lost = blow.energy}};
+        // A contact with the ground or a fixed body is not solved again.
+        if (world.contains(blow.other) && !world.fixed(blow.other))
+            hit.contact.normal_impulse = blow.impulse * blow.normal;
+        if (cuts(world, piece, hit)) suspend(world, blow.body, hit.contact);
+        if (!hit.contact.empty() && world.fixed(blow.body)) add_friction(world, blow.friction, hit.contact);
         hit_piece(world, id, hit);
     }
 }
@@ -91,8 +87,8 @@ void Destruction::update_structures(World& world) {
             const Hit hit{
                 .blow = {turned_back(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
                          turned_back(pose, impact.normal), impact.energy},
-                .sharp = static_cast<double>(impact.impulse * impact.sharpness),
-                .striker = impact.other};
+                .equivalent_impulse = static_cast<double>(impact.impulse * impact.sharpness),
+                .contact = {.striker = impact.other}};
             hit_piece(world, piece, hit);
             if (pieces_.at(piece).job != none) object.structure->isolate(impact.piece);
         }
@@ -107,7 +103,7 @@ bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point,
     if (!blow) return false;
     Hit hit;
     hit.blow = *blow;
-    hit.sharp = std::numeric_limits<double>::infinity();
+    hit.equivalent_impulse = std::numeric_limits<double>::infinity();
     hit_piece(world, id, hit);
     if (at->second.bonded != none && at->second.job != none)
         objects_.at(at->second.object).structure->isolate(at->second.bonded);
@@ -133,13 +129,13 @@ std::optional<Blow> Destruction::blow_at(const World& world, const Live& piece, 
 
 // Whether a blow cuts a piece, or may cut what comes of the job that runs.
 bool Destruction::cuts(const World& world, const Live& piece, const Hit& hit) const {
-    return hit.sharp > piece.solid->bearable && (piece.job != none || plan(world, piece, hit.blow));
+    return hit.equivalent_impulse > piece.solid->bearable && (piece.job != none || plan(world, piece, hit.blow));
 }
 
 // Begins a job, or lays the blow by for when the one that runs is done.
 void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
-    if (!cuts(world, piece, hit)) return knock(world, id, hit);
+    if (!cuts(world, piece, hit)) return break_elsewhere(world, id, hit);
     if (piece.job == none) {
         start_job(world, id, hit);
         return;
@@ -159,7 +155,7 @@ std::optional<PlannedCut> Destruction::plan(const World& world, const Live& piec
     const double least = desc->solid.min_size * desc->solid.min_size * desc->solid.min_size;
     const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume, {desc->max_pieces, least});
     if (damage.pieces == 0) return std::nullopt;
-    const uint64_t seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, first_blow + piece.blows);
+    const uint64_t seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, blow_seed_base + piece.blows);
     return PlannedCut{piece.solid, desc, blow, damage, seed, gravity_of(world, piece)};
 }
 
@@ -212,10 +208,10 @@ glm::dvec3 Destruction::gravity_of(const World& world, const Live& piece) const 
 }
 
 // A blow that breaks nothing where it lands may break what is held elsewhere. While a job runs, such blows are let pass.
-void Destruction::knock(const World& world, PieceId id, const Hit& hit) {
+void Destruction::break_elsewhere(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
     if (!piece.solid->blocks || piece.job != none || piece.unbreakable || piece.fading > 0) return;
-    const double impulse = static_cast<double>(glm::length(hit.owed));
+    const double impulse = static_cast<double>(glm::length(hit.contact.normal_impulse));
     if (!(impulse > 0.0)) return;
     const Material& material = desc_of(piece).solid.material;
     if (!(hit.blow.energy > piece.solid->blocks->min_area * static_cast<double>(material.fracture_energy))) return;
@@ -254,11 +250,11 @@ void Destruction::update_loads(const World& world) {
         if (found != loads.end())
             for (const PointLoad& load : found->second) sum += glm::length(load.force);
         piece.load += (sum - piece.load) * std::min(1.0, step / load_seconds);
-        piece.looked_at = std::min(piece.looked_at, piece.load);
+        piece.checked_load = std::min(piece.checked_load, piece.load);
         const double weight = piece.solid->body.mass * static_cast<double>(glm::length(world.settings().gravity));
-        const bool more = piece.load > more_load * piece.looked_at + new_load * weight;
+        const bool more = piece.load > load_growth * piece.checked_load + weight_growth * weight;
         if (!more || found == loads.end() || piece.job != none || piece.unbreakable || piece.fading > 0) continue;
-        piece.looked_at = piece.load;
+        piece.checked_load = piece.load;
         for (PointLoad& load : found->second) load.force *= piece.load / sum; // their mean, as they lie now
         start_parting(world, id, {},
                       [=, pushes = std::move(found->second)](const SolidPiece& solid, const SolidSettings& settings,
@@ -280,33 +276,6 @@ void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, 
         if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size())) return Broken{};
         return broken_into(break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); }), desc->payload);
     });
-}
-
-// What hit the piece comes to rest at it until the pieces are there: half a bounce off a pane that then has a hole would
-// be seen, as would something that falls into it. What the contact stopped is owed to both.
-void Destruction::take_back_bounce(World& world, BodyId own, Hit& hit) {
-    const float most = glm::length(hit.owed);
-    if (!(most > 0.0f)) return;
-    const glm::vec3 normal = hit.owed / most;
-    // A fast one has gone far since the contact: it gets the impulse at the arm that it had, or would come to spin.
-    const glm::vec3 point = world.pose(hit.striker).position + hit.arm;
-    const float apart = speed_at(world, own, point, normal) - speed_at(world, hit.striker, point, normal);
-    const float response = response_at(world, own, point, normal) + response_at(world, hit.striker, point, normal);
-    if (!(response > 0.0f)) return;
-    const float bounce = std::clamp(apart / response, 0.0f, most);
-    push(world, own, -bounce * normal, point);
-    push(world, hit.striker, bounce * normal, point);
-    hit.owed = (most - bounce) * normal;
-}
-
-// J that what hit a held piece lost by an impulse which it gave just before.
-double Destruction::lost_by(const World& world, const Hit& hit, const glm::vec3& impulse) {
-    const float size = glm::length(impulse);
-    if (!(size > 0.0f)) return 0.0;
-    const glm::vec3 direction = impulse / size, point = world.pose(hit.striker).position + hit.arm;
-    return static_cast<double>(size
-                               * (speed_at(world, hit.striker, point, direction)
-                                  + 0.5f * size * response_at(world, hit.striker, point, direction)));
 }
 
 } // namespace brittle::physics

@@ -12,10 +12,10 @@ namespace brittle::physics {
 
 namespace {
 
-constexpr double thinner = 1e-6;         // of a half: what reaches no farther into one is none of it
-constexpr double farthest = 1e9;         // halves from the corner
-constexpr double min_looked_at = 4096.0; // halves, and so many a brick that may be taken:
-constexpr double looked_at = 32.0;
+constexpr double face_tolerance = 1e-6; // of a half: what reaches no farther into one is none of it
+constexpr double max_index = 1e9;       // halves from the corner
+constexpr double min_halves = 4096.0;   // halves, and so many a brick that may be taken:
+constexpr double halves_per_brick = 32.0;
 
 using Half = std::array<int64_t, 3>; // of a brick, by its place in the lattice
 
@@ -44,13 +44,13 @@ BricksTaken bricks_near(const RunningBond& bond, const fracture::Box& box, const
     glm::dvec3 size = bond.brick;
     size[static_cast<int>(bond.along)] *= 0.5;
     const auto place_of = [&](const glm::dvec3& p) { return glm::floor((p - bond.corner) / size); };
-    const glm::dvec3 low = place_of(box.min + thinner * size), high = place_of(box.max - thinner * size);
+    const glm::dvec3 low = place_of(box.min + face_tolerance * size), high = place_of(box.max - face_tolerance * size);
     for (int k = 0; k < 3; ++k)
-        if (!(size[k] > 0.0) || !(std::abs(low[k]) < farthest) || !(std::abs(high[k]) < farthest)) return {};
+        if (!(size[k] > 0.0) || !(std::abs(low[k]) < max_index) || !(std::abs(high[k]) < max_index)) return {};
     if (first_of_brick(integers(low), bond.along) == first_of_brick(integers(high), bond.along)) return {};
 
     glm::dvec3 from = low, to = high;
-    const double bound = std::max(min_looked_at, looked_at * most);
+    const double bound = std::max(min_halves, halves_per_brick * most);
     for (;; radius *= 0.8) {
         from = glm::max(low, place_of(point - radius));
         to = glm::min(high, place_of(point + radius));

@@ -22,7 +22,7 @@ constexpr float min_speed = 0.5f;
 // A fixed block whose front is at z = 0, and what hits it.
 struct Hit {
     World world;
-    BlowBook book;
+    BlowTracker tracker;
     BodyId block;
     std::vector<BodyBlow> blows;
 
@@ -31,12 +31,12 @@ struct Hit {
         desc.fixed = true;
         block = test_bodies::must_add(world, desc);
     }
-    void take_up() {
-        for (const BodyBlow& blow : book.take_up(world, min_speed, [&](BodyId body) { return body == block; }))
+    void update() {
+        for (const BodyBlow& blow : tracker.update(world, min_speed, [&](BodyId body) { return body == block; }))
             blows.push_back(blow);
     }
     void run(int steps) {
-        for (int i = 0; i < steps; ++i) world.step(), take_up();
+        for (int i = 0; i < steps; ++i) world.step(), update();
     }
 };
 
@@ -44,9 +44,9 @@ struct Hit {
 
 TEST_CASE("nothing, what is far away and what comes slowly give no blows") {
     World empty;
-    BlowBook book;
+    BlowTracker tracker;
     empty.step();
-    CHECK(book.take_up(empty, min_speed, [](BodyId) { return true; }).empty());
+    CHECK(tracker.update(empty, min_speed, [](BodyId) { return true; }).empty());
     for (const float speed : {0.0f, 0.4f}) {
         Hit slow;
         shoot(slow.world, 0.1f, 20.0f, {0.0f, 0.0f, 0.105f}, {0.0f, 0.0f, -speed});
@@ -144,12 +144,12 @@ TEST_CASE("what rests never adds up to a blow, however heavy") {
 TEST_CASE("what goes on pressing in is a blow every four steps") {
     Hit hit;
     const BodyId ram = shoot(hit.world, 0.1f, 20.0f, {0.0f, 0.0f, 0.2f}, {0.0f, 0.0f, -2.0f});
-    float pressed = 0.0f;
+    float total_impulse = 0.0f;
     for (int step = 0; step < 41; ++step) {
         hit.world.step();
-        for (const Contact& contact : hit.world.contacts()) pressed += contact.impulse;
+        for (const Contact& contact : hit.world.contacts()) total_impulse += contact.impulse;
         hit.world.set_velocity(ram, {0.0f, 0.0f, -2.0f}, glm::vec3(0.0f));
-        hit.take_up();
+        hit.update();
     }
     REQUIRE(hit.blows.size() >= 7);
     float sum = 0.0f;
@@ -158,6 +158,6 @@ TEST_CASE("what goes on pressing in is a blow every four steps") {
               == doctest::Approx(160.0f).epsilon(0.35)); // four times 20 kg at 2 m/s; less while a gap was left
         sum += blow.impulse;
     }
-    CHECK(sum <= pressed * 1.0001f);
-    CHECK(sum >= pressed - 160.0f * 1.35f); // but for those that still go on
+    CHECK(sum <= total_impulse * 1.0001f);
+    CHECK(sum >= total_impulse - 160.0f * 1.35f); // but for those that still go on
 }

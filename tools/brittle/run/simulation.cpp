@@ -30,8 +30,8 @@ constexpr float grab_rate = 10.0f;          // 1/s; higher: stiffer
 constexpr float grab_acceleration = 150.0f; // m/s^2; less would not hold what hangs from it in a fast hand
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
-constexpr double foot = 0.01;             // m: what is anchored and reaches below is held
-constexpr double below = 1.0;             // m, how far down that goes
+constexpr double anchor_height = 0.01;    // m: what is anchored and reaches below is held
+constexpr double anchor_depth = 1.0;      // m, how far down that goes
 constexpr size_t any_number = UINT32_MAX; // pieces that are not there yet may be named
 
 double hammer_energy(double impulse) {
@@ -51,8 +51,8 @@ std::vector<physics::AnchorRegion> anchor_regions(const fracture::Fragments& fra
     std::vector<physics::AnchorRegion> regions;
     if (options.anchored) {
         fracture::Box box = fracture::bounds(fragments.positions);
-        box.max.y = foot;
-        box.min.y = -below;
+        box.max.y = anchor_height;
+        box.min.y = -anchor_depth;
         regions.push_back(box);
     }
     for (const Anchor& anchor : options.anchors)
@@ -123,8 +123,8 @@ void Simulation::clear() {
     destruction_.reset();
     object_ = {};
     balls_.clear();
-    due_.clear();
-    held_.reset();
+    scheduled_.clear();
+    grabbed_.reset();
     pieces_ = 0;
 }
 
@@ -178,15 +178,15 @@ void Simulation::apply(const Action& action) {
 
 void Simulation::schedule(uint64_t step, const Action& action) {
     if (step <= steps()) return apply(action);
-    const auto later = std::upper_bound(due_.begin(), due_.end(), step,
+    const auto later = std::upper_bound(scheduled_.begin(), scheduled_.end(), step,
                                         [](uint64_t value, const auto& entry) { return value < entry.first; });
-    due_.insert(later, {step, action});
+    scheduled_.insert(later, {step, action});
 }
 
-void Simulation::act_when_due() {
-    while (!due_.empty() && due_.front().first <= steps()) {
-        const Action action = std::move(due_.front().second);
-        due_.erase(due_.begin());
+void Simulation::apply_due() {
+    while (!scheduled_.empty() && scheduled_.front().first <= steps()) {
+        const Action action = std::move(scheduled_.front().second);
+        scheduled_.erase(scheduled_.begin());
         apply(action);
     }
 }
@@ -210,9 +210,9 @@ void Simulation::after_step() {
         const physics::Structure::Changes& changes = structure_->update(world_);
         if (observer_) observer_->updated(*this, changes);
     }
-    draw_held();
+    pull_grabbed();
     if (observer_) observer_->stepped(*this);
-    act_when_due();
+    apply_due();
 }
 
 void Simulation::visit_poses(float alpha, uint64_t since, const PoseVisitor& visit) const {
@@ -339,19 +339,19 @@ void Simulation::act(const Push& push) {
 }
 
 void Simulation::act(const Grab& grab) {
-    held_.reset();
+    grabbed_.reset();
     if (body_of(grab.piece) == BodyId{}) return;
     const Pose pose = pose_of(grab.piece);
     const glm::dvec3 arm = grab.point - glm::dvec3(pose.position);
-    held_ = Held{grab.piece, glm::conjugate(glm::dquat(pose.orientation)) * arm, grab.point};
+    grabbed_ = Grabbed{grab.piece, glm::conjugate(glm::dquat(pose.orientation)) * arm, grab.point};
 }
 
 void Simulation::act(const Drag& drag) {
-    if (held_) held_->to = drag.to;
+    if (grabbed_) grabbed_->to = drag.to;
 }
 
 void Simulation::act(const LetGo&) {
-    held_.reset();
+    grabbed_.reset();
 }
 
 // A piece is seen where its shadow is, too: on its way to the ground.
@@ -369,20 +369,20 @@ void Simulation::act(const Watch& watch) {
 
 // An impulse that gives the point that is held the speed at which it should come, by the mass that is felt
 // there; so it never overshoots, however light or oddly held the body is.
-void Simulation::draw_held() {
-    if (!held_) return;
-    const BodyId body = body_of(held_->piece);
+void Simulation::pull_grabbed() {
+    if (!grabbed_) return;
+    const BodyId body = body_of(grabbed_->piece);
     if (body == BodyId{}) {
-        held_.reset();
+        grabbed_.reset();
         return;
     }
     if (world_.fixed(body)) return;
-    const Pose pose = pose_of(held_->piece);
-    const glm::vec3 arm = pose.orientation * glm::vec3(held_->local);
+    const Pose pose = pose_of(grabbed_->piece);
+    const glm::vec3 arm = pose.orientation * glm::vec3(grabbed_->local);
     const glm::vec3 point = pose.position + arm;
     const glm::vec3 angular = world_.angular_velocity(body);
     const glm::vec3 now = world_.linear_velocity(body) + glm::cross(angular, point - world_.pose(body).position);
-    const glm::vec3 change = grab_rate * (glm::vec3(held_->to) - point) - now;
+    const glm::vec3 change = grab_rate * (glm::vec3(grabbed_->to) - point) - now;
     const float speed = glm::length(change);
     const float step = world_.settings().step;
     world_.set_velocity(body, world_.linear_velocity(body), angular * (1.0f - grab_damping * step));

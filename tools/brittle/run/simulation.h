@@ -138,7 +138,7 @@ class Simulation {
     [[nodiscard]] const physics::MaterialPreset* material() const { return material_; }
 
   private:
-    struct Held {
+    struct Grabbed {
         uint32_t piece;
         glm::dvec3 local; // the point, from the piece's centre of mass in its axes
         glm::dvec3 to;
@@ -148,8 +148,8 @@ class Simulation {
     [[nodiscard]] bool is_bonded(uint32_t piece) const;
     void start_breakable(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies& ahead);
     void after_step();
-    void act_when_due();
-    void draw_held();
+    void apply_due();
+    void pull_grabbed();
 
     void act(const Shoot& action);
     void act(const Damage& action);
@@ -174,8 +174,8 @@ class Simulation {
     physics::ObjectId object_; // the first of the destruction: of bonded pieces the only one
     size_t pieces_ = 0;
     std::vector<Ball> balls_;
-    std::vector<std::pair<uint64_t, Action>> due_; // by step, those of equal steps in their order
-    std::optional<Held> held_;
+    std::vector<std::pair<uint64_t, Action>> scheduled_; // by step, those of equal steps in their order
+    std::optional<Grabbed> grabbed_;
     SimulationObserver* observer_ = nullptr;
 };
 

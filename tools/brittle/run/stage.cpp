@@ -140,9 +140,10 @@ void Stage::draw_anew(engine::PieceBatch batch) {
 glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                          const std::map<physics::PieceId, glm::vec3>& before) const {
     const auto volume = [](const physics::PieceAdded& piece) { return piece.solid->mass.volume; };
-    const bool largest = std::ranges::none_of(
-        all, [&](const physics::PieceAdded& other) { return other.of == added.of && volume(other) > volume(added); });
-    if (const auto old = before.find(added.of); old != before.end() && largest) return old->second;
+    const bool largest = std::ranges::none_of(all, [&](const physics::PieceAdded& other) {
+        return other.parent == added.parent && volume(other) > volume(added);
+    });
+    if (const auto old = before.find(added.parent); old != before.end() && largest) return old->second;
     return added.depth == 0 && untinted_ ? glm::vec3(1.0f) : engine::piece_tint(added.id.value);
 }
 
