@@ -1,11 +1,11 @@
-// Work on other threads, for one owner: jobs are begun in the order given, and each is waited for or called off alone.
+// Jobs on worker threads, for one owner. Jobs start in the order given; each can be waited for or cancelled by itself.
 //
 //     Background<Pieces> background(2);
 //     background.start(7, [=](const std::atomic<bool>& cancelled) { return cut(solid, cancelled); });
-//     if (background.ready(7)) Pieces pieces = background.take(7);    // take() waits where it is not ready
+//     if (background.ready(7)) Pieces pieces = background.take(7);
 //
-// All calls come from one thread, the owner's. The destructor calls off what is left and waits for what runs. A job must
-// not throw. On Linux the threads give way to others (background.cpp): frames do not wait for them.
+// All calls come from the owner's thread. The destructor cancels all jobs and waits for those that run. A job must not
+// throw. On Linux the workers have a low priority, so that they do not delay frames (yield_to_frames()).
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 
 namespace brittle::physics {
 
-// Lets this thread, and those that it begins, give way to others, where the system can do that.
+// Lowers the priority of this thread and of threads that it starts from now on. Does nothing outside Linux.
 void yield_to_frames();
 
 template<class Value>
@@ -49,7 +49,7 @@ class Background {
     Background(const Background&) = delete;
     Background& operator=(const Background&) = delete;
 
-    // An id names one job until it is taken or called off.
+    // An id names one job until the job is taken or cancelled.
     void start(uint32_t id, Work work) {
         const auto job = std::make_shared<Job>();
         job->work = std::move(work);
@@ -62,6 +62,7 @@ class Background {
         work_came_.notify_one();
     }
     [[nodiscard]] bool ready(uint32_t id) { return jobs_.at(id)->done; }
+    // Waits for the job if it is not ready.
     Value take(uint32_t id) {
         std::unique_lock lock(mutex_);
         const std::shared_ptr<Job> job = jobs_.at(id);
@@ -69,7 +70,7 @@ class Background {
         jobs_.erase(id);
         return std::move(*job->value);
     }
-    // Forgets a job; what it is in the middle of, or has made, is thrown away on another thread.
+    // Forgets a job. Its result, finished or not, is destroyed on a worker thread.
     void cancel(uint32_t id) {
         std::shared_ptr<Job> job;
         {
@@ -81,7 +82,8 @@ class Background {
         }
         discard(std::move(job));
     }
-    // Lets go of something on another thread, before the next job there: large blocks of memory take milliseconds to give back.
+    // Releases an object on a worker thread, before the next job there. Freeing large blocks of memory takes
+    // milliseconds.
     void discard(std::shared_ptr<const void> last) {
         {
             const std::scoped_lock lock(mutex_);
@@ -94,7 +96,7 @@ class Background {
     struct Job {
         Work work;
         std::atomic<bool> cancelled = false;
-        std::optional<Value> value; // the worker's until done
+        std::optional<Value> value; // written by the worker until done is set
         std::atomic<bool> done = false;
     };
 
@@ -116,7 +118,7 @@ class Background {
             discarded.clear();
             if (!job) continue;
             Value value = job->work(job->cancelled);
-            job->work = nullptr; // what it holds goes here, not on the owner's thread
+            job->work = nullptr; // destroys the captures here, not on the owner's thread
             {
                 const std::scoped_lock lock(mutex_);
                 job->value = std::move(value);

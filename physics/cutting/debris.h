@@ -1,12 +1,13 @@
-// Which debris goes when there is too much of it.
+// Which debris is retired when there is too much of it.
 //
-// Debris is what came off by a break and is held by nothing: a piece, or several that are bonded, which go together. Of bonded
-// pieces without an anchor what has more than half of those that it began with is none: it is what the others came off.
-// What has slept too long goes; and while there are too many
-// pieces or vertices, what no one sees goes before what is seen, then what is small and old before what is large
-// and young: by volume over age, since it came off. What is seen fades first; the rest goes at once.
+// Debris is a free piece that came off by a break, or a group of such pieces that are bonded and go together. In a
+// structure without an anchor, a group with more than half of the structure's original pieces is no debris.
 //
-// Pure functions; ties are broken by PieceId.
+// Debris that has slept too long is retired. While there are too many pieces or vertices, more follows: invisible
+// before visible, then by rising volume over age, so the small and old go before the large and young. Visible debris
+// fades first; invisible debris is removed at once.
+//
+// Pure functions; PieceId breaks ties.
 #pragma once
 
 #include <compare>
@@ -17,7 +18,7 @@
 
 namespace brittle::physics {
 
-// Names a piece of one Destruction; never used again there.
+// Names a piece of one Destruction; never reused there.
 struct PieceId {
     uint32_t value = UINT32_MAX; // the default names none
 
@@ -25,23 +26,24 @@ struct PieceId {
 };
 
 struct DebrisLimits {
-    size_t max_pieces = 2000; // in the world, debris or not
+    size_t max_pieces = 2000; // of all pieces of the Destruction, debris or not
     size_t max_vertices = 4'000'000;
-    double sleep_seconds = 30.0; // s; infinity: debris may sleep for ever
-    double fade_seconds = 1.0;   // s
+    double sleep_seconds = 30.0; // infinity: sleeping debris stays
+    double fade_seconds = 1.0;
 };
 
 struct Debris {
-    PieceId id; // of several the first
+    PieceId id; // of a group, its first piece
     size_t pieces = 1;
     double volume = 0.0; // m^3
-    double age = 0.0;    // s
+    double age = 0.0;    // s, since it came off
     double slept = 0.0;  // s, since it last moved
     size_t vertices = 0;
     bool visible = true;
 };
 
-// Those of candidates that must go; pieces and vertices are those of all that stays, candidates among them.
+// The candidates to retire, the slept first, then by the order above. `pieces` and `vertices` count all pieces that are
+// not fading, candidates included.
 [[nodiscard]] std::vector<PieceId> retire_debris(std::span<const Debris> candidates, size_t pieces, size_t vertices,
                                                  const DebrisLimits& limits);
 

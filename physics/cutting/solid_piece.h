@@ -1,12 +1,13 @@
-// One piece of a breakable object, with all that physics and a renderer need of it: made once, on any thread, then
-// shared and never changed.
+// One piece of a breakable object: its closed mesh, mass, collision hulls and strength. A SolidPiece is made once, on
+// any thread, and is immutable and shared from then on.
 //
-//     Result<std::shared_ptr<const SolidPiece>> whole = make_solid(mesh, {.material = stone});
-//     Result<std::vector<std::shared_ptr<const SolidPiece>>> pieces = break_solid(**whole, sites, groups, settings);
+//     Result<SolidPtr> whole = make_solid(mesh, {.material = stone});
+//     Result<std::vector<SolidPtr>> pieces = break_solid(**whole, sites, groups, settings);
 //
-// Coordinates are those of the unbroken object for all its pieces, however often they were broken; double where they are
-// cut again, float and relative to the centre of mass where they are drawn. Metres. Pure functions, for worker threads;
-// results depend on neither threads nor clocks.
+// All pieces of an object keep the coordinates of the unbroken object, however often they are cut: double precision for
+// the mesh, and single precision relative to the centre of mass for drawing. Metres, kilograms.
+//
+// Pure functions, for worker threads; results depend on neither the number of threads nor a clock.
 #pragma once
 
 #include <cstdint>
@@ -30,60 +31,63 @@ namespace brittle::physics {
 
 struct SolidSettings {
     Material material{};
-    // m, cube root of volume: no smaller piece is made but where it hangs together with nothing, and what is smaller than
-    // two of them is not cut.
+    // m, cube root of the minimum volume of a piece. A smaller one joins a neighbour; only a piece
+    // without a neighbour may be smaller. A solid below twice the minimum volume is not cut.
     double min_size = 0.05;
-    std::vector<AnchorRegion> anchors{}; // in the object's coordinates: a piece that reaches into one is fixed
+    std::vector<AnchorRegion> anchors{}; // in the object's coordinates; a piece that reaches into one is fixed
     ConvexPartSettings parts{};
-    HeldBlockSettings blocks{}; // of what is held and breakable
-    uint32_t threads = 1;       // of one fracture; a Destruction's jobs cut on one each
+    HeldBlockSettings blocks{}; // of anchored, breakable solids
+    uint32_t threads = 1;       // of one cut; the jobs of a Destruction use one each
 };
 
 struct SolidPiece {
-    fracture::TriangleMesh mesh{};      // closed; without positions where it cannot be broken, the triangles stay
-    uint32_t exterior_triangles = 0;    // the first so many are of the unbroken object's surface
-    std::vector<uint32_t> source{};     // of each exterior triangle, the one of the unbroken object that it is part of
+    fracture::TriangleMesh mesh{};      // closed; an unbreakable piece keeps its triangles and drops its positions
+    uint32_t exterior_triangles = 0;    // the leading triangles, which lie on the surface of the unbroken object
+    std::vector<uint32_t> source{};     // by exterior triangle: the triangle of the unbroken object that holds it
     std::vector<glm::vec3> positions{}; // of the vertices, relative to the centre of mass, for drawing
     fracture::MassProperties mass{};    // at density 1
     BodyMass body{};                    // kg
-    std::vector<BodyPart> parts{};      // relative to the centre of mass
+    std::vector<BodyPart> parts{};      // collision hulls, relative to the centre of mass
     float radius = 0.0f;                // m, around the centre of mass
-    double bearable = 0.0;              // N s; a blow above it breaks the piece: see bearable_impulse()
+    double bearable = 0.0;              // N s, see bearable_impulse()
     bool anchored = false;
-    bool breakable = false;
-    std::shared_ptr<const HeldBlocks> blocks{}; // for loads: of what is anchored and breakable; or null
+    bool breakable = false;                     // large enough for a cut
+    std::shared_ptr<const HeldBlocks> blocks{}; // for loads; null unless the piece is anchored and breakable
 };
 
 using SolidPtr = std::shared_ptr<const SolidPiece>;
 
-// What a solid bears of a blow as of a kilogram, N s: toughness(material) times its section across the longest side of its
-// box, volume / side. Of a cube it is that of Structure's pieces, less for panes and needles.
+// Largest impulse of a blow by one kilogram that a solid withstands, N s: toughness(material) times the mean section
+// across the longest side of its box, volume / side. For a cube this equals the limit of Structure's pieces; panes and
+// needles bear less.
 [[nodiscard]] double bearable_impulse(const Material& material, double volume, const fracture::Box& box);
 
-// An unbroken object. Fails as fracture() does on a mesh that cannot be broken, and on a material or a least size that is
-// none.
+// An unbroken object. Fails as fracture() does on a mesh that cannot be broken, and with invalid_setting on an invalid
+// material or minimum size.
 [[nodiscard]] fracture::Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh,
                                                     const SolidSettings& settings = {});
 
-// Cuts a solid along the cells of sites; cells of one group stay together where they touch. Pieces in the order of
-// fracture(). Volumes sum to the solid's. Collision parts are the hulls of cells: none of a piece overlaps one of
-// another but where islands of one cell do. Fails as fracture() does; Status::cancelled where `cancelled` says so.
+// Cuts a solid along the Voronoi cells of sites. Cells of one group stay together where they touch. The pieces are in
+// the order of fracture(), and their volumes sum to the solid's. Collision parts are the hulls of cells, so parts of
+// different pieces do not overlap, except those of two islands of one cell. Fails as fracture() does, with
+// Status::cancelled once `cancelled` returns true.
 [[nodiscard]] fracture::Result<std::vector<SolidPtr>>
 break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites, std::span<const uint32_t> groups,
             const SolidSettings& settings, const std::function<bool()>& cancelled = {});
 
-// Cuts a solid along those of its blocks that are in different islands (overloaded(), knocked_loose()). Islands of less
-// than the least size join a neighbour. One piece where nothing is left to cut; else as break_solid().
+// Cuts a solid between blocks of different islands, as overloaded() and knocked_loose() number them. Precondition:
+// solid.blocks, and one island a block. An island below the minimum size joins the neighbour that it touches most. One
+// piece where no cut remains; otherwise as break_solid().
 [[nodiscard]] fracture::Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid,
                                                                   std::span<const uint32_t> islands,
                                                                   const SolidSettings& settings,
                                                                   const std::function<bool()>& cancelled = {});
 
-// A piece of a fracture as it is, with one collision hull; source triangles are those of the fracture's input.
+// A piece of a fracture, with one collision hull. Source triangles are those of the fracture's input.
 [[nodiscard]] SolidPtr solid_of(const fracture::Fragments& fragments, const fracture::Piece& piece,
                                 const SolidSettings& settings);
-// All of them, made side by side on so many threads (0: one a core). `hollow`: with as many collision hulls as their
-// shape asks for, as an unbroken object has. Fails as make_solid() does on settings that are none.
+// All pieces of a fracture, made in parallel on `threads` threads (0: one a core). `hollow` gives each piece as many
+// collision hulls as its shape takes, as make_solid() does. Fails with invalid_setting as make_solid() does.
 [[nodiscard]] fracture::Result<std::vector<SolidPtr>>
 solids_of(const fracture::Fragments& fragments, const SolidSettings& settings, bool hollow, uint32_t threads = 0);
 
