@@ -15,14 +15,14 @@ namespace brittle::physics {
 namespace {
 
 #if defined(__linux__)
-// A tenth of the weight: on a machine where all cores work, a job still gets done. It has the core for a tenth of a millisecond
-// at a time (ns; Linux 6.12, before it is not looked at): a step that works on all cores waits at the end of a loop
-// for the thread that was put aside.
+// A nice increment of 10 is about a tenth of the weight, so jobs progress on a machine whose cores are all busy. The
+// time slice, ns, is a tenth of a millisecond: a step on all cores waits at the end of a parallel loop for the thread
+// that a job displaced. Linux before 6.12 ignores the slice.
 constexpr int nice_increment = 10;
 constexpr uint64_t slice_ns = 100'000;
 constexpr int max_nice = 19;
 
-// As sched_setattr(2) has it: the kernel's header and glibc's cannot both be included.
+// struct sched_attr of sched_setattr(2). Declared here because the kernel's header conflicts with glibc's.
 struct SchedAttributes {
     uint32_t size = sizeof(SchedAttributes);
     uint32_t policy = SCHED_OTHER;
@@ -40,7 +40,7 @@ void yield_to_frames() {
     SchedAttributes attributes;
     attributes.nice = std::min(getpriority(PRIO_PROCESS, 0) + nice_increment, max_nice);
     attributes.runtime = slice_ns;
-    (void)syscall(SYS_sched_setattr, 0, &attributes, 0); // 0: this thread; who may not stays as he is
+    (void)syscall(SYS_sched_setattr, 0, &attributes, 0); // 0: this thread; without permission its priority stays
 #endif
 }
 

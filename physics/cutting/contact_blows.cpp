@@ -11,7 +11,7 @@ namespace brittle::physics {
 
 namespace {
 
-// Of a point at an arm in world axes.
+// Velocity of the point at `arm`, in world axes; zero for the ground.
 glm::vec3 velocity_at(const World& world, BodyId body, const glm::vec3& arm) {
     if (!world.contains(body)) return glm::vec3(0.0f);
     return world.linear_velocity(body) + glm::cross(world.angular_velocity(body), arm);
@@ -41,7 +41,7 @@ std::vector<BodyBlow> BlowTracker::update(const World& world, float speed, const
     return over;
 }
 
-// Contacts are where bodies were when the step began.
+// Contact points belong to the poses at the start of the step.
 std::vector<BlowTracker::Running> BlowTracker::blows_of_step(const World& world, float speed,
                                                              const std::function<bool(BodyId)>& filter) {
     std::vector<Running> blows;
@@ -69,7 +69,7 @@ std::vector<BlowTracker::Running> BlowTracker::blows_of_step(const World& world,
     return blows;
 }
 
-// What is left of an approach after a step is slower than it was, but it is the same mass that comes.
+// The remaining approach is slower than the first, but the same mass takes part: the first speed gives the energy.
 void BlowTracker::join(Running& now, const Running& before) {
     const float part = before.total_impulse / (before.total_impulse + now.total_impulse);
     now.blow.energy = std::max(now.blow.energy, 0.5f * now.total_impulse * before.speed) + before.blow.energy;

@@ -21,17 +21,17 @@ using fracture::Fragments;
 using fracture::Triangle;
 using fracture::TriangleMesh;
 
-constexpr size_t max_exact_points = 500; // below, all are candidates
-constexpr int directions_a_side = 10;    // of a cube
-constexpr int settling_rounds = 3;       // of the two sites towards the middles of their halves
+constexpr size_t max_exact_points = 500; // up to this number, all are candidates
+constexpr int directions_a_side = 10;    // bins along the side of a cube
+constexpr int settling_rounds = 3;       // of Lloyd's relaxation of the two sites
 
 struct Part {
-    TriangleMesh mesh; // empty until it is to be cut, for a part of the solid itself
+    TriangleMesh mesh; // of the uncut solid empty until its first cut
     glm::dvec3 centre{0.0};
     CollisionHull hull; // relative to centre
     double volume = 0.0;
-    double excess = 0.0; // m^3 of the hull that are empty
-    bool final = false;  // cannot be cut
+    double excess = 0.0; // m^3, empty volume of the hull
+    bool final = false;  // a cut failed
 };
 
 glm::dvec3 middle_of(std::span<const glm::dvec3> points) {
@@ -50,14 +50,15 @@ Part part_of(std::span<const glm::dvec3> positions, double volume, const HullSet
     part.centre = middle_of(points);
     part.hull = collision_hull(points, part.centre, settings);
     part.volume = volume;
-    // The hull itself, not the one that bounded vertices and the margin leave: those make it smaller than the solid.
+    // Measures the exact hull. part.hull has a bounded number of vertices and a margin, and may be smaller than the
+    // solid.
     const std::vector<glm::vec3> corners(points.begin(), points.end());
     const TriangleMesh full = hull_mesh(corners);
     part.excess = fracture::signed_volume(full.positions, full.triangles) - volume;
     return part;
 }
 
-// Two sites in the middles of two halves of the surface that are far apart.
+// Two sites at the centres of two halves of the surface: the farthest pair of vertices, relaxed.
 std::array<glm::dvec3, 2> two_sites(const TriangleMesh& mesh) {
     const std::vector<glm::dvec3> ends = spread_points(mesh.positions, 2, std::array{middle_of(mesh.positions)});
     if (ends.size() < 2) return {};
@@ -79,7 +80,7 @@ std::array<glm::dvec3, 2> two_sites(const TriangleMesh& mesh) {
     return sites;
 }
 
-// The halves; empty where it cannot be cut.
+// The parts on both sides of the bisector; empty if the cut fails.
 std::vector<Part> cut(const TriangleMesh& mesh, const HullSettings& settings, fracture::Workspace& workspace,
                       Fragments& scratch) {
     std::vector<Part> parts;

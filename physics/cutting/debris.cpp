@@ -22,7 +22,7 @@ std::vector<PieceId> retire_debris(std::span<const Debris> candidates, size_t pi
     }
     const auto too_many = [&] { return pieces > limits.max_pieces || vertices > limits.max_vertices; };
     if (!too_many()) return gone;
-    constexpr double newborn = 0.1; // s; age counts from there, so that at birth size alone does
+    constexpr double newborn = 0.1; // s, added to the age, so that size alone decides at birth
     std::ranges::sort(staying, [](const Debris* a, const Debris* b) {
         const double size_a = a->volume / (a->age + newborn), size_b = b->volume / (b->age + newborn);
         return std::tuple(a->visible, size_a, a->id) < std::tuple(b->visible, size_b, b->id);

@@ -19,7 +19,7 @@ namespace {
 using fracture::Error;
 using fracture::Status;
 
-// Jobs cut on one thread each, as threads that such a one began would give way to others for good.
+// Jobs cut on one thread each: threads that a worker started would inherit its low priority for good.
 std::shared_ptr<const BreakableDesc> for_jobs(BreakableDesc desc) {
     desc.solid.threads = 1;
     return std::make_shared<const BreakableDesc>(std::move(desc));
@@ -102,7 +102,7 @@ void Destruction::remove(World& world, ObjectId id) {
     objects_.erase(id);
 }
 
-// What is held and too weak for its own weight from the start.
+// Starts a job for a held piece that is too weak for its own weight.
 void Destruction::part_if_overloaded(const World& world, PieceId id) {
     const Live& piece = pieces_.at(id);
     if (!piece.solid->blocks) return;
@@ -117,7 +117,7 @@ BodyId Destruction::body_of(const Live& piece) const {
     return piece.bonded == none ? piece.own : objects_.at(piece.object).structure->body_of(piece.bonded);
 }
 
-// Of the body that the piece is in: of the piece itself where it is alone in it.
+// The motion of the body that holds the piece; that of the piece only if it is alone in the body.
 std::optional<Destruction::Motion> Destruction::motion_of(const World& world, const Live& piece) const {
     const BodyId body = body_of(piece);
     if (!world.contains(body)) return std::nullopt;
@@ -136,7 +136,7 @@ Pose Destruction::in_body(const Live& piece, const Pose& body) const {
     return moved(body, glm::dvec3(objects_.at(piece.object).structure->offset(piece.bonded)));
 }
 
-// Without where it is.
+// All but the pose and the motion.
 BodyDesc Destruction::body_of(const SolidPiece& solid) {
     BodyDesc body;
     body.parts = solid.parts;
@@ -163,7 +163,7 @@ Destruction::Broken Destruction::broken_into(Result<std::vector<SolidPtr>> piece
     return broken;
 }
 
-// The motion is of the point `from`, in the coordinates of the object.
+// `motion` is that of the point `from`, which is in the coordinates of the object.
 Result<PieceId> Destruction::add_piece(World& world, Live piece, PayloadPtr payload, const Motion& motion,
                                        const glm::dvec3& from, bool debris,
                                        const std::shared_ptr<const BodyForm>& form) {
@@ -199,7 +199,7 @@ PieceId Destruction::register_piece(Live piece, PayloadPtr payload) {
     return id;
 }
 
-// Its body is gone already, or goes with its structure.
+// Leaves the body alone: the caller removes it, or its structure does.
 void Destruction::forget_piece(PieceId id) {
     const auto at = pieces_.find(id);
     Live& piece = at->second;
@@ -220,15 +220,15 @@ void Destruction::forget_piece(PieceId id) {
     pieces_.erase(at);
 }
 
-// To free a mesh of a million triangles takes 4 to 8 ms: not on this thread.
+// Frees large meshes on a worker thread: a mesh of a million triangles takes 4 to 8 ms.
 void Destruction::free_elsewhere(SolidPtr solid, PayloadPtr payload) {
-    constexpr size_t many_triangles = 10'000; // the blocks of smaller ones stay with the allocator
+    constexpr size_t many_triangles = 10'000; // the allocator keeps the blocks of smaller ones, so freeing them is fast
     if (solid->mesh.triangles.size() <= many_triangles) return;
     if (payload) background_.discard(std::shared_ptr<const PiecePayload>(std::move(payload)));
     background_.discard(std::move(solid));
 }
 
-// Bodies that someone else took out of the world.
+// Forgets pieces whose body the caller removed from the world.
 void Destruction::remove_lost(const World& world) {
     if (world.removed_count() == removed_seen_) return;
     removed_seen_ = world.removed_count();

@@ -1,4 +1,4 @@
-// What a job has made takes the place of what was broken.
+// Commits of a Destruction: the pieces that a job has made replace the piece that broke.
 #include "physics/cutting/destruction.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace brittle::physics {
 
 namespace {
 
-// From a point in the coordinates of the object to the nearest of the solid's hulls, m; inside of one, 0 or less.
+// Distance, m, from a point in the coordinates of the object to the nearest of the solid's hulls; 0 or less inside one.
 double distance_to(const SolidPiece& solid, const glm::dvec3& point) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const BodyPart& part : solid.parts) {
@@ -47,7 +47,7 @@ void Destruction::commit_due(World& world, double budget) {
         }
         return;
     }
-    std::vector<uint32_t> due; // jobs that the commits begin are not
+    std::vector<uint32_t> due; // without jobs that these commits start
     for (const auto& [id, job] : jobs_)
         if (settings_.timing == Timing::when_ready ? background_.ready(id) : job.due <= now) due.push_back(id);
     if (settings_.timing == Timing::fixed_latency) {
@@ -68,12 +68,12 @@ void Destruction::commit_due(World& world, double budget) {
     statistics_.longest_commit = std::max(statistics_.longest_commit, longest);
 }
 
-// A piece of a structure that is still held to others: its structure lets go of it with the next update.
+// True for a piece whose structure still bonds it to others; the structure releases it in its next update.
 bool Destruction::has_bonds(const Live& piece) const {
     return piece.bonded != none && objects_.at(piece.object).structure->together_with(piece.bonded).size() > 1;
 }
 
-// False where it must wait.
+// False if the commit must wait for the structure to release the piece.
 bool Destruction::commit(World& world, uint32_t number) {
     Job job = jobs_.at(number);
     Live& piece = pieces_.at(job.piece);
@@ -115,7 +115,7 @@ bool Destruction::commit(World& world, uint32_t number) {
     return true;
 }
 
-// Takes a piece's body out and puts what it broke into in, with its motion.
+// Replaces a piece by the pieces it broke into, which inherit its motion.
 std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& broken) {
     Live parent = pieces_.at(old);
     const Motion motion = *motion_of(world, parent);
@@ -144,10 +144,10 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& bro
                       std::move(piece.payload), motion, parent.solid->mass.centre_of_mass, debris[i], piece.form);
         if (added)
             made.push_back(*added);
-        else // a speck whose mass single precision cannot hold
+        else // a speck whose mass underflows single precision
             statistics_.last_failure = added.error().message;
     }
-    free_elsewhere(std::move(parent.solid)); // again: what forget_piece() handed over may be gone
+    free_elsewhere(std::move(parent.solid)); // a second reference: the one that forget_piece() released may be gone
     return made;
 }
 
@@ -162,7 +162,7 @@ PieceId Destruction::nearest_of(std::span<const PieceId> made, const glm::dvec3&
     return nearest;
 }
 
-// J, of both sides of the cracks half each.
+// J. The new surface counts half, since each crack has two sides.
 double Destruction::crack_energy(const Live& piece, const Broken& broken) const {
     double surface = -piece.solid->mass.area;
     for (const Made& made : broken.pieces) surface += made.solid->mass.area;

@@ -17,7 +17,7 @@ uint64_t steps_of(double seconds, const World& world) {
 
 } // namespace
 
-// Asked only where an answer counts.
+// Evaluates visibility only where it decides which debris goes.
 void Destruction::mark_visible(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const {
     if (!visible_) return;
     const DebrisLimits& limits = settings_.debris;
@@ -28,14 +28,14 @@ void Destruction::mark_visible(const World& world, std::span<Debris> candidates,
                                                  [&](PieceId id) { return is_seen(world, pieces_.at(id)); });
 }
 
-// A frame may show a piece anywhere between its last two poses.
+// Covers both last poses: a frame may show the piece anywhere between them.
 bool Destruction::is_seen(const World& world, const Live& piece) const {
     const BodyId body = body_of(piece);
     const glm::vec3 at = in_body(piece, world.pose(body)).position;
     return visible_(at, piece.solid->radius + glm::distance(at, in_body(piece, world.previous_pose(body)).position));
 }
 
-// A piece and all that are bonded to it.
+// The piece and all pieces that are bonded to it, directly or not.
 std::vector<PieceId> Destruction::together_with(PieceId id) const {
     const Live& piece = pieces_.at(id);
     if (piece.bonded == none) return {id};
@@ -50,7 +50,7 @@ bool Destruction::came_off(const Live& piece) const {
                                 : objects_.at(piece.object).structure->came_off(piece.bonded);
 }
 
-// Of several that are bonded the first is debris for all.
+// The first piece of a bonded group stands for the group.
 bool Destruction::is_debris(const Live& piece) const {
     if (!came_off(piece) || piece.job != none || piece.fading > 0) return false;
     if (piece.bonded == none) return true;
@@ -83,7 +83,7 @@ void Destruction::update_debris(World& world) {
         piece.slept = world.awake(body_of(piece)) ? 0 : piece.slept + 1;
         slept_too_long = slept_too_long || static_cast<double>(piece.slept) * step > limits.sleep_seconds;
     }
-    take_out(world, faded); // first: what has faded is no candidate
+    take_out(world, faded); // first, since a faded piece is no candidate
     if (slept_too_long || count > limits.max_pieces || vertices > limits.max_vertices)
         take_out(world, retire_debris(world, count, vertices));
 }
@@ -99,7 +99,7 @@ void Destruction::take_out(World& world, std::span<const PieceId> gone) {
     }
 }
 
-// What is seen fades, the rest is returned.
+// Starts the fading of visible debris and returns the rest.
 std::vector<PieceId> Destruction::retire_debris(const World& world, size_t count, size_t vertices) {
     const double step = world.settings().step;
     std::vector<Debris> candidates;

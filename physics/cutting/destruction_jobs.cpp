@@ -1,4 +1,4 @@
-// What begins a job: blows that break, and what is held and bears too much.
+// Jobs of a Destruction: blows that break a piece, and held pieces under too much load.
 #include "physics/cutting/destruction.h"
 
 #include <algorithm>
@@ -20,17 +20,17 @@ namespace brittle::physics {
 
 namespace {
 
-// Blows after a piece's first, among its children: those are fewer.
+// Seeds of a piece's second and later blows, in one sequence with its children; a piece has fewer children than this.
 constexpr uint64_t blow_seed_base = uint64_t{1} << 32;
-// What rests on a held piece counts by its mean over so long, s, and is looked at again where it has become so many times
-// what it was, and by this share of the piece's weight more: a job each.
+// The load on a held piece is its running mean over load_seconds. Its blocks are checked again, by one job, once the
+// load exceeds load_growth times the checked load plus weight_growth times the piece's weight.
 constexpr double load_seconds = 0.1, load_growth = 1.25, weight_growth = 0.05;
 
 bool finite(const glm::vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// Of pieces that a cut has left, those that are held and now bear too much come apart as well.
+// Cuts those pieces of a cut that are held and cannot bear their load any more.
 std::vector<SolidPtr> standing(std::vector<SolidPtr> pieces, const SolidSettings& settings, const glm::dvec3& gravity,
                                const std::function<bool()>& cancelled) {
     std::vector<SolidPtr> all;
@@ -47,7 +47,7 @@ std::vector<SolidPtr> standing(std::vector<SolidPtr> pieces, const SolidSettings
         if (parts)
             all.insert(all.end(), parts->begin(), parts->end());
         else
-            all.push_back(std::move(piece)); // stands though it should not
+            all.push_back(std::move(piece)); // its cut failed: it stands, although it is overloaded
     }
     return all;
 }
@@ -127,12 +127,12 @@ std::optional<Blow> Destruction::blow_at(const World& world, const Live& piece, 
                 turned_back(*pose, glm::normalize(normal)), energy};
 }
 
-// Whether a blow cuts a piece, or may cut what comes of the job that runs.
+// Whether a blow cuts a piece, or may cut a part of it once the running job is done.
 bool Destruction::cuts(const World& world, const Live& piece, const Hit& hit) const {
     return hit.equivalent_impulse > piece.solid->bearable && (piece.job != none || plan(world, piece, hit.blow));
 }
 
-// Begins a job, or lays the blow by for when the one that runs is done.
+// Starts a job, or keeps the blow until the running job is done.
 void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
     if (!cuts(world, piece, hit)) return break_elsewhere(world, id, hit);
@@ -145,7 +145,8 @@ void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
         return;
     }
     const double energy = piece.waiting->blow.energy + hit.blow.energy;
-    if (hit.blow.energy > piece.waiting->blow.energy) piece.waiting = hit; // what the other gave stays with the whole
+    if (hit.blow.energy > piece.waiting->blow.energy)
+        piece.waiting = hit; // the weaker contact stays as the world solved it
     piece.waiting->blow.energy = energy;
 }
 
@@ -171,16 +172,16 @@ Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::functi
     };
     Result<std::vector<SolidPtr>> pieces = broken();
     const auto withstands = [&] { return pieces && pieces->size() < 2 && !(cancelled && cancelled()); };
-    // Another cut that is refused leaves it as it is.
+    // A failed attempt keeps the previous result.
     const auto take = [&](Result<std::vector<SolidPtr>> other) {
         if (other) pieces = std::move(other);
     };
-    if (withstands() && sites.bricks) { // no brick comes off by itself: crumbs do
+    if (withstands() && sites.bricks) { // no whole brick comes off, so crumbs do
         pattern.kind = fracture::PatternKind::uniform;
         take(broken());
     }
     if (withstands() && sites.rest > 1 && std::ranges::find(sites.groups, sites.rest) != sites.groups.end()) {
-        // Crumbs that are each too small come off together.
+        // Crumbs that are each below the minimum size come off as one piece.
         for (uint32_t& group : sites.groups) group = group < sites.rest ? 0 : 1;
         take(break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled));
     }
@@ -201,13 +202,14 @@ void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
     });
 }
 
-// In the coordinates of the object.
+// m/s^2, in the coordinates of the object; zero for a piece without a body.
 glm::dvec3 Destruction::gravity_of(const World& world, const Live& piece) const {
     const BodyId body = body_of(piece);
     return world.contains(body) ? turned_back(world.pose(body), world.settings().gravity) : glm::dvec3(0.0);
 }
 
-// A blow that breaks nothing where it lands may break what is held elsewhere. While a job runs, such blows are let pass.
+// A blow that breaks nothing at its contact may break the weakest section of a held piece. While a job cuts the piece,
+// the blow has no effect.
 void Destruction::break_elsewhere(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
     if (!piece.solid->blocks || piece.job != none || piece.unbreakable || piece.fading > 0) return;
@@ -223,9 +225,9 @@ void Destruction::break_elsewhere(const World& world, PieceId id, const Hit& hit
                   });
 }
 
-// What rests on held things: their blocks are looked at again where it has become more.
+// Updates the loads on held pieces, and checks the blocks of those whose load has grown.
 void Destruction::update_loads(const World& world) {
-    std::map<BodyId, PieceId> held; // in the order of either
+    std::map<BodyId, PieceId> held; // in a fixed order
     for (const auto& [id, piece] : pieces_)
         if (piece.solid->blocks && piece.bonded == none) held.emplace(piece.own, id);
     if (held.empty()) return;
@@ -255,7 +257,7 @@ void Destruction::update_loads(const World& world) {
         const bool more = piece.load > load_growth * piece.checked_load + weight_growth * weight;
         if (!more || found == loads.end() || piece.job != none || piece.unbreakable || piece.fading > 0) continue;
         piece.checked_load = piece.load;
-        for (PointLoad& load : found->second) load.force *= piece.load / sum; // their mean, as they lie now
+        for (PointLoad& load : found->second) load.force *= piece.load / sum; // the mean load, at the present contacts
         start_parting(world, id, {},
                       [=, pushes = std::move(found->second)](const SolidPiece& solid, const SolidSettings& settings,
                                                              const glm::dvec3& gravity) {
@@ -265,7 +267,8 @@ void Destruction::update_loads(const World& world) {
     }
 }
 
-// A job that cuts a held piece along its blocks, where they part: of a blow elsewhere, or of a load and no hit.
+// Starts a job that cuts a held piece between the islands that `parts` finds, after a blow elsewhere or, without a hit,
+// under load.
 void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts) {
     Live& piece = pieces_.at(id);
     piece.job = next_job_++;

@@ -1,4 +1,4 @@
-// Seeds of what comes of what, for Destruction: pieces and blows.
+// Seeds of a Destruction's objects, pieces and blows, each derived from its parent's.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace brittle::physics {
 
-// Of a child: differs for all pieces of all objects, and is the same in every run.
+// Seed of a child by its number; equal in every run, different for all children of all parents.
 [[nodiscard]] inline uint64_t seed_of(uint64_t parent, uint64_t child) {
     return fracture::Random(parent ^ (0x9e3779b97f4a7c15ull * (child + 1))).next();
 }

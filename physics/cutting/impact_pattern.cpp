@@ -23,22 +23,22 @@ using fracture::PatternKind;
 using fracture::Random;
 
 constexpr double pi = std::numbers::pi;
-constexpr double pieces_per_size = 24.0; // n = so many sqrt(A) / L
+constexpr double pieces_per_size = 24.0; // n = pieces_per_size sqrt(A) / L
 constexpr uint32_t min_pieces = 4;
 constexpr double half_ball = 2.0 / 3.0 * pi;
-// Surface between n cubes that fill a half ball: so much times R^2 n^(1/3). 3 V^(2/3), V = half_ball R^3.
+// Surface between n cubes that fill a half ball of radius R, by R^2 n^(1/3): 3 V^(2/3) with V = half_ball R^3.
 const double surface_per_radius = 3.0 * std::pow(half_ball, 2.0 / 3.0);
-// Sites of the shell around the damage, and of the rest beyond: so that the rest's cells, which are its collision
-// hulls, are not larger than the solid's own features.
+// Numbers of sites of the shell around the damage, and of the rest beyond it. The cells of the rest are its collision
+// hulls, so they must not be larger than the solid's features.
 constexpr uint32_t shell_sites = 16, outer_sites = 12;
 constexpr uint32_t shell_around = 5; // sites around a layer of splinters
 // Distance between the layers of splinters, and width of the random range of a site's height in its layer: shares of
 // the length of the damage by the number of layers.
 constexpr double layer_spacing = 1.6, lift_jitter = 0.1;
-// Radius of the shell by that of the damage: bisectors between the outermost pieces and the shell are near the damage's
-// rim.
+// Radius of the shell by that of the damage, chosen so that the bisectors between the outermost pieces and the shell
+// are near the rim of the damage.
 constexpr double shell_ratio = 1.35;
-constexpr double inner_ratio = 0.75; // the pieces' sites keep so far within the damage
+constexpr double inner_ratio = 0.75; // largest distance of the pieces' sites by the radius of the damage
 
 bool finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -50,14 +50,14 @@ glm::dvec3 direction(Random& random) {
     return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-// In the unit half ball about +along; power 1/3 fills it evenly, larger ones crowd the middle.
+// A random point of the unit half ball about +along; power 1/3 fills it evenly, larger powers crowd its centre.
 glm::dvec3 in_half_ball(Random& random, const glm::dvec3& along, double power) {
     glm::dvec3 d = direction(random);
     if (glm::dot(d, along) < 0.0) d = -d;
     return d * std::pow(random.uniform(), power);
 }
 
-// The longest extent has the least moment about it.
+// The principal axis of the least moment of inertia.
 glm::dvec3 longest_axis(const fracture::MassProperties& mass) {
     const fracture::PrincipalAxes principal = fracture::principal_axes(mass.inertia);
     int least = 0;
@@ -79,7 +79,7 @@ class Maker {
     }
 
     ImpactSites run(const fracture::MassProperties& mass) {
-        bool ended = false; // the damage, by sites of the rest around it
+        bool ended = false; // the kind has placed its own sites of the rest around the damage
         switch (pattern_.kind) {
         case PatternKind::radial:
             radial();
@@ -121,7 +121,7 @@ class Maker {
     }
 
   private:
-    static constexpr uint32_t stays = UINT32_MAX; // the rest's group, until all pieces are counted
+    static constexpr uint32_t stays = UINT32_MAX; // stands for the rest's group until all pieces are counted
 
     ImpactSites finished() {
         std::ranges::replace(result_.groups, stays, result_.rest);
@@ -135,7 +135,7 @@ class Maker {
     void add_piece(const glm::dvec3& site) { add(site, result_.rest++); }
     void add_rest(const glm::dvec3& site) { add(site, stays); }
 
-    // In what is thinner than the damage is deep, the half ball is flattened into it.
+    // In a solid thinner than the damage is deep, the half ball is flattened to the solid's depth.
     void crowd(uint32_t count, double power) {
         const double flatter = 1.0 - std::min(1.0, depth_ / reach_);
         for (uint32_t i = 0; i < count; ++i) {
@@ -162,10 +162,10 @@ class Maker {
     // sites, and the rest would keep that region, above all at the contact.
     void splinters(const glm::dvec3& grain) {
         const AxisFrame frame = fracture::axis_frame(grain);
-        const double stretch = std::cbrt(pattern_.slenderness); // the damage keeps its volume
+        const double stretch = std::cbrt(pattern_.slenderness); // stretches the damage at constant volume
         const double length = reach_ * stretch * stretch, width = reach_ / stretch;
-        // Pieces of n / k in each of k layers are 0.9 sqrt(n) / k^1.5 times as slender as was asked for: k = (0.81
-        // n)^(1/3).
+        // With n / k pieces in each of k layers, the slenderness is 0.9 sqrt(n) / k^1.5 of the one given, so
+        // k = (0.81 n)^(1/3).
         const uint32_t layers = 2 * (static_cast<uint32_t>(std::cbrt(0.81 * damage_.pieces)) / 2) + 1;
         const double spacing = layer_spacing * length / layers;
         fracture::SplinterLayers stack{blow_.point, frame.along, {}};
@@ -189,7 +189,8 @@ class Maker {
             add_rest(blow_.point + end * spacing * frame.along);
     }
 
-    // Halves beside those that come off are the rest's, or what lies farther off would give the bricks other faces.
+    // The halves next to the bricks belong to the rest; without their sites, sites farther off would give the bricks
+    // other faces.
     bool bricks() {
         const fracture::InsideTest inside(solid_);
         const BricksTaken taken = bricks_near(pattern_.bond, fracture::bounds(solid_), blow_.point, damage_.radius,
@@ -203,7 +204,7 @@ class Maker {
         return !taken.bricks.empty();
     }
 
-    // Evenly on a ball around the contact (a spiral), in the rest's group.
+    // Sites of the rest, evenly on a sphere around the contact (a golden-angle spiral).
     void shell() {
         const double golden = pi * (3.0 - std::sqrt(5.0)), turn = 2.0 * pi * random_.uniform();
         for (uint32_t i = 0; i < shell_sites; ++i) {
@@ -213,12 +214,12 @@ class Maker {
         }
     }
 
+    // Sites of the rest outside the shell, far from it and from each other.
     void rest() {
-        // Not into the shell: what is far from it and from each other.
         std::vector<glm::dvec3> far;
         const double beyond = 2.0 * shell_ratio * damage_.radius;
         const std::vector<glm::dvec3> near(result_.sites);
-        const auto clear = [&](const glm::dvec3& p) { // surely, where it is so far from the damage
+        const auto clear = [&](const glm::dvec3& p) { // certain beyond this distance from the damage
             return glm::distance(p, blow_.point) > beyond + 2.0 * clear_
                    || std::ranges::all_of(near,
                                           [&](const glm::dvec3& site) { return glm::distance(p, site) >= clear_; });
@@ -233,17 +234,17 @@ class Maker {
     const Damage& damage_;
     const ImpactPattern& pattern_;
     Random random_;
-    double reach_ = 0.0; // m, of the pieces' sites: within the damage, and within the solid where that is smaller
-    double depth_ = 0.0; // m, of the solid behind the contact
-    double clear_ = 0.0; // m, from the sites so far to those of the rest beyond
-    ImpactSites result_; // its rest is the number of pieces so far
+    double reach_ = 0.0; // m, largest distance of the pieces' sites from the contact
+    double depth_ = 0.0; // m, of the solid along the normal
+    double clear_ = 0.0; // m, minimum distance of the rest's sites from all others
+    ImpactSites result_; // `rest` counts the pieces so far
 };
 
 } // namespace
 
 double energy_of(double radius, const Material& material, double volume, uint32_t max_pieces) {
     if (!(radius > 0.0) || !(volume > 0.0) || !std::isfinite(radius) || !std::isfinite(volume)) return 0.0;
-    // The radius grows with the energy, and does so between the bounds that the numbers of pieces give.
+    // Bisection: the radius grows with the energy, and the limits of the number of pieces bound the energy.
     const auto energy = [&](double pieces) {
         return surface_per_radius * radius * radius * std::cbrt(pieces) * static_cast<double>(material.fracture_energy);
     };
@@ -296,7 +297,7 @@ std::vector<glm::dvec3> spread_points(std::span<const glm::dvec3> vertices, uint
     std::vector<glm::dvec3> chosen;
     while (chosen.size() < count && !points.empty()) {
         const auto farthest = std::ranges::max_element(gap);
-        if (*farthest == 0.0) break; // only duplicates are left
+        if (*farthest == 0.0) break; // only duplicates remain
         chosen.push_back(points[static_cast<size_t>(farthest - gap.begin())]);
         note(chosen.back());
     }

@@ -12,13 +12,14 @@ namespace brittle::physics {
 
 namespace {
 
-constexpr double face_tolerance = 1e-6; // of a half: what reaches no farther into one is none of it
-constexpr double max_index = 1e9;       // halves from the corner
-constexpr double min_halves = 4096.0;   // halves, and so many a brick that may be taken:
-constexpr double halves_per_brick = 32.0;
+constexpr double face_tolerance = 1e-6;   // of a half's size: a box that reaches less into a half does not include it
+constexpr double max_index = 1e9;         // largest index of a half, counted from the corner
+constexpr double min_halves = 4096.0;     // most halves to search; or, if more:
+constexpr double halves_per_brick = 32.0; // halves to search for each brick that may come off
 
-using Half = std::array<int64_t, 3>; // of a brick, by its place in the lattice
+using Half = std::array<int64_t, 3>; // half a brick, by its indices in the lattice
 
+// The first of the two halves of the brick that holds `half`.
 Half first_of_brick(Half half, uint32_t along) {
     half[along] -= (half[0] + half[1] + half[2]) & 1;
     return half;

@@ -27,14 +27,14 @@ using fracture::Result;
 using fracture::Status;
 using fracture::Triangle;
 
-// Hulls of one cell of a broken solid: a cell is convex, so few parts do.
+// Limit of hulls for one cell of a cut solid. A cell is convex, so few parts are enough.
 constexpr uint32_t max_parts_of_cell = 4;
 
 double cube(double x) {
     return x * x * x;
 }
 
-// All but the parts, from mesh, exterior_triangles, source and mass.
+// Fills in all members but parts and blocks, from mesh, exterior_triangles, source and mass.
 void finish(SolidPiece& solid, const SolidSettings& settings) {
     const std::vector<glm::dvec3>& positions = solid.mesh.positions;
     solid.positions.reserve(positions.size());
@@ -51,7 +51,7 @@ void finish(SolidPiece& solid, const SolidSettings& settings) {
     solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
 }
 
-// What loads are found with, of what is held.
+// Makes the blocks of an anchored, breakable solid.
 void add_blocks(SolidPiece& solid, const SolidSettings& settings, const std::function<bool()>& cancelled = {}) {
     if (!settings.blocks.enabled || !solid.anchored || !solid.breakable) return;
     const auto anchored = [&](const Fragments& fragments, const Piece& piece) {
@@ -70,7 +70,7 @@ Result<void> check(const SolidSettings& settings) {
     return {};
 }
 
-// Exterior are the parts of what was exterior in the solid: cuts of before stay interior.
+// The mesh of a piece. Its exterior triangles lie on exterior triangles of `from`; older cuts stay interior.
 SolidPiece mesh_of(const SolidPiece& from, const Fragments& fragments, const Piece& piece) {
     SolidPiece solid;
     const auto positions = fragments.positions_of(piece);
@@ -112,12 +112,12 @@ double bearable_impulse(const Material& material, double volume, const Box& box)
 
 Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSettings& settings) {
     if (const Result<void> valid = check(settings); !valid) return valid.error();
-    // One cell: the front door's checks, and the mesh as pieces have it, solids that touch in a vertex apart.
+    // A fracture with one cell checks the mesh and separates solids that touch in a vertex, as every later cut does.
     const glm::dvec3 site = fracture::bounds(mesh).centre();
     const Result<Fragments> whole = fracture::fracture(mesh, {&site, 1}, {.threads = settings.threads, .groups = {0}});
     if (!whole) return whole.error();
     SolidPiece solid;
-    for (const Piece& piece : whole->pieces) { // parts that do not touch are one object all the same
+    for (const Piece& piece : whole->pieces) { // separate components form one object
         const auto positions = whole->positions_of(piece);
         const auto base = static_cast<uint32_t>(solid.mesh.positions.size());
         solid.mesh.positions.insert(solid.mesh.positions.end(), positions.begin(), positions.end());
@@ -137,7 +137,7 @@ Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSetti
 
 namespace {
 
-// The pieces of a cut, those of one representative joined.
+// The pieces of a cut, joined by representative: goes_to[cell] is the first cell of the piece.
 Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& cut,
                                             const std::vector<uint32_t>& goes_to, const SolidSettings& settings,
                                             const std::function<bool()>& cancelled) {
@@ -168,14 +168,14 @@ Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& 
     return pieces;
 }
 
-// The first piece of the island of each, where islands that are too small have joined those that they touch most.
+// By piece: the first piece of its island, after islands below the minimum volume have joined the one they touch most.
 std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uint32_t> islands, double min_volume) {
     std::vector<uint32_t> island(islands.begin(), islands.end());
     for (;;) {
         std::map<uint32_t, double> volumes;
         for (size_t i = 0; i < island.size(); ++i) volumes[island[i]] += cut.pieces[i].mass.volume;
         std::erase_if(volumes, [&](const auto& entry) { return entry.second >= min_volume; });
-        std::map<std::pair<uint32_t, uint32_t>, double> contacts; // small one, other: area
+        std::map<std::pair<uint32_t, uint32_t>, double> contacts; // area by small island and neighbour, m^2
         for (const fracture::Bond& bond : cut.bonds)
             for (const auto& [from, to] : {std::pair(island[bond.a], island[bond.b]), {island[bond.b], island[bond.a]}})
                 if (from != to && volumes.contains(from)) contacts[{from, to}] += bond.area;
@@ -213,7 +213,7 @@ Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid, std::span<con
 
 namespace {
 
-// Without parts.
+// The solid of a piece, without parts and blocks.
 SolidPiece copy_of(const Fragments& fragments, const Piece& piece, const SolidSettings& settings) {
     SolidPiece solid;
     const auto positions = fragments.positions_of(piece);

@@ -11,8 +11,8 @@ namespace brittle::physics {
 
 namespace {
 
-// The contact lies at its old arm from the striker. A fast striker has moved far since the contact, and a ball whose contact
-// point has slid would be left spinning by an impulse at the old place.
+// The contact lies at its old arm from the striker. A fast striker has moved far since the contact, and a ball whose
+// contact point has slid would be left spinning by an impulse at the old place.
 glm::vec3 point_of(const World& world, const SuspendedContact& contact) {
     return world.pose(contact.striker).position + contact.arm;
 }
