@@ -1,17 +1,16 @@
-// How long a fracture takes, phase by phase, and what it costs in memory.
+// Benchmarks of fracture, by phase, with its memory.
 //
 //     build/release/bin/brittle_bench --benchmark_filter='fracture/bunny/.*'
 //
-// fracture/MESH/SITES/threads:N    in the steady state: workspace and output are reused
-// first/MESH/SITES/threads:N       the first time: nothing is known about the mesh, all memory is new
+// fracture/MESH/SITES/threads:N    steady state: workspace and output are reused
+// first/MESH/SITES/threads:N       first fracture of a mesh, with a new workspace and output
 // world/...                        steps of the world: world.h
-// certify/..., check/...           the certificate of the result; the front door's check, and the full one
-// impact/..., cycles/...           destruction at runtime: see impacts.h
+// certify/..., check/...           the certificate of a result; the check that every fracture makes, and the full check
+// impact/..., cycles/...           destruction at runtime: impacts.h
 //
-// Times are medians over the iterations, in milliseconds: `median`, and one counter a phase. `MB` is input
-// plus output, `memcpy` how many times longer the fracture takes than copying as much, `allocs` the
-// allocations of one fracture in the steady state, `memory` the most heap that the first fracture held at a
-// time, input included, as a multiple of input plus output.
+// Times are medians over the iterations, in milliseconds: `median`, and one counter a phase. `MB` is the size of input
+// plus output, `memcpy` the time by that of copying as many bytes, `allocs` the allocations of one fracture in the
+// steady state, `memory` the peak heap of the first fracture, input included, by the size of input plus output.
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -52,7 +51,7 @@ TriangleMesh make_mesh(const std::string& name) {
     return torus_knot(2, 3, 8192, 80); // knot_1311k
 }
 
-// Made when first asked for.
+// Made at its first use.
 const TriangleMesh& mesh_of(const std::string& name) {
     static std::map<std::string, TriangleMesh> meshes;
     const auto [at, is_new] = meshes.try_emplace(name);
@@ -62,7 +61,7 @@ const TriangleMesh& mesh_of(const std::string& name) {
 
 enum class Pattern {
     uniform,
-    clustered // nine of ten sites lie in a hundredth of the box's size around one point of the surface
+    clustered // nine of ten sites lie within a hundredth of the box's size around one point of the surface
 };
 
 std::vector<glm::dvec3> make_sites(const TriangleMesh& mesh, uint32_t count, Pattern pattern) {
@@ -115,7 +114,7 @@ struct Case {
     uint32_t threads;
 };
 
-// The peak of the heap over one fracture into nothing, over input plus output.
+// Peak heap of one fracture with a new workspace and output, by the size of input plus output.
 double memory_of_first(const Case& c, const std::vector<glm::dvec3>& sites) {
     const TriangleMesh& mesh = mesh_of(c.mesh);
     const uint64_t before = heap_use().live;

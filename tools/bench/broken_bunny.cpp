@@ -15,9 +15,9 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr int longest_to_sleep = 2400; // steps that a heap may take to come to rest
+constexpr int longest_to_sleep = 2400; // limit of steps until a heap rests
 
-// A metre high, standing on the ground.
+// Scaled to a height of one metre, on the ground.
 fracture::TriangleMesh bunny() {
     fracture::TriangleMesh mesh =
         std::ifstream(bunny_file).good() ? *fracture::import_mesh(bunny_file) : fracture::icosphere(6);
@@ -31,7 +31,8 @@ void step_until_asleep(physics::World& world) {
     for (int step = 0; step < longest_to_sleep && world.awake_count() > 0; ++step) world.step();
 }
 
-// Where the pieces have come to rest, which takes half a minute: in another world they only have to fall asleep. All meet.
+// Poses of the pieces at rest, which takes half a minute to simulate. In another world they only have to fall asleep.
+// All collide.
 std::vector<physics::BodyDesc> heap_at_rest() {
     const BrokenBunny broken(sites_for_2000);
     physics::World world({.debris_size = 0.0f, .max_colliding = 0});

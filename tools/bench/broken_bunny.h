@@ -1,4 +1,5 @@
-// The bunny, in pieces that are ready to become bodies: what benchmarks of the world drop. A ball where there is no bunny.
+// The bunny in pieces that are ready to become bodies, for benchmarks of the world. A ball where the bunny is not
+// installed.
 #pragma once
 
 #include <cstddef>
@@ -13,20 +14,20 @@
 namespace brittle::tools {
 
 inline constexpr const char* bunny_file = "/usr/share/glmark2/models/bunny.obj"; // assets/SOURCES.md
-inline constexpr uint32_t sites_for_1000 = 2400, sites_for_2000 = 5000;          // about so many pieces
+inline constexpr uint32_t sites_for_1000 = 2400, sites_for_2000 = 5000;          // for about 1,000 and 2,000 pieces
 
 struct BrokenBunny {
     fracture::Fragments pieces;
     physics::PieceForms forms;
-    double form_milliseconds = 0.0; // of hulls and what else can be made ahead, by all threads together, on the clock
+    double form_milliseconds = 0.0; // wall time of making the forms, on all threads
 
-    // So high, in m, standing on the ground.
+    // Stands on the ground; height in m.
     explicit BrokenBunny(uint32_t sites, float height = 1.0f);
-    // False where the world refuses it.
+    // False if the world rejects a body.
     [[nodiscard]] bool add_to(physics::World& world, glm::vec3 at) const;
 };
 
-// Two thousand pieces that have come to rest five metres away; how many do sleep.
+// Adds two thousand resting pieces five metres away, and returns the number that sleep.
 size_t add_sleepers(physics::World& world);
 
 } // namespace brittle::tools

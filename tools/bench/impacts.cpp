@@ -37,7 +37,7 @@ double milliseconds(Clock::duration duration) {
     return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-// What this thread has worked: other work on the machine does not count.
+// CPU time of this thread: other work on the machine does not count.
 double thread_milliseconds() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -58,7 +58,7 @@ fracture::TriangleMesh mesh_of(const std::string& name) {
 struct Frames {
     std::vector<double> frame, update;
 
-    // One step a frame at 120 Hz; the main thread rests in between, as it would for the display.
+    // One step a frame at 120 Hz; the main thread sleeps in between, as it would for the display.
     void run(World& world, Destruction& destruction) {
         const Clock::time_point start = Clock::now();
         world.step();
@@ -81,7 +81,7 @@ bool add_pile(World& world) {
     return add_pieces(world, *pieces, {}, {.placement = {{0.0f, 0.6f, 0.0f}, {1, 0, 0, 0}}}).has_value();
 }
 
-// A thousand awake ones, beside two thousand that sleep.
+// A thousand awake pieces beside two thousand that sleep.
 bool add_crowd(World& world) {
     static const BrokenBunny broken(sites_for_1000);
     (void)add_sleepers(world);
@@ -90,7 +90,7 @@ bool add_crowd(World& world) {
 
 constexpr float ball_speed = 5.0f;
 
-// Half a metre before it hits, flying along a unit vector.
+// A ball half a metre before its impact, flying along a unit vector.
 BodyId shoot_ball(World& world, const glm::vec3& at, const glm::vec3& along, double energy) {
     constexpr float radius = 0.2f;
     BodyDesc ball;
@@ -103,16 +103,16 @@ BodyId shoot_ball(World& world, const glm::vec3& at, const glm::vec3& along, dou
     return *world.add_body(ball);
 }
 
-// The tensile strength, Pa, with which a thing just breaks of a ball with this energy. Of granite such a thing bears two to forty
-// times as much, and what breaks it does more damage.
+// The tensile strength, Pa, at which an object just breaks under a ball of this energy. Granite bears two to forty
+// times as much, and a ball that breaks it does more damage.
 float tensile_for(double energy, const Material& material, double volume, const fracture::Box& box) {
     const double blow =
-        std::cbrt(4.0 * energy * energy / static_cast<double>(ball_speed)); // as of a kilogram: contact_blows.h
+        std::cbrt(4.0 * energy * energy / static_cast<double>(ball_speed)); // equivalent impulse: contact_blows.h
     const double bearable = bearable_impulse(material, volume, box);
     return material.tensile * static_cast<float>(0.8 * blow / bearable);
 }
 
-// How far from there, in the object's coordinates, what came off reaches: all but the largest piece.
+// Largest distance from the point, in the object's coordinates, to a piece that came off: any but the largest.
 double reach_of(const Destruction& destruction, const glm::dvec3& at) {
     std::vector<SolidPtr> solids;
     for (const PieceId piece : destruction.pieces()) solids.push_back(destruction.solid(piece));
@@ -145,14 +145,14 @@ void run_impact(benchmark::State& state, const std::string& name) {
         World world;
         if (!add_crowd(world)) return state.SkipWithError("no crowd");
         Destruction destruction({.timing = Timing::when_ready});
-        // A copy that the destruction alone holds: letting go of it counts.
+        // A copy that only the destruction holds, so that its release counts.
         if (!destruction.add(world, std::make_shared<const SolidPiece>(**solid), desc))
             return state.SkipWithError("no body");
         Frames settle, before, during, after;
         for (int i = 0; i < 60; ++i) settle.run(world, destruction);
         for (int i = 0; i < 30; ++i) before.run(world, destruction);
         if (destruction.statistics().blows > 0) return state.SkipWithError("broke before");
-        const Pose pose = world.pose(destruction.body(destruction.pieces()[0])); // it may have rolled
+        const Pose pose = world.pose(destruction.body(destruction.pieces()[0])); // the object may have rolled
         const glm::vec3 to_point(at - (*solid)->mass.centre_of_mass);
         shoot_ball(world, pose.position + pose.orientation * to_point, pose.orientation * glm::vec3(-1.0f, 0.0f, 0.0f),
                    energy);

@@ -1,4 +1,4 @@
-// What benchmarks say of many times.
+// Statistics of benchmark samples.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,14 @@
 
 namespace brittle::tools {
 
-// 0 of none.
+// 0 without samples.
 inline double median(std::vector<double> samples) {
     if (samples.empty()) return 0.0;
     const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
     std::nth_element(samples.begin(), middle, samples.end());
     return *middle;
 }
-// Of the same steps in several runs, as many in each: statistic(times) of each step.
+// Over several runs of equal length: statistic(times) of each step, where times holds one sample a run.
 std::vector<double> by_step(std::span<const std::vector<double>> runs, const auto& statistic) {
     std::vector<double> result;
     for (size_t step = 0; step < runs[0].size(); ++step) {

@@ -28,9 +28,9 @@ namespace {
 using namespace brittle::fracture;
 using namespace brittle::physics;
 
-// The longest of many frames, each the least of its runs, is one that was disturbed in all of them where they are few.
+// With few runs, some frame is disturbed in all of them, and the longest of the frames' least times is that frame.
 constexpr int runs_of_add = 40;
-constexpr float little_bunny = 0.15f; // m: a thousand pieces of it are debris by the world's default
+constexpr float little_bunny = 0.15f; // m; a thousand pieces of it are debris by the world's default
 
 double milliseconds_of(const auto& body) {
     const auto start = std::chrono::steady_clock::now();
@@ -49,7 +49,7 @@ std::vector<double> steps_of(
     return steps;
 }
 
-// The steps of the first second and a half after the break: the fall of 30 cm, the impact and the spreading.
+// The steps of the first second and a half: the fall of 30 cm, the impact and the spreading.
 void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& settings, bool among_sleepers) {
     const BrokenBunny broken(sites);
     std::vector<double> medians, first, fall, impact, heap, most;
@@ -89,7 +89,7 @@ void run_drop(benchmark::State& state, uint32_t sites, const WorldSettings& sett
     state.counters["add"] = add;
 }
 
-// Pieces that are there at once, before a step.
+// Pieces that are added at once, before a step.
 struct Loose {
     BrokenBunny broken;
     glm::vec3 at;
@@ -99,7 +99,7 @@ struct Loose {
     [[nodiscard]] bool all_there() const { return true; }
 };
 
-// A bonded thing, held in the air by one piece, of which all bonds break before a step: it comes apart after it.
+// Bonded pieces, held in the air by one of them, whose bonds all break before a step; they separate after it.
 struct Apart {
     BrokenBunny broken;
     glm::vec3 at;
@@ -122,8 +122,9 @@ struct Apart {
     [[nodiscard]] bool all_there() const { return structure->bodies().size() == structure->piece_count(); }
 };
 
-// A thousand more pieces come in one frame; and the same without them. Each run has the same steps, so what a step takes is the least
-// of all runs: what else the machine did only adds to it. In medians, and in single frames most of all, what it did is counted, too.
+// Adds a thousand pieces in one frame, and runs the same without them. Every run has the same steps, so the least time
+// of a step over the runs is its own: other work on the machine only adds to it. Medians, and single frames above all,
+// include that other work.
 template<class Newcomers>
 void run_add(benchmark::State& state, const WorldSettings& settings, Newcomers newcomers) {
     const BrokenBunny there(sites_for_1000);
@@ -146,7 +147,7 @@ void run_add(benchmark::State& state, const WorldSettings& settings, Newcomers n
         frames.back().insert(frames.back().end(), later.begin(), later.end());
         added = added && (!come || newcomers.all_there());
     };
-    std::vector<double> single, single_without; // of each run by itself
+    std::vector<double> single, single_without; // by run
     for (auto _ : state) {
         run(false, without);
         run(true, after);
@@ -174,21 +175,21 @@ void run_add(benchmark::State& state, const WorldSettings& settings, Newcomers n
     state.counters["ratio_of_single_frames_without"] = median(single_without);
 }
 
-// The scene tower_collapses.json without its program: half a second unhit, then five balls of steel into the foot and two seconds.
+// The scene tower_collapses.json without the program: half a second of rest, then five steel balls into the foot, and
+// two seconds.
 void run_tower(benchmark::State& state) {
     const Result<SiteList> sites = read_sites(BRITTLE_ASSETS "/sites/tower_bricks.txt");
     if (!sites) return state.SkipWithError("no sites");
     const TriangleMesh mesh = fracture::tower();
     const auto pieces = fracture::fracture(mesh, sites->sites);
-    physics::Material material = material_preset("stone")->material;
-    for (float* strength : {&material.tensile, &material.compressive, &material.shear})
-        *strength *= 0.1f; // as the program
+    const physics::Material material =
+        physics::scale_strength(material_preset("stone")->material, physics::flawed_strength); // as in the program
     const TriangleMesh ball = icosphere(1, 0.17);
     BodyDesc shot{
         .hull = collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}), .large = true, .mass = 160.5f};
     shot.inertia = glm::mat3(0.4f * shot.mass * 0.17f * 0.17f);
     for (auto _ : state) {
-        World world({.max_colliding = 1000}); // as the scene
+        World world({.max_colliding = 1000}); // as in the scene
         auto tower = Structure::create(world, *pieces, {.material = material, .anchored = anchor_to_ground(*pieces)});
         if (!tower) return state.SkipWithError("no bodies");
         std::vector<double> unhit, hit;

@@ -24,15 +24,15 @@ namespace {
 using physics::BodyId;
 using physics::Pose;
 
-// What is grabbed comes to the hand with this share of the distance a second, no harder than this, and stops
-// to swing.
-constexpr float grab_rate = 10.0f;          // 1/s; higher: stiffer
-constexpr float grab_acceleration = 150.0f; // m/s^2; less would not hold what hangs from it in a fast hand
+// A grabbed point moves to the hand at grab_rate times its distance, within grab_acceleration; grab_damping stops the
+// piece from swinging.
+constexpr float grab_rate = 10.0f;          // 1/s, approach speed by distance; higher is stiffer
+constexpr float grab_acceleration = 150.0f; // m/s^2, limit; below it, pieces that hang from a fast hand are lost
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
-constexpr double anchor_height = 0.01;    // m: what is anchored and reaches below is held
-constexpr double anchor_depth = 1.0;      // m, how far down that goes
-constexpr size_t any_number = UINT32_MAX; // pieces that are not there yet may be named
+constexpr double anchor_height = 0.01;    // m above the ground: WorldOptions::anchored holds pieces that reach below it
+constexpr double anchor_depth = 1.0;      // m below the ground, the lower end of that region
+constexpr size_t any_number = UINT32_MAX; // accepts numbers of pieces that do not exist yet
 
 double hammer_energy(double impulse) {
     return 0.5 * impulse * impulse / hammer_mass;
@@ -63,7 +63,7 @@ std::vector<physics::AnchorRegion> anchor_regions(const fracture::Fragments& fra
 physics::StructureDesc structure_desc(const fracture::Fragments& fragments, const physics::MaterialPreset* preset,
                                       const WorldOptions& options) {
     physics::StructureDesc desc{.material = flawed_material(preset, options)};
-    desc.wear.strength_scale /= physics::flawed_strength; // it is a share of the handbook strength
+    desc.wear.strength_scale /= physics::flawed_strength; // a share of handbook strength; the material is scaled
     desc.anchored = physics::anchor_to(fragments, anchor_regions(fragments, options));
     return desc;
 }
@@ -83,7 +83,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
         desc.pattern.placement = options.blows->placement;
     } else if (preset) {
         const bool laid = preset->pattern.kind == fracture::PatternKind::bricks && !starts_whole(options);
-        desc.pattern.kind = laid ? fracture::PatternKind::uniform : preset->pattern.kind; // single bricks crumble
+        desc.pattern.kind = laid ? fracture::PatternKind::uniform : preset->pattern.kind; // a single brick crumbles
         desc.pattern.slenderness = preset->pattern.slenderness;
     }
     desc.pattern.bond = physics::fitted(options.bond, fracture::bounds(fragments.positions));
@@ -281,7 +281,8 @@ bool Simulation::is_bonded(uint32_t piece) const {
 }
 
 void Simulation::act(const Shoot& shot) {
-    // Few corners, but evenly around: with a choice of more it would be flatter here than there, and spin where it hits.
+    // A ball of few, evenly spread vertices. A hull of vertices selected from a finer ball has flat spots, which make
+    // it spin on impact.
     const fracture::TriangleMesh ball = fracture::icosphere(1, shot.radius);
     const double mass = shot.density * 4.0 / 3.0 * std::numbers::pi * shot.radius * shot.radius * shot.radius;
     const auto inertia = static_cast<float>(0.4 * mass * shot.radius * shot.radius);
@@ -354,7 +355,7 @@ void Simulation::act(const LetGo&) {
     grabbed_.reset();
 }
 
-// A piece is seen where its shadow is, too: on its way to the ground.
+// A piece is also visible by its shadow: the test covers the way from the piece to its shadow on the ground.
 void Simulation::act(const Watch& watch) {
     if (!destruction_) return;
     const engine::ViewVolume view(
@@ -367,8 +368,8 @@ void Simulation::act(const Watch& watch) {
     });
 }
 
-// An impulse that gives the point that is held the speed at which it should come, by the mass that is felt
-// there; so it never overshoots, however light or oddly held the body is.
+// Applies the impulse that gives the grabbed point its target velocity, by the effective mass at that point. So it
+// never overshoots, however light the body is and wherever it is grabbed.
 void Simulation::pull_grabbed() {
     if (!grabbed_) return;
     const BodyId body = body_of(grabbed_->piece);

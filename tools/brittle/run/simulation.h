@@ -1,20 +1,21 @@
-// Pieces, bonds and balls in a world, moved in fixed steps and by actions; no window, no device. Stage draws
-// one, replay logs record and repeat one (replay/), tests run one alone.
-//
-// - Each step, in this order: the world steps, bonds break (Structure::update) and what was cut anew comes
-//   (Destruction::update), what is grabbed is drawn on, the observer is told, scheduled actions of this step take
-//   effect.
-// - Between calls a simulation always is between two steps: apply() takes effect at once. Equal fragments and
-//   equal actions after equal numbers of steps give equal states (state_hash()), whatever advance() was
-//   called with; where things are breakable, if cuts are committed after equal numbers of steps too (commit_as()).
-// - Actions on pieces that are gone, and on bonds where there are none, do nothing.
-// - Not thread-safe; as World, one at a time.
+// A run: pieces, bonds and balls in a world, advanced in fixed steps and changed by actions. Knows neither window nor
+// device: a Stage draws a simulation, replay logs record and repeat one (replay/), tests run one alone.
 //
 //     Simulation simulation("stone");
 //     PreparedBodies bodies = prepare_bodies(broken.fragments, world_of(options), "stone");   // on any thread
 //     simulation.start(broken.fragments, world_of(options), std::move(bodies));
 //     simulation.apply(Shoot{.from = eye, .velocity = 14.0 * direction});
 //     each frame: float alpha = simulation.advance(seconds); simulation.visit_poses(alpha, 0, write);
+//
+// A step, in this order: the world steps; bonds break (Structure::update()) or cuts are committed
+// (Destruction::update()); the hand pulls the grabbed piece; the observer is called; the actions scheduled for this
+// step take effect.
+//
+// Between calls a simulation is always between two steps, and apply() takes effect at once. Equal fragments, and equal
+// actions after equal numbers of steps, give equal states (state_hash()), whatever times advance() got. With breakable
+// pieces this also requires that cuts are committed after equal numbers of steps (commit_as()).
+//
+// An action on a piece that is gone, or on bonds where there are none, has no effect. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -41,21 +42,20 @@ namespace brittle::tools {
 
 class Simulation;
 
-// Is told in this order: started, then moved, updated and stepped for each step, acted whenever an action
-// takes effect.
+// Callbacks of a simulation: started() once; moved(), updated() and stepped() in each step; acted() for each action.
 class SimulationObserver {
   public:
     virtual ~SimulationObserver() = default;
-    // Pieces have been made bodies; nothing has moved, no action has taken effect.
+    // The pieces have bodies; nothing has moved, and no action has taken effect.
     virtual void started(const Simulation&, const fracture::Fragments&, const WorldOptions&) {}
-    // The world has taken a step; bonds have not answered to it yet.
+    // The world has taken a step; bonds have not responded to it yet.
     virtual void moved(const Simulation&) {}
-    // Bonds have, and bodies came apart, and cuts were committed. Changes are empty where things are breakable. Not
-    // called where they are neither that nor bonded.
+    // Bonds have broken, bodies have split and cuts have been committed. The changes are empty for breakable pieces.
+    // Not called for pieces that are neither bonded nor breakable.
     virtual void updated(const Simulation&, const physics::Structure::Changes&) {}
-    // A step is done; actions that take effect after it are still to come.
+    // A step is done; its scheduled actions follow.
     virtual void stepped(const Simulation&) {}
-    // An action has taken effect after so many steps.
+    // An action has taken effect after this number of steps.
     virtual void acted(uint64_t, const Action&) {}
 };
 
@@ -77,33 +77,34 @@ class Simulation {
     // `material` is a preset's name, or empty. `payload` makes what take_events() hands over with each piece.
     explicit Simulation(const std::string& material = {}, physics::PayloadMaker payload = {});
 
-    // When cuts are committed, from the next start on: fixed_latency, which repeats by itself, unless this is called;
-    // when_ready for a window; scripted by the commits of a log. See destruction.h.
+    // Sets when cuts are committed from the next start on. The default, fixed_latency, repeats by itself; a window uses
+    // when_ready; a replay uses scripted, with the commits of its log. See destruction.h.
     void commit_as(physics::Timing timing, std::vector<physics::Commit> script = {});
 
-    // Pieces begin to move from where they are, and steps() to count. What was there is gone. Bonded, anchored and
-    // breakable as the options say; their shots are scheduled. `ahead` was made by prepare_bodies() for these
-    // fragments and options. Throws a Failure for pieces that cannot be bodies.
+    // Starts a new run from the fragments' places, at step 0, and clears the previous run. The options decide on bonds,
+    // anchors and breakability, and their shots are scheduled. `ahead` is the result of prepare_bodies() for these
+    // fragments and options. Throws a Failure for a piece that cannot be a body.
     void start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead);
     void start(const fracture::Fragments& fragments, const WorldOptions& options);
-    // Nothing is there any more; the observer stays.
+    // Empties the world; the observer stays.
     void clear();
     [[nodiscard]] bool running() const { return world_.body_count() > 0; }
 
-    // At once. Asserts that fault_of() finds nothing.
+    // Takes effect at once. Precondition: fault_of() finds no fault.
     void apply(const Action& action);
-    // After so many steps since the start, in the order of calls; at once where they are over.
+    // Takes effect after the given step since the start; at once if it has passed. Actions of one step keep the order
+    // of calls.
     void schedule(uint64_t step, const Action& action);
 
     void step();
-    // What the hammer would cut its piece into, without doing it (Destruction::foresee()); nothing where it would not.
+    // The cut that the hammer would make (Destruction::foresee()); nothing if it would not cut the piece.
     [[nodiscard]] std::optional<physics::PlannedCut> foresee(const Hammer& blow) const;
 
-    // As World::advance(): as many steps as fit, and how far the time reaches into the next one.
+    // Takes as many steps as fit and returns the fraction of the next step that has passed, as World::advance() does.
     float advance(double seconds);
     [[nodiscard]] uint64_t steps() const { return world_.steps_taken(); } // since the start
 
-    // Told from now on; or nobody. It must outlive the simulation or be replaced.
+    // Sets the observer; null for none. It must outlive the simulation or be replaced.
     void observe(SimulationObserver* observer) { observer_ = observer; }
 
     // A piece's slot is its index where nothing is cut anew; else it is used again once the piece is gone.
@@ -111,16 +112,16 @@ class Simulation {
     // fragments. Pieces of bodies with World::last_moved_step() < since are skipped.
     using PoseVisitor = std::function<void(uint32_t slot, const physics::Pose& pose)>;
     void visit_poses(float alpha, uint64_t since, const PoseVisitor& visit) const;
-    // Pieces of breakable things that came and went since the last call; nothing else ever does.
+    // Changes of breakable pieces since the last call; empty for others.
     [[nodiscard]] physics::DestructionEvents take_events();
     [[nodiscard]] std::span<const physics::Commit> commits() const; // of the last step
     [[nodiscard]] size_t piece_count() const { return pieces_; }    // at the start
-    // All pieces have numbers below this, and none twice.
+    // Upper bound of the numbers of all pieces so far; numbers are never reused.
     [[nodiscard]] uint32_t number_count() const;
-    [[nodiscard]] physics::BodyId body_of(uint32_t piece) const; // none for a piece that is gone
-    // Of the centre of mass of a piece that has a body, after the last step.
+    [[nodiscard]] physics::BodyId body_of(uint32_t piece) const; // the default for a piece that is gone
+    // Pose of the centre of mass after the last step. Precondition: the piece has a body.
     [[nodiscard]] physics::Pose pose_of(uint32_t piece) const;
-    // That a body holds, ascending; none for a ball.
+    // The pieces in a body, ascending; empty for a ball.
     [[nodiscard]] std::vector<uint32_t> pieces_of(physics::BodyId body) const;
 
     struct Ball {
@@ -129,19 +130,19 @@ class Simulation {
     };
     [[nodiscard]] std::span<const Ball> balls() const { return balls_; }
 
-    // Of bodies, bonds and what is being broken; equal in equal runs.
+    // Hash of bodies, bonds and jobs; equal in equal runs.
     [[nodiscard]] uint64_t state_hash() const;
 
     [[nodiscard]] const physics::World& world() const { return world_; }
-    [[nodiscard]] const physics::Structure* structure() const; // of bonded pieces, or null
+    [[nodiscard]] const physics::Structure* structure() const; // null without bonds
     [[nodiscard]] const physics::Destruction* destruction() const { return destruction_ ? &*destruction_ : nullptr; }
     [[nodiscard]] const physics::MaterialPreset* material() const { return material_; }
 
   private:
     struct Grabbed {
         uint32_t piece;
-        glm::dvec3 local; // the point, from the piece's centre of mass in its axes
-        glm::dvec3 to;
+        glm::dvec3 local; // m, the grabbed point, from the piece's centre of mass in its axes
+        glm::dvec3 to;    // m, position of the hand
     };
 
     [[nodiscard]] physics::Structure* bonded();
@@ -167,14 +168,14 @@ class Simulation {
     physics::PayloadMaker payload_;
     physics::Timing timing_ = physics::Timing::fixed_latency;
     std::vector<physics::Commit> script_;
-    // One of the three has the pieces.
+    // One of these three holds the pieces.
     std::optional<physics::Structure> structure_;
     std::vector<physics::BodyId> loose_; // by piece
     std::optional<physics::Destruction> destruction_;
-    physics::ObjectId object_; // the first of the destruction: of bonded pieces the only one
+    physics::ObjectId object_; // the first object of the destruction; bonded pieces are its only one
     size_t pieces_ = 0;
     std::vector<Ball> balls_;
-    std::vector<std::pair<uint64_t, Action>> scheduled_; // by step, those of equal steps in their order
+    std::vector<std::pair<uint64_t, Action>> scheduled_; // ordered by step, then by call
     std::optional<Grabbed> grabbed_;
     SimulationObserver* observer_ = nullptr;
 };
