@@ -86,7 +86,7 @@ TriangleMesh components(Dice& dice) {
 TriangleMesh overlapping(Dice& dice) {
     TriangleMesh mesh;
     for (uint32_t n = dice.between(2, 4); n > 0; --n) {
-        // Steps of a quarter make faces and edges coincide.
+        // Offsets in steps of a quarter make faces and edges coincide.
         glm::dvec3 offset(dice.in(-0.7, 0.7), dice.in(-0.7, 0.7), dice.in(-0.7, 0.7));
         if (dice.chance(0.5)) offset = glm::round(offset * 4.0) / 4.0;
         append(mesh, simple_shape(dice), offset);
@@ -94,7 +94,7 @@ TriangleMesh overlapping(Dice& dice) {
     return mesh;
 }
 
-// A cube with cubic holes in it, on the eighths of its lattice.
+// A cube with cavities, cubes or balls, whose faces lie on a lattice of eighths.
 TriangleMesh cavities(Dice& dice) {
     TriangleMesh mesh = cube();
     for (double x : {-0.5, 0.5})
@@ -109,7 +109,7 @@ TriangleMesh cavities(Dice& dice) {
     return mesh;
 }
 
-// Vertices pushed about at random: the surface crosses itself.
+// A ball with randomly displaced vertices, so that its surface crosses itself.
 TriangleMesh crumpled(Dice& dice) {
     TriangleMesh mesh = icosphere(dice.between(1, 3));
     const double amount = dice.in(0.05, 0.8);
@@ -117,7 +117,7 @@ TriangleMesh crumpled(Dice& dice) {
     return mesh;
 }
 
-// Vertices moved to a coarse lattice: triangles without area, vertices at one place, faces on faces.
+// Vertices rounded to a coarse lattice: degenerate triangles, coincident vertices and coincident faces.
 TriangleMesh rounded(Dice& dice) {
     TriangleMesh mesh = dice.chance(0.5) ? icosphere(dice.between(1, 3)) : torus(12, 8);
     const double steps = dice.between(2, 9);
@@ -137,7 +137,7 @@ TriangleMesh thin(Dice& dice) {
 struct Family {
     std::string_view name;
     TriangleMesh (*make)(Dice&);
-    bool simple; // free of self-intersections and coincidences of its own
+    bool simple; // without self-intersections and coincidences
 };
 
 constexpr std::array families = {
@@ -163,7 +163,7 @@ constexpr auto family_names = [] {
     return names;
 }();
 
-// Breaks a sound mesh in one of the ways that must be named, or fills it with garbage.
+// Damages a valid mesh in one of the ways that fracture() must report, or fills it with random bits.
 void break_mesh(Dice& dice, Case& c) {
     TriangleMesh& mesh = c.mesh;
     Triangle& victim = mesh.triangles[dice.below(static_cast<uint32_t>(mesh.triangles.size()))];
@@ -188,7 +188,7 @@ void break_mesh(Dice& dice, Case& c) {
         mesh.positions[victim.x].y =
             dice.chance(0.5) ? std::numeric_limits<double>::quiet_NaN() : std::numeric_limits<double>::infinity();
         break;
-    case 6: { // four triangles at an edge
+    case 6: { // an edge of four triangles
         const Triangle t = victim;
         mesh.triangles.push_back(t);
         mesh.triangles.push_back({t.x, t.z, t.y});
@@ -226,7 +226,7 @@ Sites lattice_sites(Dice& dice, const Box& box) {
     return sites;
 }
 
-// Whole numbers with x^2 + y^2 + z^2 = n: exactly on a sphere.
+// Integers with x^2 + y^2 + z^2 = n, exactly on a sphere.
 Sites cospherical_sites(Dice& dice, const Box& box) {
     constexpr std::array squares = {2, 3, 5, 6, 9, 14, 17, 26, 29, 41};
     const int n = squares[dice.below(squares.size())];
@@ -297,7 +297,7 @@ Sites random_sites(Dice& dice, const TriangleMesh& mesh, std::string& name, bool
         break;
     }
     case 10:
-        name = "in faces"; // bisectors run along them
+        name = "in faces"; // bisectors coincide with faces
         for (uint32_t k = 0; k < (std::min(count, 16u) + 1) / 2; ++k) {
             const Triangle& t = mesh.triangles[dice.below(static_cast<uint32_t>(mesh.triangles.size()))];
             const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
@@ -317,7 +317,7 @@ Sites random_sites(Dice& dice, const TriangleMesh& mesh, std::string& name, bool
     return sites;
 }
 
-// Moves the whole problem: equal coordinates stay equal, but little else stays round.
+// Scales and moves mesh and sites. Equal coordinates stay equal, but round numbers do not stay round.
 void place(Dice& dice, Case& c) {
     double factor = 1.0;
     glm::dvec3 offset(0.0);
@@ -355,7 +355,7 @@ Case random_case(uint64_t seed, std::string_view family) {
     c.family = std::string(chosen->name) + ", sites " + sites;
     place(dice, c);
     if (dice.chance(0.2)) {
-        // Zero to large: a few shares of the mesh's size, squared; on a lattice they make points that many cells share.
+        // Squares of few distinct shares of the mesh's size; on a lattice they give points that many cells share.
         const glm::dvec3 size = bounds(c.mesh).size();
         const double largest = std::max({size.x, size.y, size.z}) * std::pow(10.0, dice.in(-3.0, 0.0));
         const bool rounded = dice.chance(0.5);
@@ -422,7 +422,7 @@ Result<Case> read_case(const std::filesystem::path& file) {
         return Error{Status::malformed_file,
                      file.string() + ", line " + std::to_string(number) + ": expected " + wanted};
     };
-    // The rest of the next line that begins with the word, or nothing.
+    // Reads the next line, which must start with the word, and gives its rest.
     const auto field = [&](const char* word, std::string& value) {
         ++number;
         if (!std::getline(in, line) || !line.starts_with(std::string(word) + " ")) return false;

@@ -21,7 +21,7 @@ using namespace fracture;
 
 namespace {
 
-// `sequential` clips all triangles for all pairs of sites.
+// Limit for `sequential`, which clips all triangles for all pairs of sites.
 constexpr size_t max_sequential_work = 60'000;
 
 std::string format(const char* text, double a, double b = 0.0) {
@@ -62,7 +62,7 @@ std::string topology_complaint(const Fragments& f, const Piece& piece) {
         if (begin == at) return "a vertex has no triangle";
         size_t steps = 0;
         const HalfEdge* edge = &edges[begin];
-        do { // across the edge, then to the edge of that triangle that leaves v
+        do { // across the edge, then along the triangle to the edge that leaves v
             const Triangle& t = triangles[find(edge->to, v)->triangle];
             const int k = t.x == v ? 0 : (t.y == v ? 1 : 2);
             edge = find(v, t[(k + 1) % 3]);
@@ -76,7 +76,7 @@ struct Measure {
     long double volume = 0.0L, area = 0.0L;
 };
 
-// About the first corner: far from the origin, products would lose what small pieces are made of.
+// Relative to the first corner: far from the origin, products would cancel the digits of small pieces.
 template<class Position>
 Measure measure(std::span<const Triangle> triangles, const Position& position) {
     Measure sum;
@@ -142,8 +142,8 @@ std::string volume_complaint(const Case& c, const Fragments& f) {
     return {};
 }
 
-// An edge of a cap may have been halved on one side alone where pieces became one (merge.h): then areas must agree. Sheets
-// without volume do so unasked.
+// Merging pieces may split an edge of a cap on one side alone (merge.h); then the areas of the sides must agree. Sheets
+// without volume merge without being asked to.
 std::string cap_complaint(const Case& c, const Fragments& f) {
     std::map<uint32_t, glm::dvec3> places;
     using Corner = std::array<double, 3>;
@@ -217,14 +217,14 @@ std::string cell_complaint(const Case& c, const Fragments& f) {
     return {};
 }
 
-// Of the pieces before any become one, where the input may fold: a fold without volume goes with a neighbour, wherever
-// it lies. So may a part of a thin mesh.
+// Checks cells before pieces merge, because a fold without volume, or a part of a thin mesh, merges with a neighbour in
+// another cell.
 std::string cell_complaint_before_merging(const Case& c) {
     const Result<Fragments> cut = exact::fracture_exact(c.mesh, c.sites, {.threads = 1, .weights = c.weights});
-    return cut ? cell_complaint(c, *cut) : std::string(); // or solids that touch in a vertex
+    return cut ? cell_complaint(c, *cut) : std::string(); // no complaint where it refuses solids that touch in a vertex
 }
 
-// Crumbs may be as small as their rounding.
+// The volume of a crumb may be as small as its rounding error, hence slightly negative.
 std::string inside_out_complaint(const Case& c, const Fragments& f) {
     const Box box = bounds(c.mesh);
     const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
@@ -235,7 +235,7 @@ std::string inside_out_complaint(const Case& c, const Fragments& f) {
     return {};
 }
 
-// No cut between cells of one group, and no small piece that has a neighbour.
+// No cut separates cells of one group, and no piece below the minimum volume has a neighbour.
 std::string group_complaint(const Case& c, const Fragments& f) {
     for (const Bond& bond : f.bonds) {
         const Piece &a = f.pieces[bond.a], &b = f.pieces[bond.b];
@@ -270,7 +270,7 @@ std::string difference_from_sequential(const Case& c, const Fragments& f) {
         if (std::abs(cell[0].volume - cell[1].volume) > 1e-9 * whole)
             return "cell " + std::to_string(site)
                    + format(" has %.17g, by sequential %.17g", cell[0].volume, cell[1].volume);
-        // Islands of next to nothing may be dropped by one and not by the other.
+        // One of the two may drop an island of negligible volume.
         if (cell[0].islands != cell[1].islands && std::min(cell[0].volume, cell[1].volume) > 1e-6 * whole)
             return "cell " + std::to_string(site)
                    + format(" has %g islands, by sequential %g", cell[0].islands, cell[1].islands);

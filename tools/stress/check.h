@@ -1,4 +1,4 @@
-// What is wrong with a fracture, by oracles that share no code with it.
+// Checks of a fracture by oracles that share no code with it.
 #pragma once
 
 #include <string>
@@ -7,15 +7,15 @@
 
 namespace brittle::stress {
 
-// Fractures the case and says what does not hold, or nothing. For pieces:
+// Fractures the case and returns the first check that fails, or an empty string. For pieces:
 //  - every edge of a piece is used once in each direction, every vertex has one fan of triangles and is used;
-//  - signed volumes (long double) sum to the input's within 1e-12 of its absolute volume, or
-//    what rounding coordinates to double may do to it (eps x largest coordinate x area) where that is more; positions
-//    rounded to float relative to the centre within 1e-6 or eps x size x area; Piece::mass agrees;
-//  - caps of neighbours are the same triangles turned over, bit for bit, and equal points are at equal places;
-//  - before pieces become one, vertices lie in the cell of their piece's site, up to rounding;
-//  - one more run with another number of threads gives the same hash;
-//  - generic cases of moderate cost: `sequential` fills the same cells with the same volumes and as many islands.
+//  - signed volumes (in long double) sum to the input's, within the larger of 1e-12 of its absolute volume and the
+//    error of rounding coordinates to double (eps x largest coordinate x area); for positions rounded to float relative
+//    to the centre, within 1e-6 or eps x size x area; Piece::mass agrees;
+//  - caps of neighbours are equal triangles of opposite orientation, bit for bit; equal points have equal positions;
+//  - before pieces merge, vertices lie in the cell of their piece's site, up to rounding;
+//  - a run with another number of threads gives an equal hash;
+//  - in generic cases of moderate cost, `sequential` fills the same cells, with equal volumes and numbers of islands.
 [[nodiscard]] std::string complaint(const Case& c);
 
 } // namespace brittle::stress

@@ -13,7 +13,7 @@ namespace brittle::stress {
 
 namespace {
 
-// Sanitizers reserve terabytes of address space.
+// A sanitizer reserves terabytes of address space, so the limit of memory is off.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool can_limit_memory = false;
 #else
@@ -23,7 +23,7 @@ constexpr bool can_limit_memory = true;
 [[noreturn]] void run_child(int out, const std::function<std::string()>& function, unsigned seconds,
                             size_t memory_bytes) {
     if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0)
-        dup2(nowhere, STDERR_FILENO); // glibc's last words
+        dup2(nowhere, STDERR_FILENO); // silences the abort message of glibc
     const rlimit time{seconds, seconds + 1}, memory{memory_bytes, memory_bytes}, core{0, 0};
     setrlimit(RLIMIT_CPU, &time);
     setrlimit(RLIMIT_CORE, &core);

@@ -1,4 +1,4 @@
-// Runs a check where it cannot take the program down with it.
+// Runs a check in a process of its own, so that a crash leaves the program alive.
 #pragma once
 
 #include <functional>
@@ -6,8 +6,8 @@
 
 namespace brittle::stress {
 
-// In a child process with limits on time and memory. What the function returns, or how the child ended: crashed, ran
-// out of time (seconds of processor time), out of memory.
+// Runs the function in a child process with limits of CPU time and memory. Returns the function's result, or how the
+// child ended: crashed, out of time, or out of memory.
 [[nodiscard]] std::string isolated(const std::function<std::string()>& function, unsigned seconds, size_t memory_bytes);
 
 } // namespace brittle::stress

@@ -1,4 +1,4 @@
-// Fractures random meshes made to hurt until something does not hold. See --help.
+// Stress test: fractures random difficult meshes and checks every result. See --help.
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -34,7 +34,7 @@ std::string check(const Options& options, const stress::Case& c) {
 
 void report_failure(const Options& options, const stress::Case& c, const std::string& wrong, uint64_t seed) {
     std::printf("seed %llu (%s): %s\n", static_cast<unsigned long long>(seed), c.family.c_str(), wrong.c_str());
-    // Numbers may change on the way, words must not.
+    // The kind of a failure: the letters of its message. Its numbers may change while the case shrinks.
     const auto words = [](const std::string& text) {
         std::string kept;
         for (const char letter : text)
@@ -98,19 +98,20 @@ int run(const Options& options) {
 
 int main(int count, char** arguments) {
     Options options;
-    CLI::App app("Fractures random meshes made to hurt (thin, overlapping, broken, degenerate) and checks every result "
-                 "by oracles of its own. A failure is shrunk and saved as a file for tests/corpus/fractures.");
-    app.add_option("--minutes", options.minutes, "how long to go on")->capture_default_str();
-    app.add_option("--cases", options.cases, "so many cases instead");
-    app.add_option("--seed", options.seed, "of the first case; the next ones count up")->capture_default_str();
-    app.add_option("--family", options.family, "meshes of this kind only")
+    CLI::App app("Fractures random difficult meshes (thin, overlapping, broken, degenerate) and checks every result "
+                 "by independent oracles. A failure is shrunk and saved as a file for tests/corpus/fractures.");
+    app.add_option("--minutes", options.minutes, "duration of the run")->capture_default_str();
+    app.add_option("--cases", options.cases, "number of cases, instead of a duration");
+    app.add_option("--seed", options.seed, "seed of the first case; later cases count up from it")
+        ->capture_default_str();
+    app.add_option("--family", options.family, "only meshes of this family")
         ->check(
             CLI::IsMember(std::vector<std::string>(stress::mesh_families().begin(), stress::mesh_families().end())));
-    app.add_option("--replay", options.replay, "check one saved case")->check(CLI::ExistingFile);
-    app.add_option("--save", options.save, "folder for failures")->capture_default_str();
-    app.add_option("--seconds", options.seconds, "processor time that a case may take")->capture_default_str();
-    app.add_option("--memory", options.memory_mib, "MiB that a case may take")->capture_default_str();
-    app.add_flag("--quiet", options.quiet, "only failures and the sum");
+    app.add_option("--replay", options.replay, "check a saved case")->check(CLI::ExistingFile);
+    app.add_option("--save", options.save, "folder for failing cases")->capture_default_str();
+    app.add_option("--seconds", options.seconds, "limit of CPU time for a case")->capture_default_str();
+    app.add_option("--memory", options.memory_mib, "limit of memory for a case, MiB")->capture_default_str();
+    app.add_flag("--quiet", options.quiet, "print only failures and the total");
     CLI11_PARSE(app, count, arguments);
     return options.replay.empty() ? run(options) : replay(options);
 }

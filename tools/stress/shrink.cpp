@@ -54,7 +54,7 @@ class Shrinker {
         if (best_.min_volume > 0.0) try_case(std::move(c));
     }
 
-    // Runs of sites, from half of them down to one.
+    // Drops runs of sites, of half of them at first and of one in the end.
     void drop_sites() {
         for (size_t run = std::max<size_t>(best_.sites.size() / 2, 1); run >= 1; run /= 2) {
             for (size_t at = 0; at < best_.sites.size() && best_.sites.size() > 1;) {
@@ -89,7 +89,7 @@ class Shrinker {
         }
     }
 
-    // Where the two ends have two neighbours in common, which keeps a closed surface closed.
+    // Contracts edges whose ends have exactly two common neighbours, which keeps a closed surface closed.
     void contract_edges() {
         if (!indices_in_range()) return;
         for (size_t t = 0; t < best_.mesh.triangles.size() && tries_ > 0; ++t) {

@@ -1,4 +1,4 @@
-// Makes a failing case smaller while it keeps failing, for people to look at.
+// Shrinks a failing case to one that is small enough to read.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 namespace brittle::stress {
 
 // Drops sites, then whole components of the mesh, then contracts edges (closed meshes stay closed), then rounds
-// coordinates, as long as `fails` says yes; asks it at most `tries` times.
+// coordinates, and keeps each change for which `fails` returns true. Calls `fails` at most `tries` times.
 [[nodiscard]] Case shrink(Case c, const std::function<bool(const Case&)>& fails, unsigned tries);
 
 } // namespace brittle::stress
