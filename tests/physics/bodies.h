@@ -1,4 +1,4 @@
-// Plain bodies for tests of the world: boxes, and how they are added and run.
+// Bodies and measurements for tests of the world.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace brittle::physics::test_bodies {
 inline const WorldSettings empty_space{
     .gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false};
 
-// By half its sides.
+// `half`: half of the sides, m.
 inline CollisionHull box_hull(const glm::vec3& half) {
     std::vector<glm::dvec3> corners;
     for (const double x : {-1.0, 1.0})
@@ -49,7 +49,7 @@ inline BodyDesc box(const glm::vec3& half, float mass, const glm::vec3& position
     return desc;
 }
 
-// The same body put together from so many slabs along x.
+// The box as a compound of `count` slabs along x.
 inline BodyDesc in_slabs(BodyDesc box, const glm::vec3& half, int count) {
     box.hull = {};
     const float width = half.x / static_cast<float>(count);
@@ -59,7 +59,7 @@ inline BodyDesc in_slabs(BodyDesc box, const glm::vec3& half, int count) {
     return box;
 }
 
-// A block of a kilogram, 10 cm long: far above the size of small debris.
+// A cube of one kilogram and 10 cm, far above the size of small debris.
 inline constexpr float block_half = 0.05f;
 inline BodyDesc block(const glm::vec3& at, bool debris = false) {
     BodyDesc desc = box(glm::vec3(block_half), 1.0f, at);
@@ -84,8 +84,8 @@ inline void run(World& world, float seconds) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds / world.settings().step)); ++i) world.step();
 }
 
-// `play` puts something into an empty world, lets it run and returns the state's hash: the same in a new world and in a
-// cleared one.
+// Checks that `play`, which fills an empty world, runs it and returns the hash of its state, returns equal hashes in a
+// new world and in a cleared one.
 inline void check_repeats(const auto& play) {
     World first, second;
     const uint64_t hash = play(first);
@@ -106,7 +106,7 @@ inline double energy_of(const World& world) {
     return now.kinetic + now.potential;
 }
 
-// Of energy that nobody adds to, step by step: a bound on each rise alone would let hundreds of them sum up.
+// Rises of the energy of a closed system, step by step. They are summed, since hundreds of small rises may add up.
 struct EnergyBooks {
     explicit EnergyBooks(const World& world) : start(energy_of(world)), last(start), least(start) {}
     void look(const World& world) {
@@ -119,15 +119,16 @@ struct EnergyBooks {
     }
 
     double start, last, least;  // J
-    double steepest = 0.0;      // J, of one step
-    double risen = 0.0;         // J, the sum of all rises
-    double max_above_min = 0.0; // J, above the least before
+    double steepest = 0.0;      // J, largest rise in a step
+    double risen = 0.0;         // J, sum of all rises
+    double max_above_min = 0.0; // J, largest excess over the least before
 };
 
-// What rests in empty space stays where it is, unless it overlaps another. That moves it without giving it velocity.
+// The largest motion of bodies that rest in empty space. A body moves only if it overlaps another; the correction of
+// overlaps moves it without giving it velocity.
 struct Drift {
-    float speed = 0.0f; // m/s, the greatest of any body in any step
-    float way = 0.0f;   // m, the farthest that any body was from its place
+    float speed = 0.0f; // m/s, maximum over bodies and steps
+    float way = 0.0f;   // m, largest distance of a body from its place
 };
 inline Drift drift(World& world, int steps, const std::function<void()>& after_step = {}) {
     std::vector<glm::vec3> places;
@@ -144,7 +145,7 @@ inline Drift drift(World& world, int steps, const std::function<void()>& after_s
     return most;
 }
 
-// Larger by a factor, around the middle of its points.
+// Scaled about the mean of its points.
 inline std::shared_ptr<const CollisionHull> inflated(const CollisionHull& hull, float factor) {
     auto larger = std::make_shared<CollisionHull>(hull);
     glm::vec3 middle(0.0f);

@@ -1,5 +1,5 @@
-// Fragments made by hand for the physics tests: boxes in a grid, and a box cut by random planes. Their mass
-// properties come from sums over tetrahedra written here, not from the library.
+// Fragments for the physics tests: boxes in a grid, and boxes cut by random planes. Their mass properties are sums over
+// tetrahedra, independent of the library.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace brittle::test {
 using Polygon = std::vector<glm::dvec3>; // counter-clockwise from outside
 using Polyhedron = std::vector<Polygon>; // convex and closed
 
-// A linear congruential generator: the same numbers everywhere.
+// A linear congruential generator, equal on every platform.
 class Random {
   public:
     explicit Random(uint64_t seed) : state_(seed * 2 + 1) {}
@@ -52,8 +52,7 @@ inline Polyhedron box_polyhedron(const glm::dvec3& low, const glm::dvec3& high) 
             {at(0, 0, 0), at(0, 1, 0), at(1, 1, 0), at(1, 0, 0)}, {at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1)}};
 }
 
-// The part of the polyhedron with normal . x <= distance; empty if there is none. No vertex may lie on the
-// plane.
+// The part of the polyhedron with normal . x <= distance, possibly empty. Precondition: no vertex lies on the plane.
 inline Polyhedron clipped(const Polyhedron& polyhedron, const glm::dvec3& normal, double distance) {
     Polyhedron kept;
     Polygon cap;
@@ -143,7 +142,7 @@ inline fracture::Fragments grid_pieces(const glm::dvec3& low, const glm::dvec3& 
     return fragments_of(boxes);
 }
 
-// The same with the bonds of neighbours along the axes.
+// As grid_pieces(), with bonds between neighbours along the axes.
 inline fracture::Fragments bonded_grid(const glm::dvec3& low, const glm::dvec3& high, int x, int y, int z) {
     fracture::Fragments fragments = grid_pieces(low, high, x, y, z);
     const glm::dvec3 cell = (high - low) / glm::dvec3(x, y, z);
@@ -163,7 +162,7 @@ inline fracture::Fragments bonded_grid(const glm::dvec3& low, const glm::dvec3& 
     return fragments;
 }
 
-// The box cut into the Voronoi cells of random sites: what a fracture of a box is.
+// The box cut into the Voronoi cells of random sites.
 inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec3& high, int count, uint64_t seed) {
     Random random(seed);
     std::vector<glm::dvec3> sites;
@@ -181,7 +180,7 @@ inline fracture::Fragments voronoi_pieces(const glm::dvec3& low, const glm::dvec
     return fragments_of(cells);
 }
 
-// The box cut by planes right through, one after the other: wedges and flakes among the pieces.
+// The box cut by complete planes, one after the other; some pieces are wedges and flakes.
 inline fracture::Fragments wedge_pieces(const glm::dvec3& low, const glm::dvec3& high, int planes, uint64_t seed) {
     Random random(seed);
     std::vector<Polyhedron> pieces{box_polyhedron(low, high)};

@@ -1,4 +1,4 @@
-// What the tests of what is cut at runtime share: weak things, balls, and what is left.
+// Helpers for tests of destruction: a weak material, balls, runs, and sums over pieces.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace brittle::physics::test_destruction {
 
-// Breaks of blows as a test has them: a tenth of concrete's strength.
+// A tenth of concrete's strength, so that small blows break it.
 inline const Material weak{.tensile = 3e5f, .fracture_energy = 100.0f};
 
 inline BreakableDesc desc_of(double min_size, const Material& material = weak) {
@@ -29,7 +29,7 @@ inline ObjectId must_add(Destruction& destruction, World& world, const fracture:
     return *object;
 }
 
-// From above, onto the middle of the piece.
+// Strikes the top of the piece's bounding ball, downwards.
 inline bool strike_from_above(const World& world, Destruction& destruction, PieceId piece, double energy) {
     const glm::vec3 centre = world.pose(destruction.body(piece)).position;
     const glm::vec3 point = centre + glm::vec3(0.0f, destruction.solid(piece)->radius, 0.0f);
@@ -37,7 +37,7 @@ inline bool strike_from_above(const World& world, Destruction& destruction, Piec
 }
 
 inline BodyId shoot(World& world, float radius, float mass, const glm::vec3& position, const glm::vec3& velocity) {
-    const fracture::TriangleMesh mesh = fracture::icosphere(1, static_cast<double>(radius)); // corners evenly around
+    const fracture::TriangleMesh mesh = fracture::icosphere(1, static_cast<double>(radius)); // evenly spread vertices
     BodyDesc desc;
     desc.hull = collision_hull(mesh.positions, glm::dvec3(0.0), {.max_vertices = 42});
     desc.large = true;

@@ -10,7 +10,7 @@
 
 namespace brittle::test {
 
-// Closed, around Y; the profile is radius and height from below, radii above zero.
+// A closed solid around Y. The profile lists radius and height from the lowest ring up; radii are positive.
 inline fracture::TriangleMesh lathe(const std::vector<std::pair<double, double>>& profile, uint32_t sides) {
     fracture::TriangleMesh mesh;
     for (const auto& [radius, height] : profile)

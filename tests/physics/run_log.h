@@ -1,6 +1,6 @@
-// What repeats the run of a test and tells whether it was repeated: what it begins with, what is done to it and when, states. From
-// INFO() on it is printed where a check of the block fails, as far as the run has come. The same build gives the same lines again; with
-// another one the first state that differs says by when the two had parted.
+// The log of a test's run: its initial state, its inputs by step, and hashes of its states. INFO() prints it where a
+// later check of the block fails, up to the present step. A repetition with the same build prints equal lines; with
+// another build, the first state that differs bounds the step at which the runs diverged.
 //
 //     RunLog log("300 pieces of a cube, seed 7");
 //     INFO(log);
@@ -27,10 +27,10 @@ class RunLog {
   public:
     explicit RunLog(std::string beginning) : beginning_(std::move(beginning)) {}
 
-    // Something that is not up to the world, after the last step that was looked at.
+    // Records an input to the world, after the last recorded step.
     void did(const auto&... what) {
         std::ostringstream text;
-        text.precision(9); // of a float nothing is lost
+        text.precision(9); // digits that identify every float
         (put(text, what), ...);
         inputs_.emplace_back(states_.size(), std::move(text).str());
     }
@@ -62,7 +62,7 @@ class RunLog {
     }
 
     std::string beginning_;
-    std::vector<std::pair<size_t, std::string>> inputs_; // after so many steps
+    std::vector<std::pair<size_t, std::string>> inputs_; // step, input
     std::vector<uint64_t> states_;
 };
 

@@ -14,7 +14,7 @@
 
 using namespace brittle::physics;
 
-TEST_CASE("a job that is called off is forgotten, and the others are had in any order") {
+TEST_CASE("background: a cancelled job is forgotten, and the others can be taken in any order") {
     Background<int> background(2);
     std::atomic<bool> begun = false, go = false, called_off = false;
     background.start(1, [&](const std::atomic<bool>& cancelled) {
@@ -32,7 +32,7 @@ TEST_CASE("a job that is called off is forgotten, and the others are had in any 
     CHECK(!background.ready(1));
     CHECK(!background.ready(2));
     background.cancel(1);
-    CHECK(background.take(3) == 3); // on the thread that is free now
+    CHECK(background.take(3) == 3); // runs on the worker that is free now
     CHECK(called_off);
     CHECK(!background.ready(2));
     go = true;
@@ -40,7 +40,7 @@ TEST_CASE("a job that is called off is forgotten, and the others are had in any 
     CHECK(background.take(2) == 2);
 }
 
-// Tells which thread lets go of the last of it.
+// An object whose deleter notes the thread it runs on.
 static std::shared_ptr<const int> watched(std::atomic<std::thread::id>& freed_by) {
     return {new int(0), [&freed_by](const int* value) {
                 delete value;
@@ -48,8 +48,7 @@ static std::shared_ptr<const int> watched(std::atomic<std::thread::id>& freed_by
             }};
 }
 
-TEST_CASE("what is thrown away goes on another thread: what is discarded, what a job held, and what one made that is "
-          "called off") {
+TEST_CASE("background: discarded objects, captures of jobs and results of cancelled jobs are destroyed on workers") {
     const std::thread::id nobody;
     std::atomic<std::thread::id> discarded, held, made;
     const auto wait = [&](const std::atomic<std::thread::id>& freed_by) {
@@ -59,7 +58,7 @@ TEST_CASE("what is thrown away goes on another thread: what is discarded, what a
         return freed_by.load();
     };
     Background<std::shared_ptr<const int>> background;
-    background.discard(watched(discarded)); // with no job to come
+    background.discard(watched(discarded)); // without a job afterwards
     CHECK(wait(discarded) != std::this_thread::get_id());
     background.start(1, [holds = watched(held), &made](const std::atomic<bool>&) { return watched(made); });
     while (!background.ready(1)) std::this_thread::yield();
@@ -69,7 +68,7 @@ TEST_CASE("what is thrown away goes on another thread: what is discarded, what a
     CHECK(wait(made) != std::this_thread::get_id());
 }
 
-TEST_CASE("a job that is called off before it begins is let go of on another thread") {
+TEST_CASE("background: a job that is cancelled before it starts is destroyed on a worker") {
     std::atomic<std::thread::id> held;
     std::atomic<bool> begun = false, go = false;
     Background<int> background;
@@ -88,7 +87,7 @@ TEST_CASE("a job that is called off before it begins is let go of on another thr
     CHECK(held.load() != std::this_thread::get_id());
 }
 
-TEST_CASE("jobs in the background give way to frames") {
+TEST_CASE("background: workers run at a lower priority") {
 #if defined(__linux__)
     const auto nice_of_thread = [] { return getpriority(PRIO_PROCESS, 0); };
     const int own = nice_of_thread();

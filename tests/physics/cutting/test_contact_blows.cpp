@@ -19,7 +19,7 @@ namespace {
 
 constexpr float min_speed = 0.5f;
 
-// A fixed block whose front is at z = 0, and what hits it.
+// A fixed block whose front lies at z = 0, and the blows to it.
 struct Hit {
     World world;
     BlowTracker tracker;
@@ -42,7 +42,7 @@ struct Hit {
 
 } // namespace
 
-TEST_CASE("nothing, what is far away and what comes slowly give no blows") {
+TEST_CASE("contact blows: an empty world, distant bodies and slow contacts give none") {
     World empty;
     BlowTracker tracker;
     empty.step();
@@ -55,20 +55,20 @@ TEST_CASE("nothing, what is far away and what comes slowly give no blows") {
     }
 }
 
-TEST_CASE("a body that is taken out of the world while it is hit has no blow") {
+TEST_CASE("contact blows: a body that is removed during a blow reports none") {
     Hit hit;
     test_bodies::must_add(hit.world, box(glm::vec3(0.5f), 400.0f, {0.0f, 0.0f, 0.512f}));
     hit.world.set_velocity(hit.world.bodies()[1], {0.0f, 0.0f, -2.0f}, glm::vec3(0.0f));
     hit.run(1);
     REQUIRE_FALSE(hit.world.contacts().empty());
-    REQUIRE(hit.blows.empty()); // it still comes
+    REQUIRE(hit.blows.empty()); // the body has not arrived yet
     hit.world.remove_body(hit.block);
     hit.run(5);
     CHECK(hit.blows.empty());
 }
 
-TEST_CASE("a blow is one, with all that it gave, wherever in a step the two touch") {
-    // The larger bodies are, the larger a gap is solved as a contact: a block has gaps of a centimetre.
+TEST_CASE("contact blows: a collision is one blow with its whole impulse, at any time within a step") {
+    // The gap at which the world solves a contact grows with the bodies: for a block it is a centimetre.
     int in_several_steps = 0;
     for (const bool block : {false, true})
         for (const float speed : {0.7f, 1.2f, 2.0f, 3.0f, 6.0f, 25.0f})
@@ -98,14 +98,15 @@ TEST_CASE("a blow is one, with all that it gave, wherever in a step the two touc
                 const BodyBlow& blow = hit.blows[0];
                 if (pressing > 1) ++in_several_steps;
                 CHECK(blow.other == striker);
-                // All that stopped it, but for what comes slower than a blow.
+                // The whole impulse that stopped the body, less contacts below the speed of a blow.
                 CHECK(blow.impulse == doctest::Approx(gained).epsilon(1e-3));
                 CHECK(blow.energy == doctest::Approx(0.5f * blow.impulse * speed).epsilon(1e-3));
                 CHECK(glm::distance(blow.normal, velocity / speed) < 1e-3f);
-                CHECK(glm::distance(glm::vec2(blow.point), glm::vec2(0.05f, 0.0f)) < (block ? 0.5f : 0.03f)); // facets
+                CHECK(glm::distance(glm::vec2(blow.point), glm::vec2(0.05f, 0.0f))
+                      < (block ? 0.5f : 0.03f)); // the ball has facets
                 CHECK(std::abs(blow.point.z - 0.5f) < speed / 120.0f + 0.01f);
                 CHECK(glm::length(blow.arm) < 2.0f * half);
-                if (block) continue; // it may turn and come back
+                if (block) continue; // a block may turn and hit again
                 CHECK(gained >= mass * (speed - min_speed));
                 hit.run(20);
                 CHECK(hit.blows.size() == 1);
@@ -114,7 +115,7 @@ TEST_CASE("a blow is one, with all that it gave, wherever in a step the two touc
     CHECK(in_several_steps > 20);
 }
 
-TEST_CASE("a slab that lands flat is one blow of all its energy") {
+TEST_CASE("contact blows: a slab that lands flat is one blow with all of its energy") {
     for (const float height : {0.03f, 0.05f, 0.1f, 0.2f, 0.4f}) {
         CAPTURE(height);
         Hit hit(WorldSettings{});
@@ -123,7 +124,7 @@ TEST_CASE("a slab that lands flat is one blow of all its energy") {
         test_bodies::must_add(hit.world, slab);
         hit.run(60);
         REQUIRE(hit.blows.size() == 1);
-        // It weighs on the block while it is stopped; below half a metre a second it no longer counts.
+        // The slab's weight adds to the impulse while it stops; contacts below 0.5 m/s do not count.
         const float energy = 400.0f * 9.81f * height, steps = 3.0f * 400.0f * 9.81f / 120.0f;
         CHECK(hit.blows[0].impulse >= std::sqrt(2.0f * 400.0f * energy) - 400.0f * min_speed);
         CHECK(hit.blows[0].impulse <= std::sqrt(2.0f * 400.0f * energy) + steps);
@@ -131,7 +132,7 @@ TEST_CASE("a slab that lands flat is one blow of all its energy") {
     }
 }
 
-TEST_CASE("what rests never adds up to a blow, however heavy") {
+TEST_CASE("contact blows: a resting body of any mass never adds up to a blow") {
     for (const float mass : {1.0f, 1e3f, 1e6f}) {
         Hit hit(WorldSettings{.sleeping = false});
         test_bodies::must_add(hit.world, box({0.3f, 0.3f, 0.3f}, mass, {0.1f, 0.801f, -0.5f}));
@@ -141,7 +142,7 @@ TEST_CASE("what rests never adds up to a blow, however heavy") {
     }
 }
 
-TEST_CASE("what goes on pressing in is a blow every four steps") {
+TEST_CASE("contact blows: a longer push is one blow every four steps") {
     Hit hit;
     const BodyId ram = shoot(hit.world, 0.1f, 20.0f, {0.0f, 0.0f, 0.2f}, {0.0f, 0.0f, -2.0f});
     float total_impulse = 0.0f;
@@ -155,9 +156,9 @@ TEST_CASE("what goes on pressing in is a blow every four steps") {
     float sum = 0.0f;
     for (const BodyBlow& blow : hit.blows) {
         CHECK(blow.impulse
-              == doctest::Approx(160.0f).epsilon(0.35)); // four times 20 kg at 2 m/s; less while a gap was left
+              == doctest::Approx(160.0f).epsilon(0.35)); // four times 20 kg at 2 m/s, less before a gap had closed
         sum += blow.impulse;
     }
     CHECK(sum <= total_impulse * 1.0001f);
-    CHECK(sum >= total_impulse - 160.0f * 1.35f); // but for those that still go on
+    CHECK(sum >= total_impulse - 160.0f * 1.35f); // without blows that still last
 }

@@ -19,7 +19,7 @@ namespace {
 struct Parts {
     fracture::MassProperties mass;
     std::vector<BodyPart> parts;
-    double hulls = 0.0; // m^3, of all
+    double hulls = 0.0; // m^3, sum over all hulls
 };
 
 Parts parts_of(const fracture::TriangleMesh& mesh, const ConvexPartSettings& settings = {}) {
@@ -46,7 +46,7 @@ bool in_some_hull(const Parts& made, const glm::dvec3& point) {
 
 } // namespace
 
-TEST_CASE("what is convex is one part, also without triangles, volume or width") {
+TEST_CASE("convex parts: a convex mesh is one part, also without triangles, volume or width") {
     CHECK(parts_of(fracture::cube()).parts.size() == 1);
     CHECK(parts_of(fracture::icosphere(3)).parts.size() == 1);
     CHECK(convex_parts({}, {}, 0.0, glm::dvec3(0.0)).size() == 1);
@@ -54,7 +54,7 @@ TEST_CASE("what is convex is one part, also without triangles, volume or width")
     CHECK(parts_of(fracture::cuboid({1.0, 1e-5, 1e-5})).parts.size() == 1);
 }
 
-TEST_CASE("what is not convex is cut until its hulls are full, within bounds") {
+TEST_CASE("convex parts: a concave mesh is cut until its hulls are full, within the limits") {
     for (const char* name : {"torus", "arch", "torus_knot", "animal", "menger_sponge"}) {
         CAPTURE(name);
         const fracture::TriangleMesh mesh = *fracture::shape(name);
@@ -73,7 +73,7 @@ TEST_CASE("what is not convex is cut until its hulls are full, within bounds") {
     }
 }
 
-TEST_CASE("a ring's parts leave its hole free and cover its body") {
+TEST_CASE("convex parts: those of a ring leave its hole free and cover its body") {
     const fracture::TriangleMesh mesh = fracture::torus();
     const Parts made = parts_of(mesh);
     const fracture::InsideTest inside(mesh);
@@ -94,7 +94,7 @@ TEST_CASE("a ring's parts leave its hole free and cover its body") {
     CHECK(wrong < solid * 3 / 10);
 }
 
-TEST_CASE("few points stay for a hull of many, and they span nearly all of it") {
+TEST_CASE("convex parts: the candidates of a hull are few and span nearly all of it") {
     CHECK(hull_candidates({}).empty());
     const std::vector<glm::dvec3> same(5000, glm::dvec3(2.0));
     CHECK(hull_candidates(same).size() <= 1);

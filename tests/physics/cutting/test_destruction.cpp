@@ -28,14 +28,14 @@ using fracture::PatternKind;
 
 namespace {
 
-// By slot.
+// Returns the poses by slot.
 std::vector<Pose> poses_of(const Destruction& destruction, const World& world) {
     std::vector<Pose> poses(destruction.slot_count());
     destruction.visit_poses(world, 1.0f, 0, [&](uint32_t slot, const Pose& pose) { poses[slot] = pose; });
     return poses;
 }
 
-// Of where bodies are and of what they are made of.
+// Hash of all poses, and of the meshes and depths of the pieces.
 uint64_t hash_of(const World& world, const Destruction& destruction) {
     uint64_t hash = world.state_hash();
     const auto add = [&](uint64_t bits) { hash = (hash ^ bits) * 0x100000001b3ull; };
@@ -51,8 +51,8 @@ uint64_t hash_of(const World& world, const Destruction& destruction) {
     return hash;
 }
 
-// The pieces where they stand, in a world of their own, as strangers to each other: nobody looks at siblings that fly as one. Hulls are
-// so many times as large as theirs.
+// The pieces at their poses in a new world, where they are not siblings: contacts between siblings that move as one
+// body are not solved. Hulls are scaled by the factor.
 World strangers_of(const World& world, const Destruction& destruction, float factor = 1.0f) {
     WorldSettings settings = empty_space;
     settings.debris_size = 0.0f;
@@ -73,7 +73,7 @@ World strangers_of(const World& world, const Destruction& destruction, float fac
 
 } // namespace
 
-TEST_CASE("what cannot be an object is refused, and the world is unchanged") {
+TEST_CASE("destruction: an invalid object is refused, and the world is unchanged") {
     World world(empty_space);
     Destruction destruction;
     fracture::TriangleMesh open = fracture::cube();
@@ -90,7 +90,7 @@ TEST_CASE("what cannot be an object is refused, and the world is unchanged") {
     CHECK(destruction.take_events().added.empty());
 }
 
-TEST_CASE("blows that are none break nothing") {
+TEST_CASE("destruction: invalid blows break nothing") {
     World world(empty_space);
     Destruction destruction;
     must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
@@ -108,7 +108,7 @@ TEST_CASE("blows that are none break nothing") {
     CHECK(destruction.statistics().blows == 0);
 }
 
-TEST_CASE("blows at a corner, on an edge, beside and inside a solid, and to needles and flakes, give sound pieces") {
+TEST_CASE("destruction: blows to corners, edges, needles and flakes, beside and inside a solid, give valid pieces") {
     for (const glm::dvec3& size : {glm::dvec3(1.0), glm::dvec3(1.0, 1.0, 1e-3), glm::dvec3(2.0, 0.01, 0.01)}) {
         const glm::vec3 half(size * 0.5);
         for (const glm::vec3& at : {half, glm::vec3(half.x, half.y, 0.0f), half * 5.0f, glm::vec3(0.0f)}) {
@@ -127,7 +127,7 @@ TEST_CASE("blows at a corner, on an edge, beside and inside a solid, and to need
     }
 }
 
-TEST_CASE("in empty space fresh pieces do not move, of whatever shape they are") {
+TEST_CASE("destruction: in empty space new pieces of any pattern do not move") {
     for (const PatternKind kind :
          {PatternKind::uniform, PatternKind::radial, PatternKind::clustered, PatternKind::splinters})
         for (const char* name : {"cube", "pane", "torus", "animal"}) {
@@ -145,11 +145,11 @@ TEST_CASE("in empty space fresh pieces do not move, of whatever shape they are")
                 CHECK(stayed.speed < 1e-3f);
                 CHECK(stayed.way < 1e-6f);
             }
-            CHECK(drift(larger, 10).way > 1e-4f); // hulls that overlap are found out
+            CHECK(drift(larger, 10).way > 1e-4f); // overlapping hulls do move
         }
 }
 
-TEST_CASE("a spinning, flying object's pieces go on with its momentum and angular momentum") {
+TEST_CASE("destruction: pieces of a spinning, flying object keep its momentum and angular momentum") {
     World world(empty_space);
     Destruction destruction;
     BreakableDesc desc = desc_of(0.05);
@@ -160,7 +160,7 @@ TEST_CASE("a spinning, flying object's pieces go on with its momentum and angula
     const Mechanics before = world.mechanics();
     REQUIRE(strike_from_above(world, destruction, destruction.pieces()[0], 5000.0));
     world.step(), destruction.update(world);
-    CHECK(world.body_count() == 1); // not yet
+    CHECK(world.body_count() == 1); // before the commit
     const Mechanics whole = world.mechanics();
     for (uint32_t i = 1; world.body_count() == 1; ++i) {
         REQUIRE(i < 4);
@@ -173,8 +173,8 @@ TEST_CASE("a spinning, flying object's pieces go on with its momentum and angula
     CHECK(after.kinetic == doctest::Approx(whole.kinetic).epsilon(1e-4));
 }
 
-TEST_CASE("a ball that breaks what it hits keeps momentum with it, and no energy comes of it") {
-    // 20 kg at v give 24 v N s, which as of a kilogram are 8.8 v; the cube bears 30.
+TEST_CASE("destruction: a ball that breaks its target conserves momentum and gains no energy") {
+    // 20 kg at v give 24 v N s, an equivalent impulse of 8.8 v; the cube bears 30.
     for (const float speed : {6.0f, 12.0f, 40.0f}) {
         CAPTURE(speed);
         World world(empty_space);
@@ -191,7 +191,7 @@ TEST_CASE("a ball that breaks what it hits keeps momentum with it, and no energy
             const Mechanics now = world.mechanics();
             most = std::max({most, stepped.kinetic, now.kinetic});
             CHECK(off(now.momentum, before.momentum) < 1e-4 * glm::length(before.momentum));
-            // Of the breaks alone: Bullet's repair of overlaps moves bodies, and with them angular momentum.
+            // Only the commits: the world's correction of overlaps moves bodies, which changes angular momentum.
             CHECK(off(now.angular_momentum, stepped.angular_momentum) < 1e-4 * glm::length(before.angular_momentum));
         }
         MESSAGE(speed, " m/s: ", destruction.pieces().size(), " pieces, ", destruction.statistics().commits,
@@ -201,7 +201,7 @@ TEST_CASE("a ball that breaks what it hits keeps momentum with it, and no energy
     }
 }
 
-TEST_CASE("two that break each other keep their momentum, and no energy comes of it") {
+TEST_CASE("destruction: two objects that break each other conserve momentum and gain no energy") {
     World world(empty_space);
     Destruction destruction;
     BreakableDesc desc = desc_of(0.1);
@@ -210,7 +210,7 @@ TEST_CASE("two that break each other keep their momentum, and no energy comes of
                        .linear_velocity = {-side * 8.0f, 0, 0}};
         must_add(destruction, world, fracture::cube(1.0), desc);
     }
-    const double energy = world.mechanics().kinetic, scale = 2400.0 * 8.0; // of one of them, kg m/s
+    const double energy = world.mechanics().kinetic, scale = 2400.0 * 8.0; // kg m/s, momentum of one object
     const double spin = glm::length(world.mechanics().angular_momentum);
     double most = energy;
     for (int step = 0; step < 60; ++step) {
@@ -227,7 +227,7 @@ TEST_CASE("two that break each other keep their momentum, and no energy comes of
     CHECK(most <= energy * 1.001);
 }
 
-TEST_CASE("where a blow cuts is up to the seed, the object and the blows to it before") {
+TEST_CASE("destruction: the seed, the object and its earlier blows decide where a blow cuts") {
     struct Case {
         uint64_t seed = 1;
         int objects_before = 0, blows_before = 0;
@@ -237,7 +237,7 @@ TEST_CASE("where a blow cuts is up to the seed, the object and the blows to it b
         Destruction destruction;
         BreakableDesc desc = desc_of(0.1);
         desc.pattern.seed = chosen.seed;
-        // Sites so far apart that a weak blow has none in reach: such a job leaves the object as it is.
+        // The sites are so far apart that a weak blow reaches none; its job leaves the object unchanged.
         desc.pattern.diagram = {{0.0, 0.0, 0.0},  {1.0, 0.9, 0.1},  {0.8, 1.0, 1.0},
                                 {0.1, 0.95, 0.8}, {0.45, 0.9, 0.2}, {0.3, 0.0, 1.0}};
         for (int k = 0; k < chosen.objects_before; ++k)
@@ -270,14 +270,14 @@ TEST_CASE("where a blow cuts is up to the seed, the object and the blows to it b
     CHECK(hash_after({.blows_before = 2}) != hash_after({.blows_before = 1}));
 }
 
-TEST_CASE("a diagram made beforehand is what an object breaks along") {
+TEST_CASE("destruction: an object breaks along a given diagram") {
     World world(empty_space);
     Destruction destruction;
     BreakableDesc desc = desc_of(0.01);
     desc.pattern.diagram = {{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 2.0, 0.0}, {0.0, 3.0, 0.0}};
     must_add(destruction, world, fracture::cube(1.0), desc);
-    REQUIRE(
-        destruction.strike(world, destruction.pieces()[0], {0.0f, 0.5f, 0.0f}, {0.0f, -1.0f, 0.0f}, 1e5)); // all of it
+    REQUIRE(destruction.strike(world, destruction.pieces()[0], {0.0f, 0.5f, 0.0f}, {0.0f, -1.0f, 0.0f},
+                               1e5)); // damages the whole cube
     run(world, destruction, 3);
     // Four sites in a row, fitted to the cube's height: cuts at -1/3, 0 and 1/3 of it.
     std::vector<double> volumes;
@@ -288,7 +288,7 @@ TEST_CASE("a diagram made beforehand is what an object breaks along") {
     CHECK(volumes[3] == doctest::Approx(1.0 / 3.0));
 }
 
-TEST_CASE("soft touches break nothing, hard ones do") {
+TEST_CASE("destruction: soft contacts break nothing, hard ones do") {
     const auto pieces_after = [](float speed) {
         World world(empty_space);
         Destruction destruction;
@@ -297,13 +297,13 @@ TEST_CASE("soft touches break nothing, hard ones do") {
         run(world, destruction, static_cast<int>(60.0f / speed) + 10);
         return destruction.pieces().size();
     };
-    // A kilogram at v stops with about 1.2 v N s; the cube bears toughness 30 N s/m^2 times 1 m^2.
+    // The impulse that stops a kilogram at v is about 1.2 v N s; the cube bears toughness 30 N s/m^2 times 1 m^2.
     CHECK(pieces_after(0.6f) == 1);
     CHECK(pieces_after(15.0f) == 1);
     CHECK(pieces_after(60.0f) > 1);
 }
 
-TEST_CASE("pieces break again down to the least size and not beyond, and volumes sum to the whole") {
+TEST_CASE("destruction: pieces break again down to the minimum size, and volumes sum to the whole") {
     World world(empty_space);
     Destruction destruction;
     RunLog log("a ball, struck again and again");
@@ -333,7 +333,7 @@ TEST_CASE("pieces break again down to the least size and not beyond, and volumes
 
 namespace {
 
-// Of a piece that a blow would chip, the largest part that the damage holds and the largest that it does not, m^3.
+// m^3, the largest parts inside and outside the damage that a blow would make.
 std::pair<double, double> chip_and_rest(const PlannedCut& cut) {
     ImpactPattern pattern = cut.desc->pattern;
     pattern.seed = cut.seed;
@@ -352,8 +352,8 @@ std::pair<double, double> chip_and_rest(const PlannedCut& cut) {
 
 } // namespace
 
-TEST_CASE("a blow withstands only where all that it would take off is smaller than a piece may be") {
-    // A brick by itself, struck all over by blows that would take off a few of the least pieces or less.
+TEST_CASE("destruction: a piece withstands only where all that would come off is below the minimum size") {
+    // A single brick, struck all over by blows whose chips are a few minimum sizes or smaller.
     const glm::dvec3 half = 0.5 * glm::dvec3(0.25, 0.075, 0.1);
     int withstood = 0, together = 0;
     for (const PatternKind kind : {PatternKind::bricks, PatternKind::radial}) {
@@ -393,8 +393,8 @@ struct Run {
     int steps = 0;
 };
 
-// An animal dropped on the ground and shot at twice. Goes on until steps are taken, or with Timing::when_ready until
-// there are three commits.
+// An animal that falls to the ground and is shot at twice. Ends after a number of steps, or with Timing::when_ready
+// after three commits.
 Run fall(const DestructionSettings& settings, uint32_t threads, int steps = 70, std::span<const Commit> log = {}) {
     World world;
     Destruction destruction(settings);
@@ -413,7 +413,8 @@ Run fall(const DestructionSettings& settings, uint32_t threads, int steps = 70, 
         if (result.steps == 5) shoot_from({0.0f, 2.5f, 2.0f}, {0.0f, 0.0f, -30.0f});
         if (result.steps == 40) shoot_from({2.0f, 2.0f, 0.0f}, {-30.0f, 0.0f, 0.0f});
         if (live)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1)); // a step's length, so that jobs get somewhere
+            std::this_thread::sleep_for(
+                std::chrono::milliseconds(1)); // lets the jobs proceed, as a step's real duration would
         world.step();
         destruction.update(world, live ? 1e-5 : 1.0);
         result.commits.insert(result.commits.end(), destruction.commits().begin(), destruction.commits().end());
@@ -429,7 +430,7 @@ Run fall(const DestructionSettings& settings, uint32_t threads, int steps = 70, 
 
 } // namespace
 
-TEST_CASE("runs are equal bit for bit, whatever the number of threads") {
+TEST_CASE("destruction: runs are equal bit for bit with any number of threads") {
     const Run once = fall({.latency = 3}, 1);
     INFO(once.log);
     MESSAGE(once.pieces, " pieces of ", once.commits.size(), " commits");
@@ -443,9 +444,8 @@ TEST_CASE("runs are equal bit for bit, whatever the number of threads") {
     for (size_t i = 1; i < few.commits.size(); ++i) CHECK(few.commits[i].step > few.commits[i - 1].step);
 }
 
-// The main thread's share of breaking is one job at least a step, whatever the budget: what that is must be bounded.
-TEST_CASE(
-    "a step commits no more jobs than it may, a job brings no more bodies than its blow allows, and all are prepared") {
+// Each step commits at least one job, whatever the budget, so the work of a commit must be bounded.
+TEST_CASE("destruction: commits a step and bodies a job stay within their limits, and all bodies are prepared") {
     for (const bool by_clock : {false, true}) {
         CAPTURE(by_clock);
         World world(empty_space);
@@ -463,13 +463,13 @@ TEST_CASE(
         size_t commits = 0;
         for (int step = 0; destruction.jobs_in_flight() > 0; ++step) {
             REQUIRE(step < 100'000);
-            if (by_clock) std::this_thread::sleep_for(std::chrono::milliseconds(1)); // so that jobs get somewhere
+            if (by_clock) std::this_thread::sleep_for(std::chrono::milliseconds(1)); // lets the jobs proceed
             world.step();
             const size_t bodies = world.body_count();
             destruction.update(world, 0.0);
             CHECK(destruction.commits().size() <= 1);
             commits += destruction.commits().size();
-            // The damage's cells and what is left, in more than one part only where a cell falls apart: a ball's do not.
+            // The cells of the damage and the rest. A cell of a ball never falls apart into islands.
             CHECK(world.body_count() <= bodies + destruction.commits().size() * desc.max_pieces);
             size_t vertices = 0;
             for (const PieceAdded& added : destruction.take_events().added) {
@@ -478,14 +478,15 @@ TEST_CASE(
                 CHECK(added.solid->body.mass > 0.0);
             }
             CHECK(vertices
-                  <= destruction.commits().size() * 4000); // of 162 and those of the cuts; 20 pieces have some 2,000
+                  <= destruction.commits().size()
+                         * 4000); // vertices: 162 of the ball and those of the cuts; 20 pieces have about 2,000
         }
         CHECK(commits == 10);
         CHECK(destruction.pieces().size() > 50);
     }
 }
 
-TEST_CASE("a run of its own timing is the same again by its log") {
+TEST_CASE("destruction: the log of a run that depends on the clock repeats it") {
     const Run live = fall({.timing = Timing::when_ready, .workers = 2}, 1);
     INFO(live.log);
     const Run again = fall({.timing = Timing::scripted, .workers = 1}, 2, live.steps, live.commits);
@@ -494,7 +495,7 @@ TEST_CASE("a run of its own timing is the same again by its log") {
     CHECK(again.hash == live.hash);
 }
 
-TEST_CASE("events tell of every piece once, and slots are used again") {
+TEST_CASE("destruction: events report every piece once, and slots are reused") {
     World world(empty_space);
     Destruction destruction;
     const ObjectId object = must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
@@ -527,7 +528,7 @@ TEST_CASE("events tell of every piece once, and slots are used again") {
     for (int round = 0; round < 4; ++round) {
         strike_from_above(world, destruction, largest(destruction), 100.0);
         run(world, destruction, 3);
-        if (round != 1) follow(); // one round goes unseen
+        if (round != 1) follow(); // skips the events of one round
     }
     CHECK(shown.size() > 10);
     CHECK(destruction.slot_count() <= shown.size() + 1);
@@ -537,7 +538,7 @@ TEST_CASE("events tell of every piece once, and slots are used again") {
     CHECK(world.body_count() == 0);
 }
 
-TEST_CASE("an object that goes takes its jobs along, and so does a body that someone else removed") {
+TEST_CASE("destruction: removing an object, or a body from the world, cancels its jobs") {
     World world(empty_space);
     Destruction destruction({.latency = 5});
     const ObjectId first = must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
@@ -555,10 +556,10 @@ TEST_CASE("an object that goes takes its jobs along, and so does a body that som
     CHECK(destruction.pieces().empty());
     CHECK(destruction.statistics().commits == 0);
     must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
-    CHECK(strike_from_above(world, destruction, destruction.pieces()[0], 50.0)); // and left running at the end
+    CHECK(strike_from_above(world, destruction, destruction.pieces()[0], 50.0)); // its job still runs at the end
 }
 
-TEST_CASE("while one blow is worked on, the next waits, and hits what came of the first") {
+TEST_CASE("destruction: a blow during a job waits, and hits a piece that the job made") {
     World world(empty_space);
     Destruction destruction({.latency = 4});
     must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
@@ -578,7 +579,7 @@ TEST_CASE("while one blow is worked on, the next waits, and hits what came of th
     CHECK(deepest == 2);
 }
 
-TEST_CASE("pieces of a structure break when they are hit hard, the others stay bonded") {
+TEST_CASE("destruction: a hard blow breaks one piece of a structure, and the others stay bonded") {
     World world(empty_space);
     Destruction destruction;
     std::vector<glm::dvec3> sites;
@@ -598,7 +599,7 @@ TEST_CASE("pieces of a structure break when they are hit hard, the others stay b
     CHECK(destruction.pieces().size() > 8);
     CHECK(volume_of(destruction) == doctest::Approx(0.32).epsilon(1e-9));
     const std::vector<PieceId> pieces = destruction.pieces();
-    CHECK(destruction.body(pieces[0]) == destruction.body(pieces[3])); // the four that were not hit
+    CHECK(destruction.body(pieces[0]) == destruction.body(pieces[3])); // of the four pieces without a hit
     CHECK(destruction.depth(pieces[0]) == 0);
     CHECK(greatest_speed(world) < 1e-3f);
 }

@@ -1,4 +1,4 @@
-// What debris goes, and whether it is seen to: of single pieces, and of bonded ones what came off, while what is held stays.
+// Retirement and fading of debris: single pieces, bonded pieces that came off, and held pieces, which stay.
 #include "physics/cutting/destruction.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-// Blocks of 0.1 m along x, y and z, from the ground, z first.
+// Fragments of blocks of 0.1 m on the ground, numbered along z, then y, then x.
 ObjectId must_add_blocks(Destruction& destruction, World& world, const glm::ivec3& count,
                          const StructureDesc& structure = {}, double min_size = 0.02) {
     fracture::TriangleMesh box = fracture::cuboid(0.1 * glm::dvec3(count));
@@ -44,7 +44,7 @@ ObjectId must_add_blocks(Destruction& destruction, World& world, const glm::ivec
     return *object;
 }
 
-// Between each of these blocks of a bar along x and the next.
+// Cuts the bonds between each of these blocks of a bar along x and its next block.
 void cut(Structure& bar, std::initializer_list<uint32_t> blocks) {
     for (uint32_t bond = 0; bond < bar.graph().bonds().size(); ++bond)
         if (std::ranges::find(blocks, bar.graph().bonds()[bond].a) != blocks.end()) bar.break_bonds(std::array{bond});
@@ -56,7 +56,7 @@ bool unseen(const glm::vec3&, float) {
 
 } // namespace
 
-TEST_CASE("too much debris goes: what is unseen first, then what is small and old, what is seen fades") {
+TEST_CASE("debris: excess is retired, invisible first, then small and old, and visible debris fades") {
     const DebrisLimits limits{.max_pieces = 4, .max_vertices = 1000, .sleep_seconds = 10.0};
     CHECK(retire_debris({}, 100, 100, limits).empty());
     std::vector<Debris> debris;
@@ -73,7 +73,7 @@ TEST_CASE("too much debris goes: what is unseen first, then what is small and ol
     CHECK(retire_debris(debris, 4, 40, limits) == std::vector{PieceId{1}});
 }
 
-TEST_CASE("debris beyond the limit fades in view and goes at once out of it, the unbroken and the held stay") {
+TEST_CASE("destruction: excess debris fades in view and is removed out of view, whole and held pieces stay") {
     for (const bool seen : {true, false}) {
         World world(empty_space);
         Destruction destruction({.debris = {.max_pieces = 10, .fade_seconds = 0.1}});
@@ -103,7 +103,7 @@ TEST_CASE("debris beyond the limit fades in view and goes at once out of it, the
     }
 }
 
-TEST_CASE("of debris in excess what is out of view goes at once, and what is in view stays as long as that is enough") {
+TEST_CASE("destruction: visible debris stays as long as removing the invisible is enough") {
     const auto to_the_right = [](const glm::vec3& centre, float) { return centre.x > 0.0f; };
     const auto broken_cube = [&](World& world, size_t most) {
         auto destruction = std::make_unique<Destruction>(DestructionSettings{.debris = {.max_pieces = most}});
@@ -126,7 +126,7 @@ TEST_CASE("of debris in excess what is out of view goes at once, and what is in 
         if (!some->contains(piece)) CHECK(roomy.pose(all->body(piece)).position.x <= 0.0f);
 }
 
-TEST_CASE("a view is asked only where debris is to go") {
+TEST_CASE("destruction: visibility is tested only where debris is to be retired") {
     World world(empty_space);
     Destruction destruction({.debris = {.max_pieces = 1000}});
     must_add(destruction, world, fracture::cube(1.0), desc_of(0.05));
@@ -138,17 +138,16 @@ TEST_CASE("a view is asked only where debris is to go") {
     CHECK(asked == 0);
 }
 
-TEST_CASE("of bonded pieces that all came off no more are left than the limit, and none that slept too long") {
+TEST_CASE("destruction: bonded debris stays within the limit, and none sleeps too long") {
     for (const double sleep_seconds : {never, 1.0}) {
         CAPTURE(sleep_seconds);
         World world;
         Destruction destruction({.debris = {.max_pieces = 20, .sleep_seconds = sleep_seconds}});
-        const ObjectId wall =
-            must_add_blocks(destruction, world, {10, 10, 2}, {}, 0.2); // the blocks themselves do not break
+        const ObjectId wall = must_add_blocks(destruction, world, {10, 10, 2}, {}, 0.2); // too small to be cut
         REQUIRE(destruction.pieces().size() == 200);
         for (uint32_t piece = 0; piece < 200; ++piece) destruction.structure(wall)->isolate(piece);
         run(world, destruction, 2 * 120);
-        CHECK(destruction.pieces().size() == 20); // all else has faded
+        CHECK(destruction.pieces().size() == 20); // all others have faded
         CHECK(world.body_count() == destruction.pieces().size());
         run(world, destruction, 13 * 120);
         CHECK(destruction.pieces().size() == (sleep_seconds == never ? 20 : 0));
@@ -157,7 +156,7 @@ TEST_CASE("of bonded pieces that all came off no more are left than the limit, a
     }
 }
 
-TEST_CASE("what an anchor holds stays however many there are, what came off it goes, bonded or not, the small first") {
+TEST_CASE("destruction: anchored pieces stay beyond the limit, and the smallest that came off go first") {
     World world(empty_space);
     Destruction destruction({.debris = {.max_pieces = 1, .sleep_seconds = 0.0}});
     destruction.set_view(unseen);
@@ -165,8 +164,8 @@ TEST_CASE("what an anchor holds stays however many there are, what came off it g
         must_add_blocks(destruction, world, {12, 1, 1}, {.anchored = {0, 7}, .wear = {.enabled = false}});
     const std::vector<PieceId> all = destruction.pieces();
     run(world, destruction, 10);
-    CHECK(destruction.pieces() == all); // nothing has come off
-    // Stay 0 and 1; 7, alone, which an anchor holds. Go 2; 3 to 6; 8 to 11.
+    CHECK(destruction.pieces() == all); // no piece has come off
+    // 0 and 1 stay, and 7, which is alone and anchored. 2 is retired, and 3 to 6, and 8 to 11.
     cut(*destruction.structure(bar), {1, 2, 6, 7});
     run(world, destruction, 1);
     CHECK(destruction.pieces() == std::vector{all[0], all[1], all[7]});
@@ -174,13 +173,13 @@ TEST_CASE("what an anchor holds stays however many there are, what came off it g
     CHECK(destruction.structure(bar)->graph().live_count() == 1);
     run(world, destruction, 10);
     CHECK(destruction.pieces().size() == 3);
-    // What came off while an anchor held it is debris once that lets go.
+    // A piece that came off while it was anchored becomes debris when its anchor is released.
     destruction.structure(bar)->release_anchors(std::vector<uint32_t>{7});
     run(world, destruction, 2);
     CHECK(destruction.pieces() == std::vector{all[0], all[1]});
 }
 
-TEST_CASE("of what nothing holds the greater part stays, and what was alone from the first") {
+TEST_CASE("destruction: the greater part of a free structure stays, and so does a piece that was always alone") {
     World world(empty_space);
     Destruction destruction({.debris = {.max_pieces = 1}});
     destruction.set_view(unseen);
@@ -192,14 +191,14 @@ TEST_CASE("of what nothing holds the greater part stays, and what was alone from
     cut(*destruction.structure(bar), {2});
     run(world, destruction, 2);
     CHECK(destruction.pieces() == std::vector{all[3], all[4], all[5], all[6], all[7]});
-    cut(*destruction.structure(bar), {4}); // neither half is the greater part of seven now
+    cut(*destruction.structure(bar), {4}); // now neither half has more than half of the seven
     run(world, destruction, 2);
     CHECK(destruction.pieces() == std::vector{all[7]});
     CHECK(destruction.structure(bar) == nullptr);
     CHECK(destruction.structure(block) != nullptr);
 }
 
-TEST_CASE("no more bodies go than must: what is small for the time since it came off, each with all its pieces") {
+TEST_CASE("destruction: no more groups are retired than the limit requires, small and old ones first") {
     for (const int more : {0, 1, 3, 4, 5, 6, 9}) {
         CAPTURE(more);
         World world(empty_space);
@@ -225,24 +224,24 @@ TEST_CASE("no more bodies go than must: what is small for the time since it came
     }
 }
 
-TEST_CASE("bonded pieces that are seen fade together, and their slots are used again") {
+TEST_CASE("destruction: visible bonded pieces fade together, and their slots are reused") {
     World world(empty_space);
     Destruction destruction({.debris = {.max_pieces = 1, .fade_seconds = 0.1}});
-    glm::vec3 eye(0.55f, 0.05f, 0.05f); // in the last block but one
+    glm::vec3 eye(0.55f, 0.05f, 0.05f); // inside the last block but one
     destruction.set_view([&](const glm::vec3& centre, float radius) { return glm::distance(eye, centre) <= radius; });
     const ObjectId bar = must_add_blocks(destruction, world, {7, 1, 1}, {.anchored = {0}, .wear = {.enabled = false}});
     const std::vector<PieceId> all = destruction.pieces();
     (void)destruction.take_events();
     cut(*destruction.structure(bar), {2, 4});
     run(world, destruction, 1);
-    // 3 and 4 are not seen; of 5 and 6 one is.
+    // The group of 3 and 4 is invisible; of 5 and 6, one is visible.
     DestructionEvents events = destruction.take_events();
     REQUIRE(events.removed.size() == 2);
     CHECK(events.removed[0].id == all[3]);
     CHECK(events.removed[1].id == all[4]);
     float share = 1.0f;
     for (int step = 0; step < 11; ++step) {
-        if (step == 5) cut(*destruction.structure(bar), {5}); // apart, they go on fading
+        if (step == 5) cut(*destruction.structure(bar), {5}); // separated pieces keep fading
         run(world, destruction, 1);
         events = destruction.take_events();
         CHECK(events.removed.empty());
@@ -269,7 +268,7 @@ TEST_CASE("bonded pieces that are seen fade together, and their slots are used a
     CHECK(destruction.slot_count() == 7);
 }
 
-TEST_CASE("what has faded does not go a second time where there is too much again in that step") {
+TEST_CASE("destruction: a faded piece is retired once, although its step has an excess again") {
     for (const bool bonded : {false, true}) {
         CAPTURE(bonded);
         World world(empty_space);
@@ -294,21 +293,21 @@ TEST_CASE("what has faded does not go a second time where there is too much agai
         CHECK(destruction.pieces().size() > 1);
         break_one(5.0f);
         seen = false;
-        run(world, destruction, 1); // the last of the first's fading
+        run(world, destruction, 1); // the step in which the first has faded
         CHECK(destruction.pieces().size() == 1);
         CHECK(world.body_count() == 1);
         CHECK(destruction.statistics().retired + 1 == destruction.next_piece().value - (bonded ? 0u : 2u));
     }
 }
 
-TEST_CASE("what is being cut, and what is bonded to it, does not go before the cut is done") {
+TEST_CASE("destruction: a piece with a job, and pieces bonded to it, stay until the commit") {
     World world(empty_space);
     Destruction destruction({.latency = 6, .debris = {.max_pieces = 3, .sleep_seconds = never}});
     destruction.set_view(unseen);
     const ObjectId bar = must_add_blocks(destruction, world, {8, 1, 1}, {.anchored = {0}, .wear = {.enabled = false}});
     const std::vector<PieceId> all = destruction.pieces();
     cut(*destruction.structure(bar), {3, 6});
-    // 7 comes off alone, 4 to 6 together; both are struck before that is seen.
+    // 7 comes off alone, 4 to 6 together; both are struck before the next update.
     const auto strike = [&](uint32_t block) {
         const float x = 0.1f * static_cast<float>(block) + 0.05f;
         return destruction.strike(world, all[block], {x, 0.1f, 0.05f}, {0.0f, -1.0f, 0.0f}, 5.0);
@@ -317,18 +316,18 @@ TEST_CASE("what is being cut, and what is bonded to it, does not go before the c
     REQUIRE(strike(5));
     CHECK(destruction.jobs_in_flight() == 2);
     run(world, destruction, 1);
-    // 5 is let go of by the blow: 4 and 6 are alone, and go.
+    // The blow releases 5; 4 and 6 are single debris then, and are retired.
     CHECK(destruction.pieces() == std::vector{all[0], all[1], all[2], all[3], all[5], all[7]});
     CHECK(destruction.jobs_in_flight() == 2);
     run(world, destruction, 10);
     CHECK(destruction.jobs_in_flight() == 0);
     CHECK(destruction.statistics().commits == 2);
-    CHECK(destruction.next_piece().value > 10); // they were cut, and what came of it went
+    CHECK(destruction.next_piece().value > 10); // they were cut, and their parts were retired
     CHECK(destruction.pieces() == std::vector{all[0], all[1], all[2], all[3]});
     CHECK(world.body_count() == 1);
 }
 
-TEST_CASE("an object of bonded pieces that is taken out while some fade leaves nothing") {
+TEST_CASE("destruction: removing a bonded object while pieces fade leaves nothing") {
     World world(empty_space);
     Destruction destruction({.debris = {.max_pieces = 1}});
     const ObjectId bar = must_add_blocks(destruction, world, {8, 1, 1}, {.anchored = {0}});
@@ -342,11 +341,11 @@ TEST_CASE("an object of bonded pieces that is taken out while some fade leaves n
     CHECK(destruction.take_events().removed.size() == 8);
 }
 
-TEST_CASE("debris that goes leaves the motion of what stays as it was") {
+TEST_CASE("destruction: retired debris does not change the motion of the others") {
     const PlacedMotion spin{.linear_velocity = {1.0f, 0.5f, 0.0f}, .angular_velocity = {1.0f, 3.0f, 1.0f}};
     std::optional<World> roomy, narrow;
     std::vector<PieceId> left;
-    BodyId body; // of 3 to 7
+    BodyId body; // the body of 3 to 7
     for (const size_t most : {100u, 5u}) {
         World& world = (most == 100 ? roomy : narrow).emplace(empty_space);
         Destruction destruction({.debris = {.max_pieces = most, .sleep_seconds = never, .fade_seconds = 0.1}});
@@ -368,7 +367,7 @@ TEST_CASE("debris that goes leaves the motion of what stays as it was") {
     CHECK(narrow->pose(body).position == roomy->pose(body).position);
 }
 
-TEST_CASE("runs in which bonded debris goes are equal bit for bit, whatever the number of threads") {
+TEST_CASE("destruction: runs that retire bonded debris are equal bit for bit with any number of threads") {
     const auto fall = [](uint32_t threads, uint32_t workers) {
         WorldSettings settings;
         settings.threads = threads;

@@ -1,4 +1,5 @@
-// What is held and cut at runtime: what still reaches its anchor stands, what is too thin for its load parts.
+// Anchored objects that are cut at runtime: parts that reach an anchor stand, and sections too thin for their load
+// break.
 #include <algorithm>
 #include <utility>
 
@@ -17,7 +18,7 @@ using namespace brittle::physics::test_bodies;
 using namespace brittle::physics::test_destruction;
 using fracture::PatternKind;
 
-TEST_CASE("a pane that is held at its rim gets a hole where a ball flies through, and the rest stands") {
+TEST_CASE("held destruction: a ball makes a hole in a pane that is held at its rim, and the rest stands") {
     World world;
     Destruction destruction;
     const fracture::TriangleMesh pane = fracture::cuboid({2.0, 1.4, 0.02});
@@ -29,7 +30,7 @@ TEST_CASE("a pane that is held at its rim gets a hole where a ball flies through
     const BodyId ball = shoot(world, 0.06f, 1.0f, {0.1f, 0.8f, 1.0f}, {0.0f, 0.0f, -40.0f});
     const double volume = volume_of(destruction);
     run(world, destruction, 40);
-    CHECK(world.pose(ball).position.z < -0.5f); // through
+    CHECK(world.pose(ball).position.z < -0.5f); // has flown through
     CHECK(destruction.pieces().size() > 5);
     CHECK(volume_of(destruction) == doctest::Approx(volume).epsilon(1e-9));
     run(world, destruction, 200);
@@ -40,7 +41,7 @@ TEST_CASE("a pane that is held at its rim gets a hole where a ball flies through
         if (!world.fixed(body)) continue;
         const SolidPiece& solid = *destruction.solid(piece);
         standing += solid.mass.volume;
-        // It is where it was: its centre of mass in the pane, moved up by the placement.
+        // The piece has not moved: its centre of mass lies where it did in the pane, plus the placement.
         CHECK(
             glm::distance(world.pose(body).position, glm::vec3(solid.mass.centre_of_mass) + glm::vec3(0.0f, 0.7f, 0.0f))
             < 1e-5f);
@@ -54,7 +55,7 @@ TEST_CASE("a pane that is held at its rim gets a hole where a ball flies through
     CHECK(standing < 0.99 * volume);
 }
 
-// A head on a stem on a foot that the ground holds.
+// A head on a stem on an anchored foot.
 namespace {
 
 struct Mushroom {
@@ -63,7 +64,7 @@ struct Mushroom {
     BreakableDesc desc = desc_of(0.12);
     double volume = 0.0;
 
-    // The share of the material's strengths that loads may use, none: loads are not looked at; and the stem's radius, m.
+    // strength_scale: share of the material's strength against loads; 0: no blocks, hence no loads. stem: radius, m.
     explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12,
                       const Material& material = weak) {
         const fracture::TriangleMesh mesh =
@@ -82,7 +83,7 @@ struct Mushroom {
             most = std::max(most, world.pose(destruction.body(piece)).position.y);
         return most;
     }
-    // That fixed bodies are what is held, and nothing was lost.
+    // Checks that fixed bodies are the anchored ones, and that volumes sum to the whole.
     void check() const {
         for (const PieceId piece : destruction.pieces())
             CHECK(world.fixed(destruction.body(piece)) == destruction.solid(piece)->anchored);
@@ -93,8 +94,9 @@ struct Mushroom {
 
 } // namespace
 
-TEST_CASE("a head on a thin stem stands by itself, and falls where the stem is too thin for it") {
-    // 24 kPa a metre of height; the head's 0.5 m over 25 times the stem's area are 0.3 MPa, a hundredth of 30 MPa.
+TEST_CASE("held destruction: a head on a stem stands, and falls if the stem is too thin for its weight") {
+    // Concrete weighs 24 kPa a metre of height. A head of 0.5 m with 25 times the stem's area puts 0.3 MPa on the stem,
+    // a hundredth of its strength of 30 MPa.
     Mushroom strong(0.05f), weak(0.004f);
     for (Mushroom* one : {&strong, &weak}) {
         run(one->world, one->destruction, 120);
@@ -105,11 +107,11 @@ TEST_CASE("a head on a thin stem stands by itself, and falls where the stem is t
     CHECK(weak.destruction.pieces().size() > 1);
     CHECK(weak.destruction.statistics().overloads >= 1);
     CHECK(weak.destruction.statistics().failed == 0);
-    CHECK(weak.highest() < 1.0f); // the head's middle stood at 1.25
+    CHECK(weak.highest() < 1.0f); // the head's centre was at 1.25 m
 }
 
-TEST_CASE("a stem that a blow has thinned lets go of what it carried") {
-    // Whether the head is held; loose, it may stay on the stump for a second or two.
+TEST_CASE("held destruction: a stem that a blow has thinned drops its load") {
+    // Whether the head is fixed. A loose head may balance on the stump for a second or two.
     const auto head_is_held = [](float strength_scale) {
         Mushroom mushroom(strength_scale, 0.1, 0.04);
         run(mushroom.world, mushroom.destruction, 5);
@@ -121,15 +123,15 @@ TEST_CASE("a stem that a blow has thinned lets go of what it carried") {
         return mushroom.world.fixed(mushroom.destruction.body(largest(mushroom.destruction)));
     };
     CHECK_FALSE(head_is_held(0.03f));
-    CHECK(head_is_held(0.0f)); // where loads are not looked at, a thread holds a ton
+    CHECK(head_is_held(0.0f)); // without loads, the thinnest stem holds a ton
 }
 
-TEST_CASE("what is laid on a held thing may be too much for its stem") {
+TEST_CASE("held destruction: a weight on the head can overload the stem") {
     const auto pieces_after = [](float mass) {
         Mushroom mushroom(0.05f);
         run(mushroom.world, mushroom.destruction, 2);
         REQUIRE(mushroom.destruction.pieces().size() == 1);
-        // Laid down, not dropped.
+        // Placed on the head at rest.
         const fracture::TriangleMesh mesh = fracture::cuboid({0.6, 0.2, 0.6});
         BodyDesc block;
         block.hull = collision_hull(mesh.positions, glm::dvec3(0.0));
@@ -142,28 +144,29 @@ TEST_CASE("what is laid on a held thing may be too much for its stem") {
         return mushroom.destruction.pieces().size();
     };
     CHECK(pieces_after(20.0f) == 1);
-    CHECK(pieces_after(8000.0f) > 1); // eight times the head
+    CHECK(pieces_after(8000.0f) > 1); // eight times the head's mass
 }
 
-TEST_CASE("a ram against the head breaks the stem though it leaves no mark where it hits, a tap does not") {
-    // A crack through the stem of 0.0113 m^2 takes 0.011 J. The head, of a ton, has 0.07 J after a dead blow of 10 kg at 1.2 m/s,
-    // 5e-4 J after a tap; neither is as sharp as what the whole bears where it is hit.
+TEST_CASE("held destruction: a ram breaks the stem without a mark at its contact, a tap does not") {
+    // A crack through the stem, 0.0113 m^2, takes 0.011 J. The head of a ton gets 0.07 J by a perfectly inelastic blow
+    // of 10 kg at 1.2 m/s, and 5e-4 J by a tap. The equivalent impulse of both is below what the whole bears.
     const auto after = [](float mass, float speed) {
         Mushroom mushroom(0.05f, 0.06, 0.12, {.tensile = weak.tensile, .fracture_energy = 1.0f});
         shoot(mushroom.world, 0.3f, mass, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -speed});
         run(mushroom.world, mushroom.destruction, 14);
         mushroom.check();
-        CHECK(mushroom.destruction.statistics().blows == 0); // nothing was cut where it hit
+        CHECK(mushroom.destruction.statistics().blows == 0); // no cut at the contact
         return std::pair(mushroom.destruction.statistics().overloads, mushroom.destruction.pieces().size());
     };
     CHECK(after(1.0f, 1.0f) == std::pair(0u, size_t{1}));
     const auto [overloads, pieces] = after(10.0f, 1.2f);
-    CHECK(overloads >= 1); // the head may break the stump that it comes to rest on, too
+    CHECK(overloads >= 1); // the falling head may break the stump as well
     CHECK(pieces >= 2);
 }
 
-TEST_CASE("a ram that would chip off too little where it hits the head breaks the stem all the same") {
-    // Of 1 kg against 4 kg: the faster is sharp enough to cut, but only into less than the least size.
+TEST_CASE("held destruction: a ram breaks the stem although its own chip would be below the minimum size") {
+    // 1 kg against 4 kg: the equivalent impulse of the faster one is enough for a cut, but its chips are below the
+    // minimum size.
     for (const auto& [speed, blows] : {std::pair(0.8f, 0u), {1.05f, 1u}}) {
         CAPTURE(speed);
         Mushroom mushroom(0.05f, 0.06, 0.25,
@@ -178,7 +181,7 @@ TEST_CASE("a ram that would chip off too little where it hits the head breaks th
     }
 }
 
-TEST_CASE("a tap that comes while a cut is tried takes nothing from the blow that it is tried for") {
+TEST_CASE("held destruction: a tap during a job leaves the blow of that job unchanged") {
     Mushroom mushroom(0.05f, 0.06, 0.25, {.density = 10.0f, .tensile = 0.1f * weak.tensile, .fracture_energy = 1.0f});
     shoot(mushroom.world, 0.3f, 1.0f, {0.0f, 1.25f, 0.85f}, {0.0f, 0.0f, -1.05f});
     for (int step = 0; step < 40 && mushroom.destruction.statistics().blows == 0; ++step)
@@ -195,7 +198,7 @@ TEST_CASE("a tap that comes while a cut is tried takes nothing from the blow tha
 
 namespace {
 
-// One over the mass that is felt at an arm from the centre of mass, along a unit direction.
+// Inverse effective mass at an arm from the centre of mass, along a unit direction.
 double felt(double mass, const glm::dmat3& inertia, const glm::dvec3& arm, const glm::dvec3& along) {
     const glm::dvec3 turn = glm::cross(arm, along);
     return 1.0 / mass + glm::dot(turn, glm::inverse(inertia) * turn);
@@ -203,8 +206,8 @@ double felt(double mass, const glm::dmat3& inertia, const glm::dvec3& arm, const
 
 } // namespace
 
-TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one would") {
-    // A blow that is too blunt to break the head where it lands, but not its stem.
+TEST_CASE("held destruction: a head that comes off takes the blow as a free body would") {
+    // A blow whose equivalent impulse is too low for the head, but whose energy breaks the stem.
     for (const double mass : {10.0, 100.0, 1000.0})
         for (const auto& [speed, aslant] : {std::pair(1.2f, 0.0f), {3.0f, 0.0f}, {2.0f, 0.3f}, {2.0f, 0.8f}}) {
             CAPTURE(aslant);
@@ -221,7 +224,7 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
             const BodyId ball = shoot(world, 0.3f, static_cast<float>(mass), {0.05f, 1.25f, 0.85f},
                                       speed * glm::vec3(aslant, 0.0f, -1.0f));
             const Mechanics start = world.mechanics();
-            // What the ball gave to the stand, and where.
+            // Impulses of the ball on the fixed object, and their points.
             glm::dvec3 blow(0.0), rubbed(0.0), slow(0.0), arm(0.0);
             double pressed = 0.0;
             Mechanics stepped;
@@ -229,8 +232,8 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
                 REQUIRE(step < 20);
                 world.step();
                 for (const Contact& contact : world.contacts()) {
-                    const double side = contact.a == ball ? -1.0 : 1.0; // the normal points to a
-                    if (!(contact.speed > desc.impact_speed)) { // it comes to rest there before the head is loose
+                    const double side = contact.a == ball ? -1.0 : 1.0; // the normal points towards a
+                    if (!(contact.speed > desc.impact_speed)) {         // a resting contact, before the head is loose
                         slow += side * glm::dvec3(contact.impulse * contact.normal + contact.friction);
                         continue;
                     }
@@ -243,7 +246,7 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
                 stepped = world.mechanics();
                 destruction.update(world);
             }
-            CHECK(destruction.statistics().blows == 0); // nothing was cut where it hit
+            CHECK(destruction.statistics().blows == 0); // no cut at the contact
             arm /= pressed;
             double area = -whole;
             PieceId head;
@@ -255,7 +258,8 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
             const BodyId body = destruction.body(head);
             REQUIRE_FALSE(world.fixed(body));
 
-            // The ball gets back what it gave, friction and all, less what the cracks took, and comes to rest at the head.
+            // The ball gets its impulse back, friction included, less the share of the cracks, and then stops at the
+            // head.
             const double along = glm::length(blow), energy = 0.5 * along * static_cast<double>(speed);
             const double cracks = 0.5 * area * 1.0;
             REQUIRE(cracks < 0.1 * energy);
@@ -268,7 +272,7 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
             const glm::dvec3 head_arm = at + arm - glm::dvec3(world.pose(body).position);
             const glm::dmat3 inertia = destruction.solid(head)->body.inertia;
             const double head_mass = destruction.solid(head)->body.mass;
-            // A dead blow, and then friction, which presses no more for what pressed than it did.
+            // A perfectly inelastic contact, then friction in the ratio to the normal impulse that it had before.
             glm::dvec3 head_momentum(0.0), head_turning(0.0);
             const auto stop = [&](const glm::dvec3& direction, double most) {
                 const glm::dvec3 of_ball = momentum / mass + glm::cross(turning / ball_inertia, arm);
@@ -284,7 +288,7 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
             const double impulse = stop(normal, part * along);
             CHECK(impulse < part * along);
             const double rubbing = stop(across, part * glm::length(rubbed) * impulse / (part * along));
-            CHECK(rubbing > 0.05 * impulse); // else nothing of it was tried
+            CHECK(rubbing > 0.05 * impulse); // so that friction is tested at all
             const Mechanics of_head = world.mechanics(body), of_ball = world.mechanics(ball);
             const double scale = mass * static_cast<double>(speed);
             CHECK(glm::distance(of_head.momentum, head_momentum) < 1e-4 * scale);
@@ -293,7 +297,7 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
                                 head_turning + glm::cross(glm::dvec3(world.pose(body).position), head_momentum))
                   < 1e-4 * scale);
 
-            // So of the ball's momentum the stand got what the cracks took, and nothing else.
+            // Hence the world keeps the cracks' share of the ball's momentum, and nothing else.
             const Mechanics now = world.mechanics();
             const glm::dvec3 lost = blow + rubbed + slow - given;
             CHECK(glm::distance(now.momentum, start.momentum - lost) < 1e-4 * scale);
@@ -304,8 +308,8 @@ TEST_CASE("a head that a blow breaks off takes the blow with it, as a free one w
         }
 }
 
-TEST_CASE("of two balls that hit a held pane in one moment, none bounces off") {
-    for (const float behind : {0.0f, 0.33f, 0.66f}) { // m: a step and two at 40 m/s
+TEST_CASE("held destruction: of two balls that hit a held pane at once, none bounces off") {
+    for (const float behind : {0.0f, 0.33f, 0.66f}) { // m; one step and two steps at 40 m/s
         CAPTURE(behind);
         World world(empty_space);
         Destruction destruction;
@@ -329,7 +333,7 @@ TEST_CASE("of two balls that hit a held pane in one moment, none bounces off") {
     }
 }
 
-TEST_CASE("whether what lands flat breaks a held block is not up to where in a step it lands") {
+TEST_CASE("held destruction: a flat impact breaks a held block at any time within a step") {
     const auto pieces_after = [](float mass, float height) {
         World world;
         Destruction destruction;
@@ -341,12 +345,12 @@ TEST_CASE("whether what lands flat breaks a held block is not up to where in a s
         run(world, destruction, 120);
         return destruction.pieces().size();
     };
-    // As of a kilogram m^(2/3) v N s at the 2 m/s of 20 cm: 34 and 23; the block bears 30. At 2 m/s a step is 16 mm.
+    // Equivalent impulse m^(2/3) v at the 2 m/s of a fall of 20 cm: 34 and 23 N s; the block bears 30. A step is 16 mm.
     for (int k = 0; k < 8; ++k) {
         CAPTURE(k);
         const float height = 0.2f + 0.002f * static_cast<float>(k);
         CHECK(pieces_after(70.0f, height) > 1);
         CHECK(pieces_after(40.0f, height) == 1);
     }
-    CHECK(pieces_after(2000.0f, 0.0005f) == 1); // laid down, it rests
+    CHECK(pieces_after(2000.0f, 0.0005f) == 1); // placed at rest, it breaks nothing
 }

@@ -1,4 +1,4 @@
-// What breaking leaves behind, in the long run nothing that grows; and who frees it.
+// Memory of breaking: long runs do not grow, and large objects are freed on workers.
 #include "physics/cutting/destruction.h"
 
 #include <algorithm>
@@ -89,7 +89,7 @@ TEST_CASE("destruction: large solids and unclaimed payloads are freed on other t
     CHECK(std::ranges::count_if(made, [](const PieceAdded& added) { return added.payload != nullptr; }) == 1);
 }
 
-TEST_CASE("cycles of breaking and clearing leave nothing behind") {
+TEST_CASE("destruction: cycles of breaking and clearing leave nothing behind") {
     World world(empty_space);
     Destruction destruction({.latency = 1, .debris = {.max_pieces = 60, .fade_seconds = 0.0}});
     uint32_t slots = 0;
@@ -100,7 +100,7 @@ TEST_CASE("cycles of breaking and clearing leave nothing behind") {
             run(world, destruction, 2);
         }
         CHECK(destruction.pieces().size() > 10);
-        CHECK(destruction.pieces().size() < 140); // the limit and what one blow adds before it is looked at
+        CHECK(destruction.pieces().size() < 140); // the limit, and the pieces of one blow before the next update
         destruction.remove(world, object);
         CHECK(destruction.take_events().added.empty());
         if (cycle == 10) slots = destruction.slot_count();
@@ -110,10 +110,10 @@ TEST_CASE("cycles of breaking and clearing leave nothing behind") {
     }
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // they have allocators of their own
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // sanitizers have their own allocators
 namespace {
 
-// Bytes that are in use, of all threads.
+// Bytes in use, over all threads.
 double heap_in_use() {
     const struct mallinfo2 heap = mallinfo2();
     return static_cast<double>(heap.uordblks) + static_cast<double>(heap.hblkhd);
@@ -121,7 +121,7 @@ double heap_in_use() {
 
 } // namespace
 
-TEST_CASE("four hundred cycles of breaking while pieces live on leave the heap as large as it was") {
+TEST_CASE("destruction: four hundred cycles of breaking, while pieces stay, do not grow the heap") {
     constexpr int quarter = 100;
     World world;
     Destruction destruction({.latency = 1, .debris = {.max_pieces = 30, .fade_seconds = 0.05}});
@@ -148,8 +148,8 @@ TEST_CASE("four hundred cycles of breaking while pieces live on leave the heap a
             " KB by quarter; ", least, " to ", most, " pieces, ", destruction.statistics().retired, " retired of ",
             destruction.next_piece().value);
     CHECK(least > 20);
-    CHECK(most < 45); // the limit, a blow's pieces and what fades
+    CHECK(most < 45); // the limit, the pieces of a blow and fading pieces
     CHECK(destruction.statistics().retired > 2000);
-    CHECK(mean[3] < 1.01 * mean[1]); // 300 bytes a cycle that nobody freed are more
+    CHECK(mean[3] < 1.01 * mean[1]); // a leak of 300 bytes a cycle exceeds this
 }
 #endif

@@ -26,7 +26,7 @@ ImpactSites sites_of(const fracture::TriangleMesh& mesh, const Blow& blow, const
     return impact_sites(mesh, fracture::mass_properties(mesh.positions, mesh.triangles), blow, damage, pattern);
 }
 
-// Of sites that become pieces.
+// The sites of pieces, without those of the rest.
 std::vector<glm::dvec3> inner(const ImpactSites& cut) {
     std::vector<glm::dvec3> sites;
     for (size_t i = 0; i < cut.sites.size(); ++i)
@@ -36,7 +36,7 @@ std::vector<glm::dvec3> inner(const ImpactSites& cut) {
 
 } // namespace
 
-TEST_CASE("a blow without energy, place or direction does no damage") {
+TEST_CASE("impact pattern: a blow without energy, point or direction does no damage") {
     const Material material;
     for (const double energy : {0.0, -1.0, not_a_number, infinity})
         CHECK(damage_of({top.point, top.normal, energy}, material, 1.0).pieces == 0);
@@ -47,7 +47,7 @@ TEST_CASE("a blow without energy, place or direction does no damage") {
     CHECK(sites_of(fracture::cube(), top, {}, {}).sites.empty());
 }
 
-TEST_CASE("the energy that reaches so far does") {
+TEST_CASE("impact pattern: the energy for a radius gives damage of that radius") {
     const Material material;
     for (const double value : {0.0, -1.0, not_a_number, infinity}) {
         CHECK(energy_of(value, material, 1.0, 40) == 0.0);
@@ -59,7 +59,7 @@ TEST_CASE("the energy that reaches so far does") {
                 CAPTURE(radius);
                 const double energy = energy_of(radius, material, volume, most);
                 const DamageLimits limits{.max_pieces = most};
-                // Where the number of pieces steps, the radius does: the least energy that reaches it is found.
+                // The radius jumps where the number of pieces does; energy_of() finds the least energy that reaches it.
                 CHECK(damage_of({top.point, top.normal, energy * (1.0 + 1e-9)}, material, volume, limits).radius
                       >= radius * (1.0 - 1e-9));
                 CHECK(damage_of({top.point, top.normal, energy * (1.0 - 1e-6)}, material, volume, limits).radius
@@ -67,7 +67,7 @@ TEST_CASE("the energy that reaches so far does") {
             }
 }
 
-TEST_CASE("more energy, farther and finer, never more pieces than allowed, never smaller than the least") {
+TEST_CASE("impact pattern: damage grows and refines with energy, within the limits of number and size") {
     const Material material;
     double radius = 0.0;
     uint32_t pieces = 0;
@@ -80,8 +80,7 @@ TEST_CASE("more energy, farther and finer, never more pieces than allowed, never
         pieces = damage.pieces;
     }
     CHECK(pieces == 40);
-    // The surface between the cubes that the header speaks of takes the energy: between its bounds on n, where
-    // R and n are not cut off.
+    // Within the limits of n, the surface between the cubes of the header's formula takes the whole energy.
     const Blow blow{top.point, top.normal, 2000.0};
     const Damage damage = damage_of(blow, material, 8.0);
     const double volume = 2.0 / 3.0 * 3.14159265358979 * std::pow(damage.radius, 3.0);
@@ -93,7 +92,7 @@ TEST_CASE("more energy, farther and finer, never more pieces than allowed, never
     CHECK(damage_of(blow, material, 8.0, {.min_volume = least}).pieces == 3);
 }
 
-TEST_CASE("pieces lie around the contact and in the solid's half, the rest beyond") {
+TEST_CASE("impact pattern: pieces lie around the contact inside the solid, the rest beyond") {
     const fracture::TriangleMesh mesh = fracture::icosphere(4);
     for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::radial,
                                    PatternKind::splinters, PatternKind::thickness}) {
@@ -116,8 +115,8 @@ TEST_CASE("pieces lie around the contact and in the solid's half, the rest beyon
     }
 }
 
-// The nearest site says whose cell a place is in.
-TEST_CASE("what was hit comes off, whatever the pattern and the number of pieces") {
+// The nearest site owns the cell of a point.
+TEST_CASE("impact pattern: the contact lies in a piece, for any pattern and number of pieces") {
     const fracture::TriangleMesh wall = fracture::cuboid({2.0, 1.2, 0.2}), ball = fracture::icosphere(4);
     const Blow front{.point = {0.0, 0.2, 0.1}, .normal = {0.0, 0.0, -1.0}, .energy = 1.0};
     const auto comes_off = [](const ImpactSites& cut, const glm::dvec3& place) {
@@ -137,14 +136,14 @@ TEST_CASE("what was hit comes off, whatever the pattern and the number of pieces
                 CHECK(comes_off(sites_of(wall, front, damage, {.kind = kind, .seed = seed}), front.point));
                 CHECK(comes_off(sites_of(ball, top, damage, {.kind = kind, .seed = seed}), top.point));
                 if (kind != PatternKind::splinters) continue;
-                // All along the grain, X, over half of the damage's length: r * 8^(2/3) to both sides.
+                // Along the grain, X, over half of the length of the damage: r * 8^(2/3) to both sides.
                 const ImpactSites cut = sites_of(wall, front, damage, {.kind = kind, .seed = seed});
                 for (double along = -0.5; along <= 0.5; along += 0.02)
                     CHECK(comes_off(cut, front.point + glm::dvec3(along, 0.0, 0.0)));
             }
 }
 
-TEST_CASE("shards lie in the plane across the blow, splinters along the grain, in a thin pane sites stay inside") {
+TEST_CASE("impact pattern: shards lie across the blow, splinters along the grain, and sites inside a thin pane") {
     const fracture::TriangleMesh pane = fracture::cuboid({2.0, 1.4, 0.03});
     const Blow front{.point = {0.1, 0.2, 0.015}, .normal = {0.0, 0.0, -1.0}, .energy = 1.0};
     for (const glm::dvec3& site : inner(sites_of(pane, front, {0.4, 24}, {.kind = PatternKind::radial})))
@@ -152,7 +151,7 @@ TEST_CASE("shards lie in the plane across the blow, splinters along the grain, i
     for (const glm::dvec3& site : inner(sites_of(pane, front, {0.4, 24}, {.kind = PatternKind::uniform})))
         CHECK(std::abs(site.z) <= 0.015 + 1e-12);
 
-    const fracture::TriangleMesh beam = fracture::cuboid({0.2, 3.0, 0.2}); // its grain is Y
+    const fracture::TriangleMesh beam = fracture::cuboid({0.2, 3.0, 0.2}); // its grain runs along Y
     const Blow side{.point = {0.1, 0.5, 0.0}, .normal = {-1.0, 0.0, 0.0}, .energy = 1.0};
     const auto splinters =
         inner(sites_of(beam, side, {0.2, 32}, {.kind = PatternKind::splinters, .slenderness = 27.0}));
@@ -162,7 +161,7 @@ TEST_CASE("shards lie in the plane across the blow, splinters along the grain, i
     }
 }
 
-TEST_CASE("a diagram made beforehand fits the solid, and only its cells near the blow come off") {
+TEST_CASE("impact pattern: a given diagram is fitted to the solid, and only its cells near the blow come off") {
     const fracture::TriangleMesh mesh = fracture::cube(2.0);
     ImpactPattern pattern;
     for (int x = 0; x < 5; ++x)
@@ -172,7 +171,7 @@ TEST_CASE("a diagram made beforehand fits the solid, and only its cells near the
     REQUIRE(cut.sites.size() == 125);
     size_t pieces = 0;
     for (size_t i = 0; i < 125; ++i) {
-        CHECK(std::abs(cut.sites[i].y) <= 1.0 + 1e-9); // turned about Y only, and of the cube's height
+        CHECK(std::abs(cut.sites[i].y) <= 1.0 + 1e-9); // turned about Y only, and fitted to the cube's height
         const bool near = glm::distance(cut.sites[i], top.point) <= 0.8;
         CHECK((cut.groups[i] != cut.rest) == near);
         pieces += near ? 1u : 0u;
@@ -181,7 +180,7 @@ TEST_CASE("a diagram made beforehand fits the solid, and only its cells near the
     CHECK(pieces < 60);
 }
 
-TEST_CASE("spread points are vertices that are far from each other") {
+TEST_CASE("impact pattern: spread points are vertices far from each other") {
     CHECK(spread_points({}, 5).empty());
     const std::vector<glm::dvec3> same(10, glm::dvec3(1.0));
     CHECK(spread_points(same, 5).size() == 1);
@@ -191,6 +190,7 @@ TEST_CASE("spread points are vertices that are far from each other") {
     for (size_t i = 0; i < points.size(); ++i) {
         CHECK(std::ranges::find(ball.positions, points[i]) != ball.positions.end());
         CHECK(glm::distance(points[i], glm::dvec3(0.0, 1.0, 0.0)) > 0.5);
-        for (size_t j = 0; j < i; ++j) CHECK(glm::distance(points[i], points[j]) > 0.5); // 12 caps of 0.6 fill the ball
+        for (size_t j = 0; j < i; ++j)
+            CHECK(glm::distance(points[i], points[j]) > 0.5); // 12 caps of radius 0.6 cover the sphere
     }
 }

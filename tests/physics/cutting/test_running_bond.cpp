@@ -41,7 +41,7 @@ fracture::TriangleMesh box_mesh(const fracture::Box& box) {
     return mesh;
 }
 
-// What a blow makes of a solid.
+// The pieces that a blow makes of a solid.
 fracture::Fragments broken(const fracture::TriangleMesh& mesh, const glm::dvec3& point, const glm::dvec3& normal,
                            const Damage& damage, ImpactSites& cut) {
     const ImpactPattern pattern{.kind = fracture::PatternKind::bricks, .bond = laid};
@@ -58,7 +58,7 @@ fracture::Fragments broken(const fracture::TriangleMesh& mesh, const glm::dvec3&
     return *fragments;
 }
 
-// The box of a piece is a brick of the bond, or half of one at an end of the wall; what it misses of the course it would be in.
+// True if the box of a piece is a brick of the bond, or half a brick at an end of the wall.
 bool is_brick(const fracture::Box& box) {
     const glm::dvec3 low = (box.min - laid.corner) / laid.brick, high = (box.max - laid.corner) / laid.brick;
     const double course = std::round(low.y), layer = std::round(low.z);
@@ -73,7 +73,7 @@ bool is_brick(const fracture::Box& box) {
 
 } // namespace
 
-TEST_CASE("bricks without size, or of what is no wall, are none") {
+TEST_CASE("running bond: no bricks without a size or a wall") {
     for (const double bad : {0.0, -1.0, not_a_number, infinity, 1e-300})
         for (int k = 0; k < 3; ++k) {
             RunningBond bond = laid;
@@ -90,7 +90,7 @@ TEST_CASE("bricks without size, or of what is no wall, are none") {
     }
     const fracture::Box one{{-1.0, 0.0, -0.12}, {-0.75, 0.075, 0.0}};
     CHECK(bricks_near(laid, one, one.centre(), 0.3, 40, anywhere).bricks.empty());
-    fracture::Box nearly = one; // as what was cut out, rounded
+    fracture::Box nearly = one; // as the box of a cut piece, with rounding
     nearly.min -= 1e-9;
     nearly.max += 1e-9;
     CHECK(bricks_near(laid, nearly, one.centre(), 0.3, 40, anywhere).bricks.empty());
@@ -99,7 +99,7 @@ TEST_CASE("bricks without size, or of what is no wall, are none") {
     CHECK(bricks_near(laid, wall_box, {50.0, 0.6, 0.12}, 0.3, 40, anywhere).bricks.empty());
 }
 
-TEST_CASE("the nearest bricks are taken, by all of them looked at, also of very many") {
+TEST_CASE("running bond: a search of all bricks finds the same nearest bricks, also in a large wall") {
     for (const auto& [size, radius, most] :
          {std::tuple(1.0, 0.3, 40u), {1.0, 0.3, 5u}, {1.0, 10.0, 1000u}, {0.25, 0.5, 40u}, {0.01, 5.0, 100u}}) {
         CAPTURE(size);
@@ -116,12 +116,12 @@ TEST_CASE("the nearest bricks are taken, by all of them looked at, also of very 
             CHECK(distance_of(brick) <= radius);
             CHECK(glm::length(brick[1] - brick[0] - glm::dvec3(half.x, 0.0, 0.0)) < 1e-9 * half.x);
         }
-        // Of those that are not taken none is nearer than the last: the middles of the wall's halves, one by one.
+        // No other brick is nearer than the last one found: a search over the middles of all halves of the wall.
         if (size < 0.1) {
             CHECK(taken.bricks.size() == most);
             continue;
         }
-        std::map<std::tuple<int, int, int>, double> within; // bricks
+        std::map<std::tuple<int, int, int>, double> within; // distance by brick
         for (int z = 0; z < std::lround(2.0 / size); ++z)
             for (int y = 0; y < std::lround(16.0 / size); ++y)
                 for (int x = 0; x < std::lround(16.0 / size); ++x)
@@ -136,14 +136,13 @@ TEST_CASE("the nearest bricks are taken, by all of them looked at, also of very 
         REQUIRE(taken.bricks.size() == std::min<size_t>(nearest.size(), most));
         for (size_t i = 0; i < taken.bricks.size(); ++i)
             CHECK(distance_of(taken.bricks[i]) == doctest::Approx(nearest[i]));
-        std::set<std::pair<double, double>> middles; // none twice
+        std::set<std::pair<double, double>> middles; // of distinct bricks
         for (const auto& brick : taken.bricks) middles.insert({brick[0].x + 1e3 * brick[0].y, brick[0].z});
         CHECK(middles.size() == taken.bricks.size());
     }
 }
 
-TEST_CASE("a wall that is hit loses whole bricks as they are laid, the one that was hit among them, and so with the "
-          "next blow") {
+TEST_CASE("running bond: each blow to a wall takes out whole bricks, the struck one among them") {
     const fracture::TriangleMesh wall = box_mesh(wall_box);
     const Damage damage{.radius = 0.2, .pieces = 40};
     const glm::dvec3 into(0.0, 0.0, -1.0);
@@ -181,13 +180,13 @@ TEST_CASE("a wall that is hit loses whole bricks as they are laid, the one that 
     }
 }
 
-TEST_CASE("beside a hole the bricks that are left are taken, not those that have gone") {
+TEST_CASE("running bond: a blow beside a hole takes bricks that are still there") {
     const auto right = [](const glm::dvec3& middle) { return middle.x > 0.0; };
     const BricksTaken taken = bricks_near(laid, wall_box, {-0.01, 0.6, 0.12}, 0.2, 5, right);
     REQUIRE(taken.bricks.size() == 5);
     for (const auto& brick : taken.bricks) CHECK(brick[1].x > 0.0);
     CHECK(bricks_near(laid, wall_box, {-0.5, 0.6, 0.12}, 0.2, 5, right).bricks.empty());
-    // A hole of some bricks in a wall, and a blow on its rim that reaches half a brick.
+    // A wall with a hole of some bricks, and a blow on its rim with a reach of half a brick.
     ImpactSites cut;
     const fracture::Fragments first =
         broken(box_mesh(wall_box), {0.03, 0.61, 0.12}, {0.0, 0.0, -1.0}, {.radius = 0.2, .pieces = 40}, cut);
@@ -204,8 +203,8 @@ TEST_CASE("beside a hole the bricks that are left are taken, not those that have
     }
 }
 
-TEST_CASE("where corners of the solid are near, bricks are whole all the same") {
-    // Two bricks end to end, struck at the joint.
+TEST_CASE("running bond: bricks stay whole near corners of the solid") {
+    // Two bricks end to end, struck at their joint.
     ImpactSites cut;
     const fracture::Fragments two = broken(box_mesh({{-1.0, 0.0, -0.12}, {-0.5, 0.075, 0.0}}), {-0.75, 0.075, -0.06},
                                            {0.0, -1.0, 0.0}, {.radius = 0.08, .pieces = 4}, cut);
@@ -214,7 +213,7 @@ TEST_CASE("where corners of the solid are near, bricks are whole all the same") 
         CHECK(piece.mass.volume == doctest::Approx(laid.brick.x * laid.brick.y * laid.brick.z).epsilon(1e-12));
 }
 
-TEST_CASE("a brick by itself crumbles, and a wall that is hit lightly chips") {
+TEST_CASE("running bond: a single brick crumbles, and a weak blow chips a wall") {
     ImpactSites cut;
     const fracture::Box one{{-1.0, 0.0, -0.12}, {-0.75, 0.075, 0.0}};
     CHECK(broken(box_mesh(one), {-0.8, 0.05, 0.0}, {0.0, 0.0, -1.0}, {.radius = 0.08, .pieces = 8}, cut).pieces.size()
@@ -228,7 +227,7 @@ TEST_CASE("a brick by itself crumbles, and a wall that is hit lightly chips") {
     CHECK(volumes[volumes.size() - 2] < 0.05 * laid.brick.x * laid.brick.y * laid.brick.z);
 }
 
-TEST_CASE("a brick with crumbs of others on it, and a wall of bricks that are smaller than pieces may be, crumble") {
+TEST_CASE("running bond: a brick with remains of others crumbles, and so do bricks below the minimum size") {
     BreakableDesc desc;
     desc.pattern = {.kind = fracture::PatternKind::bricks, .bond = laid};
     desc.solid.min_size = 0.04;
@@ -248,7 +247,7 @@ TEST_CASE("a brick with crumbs of others on it, and a wall of bricks that are sm
     }
 }
 
-TEST_CASE("bricks are taken from the wall that was hit, not from one behind it that is of the same mesh") {
+TEST_CASE("running bond: bricks come from the wall that was hit, not from another wall of its mesh") {
     fracture::TriangleMesh room = box_mesh(wall_box), back = box_mesh(wall_box);
     const auto first = static_cast<uint32_t>(room.positions.size());
     for (glm::dvec3& p : back.positions) room.positions.push_back(p - glm::dvec3(0.0, 0.0, 3.0));
@@ -266,8 +265,7 @@ TEST_CASE("bricks are taken from the wall that was hit, not from one behind it t
     }
 }
 
-TEST_CASE(
-    "bricks that lie end to end along another axis are the same ones, turned, and along a fourth there are none") {
+TEST_CASE("running bond: bricks along another axis are equal ones, turned, and an invalid axis has none") {
     const glm::dvec3 point(0.11, 0.63, 0.12);
     const BricksTaken straight = bricks_near(laid, wall_box, point, 0.3, 40, anywhere);
     for (const int axis : {1, 2}) {
@@ -292,7 +290,7 @@ TEST_CASE(
     CHECK(bricks_near(none, wall_box, point, 0.3, 40, anywhere).bricks.empty());
 }
 
-TEST_CASE("bricks that are fitted to a box fill it") {
+TEST_CASE("running bond: fitted bricks fill the box") {
     const fracture::Box box{{3.0, -1.0, 0.5}, {4.1, 0.3, 0.51}};
     const RunningBond bond = fitted({}, box);
     CHECK(bond.corner == box.min);

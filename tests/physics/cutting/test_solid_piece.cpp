@@ -36,7 +36,7 @@ std::vector<SolidPtr> must_break(const SolidPiece& solid, uint32_t count, uint64
 
 } // namespace
 
-TEST_CASE("what is no solid, and settings that are none, are refused") {
+TEST_CASE("solid piece: invalid meshes and settings are refused") {
     CHECK_FALSE(make_solid({}).has_value());
     fracture::TriangleMesh open = fracture::cube();
     open.triangles.pop_back();
@@ -52,7 +52,7 @@ TEST_CASE("what is no solid, and settings that are none, are refused") {
           == fracture::Status::cancelled);
 }
 
-TEST_CASE("after three levels pieces are closed, their volumes sum to the whole, and old cuts stay interior") {
+TEST_CASE("solid piece: after three levels pieces are closed, volumes sum to the whole, and old cuts stay interior") {
     const fracture::TriangleMesh mesh = fracture::four_legged_animal(48);
     const double volume = fracture::signed_volume(mesh.positions, mesh.triangles);
     double area = 0.0;
@@ -83,7 +83,7 @@ TEST_CASE("after three levels pieces are closed, their volumes sum to the whole,
                 const glm::dvec3 a = m.positions[m.triangles[k].x], b = m.positions[m.triangles[k].y],
                                  c = m.positions[m.triangles[k].z];
                 exterior += 0.5 * glm::length(glm::cross(b - a, c - a));
-                // The exterior triangle lies in the plane of the one of the mesh that it says it is of.
+                // The exterior triangle lies in the plane of its source triangle.
                 const fracture::Triangle& from = mesh.triangles[piece->source[k]];
                 sources.insert(piece->source[k]);
                 const glm::dvec3 p = mesh.positions[from.x];
@@ -99,7 +99,7 @@ TEST_CASE("after three levels pieces are closed, their volumes sum to the whole,
     }
 }
 
-TEST_CASE("no piece is below the least size, and what is too small for two is not cut") {
+TEST_CASE("solid piece: none is below the minimum size, and a solid too small for two is not cut") {
     const SolidSettings settings{.min_size = 0.3};
     const SolidPtr cube = must_make(fracture::cube(1.0), settings);
     const std::vector<SolidPtr> pieces = must_break(*cube, 200, 7, settings);
@@ -109,10 +109,10 @@ TEST_CASE("no piece is below the least size, and what is too small for two is no
         CHECK(piece->breakable == (piece->mass.volume >= 2.0 * 0.027));
         CHECK(piece->mesh.positions.empty() != piece->breakable);
     }
-    CHECK_FALSE(must_make(fracture::cube(0.37), settings)->breakable); // 0.0507 m^3
+    CHECK_FALSE(must_make(fracture::cube(0.37), settings)->breakable); // 0.0507 m^3, below twice the minimum of 0.027
 }
 
-TEST_CASE("a group stays one piece with a hull for each of its cells, no hull reaches into another piece") {
+TEST_CASE("solid piece: a group is one piece with a hull for each cell, and hulls of pieces do not overlap") {
     const SolidSettings settings{.min_size = 0.01};
     const SolidPtr cube = must_make(fracture::cube(1.0), settings);
     const auto sites = fracture::uniform_sites(fracture::bounds(cube->mesh), 30, 3);
@@ -126,7 +126,7 @@ TEST_CASE("a group stays one piece with a hull for each of its cells, no hull re
         parts += piece->parts.size();
         sum += piece->mass.volume;
         for (const BodyPart& part : piece->parts) {
-            // All corners of a hull are nearest to one site: that of its cell.
+            // All vertices of a hull are nearest to one site, that of its cell.
             std::set<size_t> cells;
             for (const glm::vec3& corner : part.hull->points) {
                 const glm::dvec3 at = glm::dvec3(corner + part.offset) + piece->mass.centre_of_mass;
@@ -144,11 +144,11 @@ TEST_CASE("a group stays one piece with a hull for each of its cells, no hull re
     CHECK(sum == doctest::Approx(1.0).epsilon(1e-12));
 }
 
-TEST_CASE("a piece that reaches into an anchor is anchored, whether a vertex lies there or not") {
+TEST_CASE("solid piece: one that reaches into an anchor is anchored, also without a vertex inside") {
     const SolidSettings settings{.min_size = 0.01,
                                  .anchors = {fracture::Box{{-0.05, -0.6, -0.05}, {0.05, -0.45, 0.05}}}};
     const SolidPtr cube = must_make(fracture::cube(1.0), settings);
-    CHECK(cube->anchored); // the box pierces the middle of its floor
+    CHECK(cube->anchored); // the anchor box pierces the middle of its lower face
     const glm::dvec3 sites[] = {{0.0, -0.25, 0.0}, {0.0, 0.25, 0.0}};
     const uint32_t groups[] = {0, 1};
     const auto halves = break_solid(*cube, sites, groups, settings);
@@ -157,7 +157,7 @@ TEST_CASE("a piece that reaches into an anchor is anchored, whether a vertex lie
     CHECK_FALSE((*halves)[1]->anchored);
 }
 
-TEST_CASE("thin and slender solids bear less than a cube of their volume") {
+TEST_CASE("solid piece: thin and slender solids bear less than a cube of their volume") {
     const Material material;
     const auto bears = [&](const glm::dvec3& size) {
         return must_make(fracture::cuboid(size), {.material = material})->bearable;

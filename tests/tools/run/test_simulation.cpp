@@ -16,7 +16,7 @@ using namespace brittle;
 using namespace brittle::tools;
 using namespace brittle::tools::test;
 
-TEST_CASE("simulation: actions and steps have no effect on an empty simulation") {
+TEST_CASE("simulation: without pieces, actions and steps do nothing") {
     Simulation simulation;
     CHECK(!simulation.running());
     for (const Action& action : {Action(Damage{}), Action(Saw{}), Action(Release{}), Action(Drag{}), Action(LetGo{})})
@@ -29,7 +29,7 @@ TEST_CASE("simulation: actions and steps have no effect on an empty simulation")
     CHECK(!simulation.running());
 }
 
-TEST_CASE("simulation: a breakable mesh starts whole, is cut where it is hit, and keeps its foot fixed") {
+TEST_CASE("simulation: a breakable object starts whole, is cut where it is hit, and its foot is held") {
     FractureOptions options;
     options.mesh = "shape:wall";
     use_material("concrete", options);
@@ -43,7 +43,7 @@ TEST_CASE("simulation: a breakable mesh starts whole, is cut where it is hit, an
     CHECK(simulation.number_count() == 1);
     CHECK(simulation.world().fixed(simulation.body_of(0)));
     CHECK(simulation.structure() == nullptr);
-    simulation.apply(Hammer{0, {0.0, 1.1, 0.1}, {0.0, 0.0, -1e-3}}); // too weak
+    simulation.apply(Hammer{0, {0.0, 1.1, 0.1}, {0.0, 0.0, -1e-3}}); // below the bearable impulse
     simulation.apply(Hammer{0, {0.0, 1.1, 0.1}, {0.0, 0.0, -80.0}});
     for (int k = 0; k < 60; ++k) simulation.step();
     CHECK(simulation.body_of(0) == physics::BodyId{});
@@ -57,14 +57,14 @@ TEST_CASE("simulation: a breakable mesh starts whole, is cut where it is hit, an
     }
     CHECK(sum == doctest::Approx(volume).epsilon(1e-12));
     CHECK(held == 1);
-    // Actions on pieces that do not exist have no effect.
+    // Actions on pieces that are gone, or never existed, have no effect.
     for (const Action& action : {Action(Hammer{0, {}, {0, 0, 9}}), Action(Push{99'999, {}, {1, 0, 0}}),
                                  Action(Grab{0, {}}), Action(Release{{0, 5}}), Action(Damage{}), Action(Saw{})})
         simulation.apply(action);
     simulation.step();
 }
 
-TEST_CASE("simulation: pieces beyond max_colliding are debris, by the options of each start") {
+TEST_CASE("simulation: pieces beyond the limit of colliding ones are debris, by the options of each start") {
     FractureOptions options = wall_options();
     options.world = {.height = 0.5};
     const fracture::Fragments pieces = started(options);
@@ -78,7 +78,7 @@ TEST_CASE("simulation: pieces beyond max_colliding are debris, by the options of
     }
 }
 
-TEST_CASE("simulation: poses since a step are the changed poses") {
+TEST_CASE("simulation: poses since a step are the changed ones") {
     FractureOptions options = wall_options();
     for (const bool breakable : {false, true}) {
         for (const bool bonded : {false, true}) {
@@ -107,7 +107,7 @@ TEST_CASE("simulation: poses since a step are the changed poses") {
     }
 }
 
-TEST_CASE("simulation: faults of actions are named") {
+TEST_CASE("simulation: invalid actions are reported") {
     const double nan = std::nan("");
     CHECK(fault_of(Shoot{}, 0).empty());
     CHECK(fault_of(Shoot{.from = {nan, 0, 0}}, 0).find("from") != std::string::npos);
@@ -125,7 +125,7 @@ TEST_CASE("simulation: faults of actions are named") {
     CHECK(fault_of(Drag{{0, 0, nan}}, 0).find("to") != std::string::npos);
 }
 
-TEST_CASE("simulation: scheduled actions take effect at their step, in the order of calls") {
+TEST_CASE("simulation: a scheduled action takes effect at its step, in the order of calls") {
     struct Diary : SimulationObserver {
         std::string text;
         void stepped(const Simulation& simulation) override { text += " " + std::to_string(simulation.steps()); }
@@ -141,12 +141,12 @@ TEST_CASE("simulation: scheduled actions take effect at their step, in the order
     simulation.schedule(3, LetGo{});
     simulation.schedule(0, Drag{});
     for (int k = 0; k < 4; ++k) simulation.step();
-    simulation.schedule(2, LetGo{}); // the step is over: takes effect at once
+    simulation.schedule(2, LetGo{}); // step 2 has passed, so it takes effect at once
     CHECK(diary.text == " @0kind7 1 @1kind8 2 @2kind0 3 @3kind7 @3kind8 4 @4kind8");
     CHECK(simulation.balls().size() == 1);
 }
 
-TEST_CASE("simulation: a grabbed piece moves to the target, stays there, and falls when it is released") {
+TEST_CASE("simulation: a grabbed piece comes to the hand, stays there, and falls when released") {
     FractureOptions options;
     options.mesh = "shape:cube";
     options.pattern.count = 1;
@@ -158,8 +158,8 @@ TEST_CASE("simulation: a grabbed piece moves to the target, stays there, and fal
         simulation.apply(Grab{0, glm::dvec3(position())});
         simulation.apply(Drag{{1.5, 4.0, -0.5}});
         for (int k = 0; k < 120; ++k) simulation.step();
-        // The piece approaches the target at ten times its distance per second, minus the fall by gravity in a step:
-        // 1/1200 of the distance at most.
+        // The piece approaches at ten times its distance a second. Gravity in one step holds it off by at most 1/1200
+        // of that.
         CHECK(glm::distance(position(), glm::vec3(1.5f, 4.0f, -0.5f)) < 0.02f);
         simulation.apply(LetGo{});
         const float before = position().y;
