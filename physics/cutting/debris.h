@@ -1,6 +1,6 @@
 // Which debris is retired when there is too much of it.
 //
-// Debris is a free piece that came off by a break, or a group of such pieces that are bonded and go together. In a
+// Debris is a free piece that came off by a break, or a group of bonded pieces that came off and go together. In a
 // structure without an anchor, a group with more than half of the structure's original pieces is no debris.
 //
 // Debris that has slept too long is retired. While there are too many pieces or vertices, more follows: invisible

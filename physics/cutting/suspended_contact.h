@@ -24,7 +24,7 @@ namespace brittle::physics {
 struct SuspendedContact {
     BodyId striker{};
     glm::vec3 normal_impulse{0.0f};   // N s, on the piece; the striker got the opposite
-    glm::vec3 friction_impulse{0.0f}; // N s, likewise, of a fixed piece alone: a free piece keeps its friction
+    glm::vec3 friction_impulse{0.0f}; // N s, on a fixed piece; zero for a free one, which keeps its friction
     glm::vec3 arm{0.0f};              // m, from the striker's centre of mass to the contact at the time of contact
     double lost = 0.0;                // J that the contact dissipated, the limit of what restore() returns
 
@@ -39,7 +39,7 @@ void add_friction(const World& world, const glm::vec3& friction, SuspendedContac
 
 // Undoes the suspended impulse, after cracks have taken `crack_share` of the blow's energy: a share f of the impulse
 // returns f^2 of the energy. Where the bodies have moved so that the impulse would return more than `lost`, a smaller
-// share of it is undone. Leaves in the contact what was undone; nothing where either body has gone.
+// share of it is undone. Leaves in the contact the undone impulse; zero if either body is gone.
 void restore(World& world, BodyId piece, double crack_share, SuspendedContact& contact);
 
 // Solves the contact between the striker and a part as a perfectly inelastic one, with the suspended impulse as its

@@ -143,7 +143,7 @@ std::string volume_complaint(const Case& c, const Fragments& f) {
 }
 
 // Merging pieces may split an edge of a cap on one side alone (merge.h); then the areas of the sides must agree. Sheets
-// without volume merge without being asked to.
+// without volume merge at any setting.
 std::string cap_complaint(const Case& c, const Fragments& f) {
     std::map<uint32_t, glm::dvec3> places;
     using Corner = std::array<double, 3>;

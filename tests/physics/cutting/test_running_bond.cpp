@@ -99,7 +99,7 @@ TEST_CASE("running bond: no bricks without a size or a wall") {
     CHECK(bricks_near(laid, wall_box, {50.0, 0.6, 0.12}, 0.3, 40, anywhere).bricks.empty());
 }
 
-TEST_CASE("running bond: a search of all bricks finds the same nearest bricks, also in a large wall") {
+TEST_CASE("running bond: the nearest bricks are those that a search of all bricks finds, also in a large wall") {
     for (const auto& [size, radius, most] :
          {std::tuple(1.0, 0.3, 40u), {1.0, 0.3, 5u}, {1.0, 10.0, 1000u}, {0.25, 0.5, 40u}, {0.01, 5.0, 100u}}) {
         CAPTURE(size);
