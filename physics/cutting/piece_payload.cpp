@@ -1,6 +1,6 @@
 #include "physics/cutting/piece_payload.h"
 
-#include "fracture/base/parallel.h"
+#include "fracture/base/threads.h"
 
 namespace brittle::physics {
 
