@@ -11,9 +11,9 @@ namespace brittle::physics {
 
 namespace {
 
-// A moving body is large beside debris if it is this many times as long. Smaller factors give more contacts: with 1.5 twice
-// as many in a fall of a thousand pieces onto a thousand. With 3, steps are a tenth shorter, but debris then holds up less of
-// what it broke off, which breaks again: 8 % more pieces, in twice as many steps.
+// A moving body is large beside debris if it is this many times as long. Smaller factors give more contacts: with 1.5
+// twice as many in a fall of a thousand pieces onto a thousand. With 3, steps are a tenth shorter, but debris then
+// holds up less of what it broke off, which breaks again: 8 % more pieces, in twice as many steps.
 constexpr float debris_factor = 2.0f;
 
 // The solver's frame has the principal axes, so the hull is rotated into them; to_principal must be known.
@@ -79,28 +79,34 @@ bool has_one_hull(const BodyDesc& desc) {
     return desc.parts.size() <= 1;
 }
 
+// Of the only hull from the centre of mass.
+glm::vec3 offset_of(const BodyDesc& desc) {
+    return desc.parts.empty() ? glm::vec3(0.0f) : desc.parts[0].offset;
+}
+
 fracture::Error refused(std::string fault) {
     return {fracture::Status::invalid_setting, std::move(fault)};
 }
 
 // Fills the form, but for the shape of several hulls and what follows from it. Returns what is wrong, or nothing.
-std::string describe(BodyForm& form, const BodyDesc& desc) {
+std::string describe(SolverForm& form, const BodyDesc& desc) {
     fracture::PrincipalAxes principal;
     if (std::string fault = fault_of_form(desc, principal); !fault.empty()) return fault;
-    form.to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
-    form.moments = principal.moments;
-    form.mass = desc.mass;
-    form.fixed = desc.fixed;
+    BodyMeasures& measures = form.measures;
+    measures.to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
+    measures.moments = principal.moments;
+    measures.mass = desc.mass;
+    measures.fixed = desc.fixed;
     if (!has_one_hull(desc)) return {};
     const CollisionHull& hull = desc.parts.empty() ? desc.hull : *desc.parts[0].hull;
-    form.shape = shape_of(form, hull, desc.parts.empty() ? glm::vec3(0.0f) : desc.parts[0].offset);
-    measure(form, *form.shape);
-    if (!form.fixed) form.drag = drag_of(form, hull);
+    form.shape = shape_of(measures, hull, offset_of(desc));
+    measure(measures, *form.shape);
+    if (!desc.fixed) form.drag = drag_of(measures, hull);
     return {};
 }
 
-// A step sets the bounds of every moving body anew. Until then any bounds around the body will do, which saves a pass over
-// its points. A body that is astray in its first step keeps these.
+// A step sets the bounds of every moving body anew. Until then any bounds around the body will do, which saves a pass
+// over its points. A body that is astray in its first step keeps these.
 std::unique_ptr<SweptProxy> proxy_of(Body& body, bool large) {
     const glm::vec3 reach(body.reach);
     const Bounds bounds =
@@ -137,22 +143,29 @@ void finish(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) 
 } // namespace
 
 Result<std::shared_ptr<const BodyForm>> make_form(const BodyDesc& desc) {
-    auto form = std::make_shared<BodyForm>();
+    auto form = std::make_shared<SolverForm>();
     if (std::string fault = describe(*form, desc); !fault.empty()) return refused(std::move(fault));
-    return has_one_hull(desc) ? std::shared_ptr<const BodyForm>(std::move(form)) : nullptr;
+    if (!has_one_hull(desc)) return std::shared_ptr<const BodyForm>();
+    const CollisionHull& hull = desc.parts.empty() ? desc.hull : *desc.parts[0].hull;
+    form->hull = {.points = hull.points, .margin = hull.margin};
+    for (glm::vec3& point : form->hull.points) point += offset_of(desc);
+    form->mass = desc.mass;
+    form->inertia = desc.inertia;
+    form->fixed = desc.fixed;
+    return std::shared_ptr<const BodyForm>(std::move(form));
 }
 
 Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings) {
     NewBody made;
     made.body = std::make_unique<Body>();
     Body& body = *made.body;
-    body.form = desc.form;
+    body.form = std::static_pointer_cast<const SolverForm>(desc.form); // make_form() makes no others
     if (!body.form) {
-        auto form = std::make_shared<BodyForm>();
+        auto form = std::make_shared<SolverForm>();
         if (std::string fault = describe(*form, desc); !fault.empty()) return refused(std::move(fault));
         body.form = std::move(form);
     }
-    static_cast<BodyMeasures&>(body) = *body.form;
+    static_cast<BodyMeasures&>(body) = body.form->measures;
     if (std::string fault = fault_of_place(desc); !fault.empty()) return refused(std::move(fault));
     const glm::quat orientation = glm::normalize(desc.pose.orientation);
     body.rewind_frame = {matrix_of(orientation * body.to_principal), desc.pose.position};
@@ -167,8 +180,8 @@ void finish_compound(NewBody& made, std::unique_ptr<CompoundShape> shape, const 
     Body& body = *made.body;
     body.compound = std::move(shape);
     measure(body, *body.compound);
-    auto form = std::make_shared<BodyForm>();
-    static_cast<BodyMeasures&>(*form) = body;
+    auto form = std::make_shared<SolverForm>();
+    form->measures = body;
     if (!body.fixed) form->drag = drag_of(body, *body.compound, desc.parts);
     body.form = std::move(form);
     finish(made, desc, settings);

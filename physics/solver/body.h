@@ -17,6 +17,7 @@
 #include "physics/solver/sweep_broadphase.h"
 #include "physics/solver/transform.h"
 #include "physics/solver/velocity.h"
+#include "physics/world/body_form.h"
 #include "physics/world/hull.h"
 #include "physics/world/world.h"
 
@@ -34,8 +35,9 @@ struct BodyMeasures {
     float longest = 0.0f;   // m, the longest side of the bounds in the body's own axes
 };
 
-// A body without its place and its world; bodies may share it.
-struct BodyForm : BodyMeasures {
+// What the solver computes ahead of a body; of a compound, for that one body.
+struct SolverForm final : BodyForm {
+    BodyMeasures measures;
     AirDrag drag;                   // that of a vacuum for a fixed body
     std::optional<HullShape> shape; // of a body with one hull; none for a compound
 };
@@ -61,7 +63,7 @@ struct Body : BodyMeasures {
     Velocity velocity;
     SweptProxy* proxy = nullptr;             // in the broadphase
     uint32_t siblings = 0;                   // pieces of one cut that fly as one (siblings.h); 0: none
-    std::shared_ptr<const BodyForm> form;    // the measures are copies of its own
+    std::shared_ptr<const SolverForm> form;  // the measures are copies of its own
     std::unique_ptr<CompoundShape> compound; // null for a body with one hull
     std::vector<HullEdge> edges;             // of the one hull, for debug lines; filled when they are first drawn
 
@@ -116,9 +118,9 @@ struct NewBody {
     std::unique_ptr<SweptProxy> proxy; // null until the shape is known
 };
 
-// Makes all of a body that does not depend on its world, on any thread: everything but its number and its place there. For
-// several hulls the shape is left out, because bodies share hulls; finish_compound() then makes the rest. The error says
-// what is wrong, but not of which body.
+// Makes all of a body that does not depend on its world, on any thread: everything but its number and its place
+// there. For several hulls the shape is left out, because bodies share hulls; finish_compound() then makes the rest.
+// The error says what is wrong, but not of which body.
 [[nodiscard]] Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings);
 void finish_compound(NewBody& made, std::unique_ptr<CompoundShape> shape, const BodyDesc& desc,
                      const WorldSettings& settings);

@@ -1,9 +1,9 @@
 // Contacts between bodies that move, in bundles that have no body in common.
 //
-// Who presses on whom, directly or through others, must be solved together; what lies apart need not wait. So each bundle is swept by
-// itself, on any thread and while it is at hand: a thing that broke has its pieces around it and nobody else. A bundle of less than
-// some contacts is not worth a task and takes others in. In which bundle a contact is changes no bit of its solution: the contacts of
-// any two bodies that have to do with each other keep their order.
+// Who presses on whom, directly or through others, must be solved together; what lies apart need not wait. So each
+// bundle is swept by itself, on any thread and while it is at hand: a thing that broke has its pieces around it and
+// nobody else. A bundle of less than some contacts is not worth a task and takes others in. In which bundle a contact
+// is changes no bit of its solution: the contacts of any two bodies that have to do with each other keep their order.
 #pragma once
 
 #include <cstddef>

@@ -66,8 +66,8 @@ class CompoundContacts final : public PairContacts {
         return make_hull_contacts(hull_of(a_, part_a), hull_of(*b_, part_b));
     }
 
-    // Pairs of parts whose bounds overlap, ascending: for each part of the body with fewer, those of the other one that its
-    // tree finds. Valid until the thread's next call.
+    // Pairs of parts whose bounds overlap, ascending: for each part of the body with fewer, those of the other one
+    // that its tree finds. Valid until the thread's next call.
     [[nodiscard]] const Parts& near_parts() const {
         thread_local Parts parts;
         parts.clear();

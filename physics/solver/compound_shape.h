@@ -1,4 +1,5 @@
-// A rigid arrangement of convex hulls. Hulls may be shared by compounds; they must not change. Metres, in the body's axes.
+// A rigid arrangement of convex hulls. Hulls may be shared by compounds; they must not change. Metres, in the body's
+// axes.
 #pragma once
 
 #include <memory>

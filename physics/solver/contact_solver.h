@@ -1,8 +1,8 @@
 // Solves the contacts of a step (row_solver.h) and reports them as World::contacts().
 //
-// Overlap between bodies counts only as far as one step may correct it (WorldSettings::separation_speed). Distances are found
-// anew before the next step, which begins by moving the bodies apart. Until then they keep their places, so that the angular
-// momentum in a report is that of its impulses.
+// Overlap between bodies counts only as far as one step may correct it (WorldSettings::separation_speed). Distances
+// are found anew before the next step, which begins by moving the bodies apart. Until then they keep their places, so
+// that the angular momentum in a report is that of its impulses.
 #pragma once
 
 #include <memory>
@@ -25,8 +25,8 @@ class ContactSolver {
 
     // Awake bodies, and all contacts of theirs, which must stay until they are reported or a body is removed.
     void solve(std::span<Body* const> awake, std::span<const AnyManifold> manifolds, fracture::Threads& threads);
-    // The contacts that the last step solved, in the order of manifolds. The report is made when it is first asked for, which
-    // must be before a body is removed.
+    // The contacts that the last step solved, in the order of manifolds. The report is made when it is first asked
+    // for, which must be before a body is removed.
     [[nodiscard]] std::span<const Contact> solved_contacts();
     // These, and behind them the contacts between sleeping bodies, as they pressed when they were last awake.
     [[nodiscard]] std::span<const Contact> contacts();

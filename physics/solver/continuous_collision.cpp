@@ -8,10 +8,11 @@ namespace {
 
 // A body is fast when a point of it may move by this part of its thickness in a step.
 constexpr float fast_part = 0.25f;
-// Two moving bodies are searched when they may get deeper into each other than this part of both: only then are they pushed
-// apart on the wrong side.
+// Two moving bodies are searched when they may get deeper into each other than this part of both: only then are they
+// pushed apart on the wrong side.
 constexpr float half = 0.5f;
-// A way must be longer than this in any case, m: bodies that settle in a heap are left alone, however thin. At 120 Hz 0.4 m/s.
+// A way must be longer than this in any case, m: bodies that settle in a heap are left alone, however thin. At 120 Hz
+// 0.4 m/s.
 constexpr float min_way = 0.0033f;
 // A body that reaches no farther than this part of another's thickness does not stop it.
 constexpr float crumb_part = 0.25f;
@@ -37,7 +38,8 @@ glm::vec3 linear_at(const Trajectory& trajectory, float seconds) {
     return seconds < trajectory.stop ? trajectory.velocity.linear : glm::vec3(0.0f);
 }
 
-// Calls visit with each hull of the body that may be in the bounds, given in the world as the body is when the step begins.
+// Calls visit with each hull of the body that may be in the bounds, given in the world as the body is when the step
+// begins.
 template<class Visit>
 void for_each_hull(const Body& body, const Trajectory& trajectory, const Bounds& bounds, const Visit& visit) {
     if (!body.compound) return visit(MovingHull{&body.hull(), Transform{}, &trajectory});

@@ -1,20 +1,22 @@
 // Continuous collision: fast bodies stop at their time of impact (time_of_impact.h), in front of what they hit.
 //
-// A body that moves by a quarter of its own thickness in a step has its way searched for other bodies. Where it touches one it
-// stops for the rest of the step and keeps its velocity; the next step finds the contact and all of the speed, so that a
-// blow is one impulse and a bounce has its height. Bodies that pass without touching, slide or part are left alone, bit for bit.
+// A body that moves by a quarter of its own thickness in a step has its way searched for other bodies. Where it
+// touches one it stops for the rest of the step and keeps its velocity; the next step finds the contact and all of
+// the speed, so that a blow is one impulse and a bounce has its height. Bodies that pass without touching, slide or
+// part are left alone, bit for bit.
 //
-// - No body passes through a fixed one. Two moving bodies are searched only when they might come out on each other's wrong
-//   side: in a heap that forms, a search of every pair costs more than all contacts.
+// - No body passes through a fixed one. Two moving bodies are searched only when they might come out on each other's
+//   wrong side: in a heap that forms, a search of every pair costs more than all contacts.
 // - Of two bodies that meet, one that is slow for its own thickness goes on: it gets no deeper than in any other step.
-// - A body does not stop at a moving crumb that fits into it many times, nor at a much lighter body: a ball among splinters
-//   would stand still. It drives them before it, by speculative contacts (hull_contact.h).
+// - A body does not stop at a moving crumb that fits into it many times, nor at a much lighter body: a ball among
+//   splinters would stand still. It drives them before it, by speculative contacts (hull_contact.h).
 // - The velocities are those after contacts, so that a body that bounces off one does not pass through the next.
-// - The ground is left out, because its contacts are speculative (ground_contact.h), and so are moving bodies beside debris.
+// - The ground is left out, because its contacts are speculative (ground_contact.h), and so are moving bodies beside
+//   debris.
 // - Without a fast body, a body costs one comparison.
 //
-// Rejected: speculative contacts for fixed bodies as well. No time is lost then, but a blow falls on two steps in two parts,
-// and what flies past an edge is deflected.
+// Rejected: speculative contacts for fixed bodies as well. No time is lost then, but a blow falls on two steps in two
+// parts, and what flies past an edge is deflected.
 //
 // Metres, seconds. Not thread-safe, but works on several threads itself.
 #pragma once
@@ -41,8 +43,8 @@ class ContinuousCollision {
     // A body that reaches this many times as far as another is a floor or a wall to it.
     static constexpr float larger_factor = 3.0f;
 
-    // Bodies by their index. The bounds in the broadphase must be those of the start of the step; those of some moving bodies
-    // grow by their way, until they are set anew.
+    // Bodies by their index. The bounds in the broadphase must be those of the start of the step; those of some
+    // moving bodies grow by their way, until they are set anew.
     ContinuousCollision(const std::vector<std::unique_ptr<Body>>& bodies, SweepBroadphase& broadphase,
                         fracture::Threads& threads)
         : bodies_(bodies), broadphase_(broadphase), threads_(threads) {}
@@ -51,8 +53,8 @@ class ContinuousCollision {
         Body* body;
         float seconds; // that it moves, less than the step
     };
-    // The bodies that stop when all that are awake move on for so long from where they are, in the order of time. Valid until
-    // the next call.
+    // The bodies that stop when all that are awake move on for so long from where they are, in the order of time.
+    // Valid until the next call.
     [[nodiscard]] std::span<const Stop> find(std::span<Body* const> awake, float seconds);
 
   private:
@@ -86,8 +88,8 @@ class ContinuousCollision {
     [[nodiscard]] glm::vec3 common_velocity() const; // of most bodies that can move, debris left out
     // Bounds that hold a body on its way.
     [[nodiscard]] Bounds swept(uint32_t body) const;
-    // These keep pairs of bodies that may touch: a fast one and fixed ones; one that has stopped and moving ones, from a time on;
-    // crossing ones and others that are not fixed.
+    // These keep pairs of bodies that may touch: a fast one and fixed ones; one that has stopped and moving ones,
+    // from a time on; crossing ones and others that are not fixed.
     void pair_with_fixed(uint32_t body);
     void pair_with_moving(uint32_t body, float from);
     void pair_crossing();

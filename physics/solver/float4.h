@@ -1,5 +1,5 @@
-// Four floats that are added, multiplied and compared at once: SSE2 where the compiler has it, which every x86-64 does, and
-// plain loops elsewhere. Both give the same bits: there is no multiply-add.
+// Four floats that are added, multiplied and compared at once: SSE2 where the compiler has it, which every x86-64
+// does, and plain loops elsewhere. Both give the same bits: there is no multiply-add.
 #pragma once
 
 #include <cmath>

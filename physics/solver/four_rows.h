@@ -1,4 +1,5 @@
-// Solves rows of four bodies side by side, whose other sides never move: the same operations as one row at a time, bit for bit.
+// Solves rows of four bodies side by side, whose other sides never move: the same operations as one row at a time,
+// bit for bit.
 #pragma once
 
 #include <array>

@@ -18,14 +18,15 @@ namespace brittle::physics {
 
 namespace {
 
-// Corners nearer to the ground than this part of the hull's rotation radius touch it: a body at rest keeps its contacts while
-// it trembles.
+// Corners nearer to the ground than this part of the hull's rotation radius touch it: a body at rest keeps its
+// contacts while it trembles.
 constexpr float resting_part = 0.02f;
 // As the body moves, a contact ends beyond this part of its rotation radius.
 constexpr float breaking_part = 0.02f;
 constexpr size_t max_corners = GroundManifold::max_points;
 constexpr size_t carrying_corners = 4;
-// A corner that would be deeper than this at the end of the step, m, has a contact even where four others carry the body.
+// A corner that would be deeper than this at the end of the step, m, has a contact even where four others carry the
+// body.
 constexpr float sunk_depth = 1e-4f;
 // The impact of one corner turns the body, and another comes down faster than it did: a rod's other end by half.
 constexpr float approach_factor = 2.0f;
@@ -52,8 +53,8 @@ void take(std::vector<Corner>& corners, size_t place, const auto& score) {
     std::swap(corners[place], corners[best]);
 }
 
-// Moves the corners that carry the body best to the front: the one that comes down deepest, the one farthest from it, the one
-// farthest from the line through both, and the one farthest on that line's other side.
+// Moves the corners that carry the body best to the front: the one that comes down deepest, the one farthest from it,
+// the one farthest from the line through both, and the one farthest on that line's other side.
 void find_carrying(std::vector<Corner>& corners) {
     take(corners, 0, [](const Corner& c) { return -c.ahead; });
     const glm::vec3 first = corners[0].position;
@@ -86,8 +87,8 @@ void keep_best(std::vector<Corner>& corners) {
     corners.resize(kept);
 }
 
-// The greatest height above the ground at which a corner may have a contact, of a hull whose origin is at a distance from the
-// body's centre of mass.
+// The greatest height above the ground at which a corner may have a contact, of a hull whose origin is at a distance
+// from the body's centre of mass.
 float max_contact_height(const HullShape& hull, const Body& body, float arm, const ContactStep& step) {
     const float falling = body.velocity.linear.y + step.gravity * step.seconds;
     const float fastest = std::abs(falling) + glm::length(body.velocity.angular) * (arm + hull.radius());

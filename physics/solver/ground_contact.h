@@ -1,15 +1,16 @@
 // Contacts of convex hulls with the ground plane y = height.
 //
-// Every corner of the hull is tested, each with the distance that it can travel in the coming step: a corner that would reach
-// the ground has its contact before it does (a speculative contact), and the solver lets it come just as far. With contacts
-// that begin at the touch, a piece at 6 m/s and 120 Hz is 5 cm deep in the ground by then, and small ones never come up again.
+// Every corner of the hull is tested, each with the distance that it can travel in the coming step: a corner that
+// would reach the ground has its contact before it does (a speculative contact), and the solver lets it come just as
+// far. With contacts that begin at the touch, a piece at 6 m/s and 120 Hz is 5 cm deep in the ground by then, and
+// small ones never come up again.
 //
-// Four corners carry a hull. Up to eight more that would sink have contacts too: with four alone, the deepest and those far
-// from it, a piece with two low corners rocks between two choices of four, and each corner sinks millimetres deep while it is
-// not chosen.
+// Four corners carry a hull. Up to eight more that would sink have contacts too: with four alone, the deepest and
+// those far from it, a piece with two low corners rocks between two choices of four, and each corner sinks
+// millimetres deep while it is not chosen.
 //
-// A limit: the step that ends on the ground does so without a bounce from full speed, so fast impacts on the ground bounce
-// less than their restitution says.
+// A limit: the step that ends on the ground does so without a bounce from full speed, so fast impacts on the ground
+// bounce less than their restitution says.
 #pragma once
 
 #include <memory>

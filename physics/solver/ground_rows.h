@@ -1,7 +1,7 @@
 // Rows of hulls' contacts with the ground, four points at a time: of one body, or one point of each of four bodies.
 //
-// In a heap half of all contacts are with the ground, and a row there depends on no other body. The operations and their order are
-// those of RowSolver::make_row(): not a bit differs. Thread-safe: no state.
+// In a heap half of all contacts are with the ground, and a row there depends on no other body. The operations and
+// their order are those of RowSolver::make_row(): not a bit differs. Thread-safe: no state.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@
 namespace brittle::physics {
 
 struct GroundRows {
-    // The part of an overlap that a step corrects. The ground is static, so it may be more than between bodies, where each
-    // piece that is lifted lifts others.
+    // The part of an overlap that a step corrects. The ground is static, so it may be more than between bodies, where
+    // each piece that is lifted lifts others.
     static constexpr float correction_part = 0.6f;
 
     FourRows contacts, frictions; // the normals of frictions are their tangents
@@ -32,7 +32,8 @@ struct GroundStep {
     float warm_start_part;  // of the last impulse
 };
 
-// Makes the rows of four points from `first` on; where there are fewer, the last point repeats. The body is not resting.
+// Makes the rows of four points from `first` on; where there are fewer, the last point repeats. The body is not
+// resting.
 [[nodiscard]] GroundRows ground_rows(const SolverBody& body, const GroundManifold& ground, size_t first,
                                      const GroundStep& step);
 

@@ -19,11 +19,12 @@ namespace {
 
 // Contacts begin at this part of the smaller hull's rotation radius, m.
 constexpr float near_part = 0.02f;
-// Hulls that touch are searched again when they have moved against each other by this part of that distance: a two-hundredth
-// of the smaller one's radius. More saves time while a heap settles; much more, and contacts lag behind corners that tilt.
+// Hulls that touch are searched again when they have moved against each other by this part of that distance: a
+// two-hundredth of the smaller one's radius. More saves time while a heap settles; much more, and contacts lag behind
+// corners that tilt.
 constexpr float still_part = 0.25f;
-// Pieces of one cut that fly as one are searched when they have moved against each other by this part of the smaller one's
-// radius: rounding moves them by less.
+// Pieces of one cut that fly as one are searched when they have moved against each other by this part of the smaller
+// one's radius: rounding moves them by less.
 constexpr float together_part = 1e-4f;
 // Speculative contacts with a much lighter body begin when the heavier one moves in a step by this part of the smaller
 // one's radius, and both move against each other by the second part of it.
@@ -72,7 +73,8 @@ class HullContacts final : public PairContacts {
 
     void update(const ContactStep& step) override {
         const Frames now{a_.frame(), b_.frame()};
-        // Contacts of two bodies may end because the step goes on along another axis than the last one: one more search.
+        // Contacts of two bodies may end because the step goes on along another axis than the last one: one more
+        // search.
         if (find(now, step.seconds) || (!of_compound_ && find(now, step.seconds))) return;
         manifold_.reset();
     }
@@ -188,7 +190,8 @@ class HullContacts final : public PairContacts {
         free_ = manifold_->count() == before ? still_ : -1.0f;
     }
 
-    // On a floor or a wall: a contact for each corner of the smaller hull that the step may bring down, as on the ground.
+    // On a floor or a wall: a contact for each corner of the smaller hull that the step may bring down, as on the
+    // ground.
     void add_corners(const Frames& now, float seconds) {
         if (approach_speed(now) * seconds <= still_) return;
         const Transform& frame = a_is_smaller_ ? now.a : now.b;
@@ -202,7 +205,8 @@ class HullContacts final : public PairContacts {
             const float height = glm::dot(corner - foot, away) - hull.margin();
             const float down = -glm::dot(velocity_against(corner), away) * seconds;
             if (height > std::min(near_ + std::max(down, 0.0f), highest)) continue;
-            // A point beyond the threshold is no contact, and one nearer to another than the threshold would replace it.
+            // A point beyond the threshold is no contact, and one nearer to another than the threshold would replace
+            // it.
             const float threshold = std::max(near_, height);
             const glm::vec3 on_surface = corner - away * hull.margin();
             if (has_contact_near(on_surface, std::max(threshold, same_part * radius_))) continue;
@@ -244,8 +248,9 @@ class HullContacts final : public PairContacts {
         return touch;
     }
 
-    // Replaces the contacts, which lie where the hulls are nearest now, by those of the predicted moment of touch: the middle of
-    // the smaller hull's lower corners, the point of touch, and the lower corners that are farthest from these.
+    // Replaces the contacts, which lie where the hulls are nearest now, by those of the predicted moment of touch:
+    // the middle of the smaller hull's lower corners, the point of touch, and the lower corners that are farthest
+    // from these.
     void meet_ahead(const Frames& now, float seconds) {
         const std::optional<Touch> touch = touch_ahead(now, seconds);
         manifold_->clear();
@@ -297,8 +302,8 @@ class HullContacts final : public PairContacts {
         return {found.normal, found.distance - margins_};
     }
 
-    // The contact, as it is now, of a point that the smaller hull will have so far from the larger one. It lies where the light
-    // body has it, because a wrong lever arm matters less on the heavy one.
+    // The contact, as it is now, of a point that the smaller hull will have so far from the larger one. It lies where
+    // the light body has it, because a wrong lever arm matters less on the heavy one.
     [[nodiscard]] ContactPoint predicted(const Touch& touch, const glm::vec3& on_surface, const Below& below) const {
         const bool b_is_light = a_pushes_b_, light_is_smaller = b_is_light != a_is_smaller_;
         const glm::vec3 then = light_is_smaller ? on_surface : on_surface - below.away * below.distance;
@@ -331,7 +336,8 @@ class HullContacts final : public PairContacts {
         });
     }
 
-    // Whether a corner of the smaller hull is as far from the larger one as from the plane of a contact: over the same face.
+    // Whether a corner of the smaller hull is as far from the larger one as from the plane of a contact: over the
+    // same face.
     [[nodiscard]] bool is_over(const Transform& larger_frame, const glm::vec3& corner, float height) const {
         const float limit = margins_ + near_ + std::max(height, 0.0f);
         return std::abs(below_of(larger_frame, corner, limit).distance - height) < near_;

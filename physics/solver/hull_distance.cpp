@@ -18,8 +18,8 @@ using glm::dvec3;
 constexpr int max_gjk_rounds = 48, max_epa_rounds = 64;
 // Nearer than this part of the hulls' size, the direction between two points is rounding: they count as overlapping.
 constexpr double touching_part = 1e-5;
-// GJK ends where no corner can bring the distance down by more than this part of it. As in Bullet: where faces are nearly
-// parallel, a smaller one always gives the same corner, and contacts are slower to become four.
+// GJK ends where no corner can bring the distance down by more than this part of it. As in Bullet: where faces are
+// nearly parallel, a smaller one always gives the same corner, and contacts are slower to become four.
 constexpr double near_enough = 1e-6;
 // EPA ends where the next corner would move a face by less than this part of the hulls' size.
 constexpr double face_part = 1e-5;
@@ -141,7 +141,8 @@ bool inside_tetrahedron(Simplex& s) {
     return false;
 }
 
-// Reduces the simplex to the corners whose hull holds the point nearest to the origin; true if the origin is inside of it.
+// Reduces the simplex to the corners whose hull holds the point nearest to the origin; true if the origin is inside
+// of it.
 bool reduce(Simplex& s) {
     const std::array<Corner, 4> c = s.corners;
     switch (s.count) {
@@ -194,7 +195,8 @@ class Polytope {
             const Corner corner = difference_.support(face->normal);
             const double depth = glm::dot(face->normal, corner.at);
             const bool last = depth - face->distance <= face_part * size_;
-            // Any direction tells how far the hulls must move along it: where this ends early, the best one seen is right.
+            // Any direction tells how far the hulls must move along it: where this ends early, the best one seen is
+            // right.
             if (last || depth < min_depth) min_depth = depth, found = *face;
             if (last || !grow(corner)) break;
         }
@@ -291,8 +293,8 @@ class Polytope {
         return true;
     }
 
-    // Where on the border a point of it lies: on the face, or on another in its plane, as any of them may be told to be the
-    // nearest.
+    // Where on the border a point of it lies: on the face, or on another in its plane, as any of them may be told to
+    // be the nearest.
     [[nodiscard]] Simplex nearest_to(const dvec3& point, const Face& face) const {
         Simplex best;
         double best_square = std::numeric_limits<double>::infinity();

@@ -29,8 +29,8 @@ struct NearestCorners {
 struct HullDistance {
     float distance = 0.0f;              // below 0: the depth of the overlap; above the limit: a lower bound
     glm::vec3 normal{0.0f, 1.0f, 0.0f}; // unit, in the first hull's frame, from the second to the first
-    // The nearest or deepest point of the second hull, in the first one's frame; unset above the limit. The one of the first
-    // hull is point + normal * distance.
+    // The nearest or deepest point of the second hull, in the first one's frame; unset above the limit. The one of
+    // the first hull is point + normal * distance.
     glm::vec3 point{0.0f};
 };
 

@@ -1,10 +1,11 @@
 // Islands: bodies that can push each other, directly or through others. They sleep and wake together.
 //
-// Bodies whose bounds overlap are in one island; fixed bodies and the ground are in none. An island without a body that wants
-// to stay awake falls asleep as a whole, and wakes as a whole when an awake body comes to it. Of sleeping bodies only such
-// islands are visited, and of pairs those with an awake body or in such an island.
+// Bodies whose bounds overlap are in one island; fixed bodies and the ground are in none. An island without a body
+// that wants to stay awake falls asleep as a whole, and wakes as a whole when an awake body comes to it. Of sleeping
+// bodies only such islands are visited, and of pairs those with an awake body or in such an island.
 //
-// - Contacts come in the order of their pairs, which is that of the bodies: nothing depends on addresses or on earlier steps.
+// - Contacts come in the order of their pairs, which is that of the bodies: nothing depends on addresses or on
+//   earlier steps.
 // - Not thread-safe, but collects contacts on several threads itself.
 #pragma once
 

@@ -1,8 +1,8 @@
-// Bodies that touch nothing but the ground, as most debris does, and are not resting: solved four at a time from their contact
-// points to their contact points.
+// Bodies that touch nothing but the ground, as most debris does, and are not resting: solved four at a time from
+// their contact points to their contact points.
 //
-// For sixteen bodies at a time rows are made, all sweeps run over them, overlap is corrected, and impulses go back to the
-// points; the rows are never stored. The operations and their order are those of RowSolver: not a bit differs.
+// For sixteen bodies at a time rows are made, all sweeps run over them, overlap is corrected, and impulses go back to
+// the points; the rows are never stored. The operations and their order are those of RowSolver: not a bit differs.
 #pragma once
 
 #include <cstdint>

@@ -16,8 +16,9 @@
 
 namespace brittle::physics {
 
-// Contacts that closed faster than this, m/s, are blows: the next solution does not start from their impulse. What stopped
-// a blow is a hundred times what is needed a step later, and what the sweeps do not take back would be energy from nothing.
+// Contacts that closed faster than this, m/s, are blows: the next solution does not start from their impulse. What
+// stopped a blow is a hundred times what is needed a step later, and what the sweeps do not take back would be energy
+// from nothing.
 inline constexpr float blow_speed = 0.2f;
 
 // Of two bodies, or of a body and the ground.
@@ -58,8 +59,8 @@ class Manifold {
     [[nodiscard]] float breaking_threshold() const { return breaking_threshold_; }
     void set_breaking_threshold(float threshold) { breaking_threshold_ = threshold; }
 
-    // Adds the contact at a point on b, or moves the contact that is near it, which keeps its impulses. Of five points the
-    // four that span the largest area stay, the deepest always. Beyond the threshold nothing is added.
+    // Adds the contact at a point on b, or moves the contact that is near it, which keeps its impulses. Of five
+    // points the four that span the largest area stay, the deepest always. Beyond the threshold nothing is added.
     void add(const glm::vec3& normal, const glm::vec3& on_b, float distance, uint32_t part_a, uint32_t part_b);
     void add(const ContactPoint& point);
     // Moves the points with the bodies and drops those beyond the threshold.

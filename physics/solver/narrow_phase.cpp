@@ -17,8 +17,8 @@ namespace {
 // Fewer pairs than this are not worth waking another thread for.
 constexpr uint32_t min_pairs = 128;
 
-// Prefetches what the next pairs need: their contacts and second bodies, then those bodies' shapes, then the points. The first
-// body is that of many pairs in a row.
+// Prefetches what the next pairs need: their contacts and second bodies, then those bodies' shapes, then the points.
+// The first body is that of many pairs in a row.
 [[gnu::always_inline]] inline void prefetch_next(const SweptPairs& pairs, std::span<const uint32_t> next) {
     constexpr size_t points_ahead = 2, shape_ahead = 4, pair_ahead = 8, contact_bytes = 320;
     if (next.size() > pair_ahead) {

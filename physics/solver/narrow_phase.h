@@ -1,7 +1,7 @@
 // The narrow phase: contacts of all pairs whose bounds overlap, on several threads.
 //
-// A pair's contacts change nothing but themselves, so pairs are updated side by side and nothing depends on the number of
-// threads.
+// A pair's contacts change nothing but themselves, so pairs are updated side by side and nothing depends on the
+// number of threads.
 #pragma once
 
 #include "fracture/base/threads.h"

@@ -24,8 +24,8 @@ class PairContacts {
 
     // Finds the contacts for the coming step; contacts of the last one keep their impulses.
     virtual void update(const ContactStep& step) = 0;
-    // Moves the contacts with the bodies and drops those that have come apart, without a search. For a hull of a compound,
-    // before any of its pair's hulls is updated.
+    // Moves the contacts with the bodies and drops those that have come apart, without a search. For a hull of a
+    // compound, before any of its pair's hulls is updated.
     virtual void refresh() = 0;
     // Appends the manifolds that have contacts.
     virtual void collect(std::vector<AnyManifold>& to) const = 0;

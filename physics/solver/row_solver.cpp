@@ -295,7 +295,8 @@ RowSolver::Side RowSolver::side_of(const Body& body, const glm::vec3& position) 
     return {&bodies_[index], index, position - bodies_[index].centre};
 }
 
-// The Jacobian J = [n, r_a x n, -n, n x r_b], the effective mass 1 / (J M^-1 J^T), and the bias that stops the sides: -m_eff J v.
+// The Jacobian J = [n, r_a x n, -n, n x r_b], the effective mass 1 / (J M^-1 J^T), and the bias that stops the sides:
+// -m_eff J v.
 Row RowSolver::row_along(const glm::vec3& normal, const Side& a, const Side& b) {
     Row row{};
     const auto inverse_inertia_times = [](const SolverBody& body, const glm::vec3& v) {
@@ -324,8 +325,8 @@ Row RowSolver::row_along(const glm::vec3& normal, const Side& a, const Side& b) 
     return row;
 }
 
-// The target speed of a contact is its bounce, e times the approach speed, less the speed that may close a gap within the step:
-// bias = m_eff (bounce - max(distance, 0) / h - J v).
+// The target speed of a contact is its bounce, e times the approach speed, less the speed that may close a gap within
+// the step: bias = m_eff (bounce - max(distance, 0) / h - J v).
 inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, const Step& step) {
     const Side &a = touch.a, &b = touch.b;
     const glm::vec3& normal = touch.normal;

@@ -1,17 +1,17 @@
 // The solver of a step: projected Gauss-Seidel over constraint rows of contacts and friction (row.h).
 //
-// - The first points of all pairs come first, then all second points, so that rows beside each other have at most one body in
-//   common and the processor works on several at a time.
-// - Contacts with static bodies come behind all others: each sweep ends with no velocity into the ground. Otherwise a heavy
-//   piece presses a light one below it millimetres into the ground and holds it there.
+// - The first points of all pairs come first, then all second points, so that rows beside each other have at most one
+//   body in common and the processor works on several at a time.
+// - Contacts with static bodies come behind all others: each sweep ends with no velocity into the ground. Otherwise a
+//   heavy piece presses a light one below it millimetres into the ground and holds it there.
 // - A sweep over contacts is followed by one over their friction.
-// - Bodies that do not act on each other have their sweeps on different threads (bundles.h). Those that touch nothing that moves
-//   have all sweeps at once (static_rows.h, and on the ground lone_bodies.h).
+// - Bodies that do not act on each other have their sweeps on different threads (bundles.h). Those that touch nothing
+//   that moves have all sweeps at once (static_rows.h, and on the ground lone_bodies.h).
 // - Overlap is corrected by split impulses: rows of their own change positions, not velocities.
 // - One friction direction a point: the direction of sliding. Points that do not slide alternate between two tangents.
 //   No joints, no rolling friction.
-// - Two moving bodies meet in one point, midway across the gap or overlap. With a point on each side, friction would turn the two
-//   more than it should.
+// - Two moving bodies meet in one point, midway across the gap or overlap. With a point on each side, friction would
+//   turn the two more than it should.
 // - A resting body (sleeping.h) has infinite mass; between two resting bodies impulses stay what they were.
 // - Warm starting: the solution starts from 0.85 of the impulses that the points have from the last one.
 //
@@ -56,8 +56,8 @@ class RowSolver {
         glm::vec3 friction; // N s, on the first body, across the normal; until the sweeps are done, its direction
     };
 
-    // Awake bodies in body order, and all contacts of theirs. Changes the velocities by gravity and contacts, leaves impulses in
-    // the points of the manifolds, and in the bodies the correction of overlap.
+    // Awake bodies in body order, and all contacts of theirs. Changes the velocities by gravity and contacts, leaves
+    // impulses in the points of the manifolds, and in the bodies the correction of overlap.
     void solve(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
                fracture::Threads& threads);
     // In the order of manifolds and their points, without those on the ground, which keep it themselves (GroundPoint).
@@ -99,7 +99,8 @@ class RowSolver {
     static GroundStep ground_step(const Step& step);
     static SolverBody solver_body(const Body& body, const Step& step);
     void take_bodies(std::span<Body* const> bodies, const Step& step, fracture::Threads& threads);
-    // Gives each point its place: by bundles, in each the first points of pairs first; contacts with static bodies last.
+    // Gives each point its place: by bundles, in each the first points of pairs first; contacts with static bodies
+    // last.
     void order(std::span<const AnyManifold> manifolds, fracture::Threads& threads);
     void take_lone(std::span<const AnyManifold> manifolds);
     void order_static();

@@ -1,9 +1,9 @@
 // Pieces of one cut that come to the world together and fly as one.
 //
-// They do not overlap (BodyDesc::siblings promises it). As long as none of them touches anything else and they move as one
-// rigid body, no force acts between them, and their pairs need no search until two have moved against each other. A
-// thousand new pieces in the air then cost the first step a fifth of a full search. Where one touches the ground or another
-// body, or they move apart or into each other, their pairs are searched as all others.
+// They do not overlap (BodyDesc::siblings promises it). As long as none of them touches anything else and they move
+// as one rigid body, no force acts between them, and their pairs need no search until two have moved against each
+// other. A thousand new pieces in the air then cost the first step a fifth of a full search. Where one touches the
+// ground or another body, or they move apart or into each other, their pairs are searched as all others.
 //
 // Body::siblings holds the number of the cut for the body's first step, and 0 afterwards.
 #pragma once

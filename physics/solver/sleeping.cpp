@@ -15,22 +15,22 @@ namespace {
 constexpr float settling_kept_per_second = 1e-6f;
 // A settling body that trembles above the sleeping speeds, but not by this factor, waits longer instead of anew.
 constexpr float tremble_factor = 4.0f;
-// Where this part of an island's mass is still and nothing is faster than a tremble, the rest counts as still after this
-// multiple of the sleeping time.
+// Where this part of an island's mass is still and nothing is faster than a tremble, the rest counts as still after
+// this multiple of the sleeping time.
 constexpr float calm_part = 0.9f;
 constexpr float quiet_factor = 2.0f;
-// A body that after this multiple of the sleeping time still is within this part of what the sleeping speeds make of the
-// sleeping time (4 cm and 0.4 rad) from where it was rocks in place, however fast.
+// A body that after this multiple of the sleeping time still is within this part of what the sleeping speeds make of
+// the sleeping time (4 cm and 0.4 rad) from where it was rocks in place, however fast.
 constexpr float place_factor = 2.0f;
 constexpr float place_part = 1.0f;
-// A body rests once nothing has disturbed it for so long, s: a body that has lost its support is on its way by then, and
-// contacts press as they will go on to.
+// A body rests once nothing has disturbed it for so long, s: a body that has lost its support is on its way by then,
+// and contacts press as they will go on to.
 constexpr float undisturbed_seconds = 0.1f;
-// Waiting counts up to this multiple of the sleeping time, so that a tremble does not at once wake a body that waits for its
-// neighbours.
+// Waiting counts up to this multiple of the sleeping time, so that a tremble does not at once wake a body that waits
+// for its neighbours.
 constexpr float patience = 1.5f;
-// A body that is deeper than this in the ground, m, does not fall asleep before it has come up, or has been where it is for
-// this multiple of the sleeping time: a crumb under a body of hundreds of times its mass never comes up.
+// A body that is deeper than this in the ground, m, does not fall asleep before it has come up, or has been where it
+// is for this multiple of the sleeping time: a crumb under a body of hundreds of times its mass never comes up.
 constexpr float sunk_depth = 1e-3f;
 constexpr float sunk_factor = 8.0f;
 
@@ -130,7 +130,8 @@ void Sleeping::find_touching(float seconds) {
         note(touching_[manifold.a].any);
         if (!manifold.ground) return note(touching_[manifold.b].any);
         const Body& body = *bodies_[manifold.a];
-        // Where it would sleep: after the step, which may have turned a corner down, and the correction of overlap that is due.
+        // Where it would sleep: after the step, which may have turned a corner down, and the correction of overlap
+        // that is due.
         for (const GroundPoint& point : manifold.ground->points()) {
             const glm::vec3 arm = point.position - body.rewind_frame.origin;
             float rise = body.velocity.at(arm).y * seconds;

@@ -1,17 +1,17 @@
 // Which bodies come to rest, and which are ready to sleep.
 //
-// - Ready to sleep: a body that touches something and has been slow for WorldSettings::sleep_seconds. For the second half of that
-//   time its velocity is damped. One tremble does not start the wait anew; a body that only rocks in place waits longer,
-//   however fast; one that is too deep in the ground waits until it has come up. An island sleeps as soon as all of its
-//   bodies are ready (islands.h).
-// - Quiet: in a large heap some light piece between heavy ones always trembles, because the solver knows what presses on it to a
-//   few per cent only. Where nine tenths of an island's mass are still and nothing is faster than a tremble, its other bodies
-//   count as still after twice the time.
-// - Resting: a body that is ready inside an island that is still awake gets infinite mass, until something disturbs it: a body
-//   that it touches moves and is not ready, or is gone. Otherwise a large heap never sleeps: the solver leaves every body
-//   some creep, and every few seconds a piece that has crept far enough falls and keeps all others awake and creeping. No body
-//   of an island rests while one of it is fast, because all take a blow, or waits to come up from the ground, because all
-//   must yield.
+// - Ready to sleep: a body that touches something and has been slow for WorldSettings::sleep_seconds. For the second
+//   half of that time its velocity is damped. One tremble does not start the wait anew; a body that only rocks in
+//   place waits longer, however fast; one that is too deep in the ground waits until it has come up. An island sleeps
+//   as soon as all of its bodies are ready (islands.h).
+// - Quiet: in a large heap some light piece between heavy ones always trembles, because the solver knows what presses
+//   on it to a few per cent only. Where nine tenths of an island's mass are still and nothing is faster than a
+//   tremble, its other bodies count as still after twice the time.
+// - Resting: a body that is ready inside an island that is still awake gets infinite mass, until something disturbs
+//   it: a body that it touches moves and is not ready, or is gone. Otherwise a large heap never sleeps: the solver
+//   leaves every body some creep, and every few seconds a piece that has crept far enough falls and keeps all others
+//   awake and creeping. No body of an island rests while one of it is fast, because all take a blow, or waits to come
+//   up from the ground, because all must yield.
 //
 // Not thread-safe, but works on several threads itself.
 #pragma once

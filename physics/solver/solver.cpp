@@ -21,8 +21,8 @@ namespace {
 constexpr float bounds_slack = 2e-3f;
 // A body whose way in a step is longer than this, m, is astray.
 constexpr float longest_way = 1e5f;
-// Air that brakes by less than this part of gravity is left out: falling pieces of one cut would not fly as one, and all their
-// contacts would have to be searched.
+// Air that brakes by less than this part of gravity is left out: falling pieces of one cut would not fly as one, and
+// all their contacts would have to be searched.
 constexpr float unfelt_part = 0.03f;
 // Fewer bodies than this are not worth waking another thread for.
 constexpr uint32_t min_bodies = 64, min_new_bodies = 32, min_poses = 256;
@@ -50,7 +50,8 @@ Transform predicted(const Body& body, float seconds) {
             body.frame.origin + body.velocity.linear * seconds};
 }
 
-// Prefetches what the next bodies need for their bounds: the bodies, their forms and proxies, and the points of their hulls.
+// Prefetches what the next bodies need for their bounds: the bodies, their forms and proxies, and the points of their
+// hulls.
 [[gnu::always_inline]] inline void prefetch_hulls(std::span<Body* const> bodies) {
     constexpr size_t points_ahead = 2, form_ahead = 4, body_ahead = 6;
     if (bodies.size() > body_ahead) prefetch(bodies[body_ahead]);
@@ -284,8 +285,8 @@ void Solver::move_bodies() {
     for_each_body(islands_.awake(), threads_, [](Body& body) { move_on(body, body.moving_seconds); });
 }
 
-// A body that stops for the rest of a step does not fall in it either: else it would gain the speed without the way. A body
-// that a contact holds up has not gained any.
+// A body that stops for the rest of a step does not fall in it either: else it would gain the speed without the way.
+// A body that a contact holds up has not gained any.
 void Solver::lose_fall(Body& body, float seconds) const {
     const glm::vec3 fallen = settings_.gravity * seconds, before = body.velocity.linear - fallen;
     if (length_squared(before) >= length_squared(body.velocity.linear)) return;
@@ -380,9 +381,6 @@ void Solver::add_state(StateHash& hash) const {
 }
 
 void Solver::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) {
-    constexpr glm::vec3 awake_colour(1.0f, 0.1f, 0.1f), asleep_colour(0.35f, 0.05f, 0.05f);
-    constexpr glm::vec3 contact_colour(1.0f, 0.85f, 0.1f);
-    constexpr float contact_line_length = 0.05f; // m
     const auto draw_hull = [&](const HullShape& shape, std::vector<HullEdge>& edges, const Transform& frame,
                                const glm::vec3& colour) {
         if (edges.empty()) edges = hull_edges(shape.points());
@@ -391,7 +389,7 @@ void Solver::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) {
     };
     for (size_t i = 0; draw.hulls && i < bodies_.size(); ++i) {
         Body& body = *bodies_[i];
-        const glm::vec3 colour = body.awake() ? awake_colour : asleep_colour;
+        const glm::vec3 colour = hull_colour(body.awake());
         if (!body.compound) {
             draw_hull(body.hull(), body.edges, body.frame, colour);
             continue;
@@ -404,8 +402,7 @@ void Solver::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) {
     for (const SweptPair& pair : broadphase_.pairs().all())
         if (pair.contacts) pair.contacts->collect(manifolds);
     const auto draw_contact = [&](const glm::vec3& at, const glm::vec3& normal, float distance) {
-        if (distance >= touching_distance) return;
-        out.push_back({at, at + normal * contact_line_length, contact_colour});
+        if (distance < touching_distance) out.push_back(contact_line(at, normal));
     };
     for (const AnyManifold& manifold : manifolds) {
         if (manifold.ground)

@@ -3,7 +3,8 @@
 // One step, in this order (Solver::step()):
 //  1. bodies: the correction of overlap that the last step found; damping; bounds of the way ahead
 //  2. broadphase (sweep_broadphase.h), pieces of one cut that fly as one (siblings.h), air drag (air_drag.h)
-//  3. narrow phase (narrow_phase.h): contacts of hulls (hull_contact.h), with the ground (ground_contact.h), of compounds
+//  3. narrow phase (narrow_phase.h): contacts of hulls (hull_contact.h), with the ground (ground_contact.h), of
+//     compounds
 //  4. islands (islands.h), which wake and fall asleep; bodies that rest (sleeping.h)
 //  5. contacts and friction (contact_solver.h, row_solver.h)
 //  6. continuous collision (continuous_collision.h), then all bodies move; free rotation conserves energy and angular
@@ -103,5 +104,8 @@ class Solver final : public Engine {
     Sleeping sleeping_{settings_, bodies_, islands_, threads_};
     std::vector<Body*> stepped_; // bodies that were awake at any time of the step
 };
+
+// The settings are valid.
+[[nodiscard]] std::unique_ptr<Engine> make_solver(const WorldSettings& settings);
 
 } // namespace brittle::physics

@@ -9,15 +9,15 @@ namespace brittle::physics {
 
 namespace {
 
-// Blocks that are solved in all sweeps at once come in groups of this many: a row depends on the one before, and the rows of the
-// other blocks fill the latency.
+// Blocks that are solved in all sweeps at once come in groups of this many: a row depends on the one before, and the
+// rows of the other blocks fill the latency.
 constexpr uint32_t group_size = 4;
 constexpr uint32_t max_counted = 48; // rows of a body: see sort_bodies()
 
 } // namespace
 
-// By bundle, bodies without one last; within a bundle those with most rows first. A counting sort; the few with very many rows are
-// sorted by comparison.
+// By bundle, bodies without one last; within a bundle those with most rows first. A counting sort; the few with very
+// many rows are sorted by comparison.
 void StaticRows::sort_bodies(const Bundles& bundles) {
     const auto key_of = [&](uint32_t body) {
         const size_t bundle = std::min(bundles.of(body), bundles.count());

@@ -1,13 +1,13 @@
 // Rows of contacts with static bodies and the ground, four bodies at a time.
 //
-// Such a row changes one body's velocity only. So the first rows of four bodies are solved side by side, then their second ones,
-// while the velocities of the four stay in registers; bodies with about as many rows come together. In a heap half of all
-// contacts are with the ground. Each body's rows are solved in their order, with the operations of one at a time: not a bit
-// differs.
+// Such a row changes one body's velocity only. So the first rows of four bodies are solved side by side, then their
+// second ones, while the velocities of the four stay in registers; bodies with about as many rows come together. In a
+// heap half of all contacts are with the ground. Each body's rows are solved in their order, with the operations of
+// one at a time: not a bit differs.
 //
-// Bodies without other rows depend on nothing between two sweeps: their rows are solved in all sweeps at once, on any thread.
-// Bodies with other rows are solved sweep by sweep, with their bundle. Bodies that touch nothing but the ground have no
-// rows here: lone_bodies.h.
+// Bodies without other rows depend on nothing between two sweeps: their rows are solved in all sweeps at once, on any
+// thread. Bodies with other rows are solved sweep by sweep, with their bundle. Bodies that touch nothing but the
+// ground have no rows here: lone_bodies.h.
 #pragma once
 
 #include <array>
@@ -24,21 +24,22 @@ namespace brittle::physics {
 
 class StaticRows {
   public:
-    // Reserves places for contacts, given by their bodies; those of one body in the order in which they are to be solved.
-    // Inverse masses are by body. A body that has rows elsewhere is in a bundle.
+    // Reserves places for contacts, given by their bodies; those of one body in the order in which they are to be
+    // solved. Inverse masses are by body. A body that has rows elsewhere is in a bundle.
     void arrange(std::span<const uint32_t> bodies, std::span<const float> inverse_masses, const Bundles& bundles);
     // Writes the rows of the contact with that index, and of its friction. For different contacts, on any threads.
     void put(size_t contact, const Row& row, const Row& friction, float coefficient);
     // From one lane of four rows.
     void put(size_t contact, const FourRows& rows, const FourRows& frictions, size_t lane, float coefficient);
 
-    // Of the bodies of a bundle; for different bundles, on any threads: warm starting, one sweep over contacts, and one over
-    // their friction.
+    // Of the bodies of a bundle; for different bundles, on any threads: warm starting, one sweep over contacts, and
+    // one over their friction.
     void apply(uint32_t bundle, VelocityChange* changes) const;
     void solve_contacts(uint32_t bundle, VelocityChange* changes);
     void solve_friction(uint32_t bundle, VelocityChange* changes);
 
-    // All of that, and so many sweeps, for some groups of the bodies without a bundle. For different groups, on any threads.
+    // All of that, and so many sweeps, for some groups of the bodies without a bundle. For different groups, on any
+    // threads.
     [[nodiscard]] uint32_t lone_groups() const;
     void solve_lone(uint32_t begin, uint32_t end, int sweeps, VelocityChange* changes);
 

@@ -83,8 +83,8 @@ void SweptPairs::forget_gone(const std::vector<Change>& changes, const std::vect
     keys_.resize(left);
 }
 
-// Pairs with a proxy of higher rank lie side by side, behind all pairs with one of lower rank. Hardly any of the latter is
-// the proxy's, so they are compared in blocks.
+// Pairs with a proxy of higher rank lie side by side, behind all pairs with one of lower rank. Hardly any of the
+// latter is the proxy's, so they are compared in blocks.
 const std::vector<uint32_t>& SweptPairs::pairs_of(const SweptProxy& proxy) {
     constexpr size_t at_once = 64;
     const uint32_t rank = proxy.rank;

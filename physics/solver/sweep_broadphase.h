@@ -1,13 +1,13 @@
 // The broadphase: pairs of bounds that overlap, found anew in each step by sweeping along one axis (sweep and prune).
 //
-// Bounds are tight: in a heap of pieces, bounds with the slack that a dynamic tree needs give three times as many pairs. The
-// bounds that were set since the last step are those of bodies that are awake. They are sorted along the axis on which they
-// spread most, and compared with each other and with the bounds that were not set, four at a time. Pairs of two that were not
-// set stay as they are. Debris has lists of its own, awake and asleep, which are neither compared with themselves nor with
-// each other, because debris does not collide with debris.
+// Bounds are tight: in a heap of pieces, bounds with the slack that a dynamic tree needs give three times as many
+// pairs. The bounds that were set since the last step are those of bodies that are awake. They are sorted along the
+// axis on which they spread most, and compared with each other and with the bounds that were not set, four at a time.
+// Pairs of two that were not set stay as they are. Debris has lists of its own, awake and asleep, which are neither
+// compared with themselves nor with each other, because debris does not collide with debris.
 //
-// - Pairs come in the order of their proxies' ranks, and ranks in the order in which proxies were added: nothing depends on
-//   addresses or on earlier steps.
+// - Pairs come in the order of their proxies' ranks, and ranks in the order in which proxies were added: nothing
+//   depends on addresses or on earlier steps.
 // - The contacts that a pair keeps live as long as the two overlap in every step, and end when one of them is removed.
 // - A body that sleeps costs the comparison of one coordinate.
 // - The work grows with the pairs that overlap along the axis: n^(5/3) for n pieces of one object.
@@ -106,13 +106,13 @@ class SweepBroadphase {
     // Calls visit(proxy) for each proxy whose bounds overlap the given ones, in the order of ranks.
     void for_each_overlap(const Bounds& bounds, const std::function<void(const SweptProxy&)>& visit) const;
 
-    // Pairs of bounds that were set since pairs were last found with all that they overlap, ascending; valid until the next
-    // call. No proxy may have been removed since then.
+    // Pairs of bounds that were set since pairs were last found with all that they overlap, ascending; valid until
+    // the next call. No proxy may have been removed since then.
     [[nodiscard]] std::span<const SweptPairs::Key> find_set();
 
-    // The ranks of all proxies that are connected with some given ones by pairs, each once, and the pairs that they have;
-    // ascending. Connections lead through proxies for which `passes` holds, as it does for the given ones. By the pairs that
-    // were last found; valid until the next call.
+    // The ranks of all proxies that are connected with some given ones by pairs, each once, and the pairs that they
+    // have; ascending. Connections lead through proxies for which `passes` holds, as it does for the given ones. By
+    // the pairs that were last found; valid until the next call.
     struct Connected {
         std::vector<uint32_t> ranks;
         std::vector<uint32_t> pairs;
@@ -166,8 +166,8 @@ class SweepBroadphase {
     // Two ways to find what is connected: one proxy after the other, false where there are many; and over all pairs.
     bool connect_few(std::span<const uint32_t> ranks, const Passes& passes);
     void connect_many(std::span<const uint32_t> ranks, const Passes& passes);
-    // These add pairs to found_: within a list; of two lists, optionally without those of the second that were set; of one
-    // box with the boxes from a place on that begin before it ends.
+    // These add pairs to found_: within a list; of two lists, optionally without those of the second that were set;
+    // of one box with the boxes from a place on that begin before it ends.
     void sweep(const Sorted& boxes);
     void sweep(const Sorted& boxes, const Sorted& others, bool skip_set);
     void sweep_one(uint32_t rank, const Sorted& others, size_t from, bool skip_set,

@@ -61,7 +61,8 @@ struct Transform {
             {xz + wy, yz - wx, 1.0f - (xx + yy)}};
 }
 
-// The unit quaternion of a rotation matrix, by its largest component (Shepperd, "Quaternion from rotation matrix", 1978).
+// The unit quaternion of a rotation matrix, by its largest component (Shepperd, "Quaternion from rotation matrix",
+// 1978).
 [[nodiscard]] inline glm::quat rotation_of(const glm::mat3& m) {
     const float trace = m[0][0] + m[1][1] + m[2][2];
     if (trace > 0.0f) {

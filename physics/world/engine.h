@@ -1,9 +1,9 @@
 // The engine behind a World: it keeps bodies, finds their contacts and takes one step. World adds handles, time and
 // interpolation.
 //
-// Two engines implement it: Brittle's own solver (solver/solver.h), the default, and stock Bullet (bullet/bullet_engine.h).
-// A body is named by its index in body order; remove() moves later bodies up by one. World coordinates, SI units.
-// Not thread-safe; engines of different Worlds may run at the same time.
+// Two engines implement it: Brittle's own solver (solver/solver.h), the default, and stock Bullet
+// (bullet/bullet_engine.h). A body is named by its index in body order; remove() moves later bodies up by one. World
+// coordinates, SI units. Not thread-safe; engines of different Worlds may run at the same time.
 #pragma once
 
 #include <cstddef>
@@ -80,10 +80,20 @@ class Engine {
     virtual void debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) = 0;
 };
 
+// Makes the engine that WorldSettings::engine names. The settings are valid. In physics/engines.cpp, so that World
+// depends on neither.
+[[nodiscard]] std::unique_ptr<Engine> make_engine(const WorldSettings& settings);
+
 // Contact points further apart than this, m, are near but do not touch: World::contact_count(), debug lines.
 inline constexpr float touching_distance = 1e-3f;
 
-// The solver, the default. The settings are valid.
-[[nodiscard]] std::unique_ptr<Engine> make_solver(const WorldSettings& settings);
+// What World::debug_lines() draws.
+[[nodiscard]] inline glm::vec3 hull_colour(bool awake) {
+    return awake ? glm::vec3(1.0f, 0.1f, 0.1f) : glm::vec3(0.35f, 0.05f, 0.05f);
+}
+[[nodiscard]] inline DebugLine contact_line(const glm::vec3& at, const glm::vec3& normal) {
+    constexpr float length = 0.05f; // m
+    return {at, at + normal * length, {1.0f, 0.85f, 0.1f}};
+}
 
 } // namespace brittle::physics

@@ -29,7 +29,6 @@ struct World::Impl {
 
     explicit Impl(const WorldSettings& given) : settings(given), engine(make_engine(given)) {}
 
-    static std::unique_ptr<Engine> make_engine(const WorldSettings& settings) { return make_solver(settings); }
     // By halving: a table by number would grow for ever where things break again and again.
     [[nodiscard]] std::optional<size_t> find(BodyId id) const {
         const auto at = std::ranges::lower_bound(ids, id);
@@ -113,7 +112,7 @@ void World::clear() {
 void World::clear(const WorldSettings& settings) {
     assert(validate(settings) && "settings from outside go through validate() first");
     impl_->settings = settings;
-    impl_->engine = Impl::make_engine(settings);
+    impl_->engine = make_engine(settings);
     impl_->removed += impl_->ids.size();
     impl_->ids.clear();
     impl_->moved_steps.clear();

@@ -24,8 +24,9 @@ std::string text(const Parts&... parts) {
     return stream.str();
 }
 
-// Why no body can be made of a description; an empty string where one can: of what make_form() takes, and of the rest. The
-// principal axes are then known, with moments that the solver can bear; those of a fixed body are not looked for.
+// Why no body can be made of a description; an empty string where one can: of what make_form() takes, and of the
+// rest. The principal axes are then known, with moments that the solver can bear; those of a fixed body are not
+// looked for.
 [[nodiscard]] std::string fault_of_form(const BodyDesc& desc, fracture::PrincipalAxes& principal);
 [[nodiscard]] std::string fault_of_place(const BodyDesc& desc);
 

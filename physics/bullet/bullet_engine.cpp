@@ -1,0 +1,473 @@
+#include "physics/bullet/bullet_engine.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+#include <glm/geometric.hpp>
+
+#include "physics/world/body_form.h"
+#include "physics/world/world_check.h"
+
+namespace brittle::physics {
+
+namespace {
+
+constexpr float units = 10.0f; // Bullet's lengths per metre
+
+// Axes, angular velocities.
+btVector3 to_bullet(const glm::vec3& v) {
+    return {v.x, v.y, v.z};
+}
+// Positions, velocities, accelerations, impulses: whatever has one metre in it.
+btVector3 metres_to_bullet(const glm::vec3& v) {
+    return to_bullet(v * units);
+}
+btQuaternion to_bullet(const glm::quat& q) {
+    return {q.x, q.y, q.z, q.w};
+}
+glm::vec3 to_glm(const btVector3& v) {
+    return {v.x(), v.y(), v.z()};
+}
+glm::vec3 metres_from_bullet(const btVector3& v) {
+    return to_glm(v) / units;
+}
+glm::quat to_glm(const btQuaternion& q) {
+    return {q.w(), q.x(), q.y(), q.z()};
+}
+
+// Bullet's globals: counters of bodies, allocations and profiles.
+std::mutex& bullet_mutex() {
+    static std::mutex mutex;
+    return mutex;
+}
+
+struct Velocity {
+    btVector3 linear{0, 0, 0}, angular{0, 0, 0};
+};
+
+// Bullet's frame of a body has its origin at the centre of mass and its axes along the principal axes of inertia.
+struct BulletBody {
+    BodyId id;
+    float mass = 0.0f; // kg, also of a fixed body
+    bool fixed = false, debris = false;
+    glm::quat to_principal{1.0f, 0.0f, 0.0f, 0.0f}; // body axes = to_principal * principal axes
+    glm::dvec3 moments{1.0};                        // kg m^2
+    std::vector<std::unique_ptr<btConvexHullShape>> hulls;
+    std::unique_ptr<btCompoundShape> compound; // null for one hull
+    std::unique_ptr<btRigidBody> rigid;
+    // As the last step began: the frame, and the velocity with the step's gravity; and the velocity after the step.
+    btTransform step_start = btTransform::getIdentity();
+    Velocity unhindered, solved;
+
+    [[nodiscard]] Velocity velocity() const { return {rigid->getLinearVelocity(), rigid->getAngularVelocity()}; }
+    [[nodiscard]] Pose pose() const {
+        const btTransform& frame = rigid->getWorldTransform();
+        return {metres_from_bullet(frame.getOrigin()), to_glm(frame.getRotation()) * glm::conjugate(to_principal)};
+    }
+};
+
+class BulletEngine final : public Engine {
+  public:
+    explicit BulletEngine(const WorldSettings& settings);
+    ~BulletEngine() override;
+
+    Result<void> add(size_t count, BodyId first, const Describe& describe, std::span<Pose> previous) override;
+    void remove(size_t body) override;
+    void step() override;
+    [[nodiscard]] std::span<const uint8_t> moved() const override { return moved_; }
+    [[nodiscard]] AwakeCount awake_count() const override;
+
+    [[nodiscard]] Pose pose(size_t body) const override { return bodies_[body]->pose(); }
+    void write_poses(std::span<const uint64_t> moved_steps, uint64_t since, std::span<Pose> out) const override {
+        for (size_t i = 0; i < out.size(); ++i)
+            if (moved_steps[i] >= since) out[i] = pose(i);
+    }
+    [[nodiscard]] glm::vec3 linear_velocity(size_t body) const override {
+        return metres_from_bullet(bodies_[body]->rigid->getLinearVelocity());
+    }
+    [[nodiscard]] glm::vec3 angular_velocity(size_t body) const override {
+        return to_glm(bodies_[body]->rigid->getAngularVelocity());
+    }
+    [[nodiscard]] float mass(size_t body) const override { return bodies_[body]->mass; }
+    [[nodiscard]] bool fixed(size_t body) const override { return bodies_[body]->fixed; }
+    [[nodiscard]] bool debris(size_t body) const override { return bodies_[body]->debris; }
+    [[nodiscard]] bool awake(size_t body) const override {
+        return !bodies_[body]->fixed && bodies_[body]->rigid->isActive();
+    }
+    [[nodiscard]] Mechanics mechanics(size_t body) const override;
+    [[nodiscard]] float response(size_t body, const glm::vec3& point, const glm::vec3& direction) const override {
+        return bodies_[body]->rigid->computeImpulseDenominator(metres_to_bullet(point), to_bullet(direction));
+    }
+
+    void wake(size_t body) override {
+        if (!bodies_[body]->fixed) bodies_[body]->rigid->activate(true);
+    }
+    void apply_impulse(size_t body, const glm::vec3& impulse, const glm::vec3& point) override;
+    void set_velocity(size_t body, const glm::vec3& linear, const glm::vec3& angular) override;
+    float rewind(size_t body) override;
+    void move_on(size_t body, float seconds) override;
+
+    [[nodiscard]] std::span<const Contact> contacts() override;
+    [[nodiscard]] std::span<const Contact> solved_contacts() override;
+    void amend_contact(size_t index, const Contact& contact) override { contacts_[index] = contact; }
+    [[nodiscard]] size_t contact_count() const override;
+
+    void add_state(StateHash& hash) const override;
+    void debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) override;
+
+  private:
+    static constexpr int no_body = -1; // the user index of the ground
+
+    [[nodiscard]] Result<std::unique_ptr<BulletBody>> make(BodyId id, const BodyDesc& desc) const;
+    btConvexHullShape& add_hull(BulletBody& body, const CollisionHull& hull, const glm::quat& rotation) const;
+    void set_ccd(BulletBody& body) const;
+    [[nodiscard]] const BulletBody* body_of(const btCollisionObject* object) const;
+    [[nodiscard]] Contact report_of(const btPersistentManifold& manifold, const btManifoldPoint& point) const;
+    void report();
+    void for_each_manifold(const auto& visit) const {
+        for (int i = 0; i < dispatcher_.getNumManifolds(); ++i)
+            visit(*const_cast<btCollisionDispatcher&>(dispatcher_).getManifoldByIndexInternal(i));
+    }
+
+    WorldSettings settings_;
+    btDefaultCollisionConfiguration configuration_;
+    btCollisionDispatcher dispatcher_{&configuration_};
+    btDbvtBroadphase broadphase_;
+    btSequentialImpulseConstraintSolver solver_;
+    btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+    std::unique_ptr<btStaticPlaneShape> ground_shape_;
+    std::unique_ptr<btRigidBody> ground_;
+    std::vector<std::unique_ptr<BulletBody>> bodies_; // in body order; the rigid bodies' user index points here
+    std::vector<uint8_t> moved_;
+    std::vector<Contact> contacts_;
+    size_t solved_count_ = 0; // of contacts_: those with an awake body come first
+    bool reported_ = true;
+};
+
+BulletEngine::BulletEngine(const WorldSettings& settings) : settings_(settings) {
+    const std::lock_guard lock(bullet_mutex());
+    world_.setGravity(metres_to_bullet(settings.gravity));
+    btContactSolverInfo& info = world_.getSolverInfo();
+    info.m_numIterations = static_cast<int>(settings.solver_iterations);
+    info.m_splitImpulse = 1;
+    if (!settings.ground_height) return;
+    ground_shape_ = std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * units);
+    ground_ =
+        std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(0.0f, nullptr, ground_shape_.get()));
+    ground_->setFriction(settings.ground_friction);
+    ground_->setRestitution(settings.ground_restitution);
+    ground_->setUserIndex(no_body);
+    world_.addRigidBody(ground_.get());
+}
+
+BulletEngine::~BulletEngine() {
+    const std::lock_guard lock(bullet_mutex());
+    for (size_t i = bodies_.size(); i-- > 0;) world_.removeRigidBody(bodies_[i]->rigid.get());
+    if (ground_) world_.removeRigidBody(ground_.get());
+}
+
+btConvexHullShape& BulletEngine::add_hull(BulletBody& body, const CollisionHull& hull,
+                                          const glm::quat& rotation) const {
+    auto shape = std::make_unique<btConvexHullShape>();
+    for (const glm::vec3& point : hull.points) shape->addPoint(metres_to_bullet(rotation * point), false);
+    shape->setMargin(hull.margin * units);
+    shape->recalcLocalAabb();
+    return *body.hulls.emplace_back(std::move(shape));
+}
+
+// Bullet's continuous collision: a sphere that fits into the body is swept against fixed ones.
+void BulletEngine::set_ccd(BulletBody& body) const {
+    float thickness = BT_LARGE_FLOAT;
+    for (const auto& hull : body.hulls)
+        thickness = std::min(thickness, hull->getMargin() / HullSettings{}.margin_fraction);
+    body.rigid->setCcdMotionThreshold(0.5f * thickness);
+    body.rigid->setCcdSweptSphereRadius(0.2f * thickness);
+}
+
+Result<std::unique_ptr<BulletBody>> BulletEngine::make(BodyId id, const BodyDesc& given) const {
+    BodyDesc desc = given;
+    if (given.form) {
+        desc.hull = given.form->hull;
+        desc.parts.clear();
+        desc.mass = given.form->mass;
+        desc.inertia = given.form->inertia;
+        desc.fixed = given.form->fixed;
+    }
+    const auto refused = [&](const std::string& fault) {
+        return fracture::Error{fracture::Status::invalid_setting, text(id, " cannot be added: ", fault)};
+    };
+    fracture::PrincipalAxes principal;
+    if (const std::string fault = fault_of_form(desc, principal); !fault.empty()) return refused(fault);
+    if (const std::string fault = fault_of_place(desc); !fault.empty()) return refused(fault);
+    auto body = std::make_unique<BulletBody>();
+    body->id = id;
+    body->mass = desc.mass;
+    body->fixed = desc.fixed;
+    body->moments = principal.moments;
+    body->to_principal = glm::normalize(glm::quat(glm::quat_cast(principal.axes)));
+    const glm::quat from_body = glm::conjugate(body->to_principal);
+    btCollisionShape* shape = nullptr;
+    if (desc.parts.empty()) {
+        shape = &add_hull(*body, desc.hull, from_body);
+    } else {
+        body->compound = std::make_unique<btCompoundShape>();
+        for (const BodyPart& part : desc.parts)
+            body->compound->addChildShape(
+                btTransform(btQuaternion::getIdentity(), metres_to_bullet(from_body * part.offset)),
+                &add_hull(*body, *part.hull, from_body));
+        shape = body->compound.get();
+    }
+    const btVector3 inertia = metres_to_bullet(glm::vec3(body->moments) * units);
+    btRigidBody::btRigidBodyConstructionInfo info(body->fixed ? 0.0f : body->mass, nullptr, shape,
+                                                  body->fixed ? btVector3(0, 0, 0) : inertia);
+    info.m_startWorldTransform = btTransform(to_bullet(glm::normalize(desc.pose.orientation) * body->to_principal),
+                                             metres_to_bullet(desc.pose.position));
+    info.m_friction = desc.friction;
+    info.m_restitution = desc.restitution;
+    info.m_linearDamping = settings_.linear_damping;
+    info.m_angularDamping = settings_.angular_damping;
+    info.m_linearSleepingThreshold = settings_.sleep_linear_speed * units;
+    info.m_angularSleepingThreshold = settings_.sleep_angular_speed;
+    body->rigid = std::make_unique<btRigidBody>(info);
+    body->step_start = info.m_startWorldTransform;
+    if (!body->fixed) {
+        body->rigid->setLinearVelocity(metres_to_bullet(desc.linear_velocity));
+        body->rigid->setAngularVelocity(to_bullet(desc.angular_velocity));
+        if (!settings_.sleeping) body->rigid->setActivationState(DISABLE_DEACTIVATION);
+        set_ccd(*body);
+    }
+    body->unhindered = body->solved = body->velocity();
+    btVector3 low, high;
+    shape->getAabb(btTransform::getIdentity(), low, high);
+    const btVector3 size = high - low;
+    body->debris = !body->fixed && (desc.debris || size[size.maxAxis()] < settings_.debris_size * units);
+    return body;
+}
+
+Result<void> BulletEngine::add(size_t count, BodyId first, const Describe& describe, std::span<Pose> previous) {
+    const std::lock_guard lock(bullet_mutex());
+    std::vector<std::unique_ptr<BulletBody>> made;
+    BodyDesc storage;
+    for (size_t i = 0; i < count; ++i) {
+        const BodyDesc& desc = describe(i, storage);
+        Result<std::unique_ptr<BulletBody>> body = make({first.value + static_cast<uint32_t>(i)}, desc);
+        if (!body) return body.error();
+        previous[i] =
+            desc.previous ? Pose{desc.previous->position, glm::normalize(desc.previous->orientation)} : (*body)->pose();
+        made.push_back(std::move(*body));
+    }
+    for (auto& body : made) {
+        body->rigid->setUserIndex(static_cast<int>(bodies_.size()));
+        const int group = body->fixed    ? btBroadphaseProxy::StaticFilter
+                          : body->debris ? btBroadphaseProxy::DebrisFilter
+                                         : btBroadphaseProxy::DefaultFilter;
+        const int partners = group == btBroadphaseProxy::DefaultFilter ? static_cast<int>(btBroadphaseProxy::AllFilter)
+                                                                       : btBroadphaseProxy::AllFilter ^ group;
+        world_.addRigidBody(body->rigid.get(), group, partners);
+        bodies_.push_back(std::move(body));
+    }
+    return {};
+}
+
+void BulletEngine::remove(size_t index) {
+    const std::lock_guard lock(bullet_mutex());
+    report();
+    btRigidBody* const leaving = bodies_[index]->rigid.get();
+    for_each_manifold([&](const btPersistentManifold& manifold) {
+        if (manifold.getNumContacts() == 0) return;
+        for (const auto& [own, other] :
+             {std::pair(manifold.getBody0(), manifold.getBody1()), {manifold.getBody1(), manifold.getBody0()}})
+            if (own == leaving && !other->isStaticObject()) other->activate(true);
+    });
+    world_.removeRigidBody(leaving);
+    bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(index));
+    for (size_t i = index; i < bodies_.size(); ++i) bodies_[i]->rigid->setUserIndex(static_cast<int>(i));
+}
+
+void BulletEngine::step() {
+    const std::lock_guard lock(bullet_mutex());
+    const btVector3 fall = world_.getGravity() * settings_.step;
+    for (const auto& body : bodies_) {
+        body->step_start = body->rigid->getWorldTransform();
+        body->unhindered = body->velocity();
+        if (!body->fixed && body->rigid->isActive()) body->unhindered.linear += fall;
+    }
+    const btScalar deactivation = std::exchange(gDeactivationTime, settings_.sleep_seconds);
+    world_.stepSimulation(settings_.step, 0); // one step of exactly that length
+    gDeactivationTime = deactivation;
+    moved_.assign(bodies_.size(), 0);
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+        BulletBody& body = *bodies_[i];
+        moved_[i] = !(body.rigid->getWorldTransform() == body.step_start);
+        body.solved = body.velocity();
+    }
+    contacts_.clear();
+    reported_ = false;
+}
+
+AwakeCount BulletEngine::awake_count() const {
+    AwakeCount count;
+    for (size_t i = 0; i < bodies_.size(); ++i)
+        if (awake(i)) ++count.of(bodies_[i]->debris);
+    return count;
+}
+
+Mechanics BulletEngine::mechanics(size_t index) const {
+    const BulletBody& body = *bodies_[index];
+    if (body.fixed) return {};
+    const double mass = body.mass;
+    const glm::dvec3 position(pose(index).position), velocity(linear_velocity(index)), spin(angular_velocity(index));
+    const glm::dquat orientation = glm::normalize(glm::dquat(to_glm(body.rigid->getOrientation())));
+    const glm::dvec3 angular = orientation * (body.moments * (glm::conjugate(orientation) * spin));
+    return {.kinetic = 0.5 * (mass * glm::dot(velocity, velocity) + glm::dot(spin, angular)),
+            .potential = -mass * glm::dot(glm::dvec3(settings_.gravity), position),
+            .momentum = mass * velocity,
+            .angular_momentum = angular + glm::cross(position, mass * velocity)};
+}
+
+void BulletEngine::apply_impulse(size_t index, const glm::vec3& impulse, const glm::vec3& point) {
+    wake(index);
+    btRigidBody& rigid = *bodies_[index]->rigid;
+    rigid.applyImpulse(metres_to_bullet(impulse), metres_to_bullet(point) - rigid.getCenterOfMassPosition());
+}
+
+void BulletEngine::set_velocity(size_t index, const glm::vec3& linear, const glm::vec3& angular) {
+    wake(index);
+    bodies_[index]->rigid->setLinearVelocity(metres_to_bullet(linear));
+    bodies_[index]->rigid->setAngularVelocity(to_bullet(angular));
+}
+
+// Other changes of velocity since the step stay.
+float BulletEngine::rewind(size_t index) {
+    BulletBody& body = *bodies_[index];
+    wake(index);
+    body.rigid->setCenterOfMassTransform(body.step_start);
+    body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() + body.unhindered.linear - body.solved.linear);
+    body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() + body.unhindered.angular - body.solved.angular);
+    body.unhindered = body.solved = body.velocity();
+    return settings_.step;
+}
+
+void BulletEngine::move_on(size_t index, float seconds) {
+    BulletBody& body = *bodies_[index];
+    body.step_start = body.rigid->getWorldTransform();
+    btTransform ahead;
+    body.rigid->predictIntegratedTransform(seconds, ahead);
+    body.rigid->setCenterOfMassTransform(ahead);
+    body.solved = body.velocity();
+}
+
+const BulletBody* BulletEngine::body_of(const btCollisionObject* object) const {
+    return object->getUserIndex() == no_body ? nullptr : bodies_[static_cast<size_t>(object->getUserIndex())].get();
+}
+
+// The ground is never the first body.
+Contact BulletEngine::report_of(const btPersistentManifold& manifold, const btManifoldPoint& point) const {
+    const BulletBody *a = body_of(manifold.getBody0()), *b = body_of(manifold.getBody1());
+    const bool swapped = a == nullptr;
+    if (swapped) std::swap(a, b);
+    const float sign = swapped ? -1.0f : 1.0f;
+    Contact contact;
+    contact.a = a->id;
+    if (b) contact.b = b->id;
+    contact.part_a = static_cast<uint32_t>(std::max(swapped ? point.m_index1 : point.m_index0, 0));
+    contact.part_b = b ? static_cast<uint32_t>(std::max(point.m_index1, 0)) : 0;
+    contact.normal = sign * to_glm(point.m_normalWorldOnB);
+    const bool on_a = !b || b->fixed;
+    contact.point = metres_from_bullet(on_a != swapped ? point.getPositionWorldOnA() : point.getPositionWorldOnB());
+    contact.impulse = contact.blow = point.m_appliedImpulse / units;
+    contact.friction = sign
+                       * metres_from_bullet(point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1
+                                            + point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
+    contact.gap = point.getDistance() / units;
+    const btVector3 at = metres_to_bullet(contact.point);
+    const auto velocity_at = [&](const BulletBody* body) {
+        if (!body || body->fixed) return glm::vec3(0.0f);
+        return metres_from_bullet(body->unhindered.linear
+                                  + body->unhindered.angular.cross(at - body->step_start.getOrigin()));
+    };
+    // Before the step's gravity, which is the same for two moving bodies.
+    const glm::vec3 gravity = b && !b->fixed ? glm::vec3(0.0f) : settings_.gravity * settings_.step;
+    contact.speed = -glm::dot(velocity_at(a) - velocity_at(b) - gravity, contact.normal);
+    return contact;
+}
+
+void BulletEngine::report() {
+    if (std::exchange(reported_, true)) return;
+    for (const bool active : {true, false}) {
+        for_each_manifold([&](const btPersistentManifold& manifold) {
+            const auto is_awake = [](const btCollisionObject& o) { return !o.isStaticObject() && o.isActive(); };
+            if ((is_awake(*manifold.getBody0()) || is_awake(*manifold.getBody1())) != active) return;
+            for (int p = 0; p < manifold.getNumContacts(); ++p)
+                if (manifold.getContactPoint(p).m_appliedImpulse > 0.0f)
+                    contacts_.push_back(report_of(manifold, manifold.getContactPoint(p)));
+        });
+        if (active) solved_count_ = contacts_.size();
+    }
+}
+
+std::span<const Contact> BulletEngine::contacts() {
+    report();
+    return contacts_;
+}
+
+std::span<const Contact> BulletEngine::solved_contacts() {
+    report();
+    return std::span(contacts_).first(solved_count_);
+}
+
+size_t BulletEngine::contact_count() const {
+    size_t count = 0;
+    for_each_manifold([&](const btPersistentManifold& manifold) {
+        for (int p = 0; p < manifold.getNumContacts(); ++p)
+            count += manifold.getContactPoint(p).getDistance() < touching_distance * units ? 1u : 0u;
+    });
+    return count;
+}
+
+void BulletEngine::add_state(StateHash& hash) const {
+    for (const auto& body : bodies_) {
+        const btTransform& frame = body->rigid->getWorldTransform();
+        for (const btVector3& v : {frame.getOrigin(), frame.getBasis()[0], frame.getBasis()[1], frame.getBasis()[2],
+                                   body->rigid->getLinearVelocity(), body->rigid->getAngularVelocity()})
+            for (int axis = 0; axis < 3; ++axis) hash.add(v[axis]);
+        hash.add(static_cast<uint8_t>(body->rigid->isActive()));
+    }
+}
+
+void BulletEngine::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) {
+    for (size_t i = 0; draw.hulls && i < bodies_.size(); ++i) {
+        const BulletBody& body = *bodies_[i];
+        for (size_t part = 0; part < body.hulls.size(); ++part) {
+            btTransform frame = body.rigid->getWorldTransform();
+            if (body.compound) frame = frame * body.compound->getChildTransform(static_cast<int>(part));
+            std::vector<glm::vec3> points;
+            for (int p = 0; p < body.hulls[part]->getNumPoints(); ++p)
+                points.push_back(metres_from_bullet(frame * body.hulls[part]->getUnscaledPoints()[p]));
+            for (const auto& [from, to] : hull_edges(points))
+                out.push_back({points[from], points[to], hull_colour(awake(i))});
+        }
+    }
+    if (!draw.contacts) return;
+    for_each_manifold([&](const btPersistentManifold& manifold) {
+        for (int p = 0; p < manifold.getNumContacts(); ++p) {
+            const btManifoldPoint& point = manifold.getContactPoint(p);
+            if (point.getDistance() >= touching_distance * units) continue;
+            out.push_back(
+                contact_line(metres_from_bullet(point.getPositionWorldOnB()), to_glm(point.m_normalWorldOnB)));
+        }
+    });
+}
+
+} // namespace
+
+std::unique_ptr<Engine> make_bullet_engine(const WorldSettings& settings) {
+    return std::make_unique<BulletEngine>(settings);
+}
+
+} // namespace brittle::physics

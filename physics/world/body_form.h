@@ -1,0 +1,23 @@
+// A body without its place and its world, made ahead by make_form(), on any thread; bodies may share it.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+
+#include "physics/world/hull.h"
+
+namespace brittle::physics {
+
+// The facts that every engine needs. An engine may derive from it to keep what it computes ahead.
+struct BodyForm {
+    BodyForm() = default;
+    BodyForm(const BodyForm&) = delete;
+    BodyForm& operator=(const BodyForm&) = delete;
+    virtual ~BodyForm() = default;
+
+    CollisionHull hull{};    // relative to the centre of mass, in body axes; without its cross section
+    float mass = 0.0f;       // kg
+    glm::mat3 inertia{1.0f}; // kg m^2, about the centre of mass in body axes
+    bool fixed = false;
+};
+
+} // namespace brittle::physics
