@@ -23,8 +23,7 @@ using fracture::Status;
 // Pieces per chunk below which waking another thread costs more than it saves.
 constexpr uint32_t min_pieces = 64;
 
-// Prefetches the beginning of a later form: forms are scattered in memory. Adding a thousand bodies takes 0.35 ms with
-// it and 0.39 ms without.
+// Prefetches the beginning of the form `ahead` places on: forms are scattered in memory.
 void prefetch_form(const PieceForms& forms, size_t at) {
     constexpr size_t ahead = 4, bytes = 128, cache_line = 64;
     const auto* const form = reinterpret_cast<const char*>(forms[std::min(at + ahead, forms.size() - 1)].get());
