@@ -1,5 +1,5 @@
-// Where a whole solid that is held in place breaks: under its weight and its loads, or under a blow that does not
-// break it at the point of impact.
+// Fracture of a whole solid that is held in place, under its weight and its loads, or under a blow that does not break
+// it at the point of impact.
 //
 // The solid is divided into blocks: the Voronoi cells of sites midway between its sides, denser where it is thin. A
 // stem becomes a row of blocks whose contacts are its cross sections. StressSolver finds the stresses between the

@@ -11,10 +11,12 @@
 
 namespace brittle::physics {
 
+// Rotates a vector from body axes to world axes.
 [[nodiscard]] inline glm::dvec3 turned(const Pose& pose, const glm::dvec3& arm) {
     return glm::dquat(pose.orientation) * arm;
 }
 
+// Rotates a vector from world axes to body axes.
 [[nodiscard]] inline glm::dvec3 turned_back(const Pose& pose, const glm::vec3& arm) {
     return glm::conjugate(glm::dquat(pose.orientation)) * glm::dvec3(arm);
 }
@@ -32,6 +34,7 @@ namespace brittle::physics {
     return glm::dot(world.linear_velocity(body) + glm::cross(world.angular_velocity(body), arm), direction);
 }
 
+// Returns World::response(), in 1/kg.
 [[nodiscard]] inline float response_at(const World& world, BodyId body, const glm::vec3& point,
                                        const glm::vec3& direction) {
     return world.contains(body) ? world.response(body, point, direction) : 0.0f;
