@@ -7,10 +7,9 @@
 //     use(*mesh);
 #pragma once
 
-#include <cassert>
 #include <string>
-#include <utility>
-#include <variant>
+
+#include "fracture/base/result.h"
 
 namespace brittle::fracture {
 
@@ -71,56 +70,11 @@ struct Error {
     std::string message; // for people: the fault, its place (file, line, index, value) and the remedy
 };
 
+// A T, or an Error; fracture/base/result.h documents its members. Result<void> holds success, or an Error.
 template<class T>
-class [[nodiscard]] Result {
+class [[nodiscard]] Result : public BasicResult<T, Error> {
   public:
-    Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
-    Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
-
-    [[nodiscard]] bool has_value() const { return state_.index() == 0; }
-    explicit operator bool() const { return has_value(); }
-
-    T& operator*() & { return value(); }
-    const T& operator*() const& { return value(); }
-    T&& operator*() && { return std::move(value()); }
-    T* operator->() { return &value(); }
-    const T* operator->() const { return &value(); }
-
-    [[nodiscard]] const Error& error() const {
-        assert(!has_value());
-        return *std::get_if<1>(&state_);
-    }
-
-  private:
-    T& value() {
-        assert(has_value());
-        return *std::get_if<0>(&state_);
-    }
-    const T& value() const {
-        assert(has_value());
-        return *std::get_if<0>(&state_);
-    }
-
-    std::variant<T, Error> state_;
-};
-
-// A Result without a value: success, or an Error.
-template<>
-class [[nodiscard]] Result<void> {
-  public:
-    Result() = default;
-    Result(Error error) : error_(std::move(error)), failed_(true) {}
-
-    [[nodiscard]] bool has_value() const { return !failed_; }
-    explicit operator bool() const { return has_value(); }
-    [[nodiscard]] const Error& error() const {
-        assert(failed_);
-        return error_;
-    }
-
-  private:
-    Error error_{};
-    bool failed_ = false;
+    using BasicResult<T, Error>::BasicResult;
 };
 
 } // namespace brittle::fracture
