@@ -4,7 +4,7 @@
 // By how much a squared distance d2 may be off. With u = 2^-24 and no coordinate above s = radius + d, a coordinate is
 // rounded by u s on either side and their difference by u d: at most 2 u s + u d a component, so 4 sqrt(3) u s d +
 // 5 u d2 + 12 u^2 s^2 in the sum of squares. Twice that is allowed for.
-float error_of(float d2) {
+float squared_distance_error(float d2) {
     const float d = sqrt(d2), s = grid.low.w + d;
     return 5.9604645e-8 * (16.0 * s * d + 16.0 * d2 + 1e-5 * s * s);
 }
@@ -27,7 +27,7 @@ void visit_sites(vec3 x) {
             }
             if (gap == infinity) break;
             gap = max(gap - slack, 0.0);
-            if (is_done(gap * gap)) break;
+            if (can_stop(gap * gap)) break;
         }
         const ivec3 from = max(home - ring, ivec3(0)), to = min(home + ring, bins - 1);
         for (int z = from.z; z <= to.z; ++z) {
@@ -43,7 +43,7 @@ void visit_sites(vec3 x) {
                     for (uint k = bin_begin[bin]; k < end; ++k) {
                         const vec4 s = sites[k];
                         const vec3 d = x - s.xyz;
-                        see(floatBitsToUint(s.w), d.x * d.x + d.y * d.y + d.z * d.z);
+                        visit_site(floatBitsToUint(s.w), d.x * d.x + d.y * d.y + d.z * d.z);
                     }
                 }
             }

@@ -11,39 +11,39 @@ layout(std430, binding = classify_binding_sites) readonly buffer Sites { vec4 si
 layout(std430, binding = classify_binding_bins) readonly buffer Bins { uint bin_begin[]; };
 layout(std430, binding = classify_binding_vertex_answers) readonly buffer Vertices { uint site_of[]; };
 layout(std430, binding = classify_binding_triangles) readonly buffer Triangles { uint triangles[]; };
-layout(std430, binding = classify_binding_places) readonly buffer Places { vec4 place_of[]; };
-layout(std430, binding = classify_binding_crossing) readonly buffer Listed { uint listed[]; };
+layout(std430, binding = classify_binding_site_positions) readonly buffer SitePositions { vec4 site_position[]; };
+layout(std430, binding = classify_binding_crossing) readonly buffer CrossingList { uint crossing_list[]; };
 layout(std430, binding = classify_binding_crossing_count) readonly buffer Count { uint count; };
 layout(std430, binding = classify_binding_triangle_answers) writeonly buffer Answers { uint answers[]; };
 
 // Of a point: whether sites other than `own` are farther from it than own.x by more than can be wrong, also when the
 // point is off by `off`. |x - s|^2 - |x - own|^2 is linear in x, with a gradient of 2 |s - own| <= 2 (|x - s| + |x - own|).
-uvec3 own;
-float own_distance2, off;
+uvec3 own_cells;
+float own_distance2, point_error;
 bool refuted;
 
-float error_of(float d2);
+float squared_distance_error(float d2);
 
 bool is_farther(float d2) {
     return d2 - own_distance2
-           > error_of(d2) + error_of(own_distance2) + 2.01 * off * (sqrt(d2) + sqrt(own_distance2));
+           > squared_distance_error(d2) + squared_distance_error(own_distance2) + 2.01 * point_error * (sqrt(d2) + sqrt(own_distance2));
 }
 
-void see(uint site, float d2) {
-    if (any(equal(own, uvec3(site)))) return;
+void visit_site(uint site, float d2) {
+    if (any(equal(own_cells, uvec3(site)))) return;
     // Once it holds it holds for all that are farther: the left side grows faster. So the test of gaps is right, too.
     if (!is_farther(d2)) refuted = true;
 }
 
-bool is_done(float gap2) {
+bool can_stop(float gap2) {
     return refuted || is_farther(gap2);
 }
 
 #include "classify_rings.glsl"
 
-bool is_alone(vec3 x, float x_off, uvec3 cells, vec3 site) {
-    own = cells;
-    off = x_off;
+bool is_alone(vec3 x, float x_error, uvec3 cells, vec3 site) {
+    own_cells = cells;
+    point_error = x_error;
     const vec3 d = x - site;
     own_distance2 = d.x * d.x + d.y * d.y + d.z * d.z;
     refuted = false;
@@ -55,7 +55,7 @@ bool is_alone(vec3 x, float x_off, uvec3 cells, vec3 site) {
 float bisector_value(vec3 x, vec3 here, vec3 there, inout float error) {
     const vec3 h = x - here, t = x - there;
     const float h2 = h.x * h.x + h.y * h.y + h.z * h.z, t2 = t.x * t.x + t.y * t.y + t.z * t.z;
-    error = max(error, error_of(h2) + error_of(t2));
+    error = max(error, squared_distance_error(h2) + squared_distance_error(t2));
     return t2 - h2;
 }
 
@@ -71,8 +71,8 @@ bool is_edge_alone(vec3 from, vec3 to, uint a, uint b, vec3 site_a, vec3 site_b)
     if (!(change > 8.0 * error)) return false;
     const float t = clamp(at_from / change, 0.0, 1.0);
     // t is off by at most 4/3 error / change and its rounding.
-    const float t_off = 2.0 * error / change + 5e-7;
-    return is_alone(from + t * (to - from), t_off * distance(from, to) + rounding_of_point(), uvec3(a, b, a), site_a);
+    const float t_error = 2.0 * error / change + 5e-7;
+    return is_alone(from + t * (to - from), t_error * distance(from, to) + rounding_of_point(), uvec3(a, b, a), site_a);
 }
 
 // The common point has for weights the cofactors of det[f; g; 1], where f and g are the corners' values at two bisectors.
@@ -83,22 +83,22 @@ bool is_point_alone(mat3 corners, uvec3 cells, vec3 site[3]) {
         f[k] = bisector_value(corners[k], site[0], site[1], error);
         g[k] = bisector_value(corners[k], site[0], site[2], error);
     }
-    const float most = max(max(max(abs(f.x), abs(f.y)), abs(f.z)), max(max(abs(g.x), abs(g.y)), abs(g.z)));
+    const float largest = max(max(max(abs(f.x), abs(f.y)), abs(f.z)), max(max(abs(g.x), abs(g.y)), abs(g.z)));
     vec3 w = vec3(f.y * g.z - f.z * g.y, f.z * g.x - f.x * g.z, f.x * g.y - f.y * g.x);
     const float sum = w.x + w.y + w.z;
     // A cofactor is off by at most 8 most error, their sum by 25; a weight in [0, 1], then, by 45 / |sum|.
-    const float unit = most * error;
+    const float unit = largest * error;
     if (!(abs(sum) > 128.0 * unit)) return false;
     w /= sum;
     if (any(lessThan(w, vec3(-0.01))) || any(greaterThan(w, vec3(1.01)))) return false; // not in this triangle
     const vec3 along = corners[1] - corners[0], across = corners[2] - corners[0];
-    const float x_off = 64.0 * unit / abs(sum) * (length(along) + length(across)) + 2.0 * rounding_of_point();
-    return is_alone(corners[0] + (w.y * along + w.z * across), x_off, cells, site[0]);
+    const float x_error = 64.0 * unit / abs(sum) * (length(along) + length(across)) + 2.0 * rounding_of_point();
+    return is_alone(corners[0] + (w.y * along + w.z * across), x_error, cells, site[0]);
 }
 
 void main() {
     if (gl_GlobalInvocationID.x >= count) return;
-    const uint t = listed[gl_GlobalInvocationID.x];
+    const uint t = crossing_list[gl_GlobalInvocationID.x];
     uvec3 vertices, cells;
     mat3 corners;
     vec3 site[3];
@@ -106,22 +106,22 @@ void main() {
         vertices[k] = triangles[3 * t + k];
         cells[k] = site_of[vertices[k]];
         corners[k] = vec3(positions[3 * vertices[k]], positions[3 * vertices[k] + 1], positions[3 * vertices[k] + 2]);
-        site[k] = place_of[cells[k] & ~classify_uncertain].xyz;
+        site[k] = site_position[cells[k] & ~classify_uncertain].xyz;
     }
     const bool certain = ((cells.x | cells.y | cells.z) & classify_uncertain) == 0;
     const bool three = certain && cells.x != cells.y && cells.y != cells.z && cells.z != cells.x;
-    uint known = classify_crossing;
+    uint pattern = classify_crossing;
     for (int e = 0; e < 3; ++e) {
         const int to = e == 2 ? 0 : e + 1, third = e == 0 ? 2 : e - 1;
         const uint a = cells[e], b = cells[to];
         if (a == b || ((a | b) & classify_uncertain) != 0) continue;
         if (vertices[e] < vertices[to] && is_edge_alone(corners[e], corners[to], a, b, site[e], site[to]))
-            known |= classify_edge_alone << e;
+            pattern |= classify_edge_alone << e;
         float error = 0.0;
         const float value = bisector_value(corners[third], site[e], site[to], error);
         if (three && abs(value) > error)
-            known |= (classify_sign_known << (2 * e)) | (value > 0.0 ? classify_sign_first << (2 * e) : 0);
+            pattern |= (classify_sign_known << (2 * e)) | (value > 0.0 ? classify_sign_first << (2 * e) : 0);
     }
-    if (three && is_point_alone(corners, cells, site)) known |= classify_point_alone;
-    answers[t] = known;
+    if (three && is_point_alone(corners, cells, site)) pattern |= classify_point_alone;
+    answers[t] = pattern;
 }

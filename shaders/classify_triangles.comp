@@ -5,5 +5,5 @@
 #include "classify_triangles.glsl"
 
 void list_crossing(uint t, bool crosses) {
-    if (crosses) listed[atomicAdd(count, 1)] = t;
+    if (crosses) crossing_list[atomicAdd(count, 1)] = t;
 }

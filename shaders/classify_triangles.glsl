@@ -5,7 +5,7 @@ layout(push_constant) uniform Push { ClassifyGrid grid; };
 layout(std430, binding = classify_binding_vertex_answers) readonly buffer Vertices { uint site_of[]; };
 layout(std430, binding = classify_binding_triangles) readonly buffer Triangles { uint triangles[]; };
 layout(std430, binding = classify_binding_triangle_answers) writeonly buffer Answers { uint answers[]; };
-layout(std430, binding = classify_binding_crossing) writeonly buffer Listed { uint listed[]; };
+layout(std430, binding = classify_binding_crossing) writeonly buffer CrossingList { uint crossing_list[]; };
 layout(std430, binding = classify_binding_crossing_count) buffer Count { uint count; };
 
 void list_crossing(uint t, bool crosses); // called by all invocations

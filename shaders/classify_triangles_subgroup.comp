@@ -9,5 +9,5 @@ void list_crossing(uint t, bool crosses) {
     uint first = 0;
     if (subgroupElect()) first = atomicAdd(count, subgroupBallotBitCount(vote));
     first = subgroupBroadcastFirst(first);
-    if (crosses) listed[first + subgroupBallotExclusiveBitCount(vote)] = t;
+    if (crosses) crossing_list[first + subgroupBallotExclusiveBitCount(vote)] = t;
 }

@@ -14,9 +14,9 @@ layout(std430, binding = classify_binding_vertex_answers) writeonly buffer Answe
 float nearest, second;
 uint nearest_site;
 
-float error_of(float d2);
+float squared_distance_error(float d2);
 
-void see(uint site, float d2) {
+void visit_site(uint site, float d2) {
     if (d2 < nearest) {
         second = nearest;
         nearest = d2;
@@ -26,8 +26,8 @@ void see(uint site, float d2) {
     }
 }
 
-bool is_done(float gap2) { // all that is left is at least as far
-    return gap2 > nearest + error_of(nearest);
+bool can_stop(float gap2) { // all that is left is at least as far
+    return gap2 > nearest + squared_distance_error(nearest);
 }
 
 #include "classify_rings.glsl"
@@ -40,6 +40,6 @@ void main() {
     nearest_site = 0;
     visit_sites(vec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]));
     // Without a second one, all others are farther, seen or not; so far that their squares overflow, some of them.
-    const bool certain = isinf(second) ? nearest < 1e37 : second - nearest > error_of(nearest) + error_of(second);
+    const bool certain = isinf(second) ? nearest < 1e37 : second - nearest > squared_distance_error(nearest) + squared_distance_error(second);
     answers[v] = nearest_site | (certain ? 0 : classify_uncertain);
 }

@@ -10,7 +10,7 @@ layout(local_size_x = cull_group_size) in;
 layout(set = 0, binding = binding_commands, std430) readonly buffer All { DrawCommand all[]; };
 layout(set = 0, binding = binding_culled_for_camera, std430) writeonly buffer Camera { DrawCommand for_camera[]; };
 layout(set = 0, binding = binding_culled_for_light, std430) writeonly buffer Light { DrawCommand for_light[]; };
-layout(set = 0, binding = binding_drawn, std430) buffer Drawn { uint drawn[view_count]; };
+layout(set = 0, binding = binding_visible_counts, std430) buffer VisibleCounts { uint visible_counts[view_count]; };
 
 void main() {
     uint i = gl_GlobalInvocationID.x, view = gl_GlobalInvocationID.y;
@@ -20,12 +20,12 @@ void main() {
     vec3 origin = view == view_camera ? frame.eye.xyz : vec3(0.0);
     mat4 clip = view == view_camera ? frame.clip_from_eye : frame.shadow_clip_from_world;
     float scale = abs(pose.position_and_scale.w);
-    vec3 centre = place(pose, draw.sphere.xyz, origin);
-    bool drawn_here = scale != 0.0 && seen(clip, centre, centre, draw.sphere.w * scale);
+    vec3 centre = transform_point(pose, draw.sphere.xyz, origin);
+    bool visible = scale != 0.0 && intersects_frustum(clip, centre, centre, draw.sphere.w * scale);
 
     bool first_of_piece = i == 0 || draws[i - 1].piece != draw.piece;
     DrawCommand command = all[i];
-    if (!drawn_here) command.instances = 0;
+    if (!visible) command.instances = 0;
     if (view == view_camera) {
         for_camera[i] = command;
     } else {
@@ -34,5 +34,5 @@ void main() {
         else if (i + 1 < all.length() && draws[i + 1].piece == draw.piece) command.indices += all[i + 1].indices;
         for_light[i] = command;
     }
-    if (drawn_here && first_of_piece) atomicAdd(drawn[view], 1);
+    if (visible && first_of_piece) atomicAdd(visible_counts[view], 1);
 }

@@ -6,5 +6,5 @@
 layout(location = 1) flat in vec4 albedo;
 
 void main() {
-    leave_out(albedo.a);
+    discard_faded(albedo.a);
 }

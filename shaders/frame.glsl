@@ -14,14 +14,14 @@ layout(set = 0, binding = binding_draws, std430) readonly buffer DrawBlock {
     DrawData draws[];
 };
 
-vec3 turn(vec4 rotation, vec3 v) {
+vec3 rotate(vec4 rotation, vec3 v) {
     vec3 t = 2.0 * cross(rotation.xyz, v);
     return v + rotation.w * t + cross(rotation.xyz, t);
 }
 
 // A vertex of the body to its place in the world, less `origin`.
-vec3 place(Pose pose, vec3 position, vec3 origin) {
-    return turn(pose.rotation, position * pose.position_and_scale.w) + (pose.position_and_scale.xyz - origin);
+vec3 transform_point(Pose pose, vec3 position, vec3 origin) {
+    return rotate(pose.rotation, position * pose.position_and_scale.w) + (pose.position_and_scale.xyz - origin);
 }
 
 // Of a draw range, in linear light; alpha: how much of it is left as it fades.

@@ -3,7 +3,7 @@
 #include "piece.glsl"
 
 void main() {
-    leave_out(albedo.a);
+    discard_faded(albedo.a);
     vec3 normal = flat_normal();
     light_piece(normal, normal);
 }

@@ -3,10 +3,10 @@
 #include "fade.glsl"
 
 layout(location = 0) flat in uint id;
-layout(location = 1) flat in float left;
+layout(location = 1) flat in float opacity;
 layout(location = 0) out uint colour;
 
 void main() {
-    leave_out(left);
+    discard_faded(opacity);
     colour = id;
 }

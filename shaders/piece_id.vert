@@ -5,11 +5,11 @@
 
 layout(location = 0) in vec3 position;
 layout(location = 0) flat out uint id;
-layout(location = 1) flat out float left;
+layout(location = 1) flat out float opacity;
 
 void main() {
     DrawData draw = draws[gl_InstanceIndex];
     id = draw.piece;
-    left = unpackUnorm4x8(draw.tint).a;
-    gl_Position = frame.clip_from_eye * vec4(place(poses[draw.body], position, frame.eye.xyz), 1.0);
+    opacity = unpackUnorm4x8(draw.tint).a;
+    gl_Position = frame.clip_from_eye * vec4(transform_point(poses[draw.body], position, frame.eye.xyz), 1.0);
 }

@@ -5,7 +5,7 @@
 layout(location = 2) in vec3 smooth_normal;
 
 void main() {
-    leave_out(albedo.a);
+    discard_faded(albedo.a);
     vec3 facet = flat_normal();
     bool bent = dot(smooth_normal, facet) > 0.0; // never where there is no smooth normal
     light_piece(facet, bent ? normalize(smooth_normal) : facet);

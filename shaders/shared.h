@@ -25,7 +25,7 @@ const uint binding_shadow = 3; // the shadow map with its comparison sampler
 const uint binding_commands = 4;          // DrawCommand, one a draw range: all of them
 const uint binding_culled_for_camera = 5; // DrawCommand; those that are not in view have no instance
 const uint binding_culled_for_light = 6;
-const uint binding_drawn = 7; // uint, view_count: pieces in view
+const uint binding_visible_counts = 7; // uint, view_count: pieces in view
 // Descriptor set 1: an image that an earlier pass made.
 const uint binding_image = 0; // in the occlusion pass, depth; when shading, what that pass made of it
 

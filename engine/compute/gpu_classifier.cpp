@@ -140,9 +140,9 @@ struct GpuClassifier::State {
     Pipeline vertices, triangles, crossing_groups, signs;
     SiteBins bins;
     // The CPU writes these, and reads the answers.
-    DeviceBuffer positions, corners, vertex_answers, triangle_answers;
+    DeviceBuffer positions, triangle_indices, vertex_answers, triangle_answers;
     // Read at random by many, so these are the device's own.
-    DeviceBuffer staged_sites, sites, staged_places, places, staged_bins, bin_begin;
+    DeviceBuffer staged_sites, sites, staged_site_positions, site_positions, staged_bins, bin_begin;
     DeviceBuffer site_of_vertex, pattern_of_triangle, crossing, crossing_count, dispatch;
     uint32_t vertex_count = 0, triangle_count = 0;
     uint64_t site_bytes = 0, bin_bytes = 0, vertex_bytes = 0, triangle_bytes = 0;
@@ -154,12 +154,12 @@ struct GpuClassifier::State {
 };
 
 bool GpuClassifier::State::fits(const Problem& problem) const {
-    const uint64_t most = device.limits().maxStorageBufferRange;
+    const uint64_t max_range = device.limits().maxStorageBufferRange;
     const uint64_t max_items = uint64_t{device.limits().maxComputeWorkGroupCount[0]} * classify_group_size;
     return problem.positions.size() <= max_items && problem.triangles.size() <= max_items
-           && problem.positions.size() * 3 * sizeof(float) <= most
-           && problem.triangles.size() * sizeof(fracture::Triangle) <= most
-           && problem.sites.size() * sizeof(glm::vec4) <= most;
+           && problem.positions.size() * 3 * sizeof(float) <= max_range
+           && problem.triangles.size() * sizeof(fracture::Triangle) <= max_range
+           && problem.sites.size() * sizeof(glm::vec4) <= max_range;
 }
 
 // Half as much again as is needed, so that fractures of growing size do not allocate each time.
@@ -188,34 +188,37 @@ void GpuClassifier::State::write(const Problem& problem) {
         at[2] = static_cast<float>(p.z);
         at += 3;
     }
-    std::memcpy(corners.mapped(), problem.triangles.data(), problem.triangles.size_bytes());
+    std::memcpy(triangle_indices.mapped(), problem.triangles.data(), problem.triangles.size_bytes());
     std::memcpy(staged_sites.mapped(), bins.sites.data(), site_bytes);
     std::memcpy(staged_bins.mapped(), bins.begin.data(), bin_bytes);
-    glm::vec4* place = staged_places.mapped_as<glm::vec4>(0, problem.sites.size()).data();
-    for (const glm::dvec3& s : problem.sites) *place++ = glm::vec4(s, 0.0f);
+    glm::vec4* position = staged_site_positions.mapped_as<glm::vec4>(0, problem.sites.size()).data();
+    for (const glm::dvec3& s : problem.sites) *position++ = glm::vec4(s, 0.0f);
 }
 
 void GpuClassifier::State::reserve_all() {
     constexpr uint32_t unbound = classify_binding_count;
     constexpr VkBufferUsageFlags source = VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
     constexpr VkBufferUsageFlags target = VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    constexpr MemoryKind upload = MemoryKind::upload, own = MemoryKind::device, readback = MemoryKind::readback;
+    constexpr MemoryKind upload = MemoryKind::upload, device_local = MemoryKind::device,
+                         readback = MemoryKind::readback;
     reserve(classify_binding_positions, positions, "vertices to classify", 3 * vertex_bytes, storage, upload);
-    reserve(classify_binding_triangles, corners, "triangles to classify", 3 * triangle_bytes, storage, upload);
+    reserve(classify_binding_triangles, triangle_indices, "triangles to classify", 3 * triangle_bytes, storage, upload);
     reserve(unbound, staged_sites, "staged sites", site_bytes, source, upload);
-    reserve(unbound, staged_places, "staged places of sites", site_bytes, source, upload);
+    reserve(unbound, staged_site_positions, "staged site positions", site_bytes, source, upload);
     reserve(unbound, staged_bins, "staged bins", bin_bytes, source, upload);
-    reserve(classify_binding_sites, sites, "sites", site_bytes, storage | target, own);
-    reserve(classify_binding_places, places, "places of sites", site_bytes, storage | target, own);
-    reserve(classify_binding_bins, bin_begin, "bins", bin_bytes, storage | target, own);
-    reserve(classify_binding_vertex_answers, site_of_vertex, "site of vertex", vertex_bytes, storage | source, own);
+    reserve(classify_binding_sites, sites, "sites", site_bytes, storage | target, device_local);
+    reserve(classify_binding_site_positions, site_positions, "site positions", site_bytes, storage | target,
+            device_local);
+    reserve(classify_binding_bins, bin_begin, "bins", bin_bytes, storage | target, device_local);
+    reserve(classify_binding_vertex_answers, site_of_vertex, "site of vertex", vertex_bytes, storage | source,
+            device_local);
     reserve(classify_binding_triangle_answers, pattern_of_triangle, "pattern of triangle", triangle_bytes,
-            storage | source, own);
-    reserve(classify_binding_crossing, crossing, "crossing triangles", triangle_bytes, storage, own);
+            storage | source, device_local);
+    reserve(classify_binding_crossing, crossing, "crossing triangles", triangle_bytes, storage, device_local);
     reserve(classify_binding_crossing_count, crossing_count, "count of crossing triangles", sizeof(uint32_t),
-            storage | target, own);
+            storage | target, device_local);
     reserve(classify_binding_dispatch, dispatch, "groups of crossing triangles", sizeof(VkDispatchIndirectCommand),
-            storage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, own);
+            storage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, device_local);
     reserve(unbound, vertex_answers, "vertex answers", vertex_bytes, target, readback);
     reserve(unbound, triangle_answers, "triangle answers", triangle_bytes, target, readback);
 }
@@ -230,25 +233,25 @@ void GpuClassifier::State::bind(VkCommandBuffer into, const Pipeline& pipeline) 
 // The graph's handles of the buffers; a write gives a new one.
 struct GpuClassifier::State::Handles {
     Handles(FrameGraph& graph, External& external, const State& s) : graph_(graph), external_(external) {
-        from = from_host("vertices", s.positions);
-        faces = from_host("triangles", s.corners);
-        new_sites = from_host("staged sites", s.staged_sites);
-        new_places = from_host("staged places", s.staged_places);
-        new_bins = from_host("staged bins", s.staged_bins);
-        sites = own("sites", s.sites, Access::storage_read_compute);
-        places = own("places", s.places, Access::storage_read_compute);
-        bins = own("bins", s.bin_begin, Access::storage_read_compute);
-        site_of = own("site of vertex", s.site_of_vertex, Access::transfer_read);
-        pattern_of = own("pattern of triangle", s.pattern_of_triangle, Access::transfer_read);
-        crossing = own("crossing triangles", s.crossing, Access::storage_read_compute);
-        count = own("count of crossing", s.crossing_count, Access::storage_read_compute);
-        dispatch = own("dispatch", s.dispatch, Access::indirect_read);
-        vertex_out = own("vertex answers", s.vertex_answers, Access::host_read);
-        triangle_out = own("triangle answers", s.triangle_answers, Access::host_read);
+        positions = from_host("vertices", s.positions);
+        triangle_indices = from_host("triangles", s.triangle_indices);
+        staged_sites = from_host("staged sites", s.staged_sites);
+        staged_site_positions = from_host("staged site positions", s.staged_site_positions);
+        staged_bins = from_host("staged bins", s.staged_bins);
+        sites = from_device("sites", s.sites, Access::storage_read_compute);
+        site_positions = from_device("site positions", s.site_positions, Access::storage_read_compute);
+        bins = from_device("bins", s.bin_begin, Access::storage_read_compute);
+        site_of = from_device("site of vertex", s.site_of_vertex, Access::transfer_read);
+        pattern_of = from_device("pattern of triangle", s.pattern_of_triangle, Access::transfer_read);
+        crossing = from_device("crossing triangles", s.crossing, Access::storage_read_compute);
+        count = from_device("count of crossing", s.crossing_count, Access::storage_read_compute);
+        dispatch = from_device("dispatch", s.dispatch, Access::indirect_read);
+        vertex_out = from_device("vertex answers", s.vertex_answers, Access::host_read);
+        triangle_out = from_device("triangle answers", s.triangle_answers, Access::host_read);
     }
 
-    Buffer from, faces, new_sites, new_places, new_bins; // from the CPU
-    Buffer sites, places, bins, site_of, pattern_of, crossing, count, dispatch;
+    Buffer positions, triangle_indices, staged_sites, staged_site_positions, staged_bins; // from the CPU
+    Buffer sites, site_positions, bins, site_of, pattern_of, crossing, count, dispatch;
     Buffer vertex_out, triangle_out; // to the CPU
 
   private:
@@ -259,7 +262,7 @@ struct GpuClassifier::State::Handles {
                                      .read_only = true,
                                      .external = external_.add(buffer.handle())});
     }
-    [[nodiscard]] Buffer own(const char* name, const DeviceBuffer& buffer, AccessSet final) {
+    [[nodiscard]] Buffer from_device(const char* name, const DeviceBuffer& buffer, AccessSet final) {
         return graph_.import_buffer(name, {buffer.size()},
                                     {.initial = {}, .final = final, .external = external_.add(buffer.handle())});
     }
@@ -280,15 +283,15 @@ void GpuClassifier::State::add_copies_in(FrameGraph& graph, Handles& h) {
     graph.add_pass(
         "upload sites", PassKind::transfer,
         [&](PassBuilder& pass) {
-            for (const Buffer staged : {h.new_sites, h.new_places, h.new_bins})
+            for (const Buffer staged : {h.staged_sites, h.staged_site_positions, h.staged_bins})
                 pass.read(staged, Access::transfer_read);
-            for (Buffer* target : {&h.sites, &h.places, &h.bins, &h.count})
+            for (Buffer* target : {&h.sites, &h.site_positions, &h.bins, &h.count})
                 *target = pass.write(*target, Access::transfer_write);
         },
         [h, this](PassContext& context) {
-            copy(context, h.new_sites, h.sites, site_bytes);
-            copy(context, h.new_places, h.places, site_bytes);
-            copy(context, h.new_bins, h.bins, bin_bytes);
+            copy(context, h.staged_sites, h.sites, site_bytes);
+            copy(context, h.staged_site_positions, h.site_positions, site_bytes);
+            copy(context, h.staged_bins, h.bins, bin_bytes);
             vkCmdFillBuffer(context.commands, context.buffer(h.count), 0, sizeof(uint32_t), 0);
         });
 }
@@ -298,7 +301,7 @@ void GpuClassifier::State::add_dispatches(FrameGraph& graph, Handles& h) {
     graph.add_pass(
         "classify vertices", PassKind::compute,
         [&](PassBuilder& pass) {
-            for (const Buffer input : {h.from, h.sites, h.bins}) pass.read(input, reads);
+            for (const Buffer input : {h.positions, h.sites, h.bins}) pass.read(input, reads);
             h.site_of = pass.write(h.site_of, Access::storage_write_compute);
         },
         [this](PassContext& context) {
@@ -308,7 +311,7 @@ void GpuClassifier::State::add_dispatches(FrameGraph& graph, Handles& h) {
     graph.add_pass(
         "classify triangles", PassKind::compute,
         [&](PassBuilder& pass) {
-            for (const Buffer input : {h.site_of, h.faces}) pass.read(input, reads);
+            for (const Buffer input : {h.site_of, h.triangle_indices}) pass.read(input, reads);
             for (Buffer* made : {&h.pattern_of, &h.crossing}) *made = pass.write(*made, Access::storage_write_compute);
             h.count = pass.write(h.count, Access::storage_read_write_compute);
         },
@@ -329,7 +332,8 @@ void GpuClassifier::State::add_dispatches(FrameGraph& graph, Handles& h) {
     graph.add_pass(
         "signs of crossing", PassKind::compute,
         [&](PassBuilder& pass) {
-            for (const Buffer input : {h.from, h.faces, h.sites, h.places, h.bins, h.site_of, h.crossing, h.count})
+            for (const Buffer input :
+                 {h.positions, h.triangle_indices, h.sites, h.site_positions, h.bins, h.site_of, h.crossing, h.count})
                 pass.read(input, reads);
             pass.read(h.dispatch, Access::indirect_read);
             h.pattern_of = pass.write(h.pattern_of, Access::storage_write_compute);

@@ -26,16 +26,16 @@ void RangeAllocator::free(uint32_t begin, uint32_t size) {
     assert(end <= capacity_ && size <= used_);
     const auto next = std::ranges::lower_bound(ranges_, begin, {}, &Range::begin);
     const bool joins_next = next != ranges_.end() && next->begin == end;
-    const bool joins_last = next != ranges_.begin() && std::prev(next)->end == begin;
+    const bool joins_previous = next != ranges_.begin() && std::prev(next)->end == begin;
     assert((next == ranges_.end() || end <= next->begin) && "freed twice");
     assert((next == ranges_.begin() || std::prev(next)->end <= begin) && "freed twice");
     used_ -= size;
-    if (joins_next && joins_last) {
+    if (joins_next && joins_previous) {
         std::prev(next)->end = next->end;
         ranges_.erase(next);
     } else if (joins_next) {
         next->begin = begin;
-    } else if (joins_last) {
+    } else if (joins_previous) {
         std::prev(next)->end = end;
     } else {
         ranges_.insert(next, {begin, end});

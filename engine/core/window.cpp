@@ -48,25 +48,25 @@ Window::~Window() {
 // Before Dear ImGui's own, which call these on (see Renderer::attach).
 void Window::install_callbacks() {
     glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
-        window_of(w).collecting_.stirred = true;
+        window_of(w).pending_input_.stirred = true;
         if (action != GLFW_PRESS) return;
-        window_of(w).collecting_.keys.push_back(static_cast<Key>(key));
-        window_of(w).collecting_.key_modifiers.push_back(modifiers_of(modifiers));
+        window_of(w).pending_input_.keys.push_back(static_cast<Key>(key));
+        window_of(w).pending_input_.key_modifiers.push_back(modifiers_of(modifiers));
     });
     glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
-        window_of(w).collecting_.stirred = true;
-        window_of(w).collecting_.dropped.assign(paths, paths + count);
+        window_of(w).pending_input_.stirred = true;
+        window_of(w).pending_input_.dropped.assign(paths, paths + count);
     });
     glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
-        window_of(w).collecting_.stirred = true;
-        window_of(w).collecting_.scroll += static_cast<float>(y);
+        window_of(w).pending_input_.stirred = true;
+        window_of(w).pending_input_.scroll += static_cast<float>(y);
     });
     // A press moves the cursor's last known place, so that a drag starts at zero even where no motion came
     // before it.
     glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int modifiers) {
         double x = 0.0, y = 0.0;
         glfwGetCursorPos(w, &x, &y);
-        Input& input = window_of(w).collecting_;
+        Input& input = window_of(w).pending_input_;
         input.stirred = true;
         input.cursor = {static_cast<float>(x), static_cast<float>(y)};
         if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
@@ -74,7 +74,7 @@ void Window::install_callbacks() {
             {static_cast<Button>(button), action == GLFW_PRESS, input.cursor, modifiers_of(modifiers)});
     });
     glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
-        Input& input = window_of(w).collecting_;
+        Input& input = window_of(w).pending_input_;
         input.stirred = true;
         const glm::vec2 cursor(static_cast<float>(x), static_cast<float>(y));
         const glm::vec2 motion = cursor - input.cursor;
@@ -84,12 +84,13 @@ void Window::install_callbacks() {
         if (down(GLFW_MOUSE_BUTTON_MIDDLE)) input.drag_middle += motion;
         if (down(GLFW_MOUSE_BUTTON_RIGHT)) input.drag_right += motion;
     });
-    glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) { window_of(w).collecting_.stirred = true; });
-    glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int) { window_of(w).collecting_.stirred = true; });
-    glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int) { window_of(w).collecting_.stirred = true; });
-    glfwSetWindowIconifyCallback(window_, [](GLFWwindow* w, int) { window_of(w).collecting_.stirred = true; });
-    glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { window_of(w).collecting_.stirred = true; });
-    glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { window_of(w).collecting_.stirred = true; });
+    glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) { window_of(w).pending_input_.stirred = true; });
+    glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int) { window_of(w).pending_input_.stirred = true; });
+    glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int) { window_of(w).pending_input_.stirred = true; });
+    glfwSetWindowIconifyCallback(window_, [](GLFWwindow* w, int) { window_of(w).pending_input_.stirred = true; });
+    glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { window_of(w).pending_input_.stirred = true; });
+    glfwSetFramebufferSizeCallback(window_,
+                                   [](GLFWwindow* w, int, int) { window_of(w).pending_input_.stirred = true; });
 }
 
 const Input& Window::poll(double wait) {
@@ -97,11 +98,11 @@ const Input& Window::poll(double wait) {
     const auto either = [this](int left, int right) {
         return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
     };
-    collecting_.modifiers = {either(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT),
-                             either(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL),
-                             either(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT)};
-    input_ = collecting_;
-    collecting_ = Input{.cursor = input_.cursor};
+    pending_input_.modifiers = {either(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT),
+                                either(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL),
+                                either(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT)};
+    input_ = pending_input_;
+    pending_input_ = Input{.cursor = input_.cursor};
     return input_;
 }
 

@@ -123,8 +123,8 @@ class Window {
     void install_callbacks();
 
     GLFWwindow* window_ = nullptr;
-    Input collecting_; // filled by the callbacks
-    Input input_;      // what poll() handed out
+    Input pending_input_; // filled by the callbacks
+    Input input_;         // what poll() handed out
 };
 
 } // namespace brittle::engine

@@ -75,7 +75,7 @@ void CommandSlot::wait() {
     const VkResult result = wait_for_fence();
     if (result == VK_TIMEOUT)
         throw VulkanFailure{{Status::device_lost, "the device hangs: it did not finish a frame within "
-                                                      + std::to_string(longest_wait / 1'000'000'000)
+                                                      + std::to_string(wait_timeout / 1'000'000'000)
                                                       + " s. Start again; if it happens again, draw smaller"
                                                         " pictures, update the driver or choose another device."}};
     check(result, "wait for a frame");
@@ -84,7 +84,7 @@ void CommandSlot::wait() {
 
 VkResult CommandSlot::wait_for_fence() const {
     return device_.attempt(Call::wait,
-                           [&] { return vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, longest_wait); });
+                           [&] { return vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, wait_timeout); });
 }
 
 } // namespace brittle::engine

@@ -14,7 +14,7 @@ class Device;
 class CommandSlot {
   public:
     explicit CommandSlot(const Device& device);
-    ~CommandSlot(); // waits for what was submitted, longest_wait at most (device.h)
+    ~CommandSlot(); // waits for what was submitted, wait_timeout at most (device.h)
     CommandSlot(const CommandSlot&) = delete;
     CommandSlot& operator=(const CommandSlot&) = delete;
 
@@ -28,7 +28,7 @@ class CommandSlot {
     };
     void submit(Wait wait, VkSemaphore signal);
 
-    // Returns at once when nothing is pending. Throws device_lost after longest_wait.
+    // Returns at once when nothing is pending. Throws device_lost after wait_timeout.
     void wait();
 
   private:

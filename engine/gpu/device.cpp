@@ -13,7 +13,7 @@
 #endif
 
 #include "engine/gpu/check.h"
-#include "engine/gpu/listed.h"
+#include "engine/gpu/enumerate.h"
 
 namespace brittle::engine {
 
@@ -37,26 +37,27 @@ void prepare_loader() {
 #endif
 }
 
-bool hides(const FaultInjector* faults, const char* name) {
+bool is_hidden(const FaultInjector* faults, const char* name) {
     return faults && faults->hides(name);
 }
 
-bool lists(const std::vector<VkExtensionProperties>& extensions, const char* name, const FaultInjector* faults) {
-    if (hides(faults, name)) return false;
+bool offers_extension(const std::vector<VkExtensionProperties>& extensions, const char* name,
+                      const FaultInjector* faults) {
+    if (is_hidden(faults, name)) return false;
     return std::any_of(extensions.begin(), extensions.end(),
                        [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
 bool validation_available(const FaultInjector* faults) {
-    if (hides(faults, validation_layer)) return false;
-    const auto layers = listed<VkLayerProperties>(vkEnumerateInstanceLayerProperties);
+    if (is_hidden(faults, validation_layer)) return false;
+    const auto layers = enumerate<VkLayerProperties>(vkEnumerateInstanceLayerProperties);
     return std::any_of(layers.begin(), layers.end(),
                        [](const auto& l) { return std::strcmp(l.layerName, validation_layer) == 0; });
 }
 
 // The first family that does graphics and compute; in practice every device has one.
 std::optional<uint32_t> find_queue_family(VkPhysicalDevice device) {
-    const auto families = listed<VkQueueFamilyProperties>(vkGetPhysicalDeviceQueueFamilyProperties, device);
+    const auto families = enumerate<VkQueueFamilyProperties>(vkGetPhysicalDeviceQueueFamilyProperties, device);
     for (uint32_t i = 0; i < families.size(); ++i) {
         constexpr VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
         if ((families[i].queueFlags & wanted) == wanted) return i;
@@ -95,7 +96,7 @@ std::string find_problem(VkPhysicalDevice device, const VkPhysicalDeviceProperti
     vkGetPhysicalDeviceFeatures2(device, &features.all);
     std::string missing;
     for (const NeededFeature& feature : needed_features)
-        if (!feature.member(features) || hides(faults, feature.name))
+        if (!feature.member(features) || is_hidden(faults, feature.name))
             missing += (missing.empty() ? "" : ", ") + std::string(feature.name);
     return missing.empty() ? "" : "it lacks the feature " + missing;
 }
@@ -137,13 +138,13 @@ std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& device
     return infos;
 }
 
-std::string lower(std::string text) {
+std::string lowercase(std::string text) {
     for (char& c : text)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     return text;
 }
 
-std::string table_of(const std::vector<DeviceInfo>& infos) {
+std::string device_table(const std::vector<DeviceInfo>& infos) {
     std::string text;
     for (const DeviceInfo& info : infos)
         text += "\n  " + std::to_string(info.index) + "  " + info.name + " (" + to_string(info.kind) + ")"
@@ -152,7 +153,7 @@ std::string table_of(const std::vector<DeviceInfo>& infos) {
 }
 
 // What to install, and which variables keep the Vulkan loader from what is installed.
-std::string how_to_get_one() {
+std::string driver_advice() {
     std::string text = " Install a driver: on Debian, `apt install mesa-vulkan-drivers` has drivers for most GPUs"
                        " and one for the CPU.";
     for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
@@ -163,15 +164,15 @@ std::string how_to_get_one() {
 }
 
 // The usable device that `select` asks for, or why there is none.
-Result<uint32_t> choose(const std::vector<DeviceInfo>& infos, const std::string& select) {
-    const std::string wanted = lower(select);
+Result<uint32_t> choose_device(const std::vector<DeviceInfo>& infos, const std::string& select) {
+    const std::string wanted = lowercase(select);
     uint32_t index = 0;
     const char* end = wanted.data() + wanted.size();
     const auto number = std::from_chars(wanted.data(), end, index);
     if (!wanted.empty() && number.ptr == end && number.ec == std::errc()) {
         if (index >= infos.size())
             return Error{Status::no_device,
-                         "there is no Vulkan device " + select + ". The devices are:" + table_of(infos)};
+                         "there is no Vulkan device " + select + ". The devices are:" + device_table(infos)};
         if (!infos[index].problem.empty())
             return Error{Status::missing_feature, "Vulkan device " + select + " (" + infos[index].name
                                                       + ") cannot be used: " + infos[index].problem};
@@ -182,7 +183,7 @@ Result<uint32_t> choose(const std::vector<DeviceInfo>& infos, const std::string&
         if (wanted.empty() || wanted == "auto") return true;
         if (wanted == "cpu") return info.kind == DeviceKind::cpu;
         if (wanted == "gpu") return info.kind != DeviceKind::cpu;
-        return lower(info.name).find(wanted) != std::string::npos;
+        return lowercase(info.name).find(wanted) != std::string::npos;
     };
     const DeviceInfo* best = nullptr;
     for (const DeviceInfo& info : infos)
@@ -191,8 +192,8 @@ Result<uint32_t> choose(const std::vector<DeviceInfo>& infos, const std::string&
     const std::string which = wanted.empty() || wanted == "auto" ? "no usable Vulkan device"
                                                                  : "no usable Vulkan device matches \"" + select + "\"";
     if (infos.empty())
-        return Error{Status::no_device, which + ": the drivers that are installed find none." + how_to_get_one()};
-    return Error{Status::no_device, which + ". The devices are:" + table_of(infos)};
+        return Error{Status::no_device, which + ": the drivers that are installed find none." + driver_advice()};
+    return Error{Status::no_device, which + ". The devices are:" + device_table(infos)};
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
@@ -218,14 +219,14 @@ Function instance_function(VkInstance instance, const char* name) {
 }
 
 // The loader says that memory ran out where the only driver file is damaged.
-bool says_no_driver(VkResult result) {
+bool means_no_driver(VkResult result) {
     return result == VK_ERROR_INCOMPATIBLE_DRIVER || result == VK_ERROR_INITIALIZATION_FAILED
            || result == VK_ERROR_OUT_OF_HOST_MEMORY;
 }
 
 Error no_driver(VkResult result) {
     return {Status::no_driver, std::string("no Vulkan driver was found, or it is damaged (the loader says: ")
-                                   + to_string(result) + ")." + how_to_get_one()};
+                                   + to_string(result) + ")." + driver_advice()};
 }
 
 } // namespace
@@ -255,7 +256,7 @@ Result<std::vector<DeviceInfo>> list_devices() {
     const VkResult result = vkCreateInstance(&info, nullptr, &instance);
     if (result != VK_SUCCESS) return no_driver(result);
     std::vector<DeviceInfo> infos =
-        describe_all(listed<VkPhysicalDevice>(vkEnumeratePhysicalDevices, instance), nullptr);
+        describe_all(enumerate<VkPhysicalDevice>(vkEnumeratePhysicalDevices, instance), nullptr);
     vkDestroyInstance(instance, nullptr);
     return infos;
 }
@@ -267,9 +268,9 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
         device->faults_ = options.faults;
         if (Result<void> made = device->create_instance(options.validation); !made) return made.error();
 
-        const auto devices = listed<VkPhysicalDevice>(vkEnumeratePhysicalDevices, device->instance_);
+        const auto devices = enumerate<VkPhysicalDevice>(vkEnumeratePhysicalDevices, device->instance_);
         const std::vector<DeviceInfo> infos = describe_all(devices, options.faults);
-        Result<uint32_t> index = choose(infos, options.select);
+        Result<uint32_t> index = choose_device(infos, options.select);
         if (!index) return index.error();
         device->physical_ = devices[*index];
         device->info_ = infos[*index];
@@ -285,12 +286,12 @@ Result<void> Device::create_instance(bool validation) {
 
     // Surfaces of every window system that the loader offers: which of them a window will want is not known
     // here.
-    const auto offered = listed<VkExtensionProperties>(vkEnumerateInstanceExtensionProperties, nullptr);
+    const auto offered = enumerate<VkExtensionProperties>(vkEnumerateInstanceExtensionProperties, nullptr);
     std::vector<const char*> extensions;
-    if (lists(offered, "VK_KHR_surface", faults_))
+    if (offers_extension(offered, "VK_KHR_surface", faults_))
         for (const char* name :
              {"VK_KHR_surface", "VK_KHR_xcb_surface", "VK_KHR_xlib_surface", "VK_KHR_wayland_surface"})
-            if (lists(offered, name, faults_)) extensions.push_back(name);
+            if (offers_extension(offered, name, faults_)) extensions.push_back(name);
     can_present_ = !extensions.empty();
 
     const VkValidationFeatureEnableEXT enables[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
@@ -317,7 +318,7 @@ Result<void> Device::create_instance(bool validation) {
                                     .enabledExtensionCount = static_cast<uint32_t>(extensions.size()),
                                     .ppEnabledExtensionNames = extensions.data()};
     const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
-    if (says_no_driver(result)) return no_driver(result);
+    if (means_no_driver(result)) return no_driver(result);
     check(result, "create a Vulkan instance");
 
     debug_utils_ = validation;
@@ -337,7 +338,8 @@ void Device::create_device() {
     vkGetPhysicalDeviceProperties2(physical_, &properties);
     limits_ = properties.properties.limits;
     ballots_ = (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT) != 0
-               && (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0 && !hides(faults_, "subgroupBallot");
+               && (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0
+               && !is_hidden(faults_, "subgroupBallot");
     queue_family_ = *find_queue_family(physical_); // choose() took a device that has one
 
     Features features;
@@ -346,12 +348,12 @@ void Device::create_device() {
     vkGetPhysicalDeviceFeatures(physical_, &optional);
     line_mode_ = optional.fillModeNonSolid;
     features.all.features.fillModeNonSolid = optional.fillModeNonSolid;
-    multi_draw_ = optional.multiDrawIndirect && !hides(faults_, "multiDrawIndirect");
+    multi_draw_ = optional.multiDrawIndirect && !is_hidden(faults_, "multiDrawIndirect");
     features.all.features.multiDrawIndirect = multi_draw_;
 
     std::vector<const char*> extensions;
-    const auto offered = listed<VkExtensionProperties>(vkEnumerateDeviceExtensionProperties, physical_, nullptr);
-    can_present_ = can_present_ && lists(offered, VK_KHR_SWAPCHAIN_EXTENSION_NAME, faults_);
+    const auto offered = enumerate<VkExtensionProperties>(vkEnumerateDeviceExtensionProperties, physical_, nullptr);
+    can_present_ = can_present_ && offers_extension(offered, VK_KHR_SWAPCHAIN_EXTENSION_NAME, faults_);
     if (can_present_) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     const char* const clock_extension = find_clock_extension(offered);
     if (clock_extension) extensions.push_back(clock_extension);
@@ -389,13 +391,13 @@ void Device::create_device() {
 
 const char* Device::find_clock_extension(const std::vector<VkExtensionProperties>& offered) const {
     if (!limits_.timestampComputeAndGraphics) return nullptr;
-    const bool is_ext = lists(offered, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME, faults_);
-    if (!is_ext && !lists(offered, khr_calibrated_timestamps, faults_)) return nullptr;
+    const bool is_ext = offers_extension(offered, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME, faults_);
+    if (!is_ext && !offers_extension(offered, khr_calibrated_timestamps, faults_)) return nullptr;
     const auto list = instance_function<PFN_vkGetPhysicalDeviceCalibrateableTimeDomainsEXT>(
         instance_,
         is_ext ? "vkGetPhysicalDeviceCalibrateableTimeDomainsEXT" : "vkGetPhysicalDeviceCalibrateableTimeDomainsKHR");
     if (!list) return nullptr;
-    const auto domains = listed<VkTimeDomainEXT>(list, physical_);
+    const auto domains = enumerate<VkTimeDomainEXT>(list, physical_);
     for (const VkTimeDomainEXT needed : {VK_TIME_DOMAIN_DEVICE_EXT, VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT})
         if (std::find(domains.begin(), domains.end(), needed) == domains.end()) return nullptr;
     return is_ext ? VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME : khr_calibrated_timestamps;
@@ -448,7 +450,7 @@ void Device::wait_idle() const {
     if (hangs_ || vkResetFences(device_, 1, &idle_) != VK_SUCCESS) return;
     with_queue([&](VkQueue queue) {
         if (vkQueueSubmit2(queue, 0, nullptr, idle_) != VK_SUCCESS) return;
-        hangs_ = vkWaitForFences(device_, 1, &idle_, VK_TRUE, longest_wait) == VK_TIMEOUT;
+        hangs_ = vkWaitForFences(device_, 1, &idle_, VK_TRUE, wait_timeout) == VK_TIMEOUT;
         if (!hangs_) vkDeviceWaitIdle(device_);
     });
 }

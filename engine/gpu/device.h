@@ -51,7 +51,7 @@ struct DeviceOptions {
 
 // Nanoseconds. A device that is still busy after that hangs. Drivers give up much earlier, after some ten
 // seconds, and report a lost device; a CPU device may draw a large picture for a good part of it.
-inline constexpr uint64_t longest_wait = 60'000'000'000;
+inline constexpr uint64_t wait_timeout = 60'000'000'000;
 
 class Device {
   public:
@@ -99,7 +99,7 @@ class Device {
     void begin_label(VkCommandBuffer commands, const char* name) const;
     void end_label(VkCommandBuffer commands) const;
 
-    // Until the device has nothing to do, is lost, or hangs (longest_wait).
+    // Until the device has nothing to do, is lost, or hangs (wait_timeout).
     void wait_idle() const;
 
     // Makes a Vulkan call that can be told to fail.

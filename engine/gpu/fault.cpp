@@ -30,16 +30,16 @@ bool read_number(std::string_view word, Number& number) {
 
 void FaultInjector::fail(Call kind, VkResult result, uint32_t n, uint32_t times) {
     const std::scoped_lock lock(mutex_);
-    Order& order = orders_[static_cast<size_t>(kind)];
-    order.result = result;
-    order.first = order.seen + n;
-    order.last = times - 1 > std::numeric_limits<uint32_t>::max() - order.first ? std::numeric_limits<uint32_t>::max()
-                                                                                : order.first + (times - 1);
+    Rule& rule = rules_[static_cast<size_t>(kind)];
+    rule.result = result;
+    rule.first = rule.seen + n;
+    rule.last = times - 1 > std::numeric_limits<uint32_t>::max() - rule.first ? std::numeric_limits<uint32_t>::max()
+                                                                              : rule.first + (times - 1);
 }
 
 uint32_t FaultInjector::count(Call kind) const {
     const std::scoped_lock lock(mutex_);
-    return orders_[static_cast<size_t>(kind)].seen;
+    return rules_[static_cast<size_t>(kind)].seen;
 }
 
 bool FaultInjector::hides(std::string_view name) const {
@@ -48,8 +48,8 @@ bool FaultInjector::hides(std::string_view name) const {
 
 Result<void> FaultInjector::plan(std::string_view text) {
     while (!text.empty()) {
-        const std::string_view order = take(text, ',');
-        std::string_view rest = order;
+        const std::string_view rule = take(text, ',');
+        std::string_view rest = rule;
         const std::string_view kind = take(rest, ':');
         if (kind == "hide" && !rest.empty()) {
             hide(std::string(rest));
@@ -61,28 +61,28 @@ Result<void> FaultInjector::plan(std::string_view text) {
         if (name == call_names.end() || !read_number(take(rest, ':'), result) || !read_number(take(rest, ':'), n)
             || n == 0 || (!rest.empty() && (!read_number(rest, times) || times == 0)))
             return Error{Status::invalid_argument,
-                         "cannot read the fault \"" + std::string(order)
+                         "cannot read the fault \"" + std::string(rule)
                              + "\": it must be KIND:RESULT:N, KIND:RESULT:N:TIMES or hide:NAME"};
         fail(static_cast<Call>(name - call_names.begin()), static_cast<VkResult>(result), n, times);
     }
     return {};
 }
 
-VkResult FaultInjector::next(Call kind) {
+VkResult FaultInjector::next_result(Call kind) {
     const std::scoped_lock lock(mutex_);
-    Order& order = orders_[static_cast<size_t>(kind)];
-    ++order.seen;
+    Rule& rule = rules_[static_cast<size_t>(kind)];
+    ++rule.seen;
     const bool device_call = kind >= Call::submit;
     if (lost_ && device_call) return VK_ERROR_DEVICE_LOST;
-    if (order.seen < order.first || order.seen > order.last) return VK_SUCCESS;
-    lost_ = lost_ || (device_call && order.result == VK_ERROR_DEVICE_LOST);
-    return order.result;
+    if (rule.seen < rule.first || rule.seen > rule.last) return VK_SUCCESS;
+    lost_ = lost_ || (device_call && rule.result == VK_ERROR_DEVICE_LOST);
+    return rule.result;
 }
 
 // Where the call is made all the same. A present that fails has still waited for its semaphore. The device
 // that only seems lost is at work, and its objects may not go before it is done. A suboptimal image is an
 // image.
-bool FaultInjector::goes_through(Call kind, VkResult fault) {
+bool FaultInjector::call_still_made(Call kind, VkResult fault) {
     return kind == Call::present || (kind == Call::wait && fault == VK_ERROR_DEVICE_LOST) || fault == VK_SUBOPTIMAL_KHR;
 }
 

@@ -49,26 +49,26 @@ class FaultInjector {
     // Makes the call, or answers in its place.
     template<class Function>
     VkResult attempt(Call kind, Function&& call) {
-        const VkResult fault = next(kind);
+        const VkResult fault = next_result(kind);
         if (fault == VK_SUCCESS) return call();
-        if (goes_through(kind, fault))
+        if (call_still_made(kind, fault))
             if (const VkResult real = call(); real < 0) return real;
         return fault;
     }
 
   private:
-    struct Order {
+    struct Rule {
         VkResult result = VK_SUCCESS;
         uint32_t first = 0; // in calls, as `seen`
         uint32_t last = 0;
         uint32_t seen = 0;
     };
 
-    [[nodiscard]] VkResult next(Call kind);
-    [[nodiscard]] static bool goes_through(Call kind, VkResult fault);
+    [[nodiscard]] VkResult next_result(Call kind);
+    [[nodiscard]] static bool call_still_made(Call kind, VkResult fault);
 
     mutable std::mutex mutex_; // of orders_ and lost_
-    std::array<Order, call_kinds> orders_{};
+    std::array<Rule, call_kinds> rules_{};
     std::vector<std::string> hidden_;
     bool lost_ = false;
 };

@@ -34,9 +34,9 @@ uint64_t bits(Object object) {
 } // namespace
 
 VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t allowed, MemoryKind kind) {
-    const auto [preferred, least] = flags_of(kind);
+    const auto [preferred, required] = flags_of(kind);
     std::optional<uint32_t> type = device.find_memory_type(allowed, preferred);
-    if (!type) type = device.find_memory_type(allowed, least);
+    if (!type) type = device.find_memory_type(allowed, required);
     if (!type) throw VulkanFailure{{Status::missing_feature, "the device has no memory of the kind that is needed"}};
     const VkMemoryAllocateInfo info{
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size, .memoryTypeIndex = *type};

@@ -147,7 +147,7 @@ void begin_rendering(VkCommandBuffer commands, const Rendering& rendering) {
     const VkViewport viewport{0.0f, 0.0f, static_cast<float>(area.extent.width), static_cast<float>(area.extent.height),
                               0.0f, 1.0f};
     vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, rendering.part ? &*rendering.part : &area);
+    vkCmdSetScissor(commands, 0, 1, rendering.scissor ? &*rendering.scissor : &area);
 }
 
 } // namespace brittle::engine

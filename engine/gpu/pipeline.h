@@ -70,7 +70,7 @@ struct Rendering {
     VkImageView depth = VK_NULL_HANDLE;
     VkAttachmentLoadOp depth_load = VK_ATTACHMENT_LOAD_OP_LOAD; // clears to 1, the far plane
     VkAttachmentStoreOp depth_store = VK_ATTACHMENT_STORE_OP_STORE;
-    std::optional<VkRect2D> part{}; // within the extent: nothing is drawn outside
+    std::optional<VkRect2D> scissor{}; // within the extent: nothing is drawn outside
 };
 void begin_rendering(VkCommandBuffer commands, const Rendering& rendering);
 

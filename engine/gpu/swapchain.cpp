@@ -8,7 +8,7 @@
 #include "engine/core/window.h"
 #include "engine/gpu/check.h"
 #include "engine/gpu/device.h"
-#include "engine/gpu/listed.h"
+#include "engine/gpu/enumerate.h"
 #include "engine/gpu/memory.h"
 
 namespace brittle::engine {
@@ -16,9 +16,10 @@ namespace brittle::engine {
 namespace {
 
 // Nanoseconds to wait for an image that the window system has.
-constexpr uint64_t longest_acquire = 1'000'000'000;
+constexpr uint64_t acquire_timeout = 1'000'000'000;
 
-constexpr const char* other_ways = ". Choose another device, or draw the same pictures into files by `brittle render`.";
+constexpr const char* alternatives =
+    ". Choose another device, or draw the same pictures into files by `brittle render`.";
 
 VkSemaphore create_semaphore(VkDevice device) {
     const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
@@ -29,11 +30,11 @@ VkSemaphore create_semaphore(VkDevice device) {
 
 } // namespace
 
-VkExtent2D choose_extent(const VkSurfaceCapabilitiesKHR& can, glm::uvec2 framebuffer_size) {
-    if (can.currentExtent.width != UINT32_MAX) return can.currentExtent;
+VkExtent2D choose_extent(const VkSurfaceCapabilitiesKHR& capabilities, glm::uvec2 framebuffer_size) {
+    if (capabilities.currentExtent.width != UINT32_MAX) return capabilities.currentExtent;
     // The surface takes the size from the swapchain. Where it is hidden, min and max may both be zero.
-    return {std::clamp(framebuffer_size.x, can.minImageExtent.width, can.maxImageExtent.width),
-            std::clamp(framebuffer_size.y, can.minImageExtent.height, can.maxImageExtent.height)};
+    return {std::clamp(framebuffer_size.x, capabilities.minImageExtent.width, capabilities.maxImageExtent.width),
+            std::clamp(framebuffer_size.y, capabilities.minImageExtent.height, capabilities.maxImageExtent.height)};
 }
 
 VkPresentModeKHR choose_present_mode(std::span<const VkPresentModeKHR> offered, bool vsync) {
@@ -47,9 +48,9 @@ Swapchain::Swapchain(const Device& device, const Window& window, bool vsync, uin
     : device_(device), window_(window), vsync_(vsync), frames_(frames) {
     if (!device.can_present())
         throw VulkanFailure{{Status::missing_feature, "the Vulkan device " + device.info().name
-                                                          + " cannot show anything in a window" + other_ways}};
+                                                          + " cannot show anything in a window" + alternatives}};
     try {
-        make_surface();
+        create_surface();
         choose_format();
     } catch (...) {
         destroy_surface();
@@ -62,7 +63,7 @@ Swapchain::~Swapchain() {
     destroy_surface();
 }
 
-void Swapchain::make_surface() {
+void Swapchain::create_surface() {
     check(glfwCreateWindowSurface(device_.instance(), window_.handle(), nullptr, &surface_),
           "create a Vulkan surface for the window");
     VkBool32 supported = VK_FALSE;
@@ -70,7 +71,7 @@ void Swapchain::make_surface() {
           "ask whether the device can present to the window");
     if (!supported)
         throw VulkanFailure{{Status::missing_feature, "the Vulkan device " + device_.info().name
-                                                          + " cannot present to this window" + other_ways}};
+                                                          + " cannot present to this window" + alternatives}};
 }
 
 void Swapchain::destroy_surface() {
@@ -82,7 +83,7 @@ void Swapchain::destroy_surface() {
 }
 
 void Swapchain::choose_format() {
-    const auto formats = listed<VkSurfaceFormatKHR>([&](uint32_t* count, VkSurfaceFormatKHR* elements) {
+    const auto formats = enumerate<VkSurfaceFormatKHR>([&](uint32_t* count, VkSurfaceFormatKHR* elements) {
         check(vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical(), surface_, count, elements),
               "list the window's formats");
     });
@@ -97,52 +98,52 @@ void Swapchain::choose_format() {
 }
 
 bool Swapchain::fit(glm::uvec2 framebuffer_size) {
-    if (stale_ || held_ || framebuffer_size != made_for_) {
+    if (stale_ || image_held_ || framebuffer_size != created_for_) {
         device_.wait_idle();
         if (surface_lost_) {
             destroy_surface();
-            make_surface(); // of the same window, hence with the same formats
+            create_surface(); // of the same window, hence with the same formats
             surface_lost_ = false;
         }
-        make(framebuffer_size);
+        create_swapchain(framebuffer_size);
     }
-    return fresh_;
+    return never_acquired_;
 }
 
-void Swapchain::make(glm::uvec2 framebuffer_size) {
-    VkSurfaceCapabilitiesKHR can;
-    check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), surface_, &can),
+void Swapchain::create_swapchain(glm::uvec2 framebuffer_size) {
+    VkSurfaceCapabilitiesKHR capabilities;
+    check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), surface_, &capabilities),
           "ask for the window's capabilities");
-    extent_ = choose_extent(can, framebuffer_size);
-    made_for_ = framebuffer_size;
+    extent_ = choose_extent(capabilities, framebuffer_size);
+    created_for_ = framebuffer_size;
     destroy_images();
-    held_ = false;
-    fresh_ = true;
+    image_held_ = false;
+    never_acquired_ = true;
     stale_ = true; // until all is made; a window can also shrink to nothing between the two questions
     if (extent_.width == 0 || extent_.height == 0) return;
 
-    const auto modes = listed<VkPresentModeKHR>([&](uint32_t* count, VkPresentModeKHR* elements) {
+    const auto modes = enumerate<VkPresentModeKHR>([&](uint32_t* count, VkPresentModeKHR* elements) {
         check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, count, elements),
               "list the window's present modes");
     });
-    const VkCompositeAlphaFlagBitsKHR alpha = can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
+    const VkCompositeAlphaFlagBitsKHR alpha = capabilities.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                                                   ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                                                   : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
-    const uint32_t most = can.maxImageCount == 0 ? UINT32_MAX : can.maxImageCount;
-    takes_copies_ = can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT; // nearly everywhere
+    const uint32_t max_images = capabilities.maxImageCount == 0 ? UINT32_MAX : capabilities.maxImageCount;
+    supports_transfer_ = capabilities.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT; // nearly everywhere
     VkImageUsageFlags usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-    if (takes_copies_) usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    if (supports_transfer_) usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     const VkSwapchainKHR old = swapchain_;
     const VkSwapchainCreateInfoKHR info{.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
                                         .surface = surface_,
-                                        .minImageCount = std::min(std::max(can.minImageCount, 3u), most),
+                                        .minImageCount = std::min(std::max(capabilities.minImageCount, 3u), max_images),
                                         .imageFormat = surface_format_.format,
                                         .imageColorSpace = surface_format_.colorSpace,
                                         .imageExtent = extent_,
                                         .imageArrayLayers = 1,
                                         .imageUsage = usage,
                                         .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
-                                        .preTransform = can.currentTransform,
+                                        .preTransform = capabilities.currentTransform,
                                         .compositeAlpha = alpha,
                                         .presentMode = choose_present_mode(modes, vsync_),
                                         .clipped = VK_TRUE,
@@ -152,10 +153,10 @@ void Swapchain::make(glm::uvec2 framebuffer_size) {
         Call::create_swapchain, [&] { return vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_); });
     if (old) vkDestroySwapchainKHR(device_.handle(), old, nullptr);
     if (result < 0) swapchain_ = VK_NULL_HANDLE;
-    if (mends(result)) return;
+    if (is_recoverable(result)) return;
     check(result, "create a swapchain");
 
-    images_ = listed<VkImage>([&](uint32_t* count, VkImage* elements) {
+    images_ = enumerate<VkImage>([&](uint32_t* count, VkImage* elements) {
         check(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, count, elements), "list the swapchain's images");
     });
     for (VkImage image : images_) {
@@ -177,7 +178,7 @@ void Swapchain::destroy_images() {
 }
 
 // Whether the next fit() makes good what a call reported.
-bool Swapchain::mends(VkResult result) {
+bool Swapchain::is_recoverable(VkResult result) {
     switch (result) {
     case VK_ERROR_SURFACE_LOST_KHR:
         surface_lost_ = true;
@@ -194,14 +195,14 @@ std::optional<uint32_t> Swapchain::acquire(uint32_t frame) {
     if (stale_) return std::nullopt;
     uint32_t image = 0;
     const VkResult result = device_.attempt(Call::acquire, [&] {
-        return vkAcquireNextImageKHR(device_.handle(), swapchain_, longest_acquire, acquired_[frame], VK_NULL_HANDLE,
+        return vkAcquireNextImageKHR(device_.handle(), swapchain_, acquire_timeout, acquired_[frame], VK_NULL_HANDLE,
                                      &image);
     });
-    if (mends(result) || result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
+    if (is_recoverable(result) || result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
     check(result, "acquire a swapchain image");
     suboptimal_ = result == VK_SUBOPTIMAL_KHR; // a success: the frame is drawn first
-    fresh_ = false;
-    held_ = true;
+    never_acquired_ = false;
+    image_held_ = true;
     return image;
 }
 
@@ -215,12 +216,12 @@ void Swapchain::present(uint32_t image) {
     const VkResult result = device_.attempt(Call::present, [&] {
         return device_.with_queue([&](VkQueue queue) { return vkQueuePresentKHR(queue, &info); });
     });
-    if (!mends(result)) check(result, "present a frame");
-    held_ = false;
+    if (!is_recoverable(result)) check(result, "present a frame");
+    image_held_ = false;
     // Made again once: a system that calls each swapchain suboptimal is drawn to all the same.
     suboptimal_ = suboptimal_ || result == VK_SUBOPTIMAL_KHR;
-    if (suboptimal_ && !remade_suboptimal_) stale_ = true;
-    remade_suboptimal_ = suboptimal_;
+    if (suboptimal_ && !recreated_suboptimal_) stale_ = true;
+    recreated_suboptimal_ = suboptimal_;
 }
 
 } // namespace brittle::engine

@@ -49,17 +49,17 @@ class Swapchain {
 
     [[nodiscard]] Format format() const { return format_; }
     [[nodiscard]] VkExtent2D extent() const { return extent_; }
-    [[nodiscard]] bool takes_copies() const { return takes_copies_; } // as targets of transfers
+    [[nodiscard]] bool supports_transfer() const { return supports_transfer_; } // as targets of transfers
     [[nodiscard]] const std::vector<VkImage>& images() const { return images_; }
     [[nodiscard]] const std::vector<VkImageView>& views() const { return views_; }
 
   private:
-    void make_surface();
+    void create_surface();
     void destroy_surface();
     void choose_format();
-    void make(glm::uvec2 framebuffer_size);
+    void create_swapchain(glm::uvec2 framebuffer_size);
     void destroy_images();
-    [[nodiscard]] bool mends(VkResult result);
+    [[nodiscard]] bool is_recoverable(VkResult result);
 
     const Device& device_;
     const Window& window_;
@@ -70,14 +70,14 @@ class Swapchain {
     Format format_ = Format::bgra8_unorm;
     VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
     VkExtent2D extent_{};
-    bool takes_copies_ = false;
-    glm::uvec2 made_for_{0};    // the framebuffer size at the time; the surface may have insisted on another extent
-    bool stale_ = true;         // to be made again
-    bool fresh_ = false;        // no image was acquired since it was made
-    bool held_ = false;         // an image is acquired and not presented
-    bool surface_lost_ = false; // to be made again with its surface
-    bool suboptimal_ = false;   // as the last acquire() or present() said
-    bool remade_suboptimal_ = false; // making it again did not help: leave it at that
+    bool supports_transfer_ = false;
+    glm::uvec2 created_for_{0};   // the framebuffer size at the time; the surface may have insisted on another extent
+    bool stale_ = true;           // to be made again
+    bool never_acquired_ = false; // no image was acquired since it was made
+    bool image_held_ = false;     // an image is acquired and not presented
+    bool surface_lost_ = false;   // to be made again with its surface
+    bool suboptimal_ = false;     // as the last acquire() or present() said
+    bool recreated_suboptimal_ = false; // making it again did not help: leave it at that
     std::vector<VkImage> images_;
     std::vector<VkImageView> views_;
     std::vector<VkSemaphore> finished_; // by image
@@ -86,7 +86,7 @@ class Swapchain {
 
 // The extent that the surface insists on, or the window's size within what it allows; zero in a side where
 // there is nothing to draw into now.
-[[nodiscard]] VkExtent2D choose_extent(const VkSurfaceCapabilitiesKHR& can, glm::uvec2 framebuffer_size);
+[[nodiscard]] VkExtent2D choose_extent(const VkSurfaceCapabilitiesKHR& capabilities, glm::uvec2 framebuffer_size);
 
 // With vsync FIFO, which every driver has; without it the first offered of mailbox and immediate, else FIFO.
 [[nodiscard]] VkPresentModeKHR choose_present_mode(std::span<const VkPresentModeKHR> offered, bool vsync);

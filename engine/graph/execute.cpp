@@ -177,7 +177,7 @@ void GraphExecutor::prepare_queries(size_t passes) {
     query_capacity_ = info.queryCount;
 }
 
-void GraphExecutor::put_barriers(const std::vector<Plan::Barrier>& barriers, const PassContext& context) const {
+void GraphExecutor::record_barriers(const std::vector<Plan::Barrier>& barriers, const PassContext& context) const {
     std::vector<VkImageMemoryBarrier2> images;
     // Buffers need no layout, so one global barrier serves them all, as it does what aliased memory held
     // before: drivers treat buffer barriers the same way.
@@ -232,28 +232,28 @@ void GraphExecutor::record(const Plan& plan, const External& external, VkCommand
         }
     }
 
-    timed_.clear();
+    pass_names_.clear();
     if (queries_) vkCmdResetQueryPool(commands, queries_, 0, static_cast<uint32_t>(2 * plan.passes.size()));
     const auto stamp = [&](uint32_t query) {
         if (queries_) vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
     };
     for (const Plan::Pass& pass : plan.passes) {
-        const auto query = static_cast<uint32_t>(2 * timed_.size());
+        const auto query = static_cast<uint32_t>(2 * pass_names_.size());
         device_.begin_label(commands, pass.name.c_str());
         stamp(query);
-        put_barriers(pass.barriers, context);
+        record_barriers(pass.barriers, context);
         pass.execute(context);
         stamp(query + 1);
         device_.end_label(commands);
-        timed_.push_back(pass.name);
+        pass_names_.push_back(pass.name);
     }
-    put_barriers(plan.final_barriers, context);
+    record_barriers(plan.final_barriers, context);
 }
 
 std::vector<PassTime> GraphExecutor::collect_times() {
     std::vector<PassTime> times;
-    if (!queries_ || timed_.empty()) return times;
-    std::vector<uint64_t> stamps(2 * timed_.size());
+    if (!queries_ || pass_names_.empty()) return times;
+    std::vector<uint64_t> stamps(2 * pass_names_.size());
     check(vkGetQueryPoolResults(device_.handle(), queries_, 0, static_cast<uint32_t>(stamps.size()),
                                 stamps.size() * sizeof(uint64_t), stamps.data(), sizeof(uint64_t),
                                 VK_QUERY_RESULT_64_BIT),
@@ -261,9 +261,9 @@ std::vector<PassTime> GraphExecutor::collect_times() {
     const auto period = static_cast<double>(device_.limits().timestampPeriod);
     const std::chrono::nanoseconds now = std::chrono::steady_clock::now().time_since_epoch();
     const ClockMatch match = device_.match_clocks().value_or(ClockMatch{stamps.back(), now.count(), period});
-    for (size_t i = 0; i < timed_.size(); ++i) {
+    for (size_t i = 0; i < pass_names_.size(); ++i) {
         const auto ticks = static_cast<double>(stamps[2 * i + 1] - stamps[2 * i]);
-        times.push_back({timed_[i], ticks * period * 1e-6, match.host(stamps[2 * i])});
+        times.push_back({pass_names_[i], ticks * period * 1e-6, match.host(stamps[2 * i])});
     }
     return times;
 }

@@ -95,7 +95,7 @@ class GraphExecutor {
     void create_transients(const Plan& plan);
     void destroy_transients();
     void prepare_queries(size_t passes);
-    void put_barriers(const std::vector<Plan::Barrier>& barriers, const PassContext& context) const;
+    void record_barriers(const std::vector<Plan::Barrier>& barriers, const PassContext& context) const;
 
     const Device& device_;
     std::vector<Plan::Heap> heap_descs_;
@@ -103,7 +103,7 @@ class GraphExecutor {
     std::vector<Transient> transients_; // beside Plan::resources; imported and unused ones stay empty
     VkQueryPool queries_ = VK_NULL_HANDLE;
     size_t query_capacity_ = 0;
-    std::vector<std::string> timed_; // names of the passes last recorded
+    std::vector<std::string> pass_names_; // names of the passes last recorded
 };
 
 } // namespace brittle::engine

@@ -16,7 +16,7 @@ void CullPass::declare(Frame& frame, bool for_shadow) const {
             pass.read(frame.commands, Access::storage_read_compute);
             frame.camera_commands = pass.write(frame.camera_commands, Access::storage_write_compute);
             if (for_shadow) frame.light_commands = pass.write(frame.light_commands, Access::storage_write_compute);
-            frame.drawn = pass.write(frame.drawn, Access::storage_read_write_compute);
+            frame.visible_counts = pass.write(frame.visible_counts, Access::storage_read_write_compute);
         },
         [this, &frame, for_shadow](PassContext& context) {
             vkCmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.handle());

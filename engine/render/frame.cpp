@@ -56,7 +56,7 @@ void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
         {shared::binding_commands, storage, 1, compute, nullptr},
         {shared::binding_culled_for_camera, storage, 1, compute, nullptr},
         {shared::binding_culled_for_light, storage, 1, compute, nullptr},
-        {shared::binding_drawn, storage, 1, compute, nullptr},
+        {shared::binding_visible_counts, storage, 1, compute, nullptr},
         {shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT,
          &shadow_sampler_}};
     const VkDescriptorSetLayoutCreateInfo set_layout{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
@@ -119,7 +119,7 @@ void FrameLayout::update(VkDescriptorSet set, const Bindings& bindings) const {
     const VkDescriptorBufferInfo commands{bindings.commands, 0, bindings.commands_size};
     const VkDescriptorBufferInfo for_camera{bindings.culled_for_camera, 0, VK_WHOLE_SIZE};
     const VkDescriptorBufferInfo for_light{bindings.culled_for_light, 0, VK_WHOLE_SIZE};
-    const VkDescriptorBufferInfo drawn{bindings.drawn, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo visible_counts{bindings.visible_counts, 0, VK_WHOLE_SIZE};
     const VkDescriptorImageInfo shadow{VK_NULL_HANDLE, bindings.shadow, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
     const auto write = [set](uint32_t binding, VkDescriptorType type, const VkDescriptorBufferInfo* buffer,
                              const VkDescriptorImageInfo* image) {
@@ -138,7 +138,7 @@ void FrameLayout::update(VkDescriptorSet set, const Bindings& bindings) const {
         write(shared::binding_commands, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &commands, nullptr),
         write(shared::binding_culled_for_camera, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &for_camera, nullptr),
         write(shared::binding_culled_for_light, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &for_light, nullptr),
-        write(shared::binding_drawn, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &drawn, nullptr),
+        write(shared::binding_visible_counts, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &visible_counts, nullptr),
         write(shared::binding_shadow, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, nullptr, &shadow)};
     vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(std::size(writes)), writes, 0, nullptr);
 }
@@ -179,9 +179,9 @@ ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
     // A rim of a few texels for filters to read beyond the last caster, and a size for casters that have
     // none.
     const float extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-5f});
-    const float rim = extent * 4.0f / static_cast<float>(size);
-    low -= rim;
-    high += rim;
+    const float margin = extent * 4.0f / static_cast<float>(size);
+    low -= margin;
+    high += margin;
     const float width = std::max(high.x - low.x, high.y - low.y);
     return {glm::orthoRH_ZO(low.x, high.x, low.y, high.y, -high.z, -low.z) * view, width / static_cast<float>(size),
             high.z - low.z};
@@ -189,11 +189,11 @@ ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
 
 } // namespace
 
-VkRect2D pixels_of(const Region& region, VkExtent2D size, int32_t rim) {
+VkRect2D pixel_rect(const Region& region, VkExtent2D size, int32_t margin) {
     assert(std::isfinite(region.min.x + region.min.y + region.max.x + region.max.y));
     const glm::vec2 pixels(size.width, size.height);
     const auto within = [&](glm::vec2 p) { return glm::ivec2(glm::clamp(p, glm::vec2(0.0f), pixels)); };
-    const auto apart = static_cast<float>(rim);
+    const auto apart = static_cast<float>(margin);
     const glm::ivec2 low = within(glm::floor(region.min * pixels) - apart);
     const glm::ivec2 high = glm::max(within(glm::ceil(region.max * pixels) + apart), low);
     return {{low.x, low.y}, {static_cast<uint32_t>(high.x - low.x), static_cast<uint32_t>(high.y - low.y)}};
@@ -261,7 +261,7 @@ Rendering Frame::colour_rendering(const PassContext& context, VkAttachmentLoadOp
             .colour_load = load,
             .resolve = samples.valid() && last ? context.view(colour) : VK_NULL_HANDLE,
             .depth = context.view(depth),
-            .part = part};
+            .scissor = scissor};
 }
 
 void Frame::bind_image(const PassContext& context, VkDescriptorSet to, Image image) const {

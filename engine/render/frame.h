@@ -35,7 +35,7 @@ class FrameLayout {
 
     struct Bindings {
         VkBuffer frame, poses, draws;
-        VkBuffer commands, culled_for_camera, culled_for_light, drawn; // for the cull pass
+        VkBuffer commands, culled_for_camera, culled_for_light, visible_counts; // for the cull pass
         VkDeviceSize commands_size; // bytes: the cull pass takes the number of commands from it
         VkImageView shadow;
     };
@@ -67,13 +67,13 @@ struct Frame {
     VkDescriptorSet set;                      // set 0
     VkDescriptorSet depth_set, occlusion_set; // for set 1, unused so far
     FrameStats stats;
-    VkRect2D part{}; // of the pixels that are drawn: Scene::region, and a rim for what enlarges it
+    VkRect2D scissor{}; // of the pixels that are drawn: Scene::region, and a rim for what enlarges it
 
     // Imports. Those of the arena are valid only if it holds a draw.
     Buffer uniforms, poses, vertices, normals, indices, draw_data, commands;
     // What each view draws: the cull pass's work or, without one, all commands.
     Buffer camera_commands, light_commands;
-    Buffer drawn;          // counts of pieces, by view; valid if there is a cull pass
+    Buffer visible_counts; // counts of pieces, by view; valid if there is a cull pass
     Buffer lines, spheres; // valid if the scene has any
     Image shadow;
     // Targets. Without multisampling `samples` names nothing, and `colour` is drawn into itself.
@@ -109,7 +109,7 @@ struct View {
     uint32_t shadow_size; // texels a side
 };
 // The pixels of a region in a picture of that size, with so many around them; those that it has.
-[[nodiscard]] VkRect2D pixels_of(const Region& region, VkExtent2D size, int32_t rim);
+[[nodiscard]] VkRect2D pixel_rect(const Region& region, VkExtent2D size, int32_t margin);
 
 [[nodiscard]] shared::FrameData frame_data(const Scene& scene, const View& view);
 

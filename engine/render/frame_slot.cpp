@@ -58,7 +58,7 @@ void write_pieces(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
     const uint64_t culled_size = *from.quality.culling ? commands_size : 0;
     reserve(device, slot.camera_commands, "commands for the camera", culled_size, commands, MemoryKind::device);
     reserve(device, slot.light_commands, "commands for the light", culled_size, commands, MemoryKind::device);
-    std::ranges::fill(slot.drawn.mapped_as<uint32_t>(0, shared::view_count), 0u);
+    std::ranges::fill(slot.visible_counts.mapped_as<uint32_t>(0, shared::view_count), 0u);
 }
 
 void write_marks(FrameSlot& slot, const Device& device, const Scene& scene) {
@@ -119,8 +119,8 @@ FrameSlot::FrameSlot(const Device& device, const FrameLayout& layout)
     : executor(device), set(layout.allocate_frame()), depth_set(layout.allocate_image()),
       occlusion_set(layout.allocate_image()),
       uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryKind::upload),
-      drawn(device, "pieces in view", shared::view_count * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-            MemoryKind::readback),
+      visible_counts(device, "pieces in view", shared::view_count * sizeof(uint32_t),
+                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
       commands(device) {}
 
 void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
@@ -136,7 +136,7 @@ void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
                                   .commands = slot.draw_commands.handle(),
                                   .culled_for_camera = slot.camera_commands.handle(),
                                   .culled_for_light = slot.light_commands.handle(),
-                                  .drawn = slot.drawn.handle(),
+                                  .visible_counts = slot.visible_counts.handle(),
                                   .commands_size = std::max(from.pieces.draws(), 1u) * sizeof(shared::DrawCommand),
                                   .shadow = from.shadow});
 }

@@ -21,8 +21,8 @@ struct FrameSlot {
     GraphExecutor executor;
     VkDescriptorSet set, depth_set, occlusion_set;
     DeviceBuffer uniforms;
-    DeviceBuffer drawn;  // written by both
-    bool culled = false; // the newest frame counts in `drawn`
+    DeviceBuffer visible_counts; // written by both
+    bool culled = false;         // the newest frame counts in `drawn`
     DeviceBuffer camera_commands, light_commands;
     DeviceBuffer draw_data, draw_commands; // one a draw range, of PieceArena::version()
     uint64_t pieces_version = 0;

@@ -77,7 +77,7 @@ const char* PieceArena::name(size_t arena) {
     return kinds[arena].name;
 }
 
-bool PieceArena::Spaces::place(Piece& piece) {
+bool PieceArena::Allocators::place(Piece& piece) {
     const std::optional<uint32_t> vertex = engine::place(vertices, piece.batch.vertices, max_vertices);
     const std::optional<uint32_t> index = engine::place(indices, piece.batch.indices(), max_indices);
     if (!vertex || !index) return false;
@@ -86,7 +86,7 @@ bool PieceArena::Spaces::place(Piece& piece) {
     return true;
 }
 
-void PieceArena::Spaces::free(const Piece& piece) {
+void PieceArena::Allocators::free(const Piece& piece) {
     vertices.free(piece.vertex, piece.batch.vertices);
     indices.free(piece.index, piece.batch.indices());
 }
@@ -112,18 +112,18 @@ Result<void> PieceArena::check(std::span<const PieceBatch> batches, size_t other
 
 Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches) {
     if (Result<void> valid = check(batches, pieces_.size()); !valid) return valid.error();
-    return add(std::move(batches), spaces_, pieces_);
+    return add(std::move(batches), allocators_, pieces_);
 }
 
 Result<std::vector<PieceHandle>> PieceArena::replace_all(PieceBatch batch) {
     if (Result<void> valid = check({&batch, 1}, 0); !valid) return valid.error();
-    Spaces spaces = spaces_;
-    for (const Piece& piece : pieces_) spaces.free(piece);
-    return add({std::move(batch)}, std::move(spaces), {});
+    Allocators allocators = allocators_;
+    for (const Piece& piece : pieces_) allocators.free(piece);
+    return add({std::move(batch)}, std::move(allocators), {});
 }
 
 // Works on copies until nothing can fail any more.
-Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches, Spaces spaces,
+Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches, Allocators allocators,
                                                  std::vector<Piece> pieces) {
     uint64_t vertices = 0, indices = 0, added = 0;
     for (const PieceBatch& batch : batches) {
@@ -131,37 +131,41 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
         indices += batch.indices().size();
         added += batch.pieces().size();
     }
-    make_room_for_all(spaces.vertices, vertices, max_vertices);
-    make_room_for_all(spaces.indices, indices, max_indices);
+    make_room_for_all(allocators.vertices, vertices, max_vertices);
+    make_room_for_all(allocators.indices, indices, max_indices);
     std::vector<PieceHandle> handles;
     handles.reserve(added);
     pieces.reserve(pieces.size() + added);
     uint32_t handle = last_handle_;
     for (PieceBatch& batch : batches) {
         const auto source = std::make_shared<const PieceBatch>(std::move(batch));
-        for (const PieceBatch::Piece& part : source->pieces()) {
-            Piece piece{
-                .handle = {++handle}, .batch = part, .source = source, .vertex = 0, .index = 0, .visible = solid};
-            if (!spaces.place(piece))
+        for (const PieceBatch::Piece& batch_piece : source->pieces()) {
+            Piece piece{.handle = {++handle},
+                        .batch = batch_piece,
+                        .source = source,
+                        .vertex = 0,
+                        .index = 0,
+                        .opacity = solid};
+            if (!allocators.place(piece))
                 return Error{Status::invalid_argument, "cannot draw more than " + std::to_string(pieces.size())
                                                            + " pieces: their geometry is too large to address"};
             handles.push_back(piece.handle);
             pieces.push_back(std::move(piece));
         }
     }
-    fit_buffers(spaces);
+    grow_buffers(allocators);
     pending_ = pending_ || !handles.empty();
     pieces_ = std::move(pieces);
-    spaces_ = std::move(spaces);
+    allocators_ = std::move(allocators);
     last_handle_ = handle;
-    refresh();
+    update_totals();
     return handles;
 }
 
 // Buffers of the spaces' capacity; the last step that may fail.
-void PieceArena::fit_buffers(const Spaces& spaces) {
-    const std::array<uint32_t, piece_arenas> capacity{spaces.vertices.capacity(), spaces.vertices.capacity(),
-                                                      spaces.indices.capacity()};
+void PieceArena::grow_buffers(const Allocators& allocators) {
+    const std::array<uint32_t, piece_arenas> capacity{allocators.vertices.capacity(), allocators.vertices.capacity(),
+                                                      allocators.indices.capacity()};
     PieceBuffers larger;
     bool grown = false;
     for (size_t i = 0; i < piece_arenas; ++i) {
@@ -205,7 +209,7 @@ Result<void> PieceArena::remove(std::span<const PieceHandle> handles) {
     size_t kept = 0, next = 0;
     for (size_t i = 0; i < pieces_.size(); ++i) {
         if (next < found->size() && (*found)[next] == i) {
-            spaces_.free(pieces_[i]);
+            allocators_.free(pieces_[i]);
             ++next;
             continue;
         }
@@ -213,7 +217,7 @@ Result<void> PieceArena::remove(std::span<const PieceHandle> handles) {
         ++kept;
     }
     pieces_.resize(kept);
-    refresh();
+    update_totals();
     return {};
 }
 
@@ -222,33 +226,33 @@ Result<void> PieceArena::fade(std::span<const PieceHandle> handles, float fade) 
         return Error{Status::invalid_argument, "pieces cannot fade by " + std::to_string(fade) + ": it must be 0 to 1"};
     Result<std::vector<size_t>> found = find(handles);
     if (!found) return found.error();
-    const auto visible = static_cast<uint32_t>(std::lround((1.0f - fade) * static_cast<float>(solid)));
-    for (const size_t i : *found) pieces_[i].visible = visible;
-    refresh();
+    const auto opacity = static_cast<uint32_t>(std::lround((1.0f - fade) * static_cast<float>(solid)));
+    for (const size_t i : *found) pieces_[i].opacity = opacity;
+    update_totals();
     return {};
 }
 
 // What follows from the list of pieces.
-void PieceArena::refresh() {
+void PieceArena::update_totals() {
     bodies_ = draws_ = solid_draws_ = 0;
     triangles_ = 0;
     for (const Piece& piece : pieces_) {
         bodies_ = std::max(bodies_, piece.batch.body + 1);
         triangles_ += piece.batch.indices() / 3;
         const uint32_t ranges = (piece.batch.exterior_indices > 0) + (piece.batch.interior_indices > 0);
-        if (piece.visible > 0) draws_ += ranges;
-        if (piece.visible == solid) solid_draws_ += ranges;
+        if (piece.opacity > 0) draws_ += ranges;
+        if (piece.opacity == solid) solid_draws_ += ranges;
     }
     ++version_;
 }
 
-void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, Places& next_of) {
-    if (piece.visible == 0) return;
-    uint32_t& next = piece.visible == solid ? next_of.solid : next_of.fading;
+void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, DrawCursors& cursors) {
+    if (piece.opacity == 0) return;
+    uint32_t& next = piece.opacity == solid ? cursors.solid : cursors.fading;
     const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
         if (indices == 0) return;
         lists.commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
-        lists.data[next] = {piece.batch.body, material, piece.batch.tint | piece.visible << 24, piece.handle.number,
+        lists.data[next] = {piece.batch.body, material, piece.batch.tint | piece.opacity << 24, piece.handle.number,
                             piece.batch.sphere};
         ++next;
     };
@@ -257,8 +261,8 @@ void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, Places&
 }
 
 void PieceArena::write_draws(const DrawLists& lists) const {
-    Places next{0, solid_draws_};
-    for (const Piece& piece : pieces_) write_piece(piece, lists, next);
+    DrawCursors cursors{0, solid_draws_};
+    for (const Piece& piece : pieces_) write_piece(piece, lists, cursors);
 }
 
 void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> poses, const glm::vec3& eye) const {
@@ -274,24 +278,24 @@ void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> p
         order[i] = far << 32 | i;
     }
     std::ranges::sort(order);
-    Places next{0, solid_draws_};
-    for (const uint64_t key : order) write_piece(pieces_[key & ~0u], lists, next);
+    DrawCursors cursors{0, solid_draws_};
+    for (const uint64_t key : order) write_piece(pieces_[key & ~0u], lists, cursors);
 }
 
-PieceArena::Part PieceArena::part_of(const Piece& piece, size_t arena) {
+PieceArena::Slice PieceArena::slice_of(const Piece& piece, size_t arena) {
     const uint64_t element = kinds[arena].element;
     const bool of_indices = arena == 2;
-    Part part{.to = element * (of_indices ? piece.index : piece.vertex),
-              .size = element * (of_indices ? piece.batch.indices() : piece.batch.vertices)};
-    if (!piece.source) return part;
+    Slice slice{.to = element * (of_indices ? piece.index : piece.vertex),
+                .size = element * (of_indices ? piece.batch.indices() : piece.batch.vertices)};
+    if (!piece.source) return slice;
     const std::array<std::span<const std::byte>, piece_arenas> arrays{std::as_bytes(piece.source->positions()),
                                                                       std::as_bytes(piece.source->normals()),
                                                                       std::as_bytes(piece.source->indices())};
     const uint64_t first = element * (of_indices ? piece.batch.first_index : piece.batch.first_vertex);
-    part.bytes = arrays[arena].subspan(first, part.size);
-    for (size_t before = 0; before < arena; ++before) part.from += arrays[before].size();
-    part.from += first;
-    return part;
+    slice.bytes = arrays[arena].subspan(first, slice.size);
+    for (size_t before = 0; before < arena; ++before) slice.from += arrays[before].size();
+    slice.from += first;
+    return slice;
 }
 
 PieceUpload PieceArena::next_upload() const {
@@ -300,16 +304,16 @@ PieceUpload PieceArena::next_upload() const {
     for (size_t i = 0; i < piece_arenas; ++i) {
         size_t at = 0; // in upload.staged: pieces of a batch lie side by side
         for (const Piece& piece : pieces_) {
-            const Part part = part_of(piece, i);
+            const Slice slice = slice_of(piece, i);
             if (!piece.source) {
-                if (old_[i].handle()) append(upload.from_old[i], {part.to, part.to, part.size});
+                if (old_[i].handle()) append(upload.from_old[i], {slice.to, slice.to, slice.size});
             } else if (const auto& buffer = piece.source->staged()) {
                 at += at < upload.staged.size() && upload.staged[at].buffer != buffer;
                 if (at == upload.staged.size()) upload.staged.push_back({buffer, {}});
-                append(upload.staged[at].copies[i], {part.from, part.to, part.size});
+                append(upload.staged[at].copies[i], {slice.from, slice.to, slice.size});
             } else {
-                append(upload.from_staging[i], {upload.staging_size, part.to, part.size});
-                upload.staging_size += part.size;
+                append(upload.from_staging[i], {upload.staging_size, slice.to, slice.size});
+                upload.staging_size += slice.size;
             }
         }
     }
@@ -320,10 +324,10 @@ void PieceArena::write_staging(std::byte* staging) const {
     for (size_t i = 0; i < piece_arenas; ++i)
         for (const Piece& piece : pieces_) {
             if (!piece.source || piece.source->staged()) continue;
-            const Part part = part_of(piece, i);
-            if (part.bytes.empty()) continue;
-            std::memcpy(staging, part.bytes.data(), part.bytes.size());
-            staging += part.bytes.size();
+            const Slice slice = slice_of(piece, i);
+            if (slice.bytes.empty()) continue;
+            std::memcpy(staging, slice.bytes.data(), slice.bytes.size());
+            staging += slice.bytes.size();
         }
 }
 

@@ -98,9 +98,9 @@ class PieceArena {
         PieceBatch::Piece batch;                  // its part of the batch
         std::shared_ptr<const PieceBatch> source; // until it was uploaded
         uint32_t vertex, index;                   // where it begins in the arenas
-        uint32_t visible;                         // 255: solid; 0: not drawn
+        uint32_t opacity;                         // 255: solid; 0: not drawn
     };
-    struct Spaces {
+    struct Allocators {
         RangeAllocator vertices, indices;
 
         [[nodiscard]] bool place(Piece& piece);
@@ -108,28 +108,28 @@ class PieceArena {
     };
 
     [[nodiscard]] Result<void> check(std::span<const PieceBatch> batches, size_t others) const;
-    [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches, Spaces spaces,
+    [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches, Allocators allocators,
                                                        std::vector<Piece> pieces);
-    void fit_buffers(const Spaces& spaces);
+    void grow_buffers(const Allocators& allocators);
     [[nodiscard]] Result<std::vector<size_t>> find(std::span<const PieceHandle> handles) const;
-    void refresh();
+    void update_totals();
     // Where the next range goes in the lists, of solid and of fading pieces.
-    struct Places {
+    struct DrawCursors {
         uint32_t solid, fading;
     };
     // What of a piece goes into an arena.
-    struct Part {
+    struct Slice {
         uint64_t to;       // bytes, in the arena
         uint64_t size;     // bytes
         uint64_t from = 0; // bytes, in the arrays of its batch one after the other; if it has one still
         std::span<const std::byte> bytes{}; // likewise
     };
-    [[nodiscard]] static Part part_of(const Piece& piece, size_t arena);
-    static void write_piece(const Piece& piece, const DrawLists& lists, Places& next);
+    [[nodiscard]] static Slice slice_of(const Piece& piece, size_t arena);
+    static void write_piece(const Piece& piece, const DrawLists& lists, DrawCursors& cursors);
 
     const Device& device_;
     std::vector<Piece> pieces_; // ascending in handles
-    Spaces spaces_;
+    Allocators allocators_;
     PieceBuffers buffers_;
     PieceBuffers old_;                          // what submitted frames read until buffers_ took over; may be none
     std::array<bool, piece_arenas> resident_{}; // whether a submitted frame wrote buffers_

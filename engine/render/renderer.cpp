@@ -13,7 +13,6 @@
 #include "engine/gpu/swapchain.h"
 #include "engine/graph/access_vulkan.h"
 #include "engine/render/cull_pass.h"
-#include "engine/render/enlarge_pass.h"
 #include "engine/render/frame_slot.h"
 #include "engine/render/id_pass.h"
 #include "engine/render/marks_pass.h"
@@ -24,6 +23,7 @@
 #include "engine/render/staging_pool.h"
 #include "engine/render/ui_pass.h"
 #include "engine/render/upload_pass.h"
+#include "engine/render/upscale_pass.h"
 
 namespace brittle::engine {
 
@@ -37,12 +37,12 @@ constexpr float min_scale = 0.25f; // of pixels a side; with fewer, pictures sho
 // what a large mesh needed is given back.
 constexpr uint64_t max_staging_kept = 4 << 20;
 // Bytes of a batch from which it gets a buffer of its own: an allocation costs as much as copying fewer.
-constexpr uint64_t min_staged = 64 << 10;
+constexpr uint64_t min_staged_bytes = 64 << 10;
 
 // Fills in what is unset, and checks the rest. The CPU's choices are what lavapipe draws at interactive
 // rates: the frame of a bunny at 1280x720 takes 1.5 to 2 times as long with 4 samples, 1.5 times with 16
 // taps, 4 to 6 times with occlusion.
-Result<Quality> choose(Quality quality, const Device& device) {
+Result<Quality> choose_quality(Quality quality, const Device& device) {
     const bool cpu = device.is_cpu();
     if (!quality.shadow_size) quality.shadow_size = cpu ? 1024 : 2048;
     if (!quality.soft_shadows) quality.soft_shadows = !cpu;
@@ -68,11 +68,11 @@ Result<Quality> choose(Quality quality, const Device& device) {
 }
 
 Result<void> check_size(const Device& device, glm::uvec2 size) {
-    const uint32_t most = device.limits().maxImageDimension2D;
-    if (size.x == 0 || size.y == 0 || size.x > most || size.y > most)
+    const uint32_t largest = device.limits().maxImageDimension2D;
+    if (size.x == 0 || size.y == 0 || size.x > largest || size.y > largest)
         return Error{Status::invalid_argument, "cannot draw a picture of " + std::to_string(size.x) + " x "
                                                    + std::to_string(size.y) + " pixels: each side must be 1 to "
-                                                   + std::to_string(most)};
+                                                   + std::to_string(largest)};
     return {};
 }
 
@@ -92,8 +92,8 @@ struct ShadowMap {
 
     uint32_t size; // texels a side
     DeviceImage image;
-    bool drawn = false; // a submitted frame drew it, and may still read it
-    bool kept = false;  // it holds the shadows of the scene as it is
+    bool written = false; // a submitted frame drew it, and may still read it
+    bool valid = false;   // it holds the shadows of the scene as it is
 };
 
 // Where a frame goes.
@@ -102,7 +102,7 @@ struct Target {
     VkExtent2D extent;
     float scale = 1.0f; // below 1, fewer pixels are drawn, and the picture is enlarged
 
-    [[nodiscard]] VkExtent2D drawn() const {
+    [[nodiscard]] VkExtent2D render_extent() const {
         const auto scaled = [this](uint32_t pixels) {
             return std::max(static_cast<uint32_t>(std::lround(static_cast<float>(pixels) * scale)), 1u);
         };
@@ -123,8 +123,8 @@ struct Renderer::State {
 
     [[nodiscard]] const Quality& quality() const { return settings.quality; }
     [[nodiscard]] float window_scale(const Scene& scene) const { return scene.moved ? *quality().moving_scale : 1.0f; }
-    ShadowMap& map_for(const Target& target);
-    void forget_shadow() { shadow_map.kept = false; }
+    ShadowMap& shadow_map_for(const Target& target);
+    void invalidate_shadow_map() { shadow_map.valid = false; }
     Passes& passes_for(Format format);
     FrameSlot& next_slot();
     void collect(FrameSlot& slot);
@@ -140,7 +140,7 @@ struct Renderer::State {
     void declare_cull(Frame& frame, FrameSlot& slot, bool for_shadow);
     void declare_read_back(Frame& frame, Image image, VkExtent2D extent);
     void declare_scene(Frame& frame, FrameSlot& slot, const Target& target);
-    void drew_shadow(const Target& target); // the frame was submitted
+    void shadow_map_submitted(const Target& target); // the frame was submitted
     void record(Frame& frame, FrameSlot& slot);
     void finish(Frame& frame, FrameSlot& slot); // records, submits and waits
     Bitmap draw_off_screen(const Scene& scene, const Target& target);
@@ -198,10 +198,11 @@ FrameSlot& Renderer::State::next_slot() {
 // What the device says of the slot's frame, which it is done with.
 void Renderer::State::collect(FrameSlot& slot) {
     if (std::vector<PassTime> times = slot.executor.collect_times(); !times.empty()) timings = std::move(times);
-    if (slot.culled) stats.pieces_in_view = slot.drawn.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
+    if (slot.culled)
+        stats.pieces_in_view = slot.visible_counts.mapped_as<uint32_t>(0, shared::view_count)[shared::view_camera];
 }
 
-ShadowMap& Renderer::State::map_for(const Target& target) {
+ShadowMap& Renderer::State::shadow_map_for(const Target& target) {
     if (target.scale >= 1.0f) return shadow_map;
     if (!small_shadow_map) {
         const auto size = static_cast<uint32_t>(target.scale * static_cast<float>(shadow_map.size));
@@ -211,9 +212,9 @@ ShadowMap& Renderer::State::map_for(const Target& target) {
 }
 
 Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Target& target) {
-    const VkExtent2D drawn = target.drawn();
-    const ShadowMap& map = map_for(target);
-    const View view{{drawn.width, drawn.height},
+    const VkExtent2D render_extent = target.render_extent();
+    const ShadowMap& map = shadow_map_for(target);
+    const View view{{render_extent.width, render_extent.height},
                     static_cast<float>(target.extent.width) / static_cast<float>(target.extent.height),
                     map.size};
     write_slot(slot, {device, layout, pieces, quality(), view, map.image.view()}, scene);
@@ -230,7 +231,7 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
                        .draws = pieces.draws(),
                        .triangles = pieces.triangles()};
     frame.stats.scale = target.scale;
-    frame.part = pixels_of(scene.region, drawn, target.scale < 1.0f ? enlarge_rim : 0);
+    frame.scissor = pixel_rect(scene.region, render_extent, target.scale < 1.0f ? upscale_margin : 0);
     import_slot(frame, slot, device);
     return frame;
 }
@@ -244,41 +245,43 @@ void Renderer::State::declare_cull(Frame& frame, FrameSlot& slot, bool for_shado
     };
     frame.camera_commands = import("commands for the camera", slot.camera_commands);
     frame.light_commands = import("commands for the light", slot.light_commands);
-    frame.drawn = frame.graph.import_buffer("pieces in view", {slot.drawn.size()},
-                                            {.initial = Access::host_write,
-                                             .final = Access::host_read,
-                                             .external = frame.external.add(slot.drawn.handle())});
+    frame.visible_counts = frame.graph.import_buffer("pieces in view", {slot.visible_counts.size()},
+                                                     {.initial = Access::host_write,
+                                                      .final = Access::host_read,
+                                                      .external = frame.external.add(slot.visible_counts.handle())});
     cull->declare(frame, for_shadow);
 }
 
 // Draws into frame.picture, or where there are fewer pixels, into an image that is then enlarged into it.
 void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target& target) {
-    const ShadowMap& map = map_for(target);
+    const ShadowMap& map = shadow_map_for(target);
     frame.shadow =
         frame.graph.import_image("shadow map", {.width = map.size, .height = map.size, .format = Format::d32_float},
-                                 {.initial = map.drawn ? AccessSet(Access::sampled_fragment) : AccessSet(),
+                                 {.initial = map.written ? AccessSet(Access::sampled_fragment) : AccessSet(),
                                   .final = Access::sampled_fragment,
                                   .external = frame.external.add(map.image.handle(), map.image.view())});
-    const VkExtent2D drawn = target.drawn();
+    const VkExtent2D render_extent = target.render_extent();
     frame.colour = frame.picture;
     if (target.scale < 1.0f)
         frame.colour = frame.graph.create_image(
-            "small picture", {.width = drawn.width, .height = drawn.height, .format = target.format});
-    ImageDesc desc{
-        .width = drawn.width, .height = drawn.height, .format = Format::d32_float, .samples = *quality().samples};
+            "small picture", {.width = render_extent.width, .height = render_extent.height, .format = target.format});
+    ImageDesc desc{.width = render_extent.width,
+                   .height = render_extent.height,
+                   .format = Format::d32_float,
+                   .samples = *quality().samples};
     frame.depth = frame.graph.create_image("depth", desc);
     desc.format = target.format;
     if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
 
     const Passes& p = passes_for(target.format);
-    const bool shadow = frame.scene.moved || !map.kept;
+    const bool shadow = frame.scene.moved || !map.valid;
     declare_cull(frame, slot, shadow);
     if (shadow) p.shadow.declare(frame);
-    if (p.occlusion) p.occlusion->declare(frame, drawn);
+    if (p.occlusion) p.occlusion->declare(frame, render_extent);
     p.shade.declare(frame);
     p.marks.declare(frame);
     if (target.scale < 1.0f)
-        declare_enlarge(frame);
+        declare_upscale(frame);
     else
         frame.picture = frame.colour;
 }
@@ -321,11 +324,11 @@ void Renderer::State::submit(FrameSlot& slot, CommandSlot::Wait wait, VkSemaphor
     pieces.uploaded(slot.retired);
 }
 
-void Renderer::State::drew_shadow(const Target& target) {
-    ShadowMap& map = map_for(target);
-    map.drawn = true;
-    map.kept = &map == &shadow_map;
-    if (!map.kept) forget_shadow(); // things moved since it was drawn
+void Renderer::State::shadow_map_submitted(const Target& target) {
+    ShadowMap& map = shadow_map_for(target);
+    map.written = true;
+    map.valid = &map == &shadow_map;
+    if (!map.valid) invalidate_shadow_map(); // things moved since it was drawn
 }
 
 void Renderer::State::finish(Frame& frame, FrameSlot& slot) {
@@ -345,7 +348,7 @@ Bitmap Renderer::State::draw_off_screen(const Scene& scene, const Target& target
     declare_scene(frame, slot, target);
     declare_read_back(frame, frame.picture, extent);
     finish(frame, slot);
-    drew_shadow(target);
+    shadow_map_submitted(target);
 
     Bitmap bitmap{extent.width, extent.height, std::vector<uint8_t>(size_t{4} * extent.width * extent.height)};
     std::memcpy(bitmap.pixels.data(), readback.mapped(), bitmap.pixels.size());
@@ -361,7 +364,7 @@ IdImage Renderer::State::draw_ids(const Scene& scene, VkExtent2D extent) {
     declare_cull(frame, slot, false);
     declare_read_back(frame, ids->declare(frame, extent), extent);
     finish(frame, slot);
-    if (scene.moved) forget_shadow(); // the map holds where pieces were before
+    if (scene.moved) invalidate_shadow_map(); // the map holds where pieces were before
 
     IdImage image{extent.width, extent.height, std::vector<uint32_t>(size_t{extent.width} * extent.height)};
     std::memcpy(image.ids.data(), readback.mapped(), image.ids.size() * sizeof(uint32_t));
@@ -371,18 +374,18 @@ IdImage Renderer::State::draw_ids(const Scene& scene, VkExtent2D extent) {
 bool Renderer::State::draw_in_window(const Scene& scene, const std::function<void()>& draw_ui) {
     const glm::uvec2 size = window->framebuffer_size();
     if (size.x == 0 || size.y == 0) return false;
-    const uint32_t turn = frame_number % frames_in_flight;
+    const uint32_t slot_index = frame_number % frames_in_flight;
     FrameSlot& slot = next_slot();
     // Twice at most: a window that changes faster than that gets its frame next time.
     std::optional<uint32_t> image;
     for (int attempt = 0; attempt < 2 && !image; ++attempt) {
         if (swapchain->fit(size)) ui->fit(*swapchain);
-        image = swapchain->acquire(turn);
+        image = swapchain->acquire(slot_index);
     }
     if (!image) return false;
 
     const Target target{swapchain->format(), swapchain->extent(),
-                        swapchain->takes_copies() ? window_scale(scene) : 1.0f};
+                        swapchain->supports_transfer() ? window_scale(scene) : 1.0f};
     ui->build(draw_ui);
     Frame frame = begin_frame(slot, scene, target);
     declare_upload(frame);
@@ -394,8 +397,8 @@ bool Renderer::State::draw_in_window(const Scene& scene, const std::function<voi
     declare_scene(frame, slot, target);
     ui->declare(frame, *image);
     record(frame, slot);
-    submit(slot, {swapchain->acquired(turn), to_vulkan(Access::acquired).stages}, swapchain->finished(*image));
-    drew_shadow(target);
+    submit(slot, {swapchain->acquired(slot_index), to_vulkan(Access::acquired).stages}, swapchain->finished(*image));
+    shadow_map_submitted(target);
     swapchain->present(*image);
     return true;
 }
@@ -406,7 +409,7 @@ Renderer::~Renderer() = default;
 
 Result<std::unique_ptr<Renderer>> Renderer::create(Device& device, const RendererSettings& settings) {
     return guarded([&]() -> Result<std::unique_ptr<Renderer>> {
-        Result<Quality> quality = choose(settings.quality, device);
+        Result<Quality> quality = choose_quality(settings.quality, device);
         if (!quality) return quality.error();
         return std::unique_ptr<Renderer>(
             new Renderer(std::make_unique<State>(device, RendererSettings{*quality, settings.vsync})));
@@ -423,7 +426,7 @@ Result<std::vector<PieceHandle>> Renderer::set_pieces(std::span<const PieceMesh>
         if (!batch) return batch.error();
         Result<std::vector<PieceHandle>> handles = state_->pieces.replace_all(*std::move(batch));
         if (!handles) return handles;
-        state_->forget_shadow();
+        state_->invalidate_shadow_map();
         // A body's number means another body now.
         for (const auto& slot : state_->slots) slot->poses_moment = 0;
         return handles;
@@ -445,13 +448,13 @@ Result<std::vector<PieceHandle>> Renderer::add_pieces(PieceBatch batch) {
 Result<std::vector<PieceHandle>> Renderer::add_pieces(std::vector<PieceBatch> batches) {
     return state_->run([&]() -> Result<std::vector<PieceHandle>> {
         Result<std::vector<PieceHandle>> handles = state_->pieces.add(std::move(batches));
-        if (handles) state_->forget_shadow();
+        if (handles) state_->invalidate_shadow_map();
         return handles;
     });
 }
 
 void Renderer::stage(PieceBatch& batch) const {
-    if (batch.staged() || batch.bytes() < min_staged) return;
+    if (batch.staged() || batch.bytes() < min_staged_bytes) return;
     (void)guarded([&]() -> Result<void> {
         batch.move_to(state_->staging.take(batch.bytes()));
         return {};
@@ -461,7 +464,7 @@ void Renderer::stage(PieceBatch& batch) const {
 Result<void> Renderer::remove_pieces(std::span<const PieceHandle> handles) {
     return state_->run([&]() -> Result<void> {
         Result<void> removed = state_->pieces.remove(handles);
-        if (removed) state_->forget_shadow();
+        if (removed) state_->invalidate_shadow_map();
         return removed;
     });
 }
@@ -469,7 +472,7 @@ Result<void> Renderer::remove_pieces(std::span<const PieceHandle> handles) {
 Result<void> Renderer::fade_pieces(std::span<const PieceHandle> handles, float fade) {
     return state_->run([&]() -> Result<void> {
         Result<void> faded = state_->pieces.fade(handles, fade);
-        if (faded) state_->forget_shadow();
+        if (faded) state_->invalidate_shadow_map();
         return faded;
     });
 }
@@ -545,7 +548,7 @@ Result<void> Renderer::warm_up() {
             (void)state_->draw_off_screen(scene, {format, {16, 16}, state_->window_scale(scene)});
             return {};
         });
-        state_->forget_shadow();
+        state_->invalidate_shadow_map();
         const Result<void> removed = state_->pieces.remove(*stand_ins);
         return drawn ? removed : drawn;
     });

@@ -42,13 +42,13 @@ SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<con
         units.push_back(unit_or_zero(areas.back()));
     }
     const Fans fans(positions.size(), triangles);
-    struct Copy {
+    struct Variant {
         glm::vec3 sum;
         uint32_t vertex;
     };
-    std::vector<Copy> made; // at this vertex, the vertex itself among them
+    std::vector<Variant> variants; // at this vertex, the vertex itself among them
     for (uint32_t v = 0; v < positions.size(); ++v) {
-        made.clear();
+        variants.clear();
         const std::span fan = std::span(fans.corners).subspan(fans.begin[v], fans.begin[v + 1] - fans.begin[v]);
         for (const uint32_t corner : fan) {
             const uint32_t t = corner / 3;
@@ -61,9 +61,9 @@ SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<con
             // Added in one order, sums of the same triangles are equal to the last bit.
             uint32_t vertex = v;
             size_t i = 0;
-            while (i < made.size() && made[i].sum != sum) ++i;
-            if (i < made.size()) {
-                vertex = made[i].vertex;
+            while (i < variants.size() && variants[i].sum != sum) ++i;
+            if (i < variants.size()) {
+                vertex = variants[i].vertex;
             } else {
                 if (i > 0) {
                     vertex = static_cast<uint32_t>(surface.normals.size());
@@ -71,7 +71,7 @@ SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<con
                     surface.normals.emplace_back();
                 }
                 surface.normals[vertex] = unit_or_zero(sum);
-                if (i < max_compared) made.push_back({sum, vertex});
+                if (i < max_compared) variants.push_back({sum, vertex});
             }
             surface.triangles[t][static_cast<int>(corner % 3)] = vertex;
         }

@@ -12,7 +12,7 @@ ViewVolume::ViewVolume(const Camera& camera, float aspect) {
 }
 
 bool ViewVolume::sees(const glm::vec3& from, const glm::vec3& to, float radius) const {
-    return shared::seen(clip_from_world_, from, to, radius);
+    return shared::intersects_frustum(clip_from_world_, from, to, radius);
 }
 
 } // namespace brittle::engine

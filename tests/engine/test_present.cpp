@@ -243,7 +243,7 @@ TEST_CASE("frames in full and enlarged ones follow each other, whatever the wind
             f.known.scene.moved = frame % 3 == 0;
             f.show(1);
             CHECK(f.renderer->stats().scale == (f.known.scene.moved ? scale : 1.0f));
-            const bool enlarged = f.renderer->graph_dot().find("enlarge") != std::string::npos;
+            const bool enlarged = f.renderer->graph_dot().find("upscale") != std::string::npos;
             CHECK(enlarged == (f.known.scene.moved && scale < 1.0f));
         }
     }

@@ -8,9 +8,9 @@
 namespace brittle::engine {
 
 // Pixels around a region that must be drawn, so that it can be enlarged: one that is read, and one to spare.
-inline constexpr int32_t enlarge_rim = 2;
+inline constexpr int32_t upscale_margin = 2;
 
 // frame.colour, which is finished, into frame.picture: at least the scene's region.
-void declare_enlarge(Frame& frame);
+void declare_upscale(Frame& frame);
 
 } // namespace brittle::engine

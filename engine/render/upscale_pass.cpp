@@ -1,4 +1,4 @@
-#include "engine/render/enlarge_pass.h"
+#include "engine/render/upscale_pass.h"
 
 namespace brittle::engine {
 
@@ -22,10 +22,10 @@ int32_t whole_ratio(VkExtent2D small, VkExtent2D large) {
 
 } // namespace
 
-void declare_enlarge(Frame& frame) {
+void declare_upscale(Frame& frame) {
     const Image small = frame.colour, target = frame.picture;
     frame.graph.add_pass(
-        "enlarge", PassKind::transfer,
+        "upscale", PassKind::transfer,
         [&](PassBuilder& pass) {
             pass.read(small, Access::transfer_read);
             frame.picture = pass.write(target, Access::transfer_write);
@@ -36,7 +36,7 @@ void declare_enlarge(Frame& frame) {
             Corners from = corners_of({{}, drawn}, 1), to = corners_of({{}, wanted}, 1);
             // A part alone only where its corners are pixels of both, so that each pixel is made of the same four.
             if (const int32_t ratio = whole_ratio(drawn, wanted)) {
-                const VkRect2D part = pixels_of(region, drawn, enlarge_rim - 1);
+                const VkRect2D part = pixel_rect(region, drawn, upscale_margin - 1);
                 if (part.extent.width == 0 || part.extent.height == 0) return;
                 from = corners_of(part, 1);
                 to = corners_of(part, ratio);
