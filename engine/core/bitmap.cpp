@@ -26,7 +26,8 @@ Error file_error(const std::string& doing, const std::string& path, const std::s
 Result<void> write_png(const Bitmap& image, const std::string& path) {
     if (image.width == 0 || image.height == 0 || image.width > INT_MAX / 4 || image.height > INT_MAX
         || image.pixels.size() != size_t{4} * image.width * image.height)
-        return Error{Status::invalid_argument, "cannot write " + path + ": the picture is empty or its size wrong"};
+        return Error{Status::invalid_argument,
+                     "cannot write " + path + ": the picture is empty, or its pixels do not match its size"};
 
     std::vector<uint8_t> png;
     const auto append = [](void* context, void* data, int size) {
@@ -57,7 +58,7 @@ Result<Bitmap> read_png(const std::string& path) {
     std::error_code error;
     const uintmax_t size = std::filesystem::file_size(path, error);
     if (error) return file_error("cannot open", path, error.message());
-    if (size > INT_MAX) return file_error("cannot read", path, "it is too large for a picture");
+    if (size > INT_MAX) return file_error("cannot read", path, "the file is too large for a picture");
     std::vector<char> bytes(size);
     std::ifstream file(path, std::ios::binary);
     if (!file.read(bytes.data(), static_cast<std::streamsize>(size)))
@@ -68,7 +69,7 @@ Result<Bitmap> read_png(const std::string& path) {
         stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size()), &width,
                               &height, &channels, 4),
         stbi_image_free);
-    if (!pixels) return file_error("cannot read", path, "not a PNG that can be decoded");
+    if (!pixels) return file_error("cannot read", path, "the file is damaged or not a PNG");
     Bitmap image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
     image.pixels.assign(pixels.get(), pixels.get() + size_t{4} * image.width * image.height);
     return image;
@@ -88,7 +89,7 @@ BitmapDifference compare_bitmaps(const Bitmap& actual, const Bitmap& expected, c
             worst = std::max(worst, std::abs(actual.pixels[4 * i + c] - expected.pixels[4 * i + c]));
         result.largest = std::max(result.largest, worst);
         if (worst > tolerance.ignore) ++result.unequal_pixels;
-        // Steep on purpose: a difference of one shows, one of ten glows.
+        // A steep colour ramp: a difference of 1 is visible, one of 10 is bright.
         uint8_t* out = &result.picture.pixels[4 * i];
         out[0] = static_cast<uint8_t>(std::min(255, worst * 48));
         out[1] = static_cast<uint8_t>(std::clamp((worst - 4) * 24, 0, 255));

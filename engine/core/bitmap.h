@@ -1,5 +1,9 @@
-// A bitmap: an 8-bit RGBA image in main memory, its PNG file, and the comparison that golden-image tests rest
-// on. (An Image, in the engine, is a handle of the frame graph.)
+// Bitmaps: 8-bit RGBA images in main memory, their PNG files, and the comparison of two for golden-image tests. In the
+// engine, an Image is a handle of the frame graph.
+//
+//     Result<Bitmap> expected = read_png("golden.png");
+//     if (!expected) return expected.error();
+//     if (!compare_bitmaps(actual, *expected).within_tolerance) (void)write_png(actual, "actual.png");
 #pragma once
 
 #include <cstdint>
@@ -10,7 +14,7 @@
 
 namespace brittle::engine {
 
-// Rows from top to bottom, four bytes a pixel (red, green, blue, alpha), sRGB-encoded, no padding.
+// Rows from top to bottom without padding, four bytes a pixel (red, green, blue, alpha), sRGB-encoded.
 struct Bitmap {
     uint32_t width = 0;
     uint32_t height = 0;
@@ -20,30 +24,33 @@ struct Bitmap {
     [[nodiscard]] uint8_t* at(uint32_t x, uint32_t y) { return &pixels[4 * (size_t{y} * width + x)]; }
 };
 
-// Written beside the destination and renamed over it, so that a failure leaves an existing file as it was.
+// Writes a PNG file of 8-bit RGBA. The file is written beside its destination and renamed over it, so a failure leaves
+// an existing file unchanged. Fails with invalid_argument on an empty bitmap or one whose pixels do not match its size,
+// with out_of_memory, and with file_error.
 [[nodiscard]] Result<void> write_png(const Bitmap& image, const std::string& path);
 
-// Any PNG of 8 bits a channel; a file without alpha gets an opaque one.
+// Reads a PNG file of 8 bits a channel. Grey and palette images become RGBA; a missing alpha channel becomes opaque.
+// Fails with file_error.
 [[nodiscard]] Result<Bitmap> read_png(const std::string& path);
 
-// What two images of one scene may differ by. The defaults are for one driver on different machines, where
-// little but the rounding of library functions can differ. Between drivers, rounding differs everywhere and
-// edges fall to either side of a pixel: use {.ignore = 3, .channel = 255, .fraction = 0.02}.
+// The allowed difference between two images of one scene. The defaults suit one driver on different machines, where
+// only the rounding of library functions differs. Two drivers round differently everywhere and put edges on either
+// side of a pixel; for them, use {.ignore = 3, .channel = 255, .fraction = 0.02}.
 struct BitmapTolerance {
-    int ignore = 0;          // pixels whose channels differ by no more, of 255, count as equal
-    int channel = 3;         // no channel of any pixel may differ by more
-    double fraction = 0.005; // of all pixels that may be unequal
+    int ignore = 0;          // the largest channel difference, of 255, at which two pixels still count as equal
+    int channel = 3;         // the largest channel difference, of 255, that any pixel may have
+    double fraction = 0.005; // the largest share of unequal pixels
 };
 
 struct BitmapDifference {
     bool same_size = false;
-    uint64_t unequal_pixels = 0; // with a channel that differs by more than BitmapTolerance::ignore
-    int largest = 0;             // the largest difference of any channel of any pixel
+    uint64_t unequal_pixels = 0; // pixels with a channel that differs by more than BitmapTolerance::ignore
+    int largest = 0;             // the largest channel difference over all pixels, of 255
     bool within_tolerance = false;
-    Bitmap picture; // black where equal, red to white where not; empty when the sizes differ
+    Bitmap picture; // black at equal pixels, red to white at unequal ones; empty when the sizes differ
 };
 
-// Images of different size are never within tolerance.
+// Compares two bitmaps channel by channel. Bitmaps of different sizes are never within tolerance.
 [[nodiscard]] BitmapDifference compare_bitmaps(const Bitmap& actual, const Bitmap& expected,
                                                const BitmapTolerance& tolerance = {});
 

@@ -1,12 +1,14 @@
-// Which stretches of an arena are free: first fit, in elements of the caller's choice. It holds numbers, no memory.
+// A first-fit allocator of ranges in an arena. It keeps the list of free ranges and owns no memory; the caller chooses
+// the element that offsets and sizes count.
 //
 //     RangeAllocator space(1024);
-//     std::optional<uint32_t> at = space.allocate(100); // 0; nothing where no stretch is long enough
+//     std::optional<uint32_t> begin = space.allocate(100); // 0; nullopt when no free range is long enough
 //     space.grow(2048);
-//     space.free(*at, 100);
+//     space.free(*begin, 100);
 //
-// First fit from the start keeps what is used at the front. Free neighbours are one stretch, so that an arena in
-// which nothing is left is one stretch again. Cost: linear in the stretches. Copies are cheap: a list of pairs.
+// First fit keeps allocations near the start of the arena. Adjacent free ranges are merged, so an empty arena is one
+// free range. allocate() and free() are linear in the number of free ranges. Copies are cheap: one vector of pairs.
+// Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -22,18 +24,19 @@ class RangeAllocator {
     [[nodiscard]] uint32_t capacity() const { return capacity_; }
     [[nodiscard]] uint32_t used() const { return used_; }
 
-    // Where the range begins. An empty range begins anywhere and need not be freed.
+    // Returns the first element of an allocated range, or nullopt when no free range has `size` elements. An empty
+    // range takes no space and need not be freed.
     [[nodiscard]] std::optional<uint32_t> allocate(uint32_t size);
-    // Gives back a range, or any part of one, that allocate() gave.
+    // Frees an allocated range, or a part of one.
     void free(uint32_t begin, uint32_t size);
-    // To a capacity that is not less.
+    // Raises the capacity; `capacity` must not be below the present one.
     void grow(uint32_t capacity);
 
   private:
     struct Range {
         uint32_t begin, end;
     };
-    std::vector<Range> ranges_; // free, ascending, with a gap between any two
+    std::vector<Range> ranges_; // free ranges, ascending, no two adjacent
     uint32_t capacity_ = 0;
     uint32_t used_ = 0;
 };

@@ -1,5 +1,5 @@
-// Errors of the engine: the machine it runs on (no driver, no device, no display), files, and arguments out
-// of range. A bug in Brittle asserts instead.
+// Errors of the engine: the machine (no driver, no device, no display), files, and arguments out of range. A bug in
+// Brittle asserts instead.
 //
 // Result<T> holds a T or an Error. Check before use:
 //
@@ -16,10 +16,10 @@ namespace brittle::engine {
 
 enum class Status {
     no_driver,        // the machine has no Vulkan driver
-    no_device,        // no device, or none that matches what was asked for
+    no_device,        // no usable device, or none that matches the request
     missing_feature,  // the device lacks a feature that Brittle needs
     no_display,       // no window system to open a window on
-    device_lost,      // the device was lost or hangs: no object made from it works any more
+    device_lost,      // the device was lost or hangs; every object made from it is unusable
     device_failure,   // a Vulkan call failed
     out_of_memory,    // host or device memory ran out
     invalid_argument, // an argument outside its documented range

@@ -7,7 +7,7 @@ namespace brittle::engine {
 
 namespace {
 
-// GLFW is one per process and reports through a callback without user data.
+// Global, because GLFW's state is global and its error callback takes no user data.
 int open_windows = 0;
 std::string last_error;
 
@@ -24,10 +24,10 @@ Modifiers modifiers_of(int bits) {
 Result<std::unique_ptr<Window>> Window::create(const WindowSettings& settings) {
     glfwSetErrorCallback([](int, const char* text) { last_error = text; });
     last_error.clear();
-    // A second glfwInit() succeeds at once.
+    // Once GLFW is initialised, further calls return true immediately.
     if (!glfwInit())
         return Error{Status::no_display, "cannot open a window, there is no display: " + last_error
-                                             + ". Without one, `brittle render` draws the same pictures into files."};
+                                             + ". `brittle render` draws the same pictures into files without one."};
 
     std::unique_ptr<Window> window(new Window);
     ++open_windows; // the destructor counts down
@@ -45,7 +45,8 @@ Window::~Window() {
     if (--open_windows == 0) glfwTerminate();
 }
 
-// Before Dear ImGui's own, which call these on (see Renderer::attach).
+// Must run before Dear ImGui installs its callbacks, because those call the previously installed ones
+// (Renderer::attach()).
 void Window::install_callbacks() {
     glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
         window_of(w).pending_input_.stirred = true;
@@ -61,8 +62,7 @@ void Window::install_callbacks() {
         window_of(w).pending_input_.stirred = true;
         window_of(w).pending_input_.scroll += static_cast<float>(y);
     });
-    // A press moves the cursor's last known place, so that a drag starts at zero even where no motion came
-    // before it.
+    // A press sets the cursor position, so that a drag starts at zero even without an earlier motion event.
     glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int modifiers) {
         double x = 0.0, y = 0.0;
         glfwGetCursorPos(w, &x, &y);
@@ -129,7 +129,7 @@ float Window::content_scale() const {
 }
 
 glm::uvec2 Window::framebuffer_size() const {
-    if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) return {0, 0}; // X11 keeps the size that it had
+    if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) return {0, 0}; // X11 reports the size before minimising
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     return {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};

@@ -1,15 +1,15 @@
-// A window and its input, by GLFW. Knows no Vulkan: Renderer::attach() makes a surface from it.
+// A window and its input, by GLFW. It contains no Vulkan; Renderer::attach() makes the surface.
 //
 //     Result<std::unique_ptr<Window>> window = Window::create({.title = "Brittle"});
-//     if (!window) return fail(window.error());           // no display: a message that names `brittle
-//     render` while (!(*window)->should_close()) {
-//         const Input& input = (*window)->poll();         // what happened since the previous poll
+//     if (!window) return fail(window.error()); // without a display, the message names `brittle render`
+//     while (!(*window)->should_close()) {
+//         const Input& input = (*window)->poll();
 //         if (input.pressed(Key::space)) fracture();
 //         camera.rotate(input.drag_left);
 //         renderer.present(scene, draw_ui);
 //     }
 //
-// Everything here runs on the thread that called create(), which GLFW wants to be the main thread.
+// All functions run on the thread that called create(). GLFW requires the main thread.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ struct GLFWwindow;
 
 namespace brittle::engine {
 
-// Letters and digits are their upper-case ASCII code: Key('R').
+// GLFW's key codes. The code of a letter or digit is its upper-case ASCII code: Key('R').
 enum class Key : int {
     space = 32,
     escape = 256,
@@ -64,25 +64,25 @@ enum class Button { left, right, middle };
 
 struct ButtonEvent {
     Button button = Button::left;
-    bool down = false; // pressed; else released
+    bool down = false; // true: pressed; false: released
     glm::vec2 cursor{0.0f};
     Modifiers modifiers{};
 };
 
-// What happened between two polls. Distances are in screen units (pixels, on most systems), y downwards.
+// The input between two polls. Distances are in screen units (pixels, on most systems), y downwards.
 struct Input {
-    std::vector<Key> keys{}; // pressed since the previous poll, in order; repeats of a held key are left out
-    std::vector<Modifiers> key_modifiers{}; // held when each of the keys was pressed
-    std::vector<ButtonEvent> buttons{};     // pressed or released, in order
-    Modifiers modifiers{};                  // held now
-    std::vector<std::string> dropped{};     // paths of files that were dropped on the window
-    glm::vec2 cursor{0.0f};                 // position now, from the top left corner
-    glm::vec2 drag_left{0.0f};              // motion of the cursor while this button was down
+    std::vector<Key> keys{};                // the keys pressed, in order; repeats of a held key are omitted
+    std::vector<Modifiers> key_modifiers{}; // the modifiers held at each key press; parallel to keys
+    std::vector<ButtonEvent> buttons{};     // presses and releases, in order
+    Modifiers modifiers{};                  // the modifiers held at the end of the poll
+    std::vector<std::string> dropped{};     // paths of the files dropped on the window
+    glm::vec2 cursor{0.0f};                 // position at the end of the poll, from the top left corner
+    glm::vec2 drag_left{0.0f};              // cursor motion while the left button was down
     glm::vec2 drag_middle{0.0f};
     glm::vec2 drag_right{0.0f};
     float scroll = 0.0f; // notches; positive away from the user
-    // Something came that may change what the window should show: any of the above, a released or repeated key, text, focus,
-    // another size, or what lay before the window went away.
+    // An event may have changed the window's picture: any of the input above, a key release or repeat, text, focus,
+    // a resize, or the window becoming visible again.
     bool stirred = false;
 
     [[nodiscard]] bool pressed(Key key) const { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
@@ -97,24 +97,24 @@ struct WindowSettings {
 
 class Window {
   public:
-    // Fails with no_display where there is no window system.
+    // Opens a window. Fails with no_display when there is no window system or it refuses the window.
     [[nodiscard]] static Result<std::unique_ptr<Window>> create(const WindowSettings& settings);
     ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    // Handles pending events; where there are none, waits so long for one, s. The reference stays valid, and its content
-    // unchanged, until the next poll.
+    // Handles the pending events and returns the input since the previous poll. Without pending events, waits for one
+    // for at most `wait` seconds. The reference stays valid, and its content constant, until the next poll.
     const Input& poll(double wait = 0.0);
 
     [[nodiscard]] bool should_close() const;
-    void close(); // should_close() is true from now on
+    void close(); // makes should_close() return true
     void set_title(const std::string& title);
-    [[nodiscard]] bool is_down(Key key) const; // held now
-    // Pixels by which the display wants text larger than usual: 1, or 2 on a display of high density.
+    [[nodiscard]] bool is_down(Key key) const;
+    // Returns the display's scale of text and controls: 1, or more on a display of high density.
     [[nodiscard]] float content_scale() const;
 
-    // In pixels; zero in both when the window is minimised.
+    // Returns the size of the window's picture in pixels, zero in both when the window is minimised.
     [[nodiscard]] glm::uvec2 framebuffer_size() const;
     [[nodiscard]] GLFWwindow* handle() const { return window_; }
 
@@ -124,7 +124,7 @@ class Window {
 
     GLFWwindow* window_ = nullptr;
     Input pending_input_; // filled by the callbacks
-    Input input_;         // what poll() handed out
+    Input input_;         // the result of the last poll()
 };
 
 } // namespace brittle::engine

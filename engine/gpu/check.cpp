@@ -59,7 +59,7 @@ Status status_of(VkResult result) {
     }
 }
 
-// What the reader can do about it.
+// The end of the message: advice to the user, or nothing.
 const char* advice_on(VkResult result) {
     switch (result) {
     case VK_ERROR_OUT_OF_HOST_MEMORY:

@@ -1,11 +1,13 @@
-// How a failed Vulkan call travels inside the engine: as an exception, from any depth to the public function
-// that was called, which turns it into a Result. Nearly every line of rendering code can fail with "device
-// lost" or "out of memory", always with the same answer, and RAII cleans up on the way; threading a Result
-// through each would bury the code. No exception leaves the engine.
+// Failure of Vulkan calls inside the engine. A failed call throws VulkanFailure; the public function that the caller
+// entered turns the exception into a Result. Nearly every line of rendering code can fail with "device lost" or "out of
+// memory", the response is always the same, and RAII cleans up; passing a Result through each line would bury the
+// code. No exception leaves the engine.
 //
 //     Result<void> Renderer::warm_up() {
-//         return guarded([&]() -> Result<void> { ...check(vkQueueSubmit2(...), "submit a frame")...; return
-//         {}; });
+//         return guarded([&]() -> Result<void> {
+//             check(vkQueueSubmit2(...), "submit a frame");
+//             return {};
+//         });
 //     }
 #pragma once
 
@@ -24,10 +26,10 @@ struct VulkanFailure {
 
 [[nodiscard]] const char* to_string(VkResult result);
 
-// Throws VulkanFailure unless the result is a success code; `doing` completes "cannot ...".
+// Throws VulkanFailure unless the result is a success code. `doing` completes the message "cannot ...".
 void check(VkResult result, const char* doing);
 
-// Runs a function that returns a Result, and turns a VulkanFailure or an exhausted host memory into its
+// Calls a function that returns a Result. A VulkanFailure or a std::bad_alloc that it throws becomes the Result's
 // Error.
 template<class Function>
 auto guarded(Function&& function) -> decltype(function()) {

@@ -32,7 +32,7 @@ CommandSlot::~CommandSlot() {
 }
 
 void CommandSlot::destroy() {
-    if (pending_) (void)wait_for_fence(); // nobody is left to hear of a failure
+    if (pending_) (void)wait_for_fence(); // a destructor cannot report a failure
     vkDestroyFence(device_.handle(), fence_, nullptr);
     vkDestroyCommandPool(device_.handle(), pool_, nullptr);
 }

@@ -1,5 +1,10 @@
-// A command buffer with the fence of its submission: begin(), record, submit(), and wait() before the next
-// begin().
+// A command buffer with the fence of its submission.
+//
+//     CommandSlot slot(device);
+//     slot.begin();
+//     vkCmd...(slot.buffer(), ...);
+//     slot.submit({}, VK_NULL_HANDLE);
+//     slot.wait(); // required before the next begin()
 #pragma once
 
 #include <cstdint>
@@ -10,25 +15,27 @@ namespace brittle::engine {
 
 class Device;
 
-// Two in turn are what "two frames in flight" means. All functions throw VulkanFailure.
+// Two slots used alternately give two frames in flight. All functions throw VulkanFailure. Not thread-safe.
 class CommandSlot {
   public:
     explicit CommandSlot(const Device& device);
-    ~CommandSlot(); // waits for what was submitted, wait_timeout at most (device.h)
+    ~CommandSlot(); // waits for a pending submission, for at most wait_timeout (device.h)
     CommandSlot(const CommandSlot&) = delete;
     CommandSlot& operator=(const CommandSlot&) = delete;
 
-    void begin(); // what was recorded before is dropped; what was submitted must have been waited for
+    void begin(); // discards earlier commands; no submission may be pending
     [[nodiscard]] VkCommandBuffer buffer() const { return commands_; }
 
-    // A semaphore to wait for, at the stage where the frame graph takes an acquired image over, or none.
+    // The semaphore that the submission waits for and the stage that waits: for a swapchain image, the stage of
+    // Access::acquired. A null semaphore means no wait.
     struct Wait {
         VkSemaphore semaphore = VK_NULL_HANDLE;
         VkPipelineStageFlags2 stage = 0;
     };
+    // Ends the recording and submits it; `signal` may be null.
     void submit(Wait wait, VkSemaphore signal);
 
-    // Returns at once when nothing is pending. Throws device_lost after wait_timeout.
+    // Waits for the pending submission, if any. Throws device_lost after wait_timeout.
     void wait();
 
   private:

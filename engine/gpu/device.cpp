@@ -19,16 +19,17 @@ namespace brittle::engine {
 
 namespace {
 
-// Younger than the headers of Vulkan 1.3.239; its types and functions are those of VK_EXT_calibrated_timestamps.
+// Missing in the headers of Vulkan 1.3.239; its types and functions equal those of VK_EXT_calibrated_timestamps.
 constexpr const char* khr_calibrated_timestamps = "VK_KHR_calibrated_timestamps";
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 
-// LeakSanitizer cannot name what a driver leaked once the loader has unloaded it. Keep both libraries mapped,
-// so that the few bytes that lavapipe and the layer leave behind at exit stay reachable or can be suppressed
-// by name.
-// Before the first instance is made. Mesa's device-select layer, which only reorders devices, asks the
-// Wayland server which one is in use, and libwayland prints an error where there is no server:
-// DeviceOptions::select chooses here.
+// Prepares the process for the Vulkan loader; call it before an instance is created.
+//
+// Mesa's device-select layer is switched off. It only reorders devices, which DeviceOptions::select makes needless, and
+// without a Wayland server its query makes libwayland print an error.
+//
+// Under AddressSanitizer, lavapipe and the validation layer stay mapped. LeakSanitizer cannot symbolise leaks of an
+// unloaded library; this way the few bytes that the two leak at exit stay reachable or can be suppressed by name.
 void prepare_loader() {
     setenv("NODEVICE_SELECT", "1", 0);
 #if defined(__SANITIZE_ADDRESS__)
@@ -55,7 +56,7 @@ bool validation_available(const FaultInjector* faults) {
                        [](const auto& l) { return std::strcmp(l.layerName, validation_layer) == 0; });
 }
 
-// The first family that does graphics and compute; in practice every device has one.
+// Returns the first family with graphics and compute; in practice every device has one.
 std::optional<uint32_t> find_queue_family(VkPhysicalDevice device) {
     const auto families = enumerate<VkQueueFamilyProperties>(vkGetPhysicalDeviceQueueFamilyProperties, device);
     for (uint32_t i = 0; i < families.size(); ++i) {
@@ -65,7 +66,7 @@ std::optional<uint32_t> find_queue_family(VkPhysicalDevice device) {
     return std::nullopt;
 }
 
-// What Brittle needs, asked for and checked from one list.
+// The features of a device, as one pNext chain. needed_features below serves both the query and the request.
 struct Features {
     VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                                          .pNext = nullptr};
@@ -86,6 +87,7 @@ constexpr NeededFeature needed_features[] = {
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
 };
 
+// Returns the reason why Brittle cannot use the device, or "".
 std::string find_problem(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties,
                          const FaultInjector* faults) {
     if (properties.apiVersion < VK_API_VERSION_1_3)
@@ -120,7 +122,7 @@ DeviceInfo describe(VkPhysicalDevice device, uint32_t index, const FaultInjector
     VkPhysicalDeviceProperties basic;
     vkGetPhysicalDeviceProperties(device, &basic);
     DeviceInfo info{index, basic.deviceName, kind_of(basic.deviceType), {}, {}};
-    // Devices before 1.2 do not know the driver properties; they are unusable and need none.
+    // VkPhysicalDeviceDriverProperties exists from Vulkan 1.2 on; older devices are unusable.
     if (basic.apiVersion >= VK_API_VERSION_1_2) {
         VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
         VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
@@ -152,18 +154,17 @@ std::string device_table(const std::vector<DeviceInfo>& infos) {
     return text;
 }
 
-// What to install, and which variables keep the Vulkan loader from what is installed.
+// Returns the advice to install a driver, and to unset variables that hide installed drivers from the loader.
 std::string driver_advice() {
     std::string text = " Install a driver: on Debian, `apt install mesa-vulkan-drivers` has drivers for most GPUs"
                        " and one for the CPU.";
     for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
         if (const char* value = std::getenv(name))
-            text += std::string(" The variable ") + name + "=" + value
-                    + " restricts the drivers that are looked for; unset it.";
+            text += std::string(" The variable ") + name + "=" + value + " restricts the search for drivers; unset it.";
     return text;
 }
 
-// The usable device that `select` asks for, or why there is none.
+// Returns the index of the usable device that matches DeviceOptions::select.
 Result<uint32_t> choose_device(const std::vector<DeviceInfo>& infos, const std::string& select) {
     const std::string wanted = lowercase(select);
     uint32_t index = 0;
@@ -191,8 +192,7 @@ Result<uint32_t> choose_device(const std::vector<DeviceInfo>& infos, const std::
     if (best) return best->index;
     const std::string which = wanted.empty() || wanted == "auto" ? "no usable Vulkan device"
                                                                  : "no usable Vulkan device matches \"" + select + "\"";
-    if (infos.empty())
-        return Error{Status::no_device, which + ": the drivers that are installed find none." + driver_advice()};
+    if (infos.empty()) return Error{Status::no_device, which + ": the installed drivers find none." + driver_advice()};
     return Error{Status::no_device, which + ". The devices are:" + device_table(infos)};
 }
 
@@ -203,7 +203,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
     return VK_FALSE;
 }
 
-// General messages (the loader's about other drivers) are left out: they say nothing about our calls.
+// General messages, such as the loader's about other drivers, are skipped; only validation messages concern our calls.
 VkDebugUtilsMessengerCreateInfoEXT messenger_info(std::vector<std::string>* messages) {
     return {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
             .messageSeverity =
@@ -218,7 +218,7 @@ Function instance_function(VkInstance instance, const char* name) {
     return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
 }
 
-// The loader says that memory ran out where the only driver file is damaged.
+// The loader reports exhausted memory when the only driver file is damaged.
 bool means_no_driver(VkResult result) {
     return result == VK_ERROR_INCOMPATIBLE_DRIVER || result == VK_ERROR_INITIALIZATION_FAILED
            || result == VK_ERROR_OUT_OF_HOST_MEMORY;
@@ -284,8 +284,7 @@ Result<void> Device::create_instance(bool validation) {
         return Error{Status::missing_feature,
                      "the Vulkan validation layer is not installed: on Debian, `apt install vulkan-validationlayers`"};
 
-    // Surfaces of every window system that the loader offers: which of them a window will want is not known
-    // here.
+    // Surfaces of every window system that the loader offers, because the window is created later.
     const auto offered = enumerate<VkExtensionProperties>(vkEnumerateInstanceExtensionProperties, nullptr);
     std::vector<const char*> extensions;
     if (offers_extension(offered, "VK_KHR_surface", faults_))
@@ -298,7 +297,7 @@ Result<void> Device::create_instance(bool validation) {
     const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
                                            .enabledValidationFeatureCount = 1,
                                            .pEnabledValidationFeatures = enables};
-    // In the chain as well, to hear about instance creation and destruction.
+    // In the pNext chain, the messenger covers creation and destruction of the instance.
     VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(messages_.get());
     messenger.pNext = &features;
     if (validation) {
@@ -340,7 +339,7 @@ void Device::create_device() {
     ballots_ = (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT) != 0
                && (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0
                && !is_hidden(faults_, "subgroupBallot");
-    queue_family_ = *find_queue_family(physical_); // choose() took a device that has one
+    queue_family_ = *find_queue_family(physical_); // choose_device() guarantees one
 
     Features features;
     for (const NeededFeature& feature : needed_features) feature.member(features) = VK_TRUE;
@@ -444,9 +443,8 @@ void Device::end_label(VkCommandBuffer commands) const {
 }
 
 void Device::wait_idle() const {
-    // A lost device fails here, and will again, with a message, in the next call that uses it. By a fence
-    // first, since vkDeviceWaitIdle(), which waits for presentation too, would wait for ever where a device
-    // hangs.
+    // A failure is ignored: a lost device fails again, with a message, in the next call that uses it. The fence comes
+    // first because vkDeviceWaitIdle(), which also waits for presentation, never returns when the device hangs.
     if (hangs_ || vkResetFences(device_, 1, &idle_) != VK_SUCCESS) return;
     with_queue([&](VkQueue queue) {
         if (vkQueueSubmit2(queue, 0, nullptr, idle_) != VK_SUCCESS) return;

@@ -1,4 +1,4 @@
-// What Vulkan lists in two calls: first how many there are, then which.
+// Vulkan's enumerations, which take two calls: one for the count, one for the elements.
 //
 //     const auto devices = enumerate<VkPhysicalDevice>(vkEnumeratePhysicalDevices, instance);
 #pragma once
@@ -8,8 +8,9 @@
 
 namespace brittle::engine {
 
-// `list` takes the arguments, a pointer to the count and one to the elements. What it returns is ignored: a failure lists
-// nothing, and what comes between the two calls is left out. A caller that must know checks within `list`.
+// Calls list(arguments..., &count, elements) twice and returns the elements. The result of `list` is ignored: a failure
+// gives no elements, and elements that appear between the two calls are omitted. A caller that needs the result checks
+// it inside `list`.
 template<class Element, class Function, class... Arguments>
 [[nodiscard]] std::vector<Element> enumerate(const Function& list, Arguments... arguments) {
     uint32_t count = 0;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::array<std::string_view, call_kinds> call_names{
     "create_device", "allocate", "map", "submit", "wait", "create_swapchain", "acquire", "present"};
 
-// Takes what stands before the next separator off the front of `text`.
+// Removes the text before the next separator, and the separator, from `text`; returns the removed text.
 std::string_view take(std::string_view& text, char separator) {
     const size_t end = text.find(separator);
     const std::string_view word = text.substr(0, end);
@@ -79,9 +79,9 @@ VkResult FaultInjector::next_result(Call kind) {
     return rule.result;
 }
 
-// Where the call is made all the same. A present that fails has still waited for its semaphore. The device
-// that only seems lost is at work, and its objects may not go before it is done. A suboptimal image is an
-// image.
+// Returns whether the real call is made before the injected result is returned. A failed present has waited for its
+// semaphore. A device declared lost is still at work, so the wait must finish before its objects are destroyed. A
+// suboptimal acquire delivers an image.
 bool FaultInjector::call_still_made(Call kind, VkResult fault) {
     return kind == Call::present || (kind == Call::wait && fault == VK_ERROR_DEVICE_LOST) || fault == VK_SUBOPTIMAL_KHR;
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr VkMemoryPropertyFlags mapped_flags =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
-// Preferred flags first, the least that will do second.
+// Returns the preferred flags and the required flags.
 std::pair<VkMemoryPropertyFlags, VkMemoryPropertyFlags> flags_of(MemoryKind kind) {
     switch (kind) {
     case MemoryKind::device:
@@ -37,12 +37,13 @@ VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t all
     const auto [preferred, required] = flags_of(kind);
     std::optional<uint32_t> type = device.find_memory_type(allowed, preferred);
     if (!type) type = device.find_memory_type(allowed, required);
-    if (!type) throw VulkanFailure{{Status::missing_feature, "the device has no memory of the kind that is needed"}};
+    if (!type)
+        throw VulkanFailure{{Status::missing_feature, "the device has no mapped, host-coherent memory for buffers"}};
     const VkMemoryAllocateInfo info{
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size, .memoryTypeIndex = *type};
     VkDeviceMemory memory = VK_NULL_HANDLE;
     const std::string doing = "allocate " + std::to_string(size) + " bytes of device memory";
-    // Some drivers promise more than there is.
+    // Some drivers accept allocations that are larger than the heap.
     check(size > device.heap_size(*type)
               ? VK_ERROR_OUT_OF_DEVICE_MEMORY
               : device.attempt(Call::allocate,
@@ -65,8 +66,8 @@ VkImageView create_view(VkDevice device, VkImage image, VkFormat format) {
     return view;
 }
 
-// In a constructor that throws, the destructor does not run: the object is built in a local that is whole at
-// each step and swapped in at the end.
+// The destructor does not run when a constructor throws. The constructors therefore build a local object, whose
+// destructor frees a partial result, and swap it in at the end.
 DeviceBuffer::DeviceBuffer(const Device& device, const char* name, uint64_t size, VkBufferUsageFlags usage,
                            MemoryKind kind) {
     DeviceBuffer made;

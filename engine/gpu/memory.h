@@ -1,8 +1,8 @@
-// Buffers and images with memory of their own, owned by RAII.
+// Buffers and images that own their memory.
 //
-// One vkAllocateMemory each: Brittle has a few dozen of them (arenas, a handful of slices, the frame graph's
-// heaps), far below maxMemoryAllocationCount, so there is nothing to sub-allocate. Transients of a frame
-// share heaps, which the frame graph's executor makes.
+// Each has one vkAllocateMemory. Brittle has a few dozen of them (arenas, per-frame buffers, the frame graph's heaps),
+// far below maxMemoryAllocationCount, so there is no sub-allocation. The transients of a frame share heaps, which the
+// frame graph's executor allocates.
 //
 // All functions throw VulkanFailure (check.h).
 #pragma once
@@ -18,15 +18,15 @@ namespace brittle::engine {
 class Device;
 
 enum class MemoryKind {
-    device,  // fastest for the device; the CPU cannot touch it
-    upload,  // mapped; the CPU writes, in order, and never reads
+    device,  // device-local, not mapped
+    upload,  // mapped; the CPU writes in ascending order and never reads
     readback // mapped; the CPU reads
 };
 
 class DeviceBuffer {
   public:
-    DeviceBuffer() = default; // no buffer: every getter gives null or zero
-    // `size` in bytes; zero is made one byte, because Vulkan has no empty buffer.
+    DeviceBuffer() = default; // no buffer: every getter returns null or zero
+    // Creates a buffer of `size` bytes. Size zero creates one byte, because Vulkan has no empty buffer.
     DeviceBuffer(const Device& device, const char* name, uint64_t size, VkBufferUsageFlags usage, MemoryKind kind);
     ~DeviceBuffer();
     DeviceBuffer(DeviceBuffer&& other) noexcept { swap(other); }
@@ -38,7 +38,7 @@ class DeviceBuffer {
     [[nodiscard]] VkBuffer handle() const { return buffer_; }
     [[nodiscard]] uint64_t size() const { return size_; }
 
-    // The mapped bytes, for the life of the buffer; upload and readback only. Host-coherent.
+    // Returns the mapped, host-coherent bytes, valid for the life of the buffer; null for MemoryKind::device.
     [[nodiscard]] std::byte* mapped() const { return mapped_; }
     template<class T>
     [[nodiscard]] std::span<T> mapped_as(uint64_t offset, size_t count) const {
@@ -55,7 +55,7 @@ class DeviceBuffer {
     std::byte* mapped_ = nullptr;
 };
 
-// A 2D image in device memory with a view of all of it.
+// A 2D image in device memory, with a view of the whole image.
 class DeviceImage {
   public:
     DeviceImage() = default;
@@ -79,10 +79,11 @@ class DeviceImage {
     VkDeviceMemory memory_ = VK_NULL_HANDLE;
 };
 
-// Memory of the kind, from a type among `allowed`. Throws out_of_memory.
+// Allocates memory of the kind from a memory type in the bit mask `allowed`. Throws missing_feature when no type fits,
+// and out_of_memory.
 [[nodiscard]] VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t allowed, MemoryKind kind);
 
-// The view of every mip level and layer; depth for depth formats, colour else.
+// Creates a view of every mip level and layer, of the depth aspect for a depth format and of colour otherwise.
 [[nodiscard]] VkImageView create_view(VkDevice device, VkImage image, VkFormat format);
 
 } // namespace brittle::engine

@@ -15,7 +15,7 @@ namespace brittle::engine {
 
 namespace {
 
-// Nanoseconds to wait for an image that the window system has.
+// The longest wait for an image that the window system holds, in nanoseconds.
 constexpr uint64_t acquire_timeout = 1'000'000'000;
 
 constexpr const char* alternatives =
@@ -32,7 +32,7 @@ VkSemaphore create_semaphore(VkDevice device) {
 
 VkExtent2D choose_extent(const VkSurfaceCapabilitiesKHR& capabilities, glm::uvec2 framebuffer_size) {
     if (capabilities.currentExtent.width != UINT32_MAX) return capabilities.currentExtent;
-    // The surface takes the size from the swapchain. Where it is hidden, min and max may both be zero.
+    // The surface takes its size from the swapchain. The limits of a hidden surface may all be zero.
     return {std::clamp(framebuffer_size.x, capabilities.minImageExtent.width, capabilities.maxImageExtent.width),
             std::clamp(framebuffer_size.y, capabilities.minImageExtent.height, capabilities.maxImageExtent.height)};
 }
@@ -68,7 +68,7 @@ void Swapchain::create_surface() {
           "create a Vulkan surface for the window");
     VkBool32 supported = VK_FALSE;
     check(vkGetPhysicalDeviceSurfaceSupportKHR(device_.physical(), device_.queue_family(), surface_, &supported),
-          "ask whether the device can present to the window");
+          "query whether the device can present to the window");
     if (!supported)
         throw VulkanFailure{{Status::missing_feature, "the Vulkan device " + device_.info().name
                                                           + " cannot present to this window" + alternatives}};
@@ -102,7 +102,7 @@ bool Swapchain::fit(glm::uvec2 framebuffer_size) {
         device_.wait_idle();
         if (surface_lost_) {
             destroy_surface();
-            create_surface(); // of the same window, hence with the same formats
+            create_surface(); // for the same window, so the format stays valid
             surface_lost_ = false;
         }
         create_swapchain(framebuffer_size);
@@ -113,13 +113,13 @@ bool Swapchain::fit(glm::uvec2 framebuffer_size) {
 void Swapchain::create_swapchain(glm::uvec2 framebuffer_size) {
     VkSurfaceCapabilitiesKHR capabilities;
     check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), surface_, &capabilities),
-          "ask for the window's capabilities");
+          "query the window's surface capabilities");
     extent_ = choose_extent(capabilities, framebuffer_size);
     created_for_ = framebuffer_size;
     destroy_images();
     image_held_ = false;
     never_acquired_ = true;
-    stale_ = true; // until all is made; a window can also shrink to nothing between the two questions
+    stale_ = true; // until all objects exist; the window may also have shrunk to nothing since its size was queried
     if (extent_.width == 0 || extent_.height == 0) return;
 
     const auto modes = enumerate<VkPresentModeKHR>([&](uint32_t* count, VkPresentModeKHR* elements) {
@@ -177,7 +177,7 @@ void Swapchain::destroy_images() {
     acquired_.clear();
 }
 
-// Whether the next fit() makes good what a call reported.
+// Returns whether the next fit() recovers from the result, and marks the swapchain for it.
 bool Swapchain::is_recoverable(VkResult result) {
     switch (result) {
     case VK_ERROR_SURFACE_LOST_KHR:
@@ -200,7 +200,7 @@ std::optional<uint32_t> Swapchain::acquire(uint32_t frame) {
     });
     if (is_recoverable(result) || result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
     check(result, "acquire a swapchain image");
-    suboptimal_ = result == VK_SUBOPTIMAL_KHR; // a success: the frame is drawn first
+    suboptimal_ = result == VK_SUBOPTIMAL_KHR; // a success code: this frame is still drawn
     never_acquired_ = false;
     image_held_ = true;
     return image;
@@ -218,7 +218,7 @@ void Swapchain::present(uint32_t image) {
     });
     if (!is_recoverable(result)) check(result, "present a frame");
     image_held_ = false;
-    // Made again once: a system that calls each swapchain suboptimal is drawn to all the same.
+    // Recreated once only, because some systems report every swapchain as suboptimal.
     suboptimal_ = suboptimal_ || result == VK_SUBOPTIMAL_KHR;
     if (suboptimal_ && !recreated_suboptimal_) stale_ = true;
     recreated_suboptimal_ = suboptimal_;

@@ -11,8 +11,8 @@
 //
 // A piece has up to two draw ranges, side by side: exterior, then interior. Range i is instance i: its command has i as
 // first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h). First come the ranges of
-// solid pieces, then those of fading ones, each in the order in which pieces were added or from front to back. The lists
-// are made anew for each change: 52 bytes a range.
+// solid pieces, then those of fading ones, each in the order in which pieces were added or from front to back. The
+// lists are made anew for each change: 52 bytes a range.
 #pragma once
 
 #include <array>

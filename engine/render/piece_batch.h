@@ -1,6 +1,6 @@
 // Pieces made ready to be drawn: checked, with normals for smooth shading, in the layout of the renderer's arenas.
-// Making one is nearly all of the work of showing pieces and touches no device, so a worker can do it. What is left is a
-// copy to where the device reads, and a worker can do that, too.
+// Making one is nearly all of the work of showing pieces and touches no device, so a worker can do it. What is left is
+// a copy to where the device reads, and a worker can do that, too.
 //
 //     Result<PieceBatch> batch = PieceBatch::create(meshes);      // on any thread
 //     renderer.stage(*batch);                                     // likewise

@@ -14,10 +14,10 @@
 // notices by itself that the window was resized or minimised. A Window must outlive the renderer attached to
 // it, a Device every renderer made from it.
 //
-// Each frame is a frame graph declared anew: cull, shadow (left out where it can be kept), occlusion, shade,
-// marks, enlarge (where fewer pixels were drawn), then read back, or UI and present. Body poses need no pass: the caller writes them into memory that
-// is mapped for good and that the device reads in place, a slice for each of the two frames in flight.
-// render() waits for its image.
+// Each frame is a frame graph declared anew: cull, shadow (left out where it can be kept), occlusion, shade, marks,
+// enlarge (where fewer pixels were drawn), then read back, or UI and present. Body poses need no pass: the caller
+// writes them into memory that is mapped for good and that the device reads in place, a slice for each of the two
+// frames in flight. render() waits for its image.
 //
 // Where memory runs out, the call fails and the next one may succeed. After device_lost all calls fail so:
 // destroy what was made from the device, and start again.
@@ -65,9 +65,9 @@ struct Quality {
     // but where surfaces coincide. Automatic: on a CPU only.
     std::optional<bool> front_to_back{};
     // How many pixels a side present() draws for each of the window's while Scene::moved is true, and texels of the
-    // shadow map for each of shadow_size, 0.25 to 1; the picture is enlarged, and the user interface drawn on it in full.
-    // What is still is drawn in full, and so are pictures of render(). Automatic: 0.5 on a CPU, 1 on a GPU. 1 where the
-    // window system takes no copies.
+    // shadow map for each of shadow_size, 0.25 to 1; the picture is enlarged, and the user interface drawn on it in
+    // full. What is still is drawn in full, and so are pictures of render(). Automatic: 0.5 on a CPU, 1 on a GPU. 1
+    // where the window system takes no copies.
     std::optional<float> moving_scale{};
 };
 
@@ -124,8 +124,8 @@ class Renderer {
     // pipeline.
     [[nodiscard]] Result<void> fade_pieces(std::span<const PieceHandle> handles, float fade);
     // Copies what a large batch holds to where the device reads it, so that the frame that shows it need not: a million
-    // triangles are some ten milliseconds. On any thread, beside all else. A small batch stays as it is, and so does one
-    // that there is no memory for. What was staged must go before the device does.
+    // triangles are some ten milliseconds. On any thread, beside all else. A small batch stays as it is, and so does
+    // one that there is no memory for. What was staged must go before the device does.
     void stage(PieceBatch& batch) const;
     // Removes all pieces and adds these.
     [[nodiscard]] Result<std::vector<PieceHandle>> set_pieces(std::span<const PieceMesh> pieces);

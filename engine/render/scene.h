@@ -87,8 +87,8 @@ struct Region {
 
 struct Scene {
     Camera camera{};
-    // What of the picture is drawn: the rest is covered by panels, and its pixels are not defined. Within the region they
-    // are those of the whole picture.
+    // What of the picture is drawn: the rest is covered by panels, and its pixels are not defined. Within the region
+    // they are those of the whole picture.
     Region region{};
     // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
     // depth range; what sticks out is drawn, without a shadow. Large bounds make coarse shadows.

@@ -37,7 +37,8 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const Target
                       .colour = target.colour,
                       .samples = target.samples,
                       .constants = &constants};
-    // Pipelines of their own for pieces that fade: a fragment shader that may leave pixels out is tested for depth late.
+    // Pipelines of their own for pieces that fade: a fragment shader that may leave pixels out is tested for depth
+    // late.
     PipelineDesc fading_desc = desc;
     fading_desc.name = "fading pieces";
     fading_desc.constants = &fading;

@@ -1,6 +1,6 @@
-// Memory from which the device copies, for who fills it beside the frame, on any thread: a worker that makes pieces ready.
-// What is let go is used again, for memory is slow at its first touch, and as slow to give back: so it is given back, too,
-// by who takes some.
+// Memory from which the device copies, for who fills it beside the frame, on any thread: a worker that makes pieces
+// ready. What is let go is used again, for memory is slow at its first touch, and as slow to give back: so it is given
+// back, too, by who takes some.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ class StagingPool {
 
     explicit StagingPool(const Device& device) : device_(device), idle_(std::make_shared<Idle>()) {}
 
-    // A mapped buffer of so many bytes or more, for one user until the last pointer to it goes, on any thread, at the latest
-    // before the device. Throws VulkanFailure.
+    // A mapped buffer of so many bytes or more, for one user until the last pointer to it goes, on any thread, at the
+    // latest before the device. Throws VulkanFailure.
     [[nodiscard]] std::shared_ptr<DeviceBuffer> take(uint64_t size);
 
     [[nodiscard]] uint64_t idle_bytes() const;
