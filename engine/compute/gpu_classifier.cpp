@@ -32,7 +32,8 @@ static_assert(classify_sign_first << 4 == fracture::Classifier::sign_first(2));
 
 constexpr VkBufferUsageFlags storage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 
-// One set of storage buffers and the push constants of the grid.
+// The pipeline layout of all classification passes: one descriptor set of storage buffers, and the grid in push
+// constants.
 class ClassifyLayout {
   public:
     explicit ClassifyLayout(const Device& device) : device_(device.handle()) {
@@ -139,9 +140,9 @@ struct GpuClassifier::State {
     ClassifyLayout layout;
     Pipeline vertices, triangles, crossing_groups, signs;
     SiteBins bins;
-    // The CPU writes these, and reads the answers.
+    // Mapped: the CPU writes the first two and reads the answers.
     DeviceBuffer positions, triangle_indices, vertex_answers, triangle_answers;
-    // Read at random by many, so these are the device's own.
+    // Device-local, because invocations read them at random; each has a mapped staging buffer.
     DeviceBuffer staged_sites, sites, staged_site_positions, site_positions, staged_bins, bin_begin;
     DeviceBuffer site_of_vertex, pattern_of_triangle, crossing, crossing_count, dispatch;
     uint32_t vertex_count = 0, triangle_count = 0;
@@ -150,7 +151,7 @@ struct GpuClassifier::State {
     std::string error;
     std::vector<PassTime> times;
     GraphExecutor executor;
-    CommandSlot commands; // last: its destructor waits before the others go
+    CommandSlot commands; // last, because its destructor waits for the device before the buffers are destroyed
 };
 
 bool GpuClassifier::State::fits(const Problem& problem) const {
@@ -162,7 +163,7 @@ bool GpuClassifier::State::fits(const Problem& problem) const {
            && problem.sites.size() * sizeof(glm::vec4) <= max_range;
 }
 
-// Half as much again as is needed, so that fractures of growing size do not allocate each time.
+// Grows the buffer to 1.5 times `size` if it is too small, so that a series of growing meshes rarely allocates.
 void GpuClassifier::State::reserve(uint32_t binding, DeviceBuffer& buffer, const char* name, uint64_t size,
                                    VkBufferUsageFlags usage, MemoryKind kind) {
     if (!buffer.handle() || buffer.size() < size) buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
@@ -230,7 +231,7 @@ void GpuClassifier::State::bind(VkCommandBuffer into, const Pipeline& pipeline) 
     vkCmdPushConstants(into, layout.handle(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof bins.grid, &bins.grid);
 }
 
-// The graph's handles of the buffers; a write gives a new one.
+// The graph's handles of the buffers; each write replaces one.
 struct GpuClassifier::State::Handles {
     Handles(FrameGraph& graph, External& external, const State& s) : graph_(graph), external_(external) {
         positions = from_host("vertices", s.positions);
@@ -380,9 +381,10 @@ Result<std::unique_ptr<GpuClassifier>> GpuClassifier::create(Device& device) {
 bool GpuClassifier::start(const Problem& problem) {
     const Result<void> done = guarded([&]() -> Result<void> {
         state_->started = false;
-        state_->commands.wait(); // for a fracture that failed in between
+        state_->commands.wait(); // for the submission of a fracture that never called finish()
         if (!state_->fits(problem))
-            return Error{Status::invalid_argument, "the mesh is larger than the device's buffers may be"};
+            return Error{Status::invalid_argument,
+                         "the mesh exceeds the device's limit for storage buffers or dispatches"};
         state_->write(problem);
         state_->submit();
         state_->started = true;
@@ -395,7 +397,7 @@ bool GpuClassifier::start(const Problem& problem) {
 bool GpuClassifier::finish(std::span<uint32_t> site_of_vertex, std::span<uint32_t> site_of_triangle) {
     if (!state_->started || site_of_vertex.size() != state_->vertex_count
         || site_of_triangle.size() != state_->triangle_count) {
-        state_->error = "finish() without a start() of the same mesh";
+        state_->error = "finish() was called without start() for the same mesh";
         return false;
     }
     state_->started = false;

@@ -1,14 +1,16 @@
-// Classification on the device: which cell each vertex lies in, which triangles cross bisectors, and how.
+// Classification on the GPU: the Voronoi cell of each vertex, the triangles that cross bisectors, and the sign patterns
+// of those triangles.
 //
 //     Result<std::unique_ptr<GpuClassifier>> classifier = GpuClassifier::create(device);
 //     settings.classifier = classifier->get();
 //
-// A grid of sites keeps the cost per vertex from growing with their number. The device works in float32 while
-// the CPU builds the Voronoi cells, and marks what that precision cannot decide (see fracture/classifier.h). Crossing
-// triangles are gathered in a list, so that the searches for their signs (one for each edge, and one for the point
-// where three cells meet) fill whole subgroups; all of it needs nothing of the CPU's, so one submission does it.
-// A failure of the device (lost, out of memory) makes start() or finish() return false, and the CPU does it
-// all; error() says why.
+// The device works in float32 while the CPU builds the Voronoi cells, and marks answers that this precision cannot
+// decide (fracture/classifier.h). A uniform grid of sites makes the cost per vertex independent of their number.
+// Crossing triangles are compacted into a list, so that the searches for their signs (one for each edge, and one for
+// the point where three cells meet) fill whole subgroups. One submission does all passes.
+//
+// When the device fails (lost, out of memory), start() or finish() returns false, the CPU classifies everything, and
+// error() holds the reason. Not thread-safe.
 #pragma once
 
 #include <memory>
@@ -25,17 +27,16 @@ class Device;
 
 class GpuClassifier final : public fracture::Classifier {
   public:
-    // Errors: device_lost, out_of_memory and whatever else making pipelines can bring. The device must
-    // outlive it.
+    // Fails with device_lost, out_of_memory or device_failure. The device must outlive the classifier.
     [[nodiscard]] static Result<std::unique_ptr<GpuClassifier>> create(Device& device);
     ~GpuClassifier() override;
 
     bool start(const Problem& problem) override;
     bool finish(std::span<uint32_t> site_of_vertex, std::span<uint32_t> site_of_triangle) override;
 
-    // Of the last fracture, on the device's clock; empty where it has none.
+    // Returns the times of the last classification; empty on a device without timestamps.
     [[nodiscard]] const std::vector<PassTime>& timings() const;
-    // Why the last start() or finish() returned false.
+    // Returns the reason why the last start() or finish() returned false; empty after success.
     [[nodiscard]] const std::string& error() const;
 
   private:

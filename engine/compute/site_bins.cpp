@@ -11,7 +11,7 @@ namespace brittle::engine {
 namespace {
 
 constexpr double sites_per_bin = 2.0;
-constexpr double max_bins = 64.0; // along an axis
+constexpr double max_bins = 64.0; // along each axis
 
 } // namespace
 

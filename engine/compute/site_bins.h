@@ -1,4 +1,4 @@
-// Sites sorted into the bins of a uniform grid over the mesh's box.
+// Sites sorted into the bins of a uniform grid over the mesh's bounding box.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 namespace brittle::engine {
 
 struct SiteBins {
-    std::vector<glm::vec4> sites; // by bin; w: the bits of the site's index
-    std::vector<uint32_t> begin;  // bins + 1
+    std::vector<glm::vec4> sites; // positions, grouped by bin; w: the bits of the site's index
+    std::vector<uint32_t> begin;  // index of each bin's first site in `sites`; one more than there are bins
     shared::ClassifyGrid grid{};  // without the counts of vertices and triangles
 
-    // Sites outside the box go to the nearest bin, so what is beyond a bin's side is no nearer than that
-    // side.
+    // Sorts the sites. Sites outside the box go to the nearest bin, so a site in a bin beyond a plane between bins is
+    // never nearer than that plane.
     void build(std::span<const glm::dvec3> positions, const fracture::Box& box);
 
   private:

@@ -10,7 +10,7 @@ constexpr std::uint8_t bit(PassKind kind) {
     return static_cast<std::uint8_t>(1u << static_cast<unsigned>(kind));
 }
 
-constexpr std::uint8_t edge = 0; // not for passes
+constexpr std::uint8_t edge = 0; // legal only as an import's initial or final access
 constexpr std::uint8_t draw = bit(PassKind::graphics);
 constexpr std::uint8_t dispatch = bit(PassKind::compute);
 constexpr std::uint8_t copy = bit(PassKind::transfer);

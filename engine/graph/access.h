@@ -1,6 +1,6 @@
-// What a pass does to a resource, as the plan half of the frame graph sees it: no Vulkan type here. The
-// execute half owns the one table from Access to Vulkan stage, access mask and usage; Layout maps one to one
-// to a VkImageLayout.
+// The accesses that a pass makes to a resource, for the plan half of the frame graph, which contains no Vulkan type.
+// The execute half owns the one table from Access to Vulkan stage, access mask and usage (access_vulkan.h). Each Layout
+// is one VkImageLayout.
 //
 // An AccessSet is a small bit set of accesses: AccessSet set = Access::vertex_read | Access::index_read;
 #pragma once
@@ -11,10 +11,9 @@
 namespace brittle::engine {
 
 enum class Access : std::uint8_t {
-    // Only at the edge of a frame, for imported resources.
-    acquired,   // initial: a swapchain image just acquired; contents undefined, and ready only after the
-                // acquire
-                // semaphore: its stage is the stage at which the submission waits for that semaphore
+    // Initial and final accesses of imported resources.
+    acquired,   // initial: a swapchain image just acquired, contents undefined; its stage is the stage at which the
+                // submission waits for the acquire semaphore
     present,    // initial or final: handed to the presentation engine
     host_write, // initial: the CPU wrote it before the submission
     host_read,  // final: the CPU reads it after the frame's fence
@@ -39,18 +38,18 @@ enum class Access : std::uint8_t {
     storage_read_write_compute,
 
     colour_attachment,      // replaces the whole image (cleared, or fully drawn over)
-    colour_attachment_load, // draws on top of what is there
-    resolve_attachment,     // replaces the whole image by the means of a multisampled attachment's samples
+    colour_attachment_load, // draws over the present contents
+    resolve_attachment,     // replaces the whole image by the mean of each pixel's samples in a multisampled attachment
     depth_attachment,       // test and write; replaces the whole image (cleared)
-    depth_attachment_load,  // test and write on top of what is there
-    depth_read,             // test only; may go with sampled_fragment of the same image in one pass
+    depth_attachment_load,  // test and write over the present contents
+    depth_read,             // test only; may be combined with sampled_fragment of the same image in one pass
 
     count
 };
 
 // The memory layout an image must be in for an access; transitions between them are barriers.
 enum class Layout : std::uint8_t {
-    undefined,       // contents are discarded; always, for a buffer
+    undefined,       // contents are discarded; the layout of every buffer
     transfer_source, // TRANSFER_SRC_OPTIMAL
     transfer_target, // TRANSFER_DST_OPTIMAL
     read_only,       // READ_ONLY_OPTIMAL: sampled, or depth-tested without writing
@@ -59,8 +58,8 @@ enum class Layout : std::uint8_t {
     present          // PRESENT_SRC
 };
 
-// What a pass records. All passes go to one queue in plan order; the kind says which accesses are legal in
-// it.
+// The kind of commands that a pass records. All passes go to one queue in plan order; the kind decides which accesses
+// are legal in the pass.
 enum class PassKind : std::uint8_t { graphics, compute, transfer };
 
 class AccessSet {
@@ -94,14 +93,14 @@ constexpr AccessSet operator|(Access a, Access b) {
     return AccessSet(a) | AccessSet(b);
 }
 
-// What the plan knows of an access.
+// The properties of an access that the plan needs.
 struct AccessTraits {
     const char* name;
     bool reads;   // needs contents that were written before
     bool writes;  // makes a new version of the resource
-    bool keeps;   // a write that leaves what it does not touch: all but the attachments that replace the image
-    bool images;  // may be made to an image
-    bool buffers; // may be made to a buffer
+    bool keeps;   // a write that preserves untouched contents: all writes but the attachments that replace the image
+    bool images;  // legal for an image
+    bool buffers; // legal for a buffer
     Layout layout;
     std::uint8_t kinds; // bit per PassKind that may declare it; 0: only as an import's initial or final access
 };

@@ -22,9 +22,8 @@ VulkanAccess to_vulkan(Access access) {
     // The submission waits for the acquire semaphore at this stage (Renderer::present).
     case Access::acquired:
         return {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, 0, 0, 0};
-    // All commands, as in the signal of the semaphore that presentation waits for: only a common stage puts
-    // the barrier's layout transition before that signal. No stage at all is a hazard to queue-submit
-    // validation.
+    // All commands, like the signal of the semaphore that presentation waits for: only a common stage orders the
+    // barrier's layout transition before that signal. With no stage, queue-submit validation reports a hazard.
     case Access::present:
         return {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0, 0, 0};
     case Access::host_write:

@@ -68,7 +68,7 @@ class Writer {
     const Plan& plan_;
     std::string text_ = "digraph frame {\n  rankdir=LR;\n  node [fontname=\"sans-serif\"];\n"
                         "  edge [fontname=\"sans-serif\", fontsize=10];\n";
-    std::map<Version, bool> versions_; // all that passes mention; whether a live one does
+    std::map<Version, bool> versions_; // every version that a pass mentions; true: a live pass does
 };
 
 } // namespace

@@ -55,7 +55,7 @@ bool same_transient(const Plan::Resource& a, const Plan::Resource& b) {
            && a.memory.offset == b.memory.offset;
 }
 
-// With these alone an image has no view: it is copied only.
+// An image with no other usage is only copied, and has no view.
 constexpr VkImageUsageFlags transfers = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
 
 bool is_transient(const Plan::Resource& resource) {
@@ -100,7 +100,7 @@ MemoryNeeds GraphExecutor::memory_needs() const {
             device_.find_memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
         if (!type) type = device_.find_memory_type(needs.memoryTypeBits, 0);
         assert(type && "Vulkan promises at least one memory type for every resource");
-        // Images and buffers may then lie side by side in a heap.
+        // With this alignment, images and buffers may be adjacent in a heap.
         const uint64_t alignment = std::max<uint64_t>(needs.alignment, device_.limits().bufferImageGranularity);
         return {needs.size, alignment, *type};
     };
@@ -122,7 +122,7 @@ void GraphExecutor::prepare_transients(const Plan& plan) {
     try {
         create_transients(plan);
     } catch (...) {
-        destroy_transients(); // half of them would pass for all of them next time
+        destroy_transients(); // a partial set would be reused as complete by the next call
         throw;
     }
 }
@@ -179,8 +179,8 @@ void GraphExecutor::prepare_queries(size_t passes) {
 
 void GraphExecutor::record_barriers(const std::vector<Plan::Barrier>& barriers, const PassContext& context) const {
     std::vector<VkImageMemoryBarrier2> images;
-    // Buffers need no layout, so one global barrier serves them all, as it does what aliased memory held
-    // before: drivers treat buffer barriers the same way.
+    // Buffers have no layout, so one global barrier serves all of them and all aliased memory; drivers treat buffer
+    // barriers as global barriers anyway.
     VkMemoryBarrier2 memory{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
     for (const Plan::Barrier& barrier : barriers) {
         const Plan::Resource& resource = context.plan_->resources[barrier.resource];

@@ -1,5 +1,5 @@
-// The execute half of the frame graph: makes a plan's transients, records its barriers and passes, and times
-// them.
+// The execute half of the frame graph: creates a plan's transients, records its barriers and passes, and times the
+// passes.
 //
 //     GraphExecutor executor(device);                       // one for each frame in flight
 //     External targets;
@@ -10,9 +10,9 @@
 //     ... submit, wait for its fence ...
 //     for (const PassTime& time : executor.collect_times()) ...
 //
-// Transients are kept from frame to frame as long as the plan asks for the same ones, since frames of one
-// window size all do. Nothing here may be in use on the device when record() is called or the executor dies:
-// wait for the fence of its last frame first.
+// The transients of the previous frame are reused when the plan has equal ones, as all frames of one window size have.
+// The device must have finished the executor's last frame when record() is called and when the executor is destroyed:
+// wait for the frame's fence first.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@
 
 namespace brittle::engine {
 
-// The objects behind a graph's imports. add() gives the Import::external of the object.
+// The Vulkan objects behind a graph's imports. add() returns the value of Import::external for the object.
 class External {
   public:
     [[nodiscard]] uint64_t add(VkImage image, VkImageView view) { return add({image, view, VK_NULL_HANDLE}); }
@@ -48,7 +48,7 @@ class External {
     std::vector<Object> objects_;
 };
 
-// What a pass records with: its command buffer, and the objects behind the handles that it declared.
+// The argument of a pass's execute function: its command buffer, and the objects behind the handles that it declared.
 class PassContext {
   public:
     VkCommandBuffer commands = VK_NULL_HANDLE;
@@ -66,7 +66,7 @@ class PassContext {
         VkBuffer buffer = VK_NULL_HANDLE;
     };
     const Plan* plan_ = nullptr;
-    std::vector<Object> objects_; // by Handle::resource()
+    std::vector<Object> objects_; // indexed by Handle::resource()
 };
 
 class GraphExecutor {
@@ -76,13 +76,14 @@ class GraphExecutor {
     GraphExecutor(const GraphExecutor&) = delete;
     GraphExecutor& operator=(const GraphExecutor&) = delete;
 
-    // For FrameGraph::compile(): Vulkan's memory type is the memory class.
+    // Returns the argument of FrameGraph::compile(). The memory class is Vulkan's memory type.
     [[nodiscard]] MemoryNeeds memory_needs() const;
 
     // Throws VulkanFailure (gpu/check.h).
     void record(const Plan& plan, const External& external, VkCommandBuffer commands);
 
-    // Of the passes last recorded, which the device must have finished. Empty on a device without timestamps.
+    // Returns the times of the passes last recorded, which the device must have finished. Empty on a device without
+    // timestamps.
     [[nodiscard]] std::vector<PassTime> collect_times();
 
   private:
@@ -100,7 +101,7 @@ class GraphExecutor {
     const Device& device_;
     std::vector<Plan::Heap> heap_descs_;
     std::vector<VkDeviceMemory> heaps_;
-    std::vector<Transient> transients_; // beside Plan::resources; imported and unused ones stay empty
+    std::vector<Transient> transients_; // parallel to Plan::resources; imported and unused ones stay empty
     VkQueryPool queries_ = VK_NULL_HANDLE;
     size_t query_capacity_ = 0;
     std::vector<std::string> pass_names_; // names of the passes last recorded

@@ -11,7 +11,7 @@ std::string named(const char* what, std::string_view name) {
     return std::string(what).append(" '").append(name).append("'");
 }
 
-// What is wrong with an import's initial or final accesses, or nothing.
+// Returns the mistake in an import's initial or final accesses, or "".
 std::string edge_error(AccessSet set, const char* edge, Access forbidden, bool image) {
     std::string error;
     const AccessTraits* first = nullptr;
@@ -110,7 +110,7 @@ bool FrameGraph::contents_defined(std::uint32_t resource) const {
 
 std::uint32_t FrameGraph::add_use(std::uint32_t pass_index, Plan::Use use, bool image, bool write) {
     Plan::Pass& pass = passes_[pass_index];
-    // Also catches default-made handles and, where it shows, handles of another graph.
+    // Also catches default-constructed handles and, where the indices disagree, handles of another graph.
     if (use.resource >= resources_.size() || resources_[use.resource].is_image() != image
         || use.version > newest(use.resource)) {
         fail(named("pass", pass.name) + (write ? " writes " : " reads ") + (image ? "an image" : "a buffer")

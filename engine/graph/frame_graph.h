@@ -1,4 +1,5 @@
-// The frame graph's declaration: made anew each frame, compiled to a Plan, thrown away. No Vulkan type here.
+// The declaration of a frame graph. It is built anew each frame, compiled to a Plan and discarded. It contains no
+// Vulkan type.
 //
 //     FrameGraph graph;
 //     Image depth = graph.create_image("depth", {.width = w, .height = h, .format = Format::d32_float});
@@ -15,16 +16,18 @@
 //     CompileResult plan = std::move(graph).compile(needs);
 //     if (!plan) { log(plan.error().message); return; }
 //
-// Rules. Setup runs at once; execute runs later, if the pass lives. A write returns a new handle and the old
-// one is dead: only the newest handle of a resource may be read or written, hence the order of declaration is
-// a topological order. A pass uses a resource for reading (any accesses of one image layout) or writes it
-// once; to do both, it uses a read_write or _load access. A pass lives if it has a side effect, makes the
-// last version of an imported resource, or makes something that a live pass needs. A write needs the version
-// before it, since it may leave parts untouched, except colour_attachment and depth_attachment, which replace
-// everything, as resolve_attachment does.
+// Rules:
+// - Setup runs at once. Execute runs later, and only if the pass is live.
+// - A write returns a new handle, and the old handle is dead. Only the newest handle of a resource may be read or
+//   written, so the order of declaration is a topological order.
+// - A pass either reads a resource, with any accesses of one image layout, or writes it once. To do both, it uses a
+//   read_write or _load access.
+// - A pass is live if it has a side effect, makes the last version of an imported resource, or makes a version that a
+//   live pass needs. All other passes are culled.
+// - A write needs the version before it, because it may leave parts untouched. The exceptions are colour_attachment,
+//   depth_attachment and resolve_attachment, which replace the whole image.
 //
-// Misuse never throws or asserts: it is collected, and compile() reports all of it with pass and resource
-// names. One thread at a time.
+// Misuse neither throws nor asserts: compile() reports every mistake with pass and resource names. Not thread-safe.
 #pragma once
 
 #include "engine/graph/plan.h"
@@ -41,15 +44,15 @@ namespace brittle::engine {
 
 class FrameGraph;
 
-// What a transient needs of memory; transients of one class share a heap. The execute half uses Vulkan's
-// memory type as class and raises the alignment to bufferImageGranularity.
+// The memory requirements of a transient. Transients of one memory class share a heap. The execute half uses Vulkan's
+// memory type as the class and raises the alignment to bufferImageGranularity.
 struct MemoryNeed {
     std::uint64_t size = 0;      // bytes
     std::uint64_t alignment = 1; // bytes, a power of two
     std::uint32_t memory_class = 0;
 };
 
-// Called once for each transient that a live pass uses; its `accesses` are final by then.
+// Called once for each transient that a live pass uses, after its `accesses` are complete.
 using MemoryNeeds = std::function<MemoryNeed(const Plan::Resource&)>;
 
 struct GraphError {
@@ -79,7 +82,7 @@ class PassBuilder {
   public:
     void read(Image image, Access access);
     void read(Buffer buffer, Access access);
-    // The new version; `image` is dead from here on.
+    // Returns the handle of the new version; `image` is dead from here on.
     [[nodiscard]] Image write(Image image, Access access);
     [[nodiscard]] Buffer write(Buffer buffer, Access access);
     void side_effect(); // the pass is never culled
@@ -94,8 +97,8 @@ class PassBuilder {
 
 class FrameGraph {
   public:
-    // Transients: they live within the frame, contents undefined until written. Zero extents are reported by
-    // compile().
+    // Creates transients, which exist within the frame; their contents are undefined until written. compile() reports
+    // zero extents.
     [[nodiscard]] Image create_image(std::string_view name, const ImageDesc& desc);
     [[nodiscard]] Buffer create_buffer(std::string_view name, const BufferDesc& desc);
 
@@ -108,7 +111,7 @@ class FrameGraph {
         setup(builder);
     }
 
-    // The plan, or everything that is wrong. Takes the passes out of the graph.
+    // Returns the plan, or every mistake of the declaration. Moves the passes out of the graph.
     CompileResult compile(const MemoryNeeds& needs) &&;
 
   private:
@@ -119,10 +122,9 @@ class FrameGraph {
     std::uint32_t begin_pass(std::string_view name, PassKind kind, Execute execute);
     std::uint32_t add_resource(std::string_view name, std::variant<ImageDesc, BufferDesc> desc, bool imported,
                                const Import& import);
-    // Checks and records one use. Returns the newest version of the resource: the one just made, if the write
-    // is legal.
+    // Checks and records one use. Returns the newest version of the resource: for a legal write, the version just made.
     std::uint32_t add_use(std::uint32_t pass, Plan::Use use, bool image, bool write);
-    // What is wrong with the use, or nothing. The resource exists.
+    // Returns the mistake in the use, or "". The resource exists.
     [[nodiscard]] std::string use_error(const Plan::Pass& pass, const Plan::Use& use, bool write) const;
     [[nodiscard]] bool contents_defined(std::uint32_t resource) const; // of its newest version
     [[nodiscard]] std::uint32_t newest(std::uint32_t resource) const {
@@ -134,7 +136,7 @@ class FrameGraph {
 
     std::vector<Plan::Pass> passes_;
     std::vector<Plan::Resource> resources_;
-    // By resource and version: the pass that made it; version 0 is made by no_pass.
+    // The pass that made each version, indexed by resource and version; version 0 is made by no_pass.
     std::vector<std::vector<std::uint32_t>> writers_;
     std::vector<std::string> errors_;
 };

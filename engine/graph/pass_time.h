@@ -1,4 +1,4 @@
-// How long the device took for a pass of the frame graph, and when.
+// The device time of a pass of the frame graph.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,9 @@ namespace brittle::engine {
 struct PassTime {
     std::string name;
     double milliseconds = 0.0; // between the device's timestamps around the pass, barriers included
-    // Nanoseconds of std::chrono::steady_clock. Right to some microseconds where Device::has_common_clock();
-    // else as if the last pass had ended when its times were read, which is right after the wait for it.
+    // The start, in nanoseconds of std::chrono::steady_clock. Accurate to microseconds with Device::has_common_clock().
+    // Without it, the end of the last pass is assumed to be the moment at which the times were read, right after the
+    // wait for the frame.
     int64_t begin = 0;
 };
 

@@ -57,9 +57,9 @@ std::uint64_t first_fit(std::vector<Memory>& taken, std::uint64_t size, std::uin
     return offset;
 }
 
-// Greedy by size: the largest first, each at the lowest offset that is free for its whole lifetime. Optimal
-// packing is NP-hard; on frame graphs greedy-by-size is at or near the lower bound (Pisarchyk and Lee, 2020).
-// Quadratic in the transients, of which a frame has tens.
+// Places transients greedily by size: the largest first, each at the lowest offset that is free for its whole lifetime.
+// Optimal packing is NP-hard; on frame graphs, greedy-by-size is at or near the lower bound (Pisarchyk and Lee, 2020).
+// Quadratic in the number of transients; a frame has tens.
 void place_transients(Plan& plan, const MemoryNeeds& needs) {
     struct Item {
         Plan::Resource* resource;
@@ -94,12 +94,12 @@ void place_transients(Plan& plan, const MemoryNeeds& needs) {
 
 constexpr std::uint32_t before_frame = ~0u;
 
-// A stretch of a resource's life that needs no barrier inside: one write, or reads in a row in one layout.
-// Every step from one epoch to the next is one barrier, placed before the first pass of the next and naming
-// all accesses of both. That covers each hazard directly or, further back, by a chain: an epoch's accesses
-// wait for all of the previous one.
+// An interval of a resource's life that needs no barrier inside: one write, or consecutive reads in one layout.
+// Every step from one epoch to the next is one barrier, placed before the first pass of the next epoch, with all
+// accesses of both. It covers hazards between the two epochs directly, and earlier ones by a chain: the accesses of an
+// epoch wait for all accesses of the previous one.
 struct Epoch {
-    std::uint32_t first; // pass, or before_frame; the number of passes: after the last
+    std::uint32_t first; // index of the first pass; before_frame; or the number of passes, for the final accesses
     AccessSet accesses;
     Layout layout; // undefined for buffers
     bool writes;
@@ -111,15 +111,15 @@ Epoch make_epoch(std::uint32_t pass, AccessSet accesses, bool image) {
     Epoch epoch{pass, accesses, Layout::undefined, false, true};
     accesses.for_each([&](Access access) {
         const AccessTraits& t = traits(access);
-        if (image) epoch.layout = t.layout; // the same for all, as declaration has checked
+        if (image) epoch.layout = t.layout; // equal for all accesses; the declaration has checked it
         epoch.writes |= t.writes;
         epoch.discards &= t.writes && !t.keeps;
     });
     return epoch;
 }
 
-// The epoch of what came before the frame has no barrier that could still be widened: a read joins it only if
-// the import says that the contents are visible to that read already.
+// Appends an epoch, or merges it into the last one if both only read in one layout. The epoch before the frame has no
+// barrier that could be widened: a read joins it only if the import's initial accesses contain that read.
 void append(Timeline& timeline, const Epoch& next) {
     if (!timeline.empty()) {
         Epoch& last = timeline.back();
@@ -132,9 +132,9 @@ void append(Timeline& timeline, const Epoch& next) {
     timeline.push_back(next);
 }
 
-// What the pass does to each of its resources. One by one, a pass's first read might join the initial epoch
-// and its second open a new one, whose barrier then comes before the first read and hides it from the next
-// write.
+// Returns the union of a pass's accesses to each of its resources. Appended one by one, the pass's first read might
+// join the initial epoch and its second read open a new one; the barrier of the new epoch would precede the first read
+// and hide it from the next write.
 std::map<std::uint32_t, AccessSet> merged_uses(const Plan::Pass& pass) {
     std::map<std::uint32_t, AccessSet> merged;
     for (const Plan::Use& use : pass.uses) merged[use.resource] |= use.access;
@@ -154,8 +154,8 @@ std::vector<Timeline> make_timelines(const Plan& plan) {
     return timelines;
 }
 
-// What was done last, before `resource` was born, to the bytes that it takes over. Only the last epoch of
-// each earlier owner counts: its barriers chain it to all before.
+// Returns the last accesses, before the first use of `resource`, to the bytes that it reuses. The last epoch of each
+// earlier owner suffices: its barriers chain it to the epochs before.
 AccessSet inherited_accesses(const Plan& plan, const std::vector<Timeline>& timelines, const Plan::Resource& resource) {
     AccessSet accesses;
     for (std::size_t r = 0; r < plan.resources.size(); ++r) {
@@ -183,8 +183,7 @@ void place_barriers(Plan& plan) {
             }
             previous = &epoch;
             if (epoch.first == before_frame) continue;
-            // Before its very first access a buffer has nothing to wait for; an image has to leave
-            // `undefined`.
+            // Without earlier accesses a buffer needs no barrier; an image still needs its transition from `undefined`.
             if (barrier.before.empty() && !resource.is_image()) continue;
             const bool after_frame = epoch.first == plan.passes.size();
             (after_frame ? plan.final_barriers : plan.passes[epoch.first].barriers).push_back(barrier);
@@ -194,8 +193,8 @@ void place_barriers(Plan& plan) {
 
 } // namespace
 
-// A pass is live if it has a side effect, makes the last version of an import, or makes what a live pass
-// needs. Versions point backwards, so one sweep from the last pass to the first settles it.
+// A pass is live if it has a side effect, makes the last version of an import, or makes a version that a live pass
+// needs. Passes depend only on earlier passes, so one sweep from the last pass to the first finds all live ones.
 std::vector<bool> FrameGraph::find_live_passes() const {
     std::vector<bool> live(passes_.size());
     const auto need = [&](std::uint32_t resource, std::uint32_t version) {

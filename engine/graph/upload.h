@@ -1,4 +1,4 @@
-// Copies data into device memory, once and for good: geometry, not what changes each frame.
+// Copies static data, such as geometry, into device memory, and waits for the copies.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@ namespace brittle::engine {
 class Device;
 
 struct Upload {
-    const DeviceBuffer* destination; // of at least the size of bytes, created with TRANSFER_DST usage
+    const DeviceBuffer* destination; // at least as large as `bytes`, created with TRANSFER_DST usage
     std::span<const std::byte> bytes;
-    AccessSet used_as; // what later submissions do with it; they need no barrier of their own
+    AccessSet used_as; // the accesses of later submissions, which then need no barrier of their own
 };
 
-// Waits until the copies are done. Empty ones are skipped. Throws VulkanFailure.
+// Makes all copies in one submission and waits for it. Empty copies are skipped. Throws VulkanFailure.
 void upload(const Device& device, std::span<const Upload> uploads);
 
 } // namespace brittle::engine

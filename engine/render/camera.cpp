@@ -14,12 +14,12 @@ bool finite(glm::vec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// From the target towards the eye.
+// Returns the unit vector from the target to the eye.
 glm::vec3 orbit_direction(float azimuth, float elevation) {
     return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)};
 }
 
-constexpr float min_radius = 1e-4f; // metres; keeps a scene that is a point drawable
+constexpr float min_radius = 1e-4f; // metres; makes a scene of one point drawable
 
 } // namespace
 
@@ -37,9 +37,9 @@ CameraMatrices matrices(const Camera& camera, float aspect, const Bounds& bounds
     CameraMatrices result;
     result.view = glm::lookAt(eye, eye + forward, up);
 
-    // The far plane also holds the ground out to where it has faded away (a few times the distance to the
-    // target). The near plane stays close even to a distant scene, for the ground in front of it: D32 has
-    // precision to spare.
+    // The far plane also includes the ground up to the distance at which it has faded out, a few times the distance to
+    // the target. The near plane stays near the eye even if the scene is far away, for the ground in front of the
+    // scene; D32 is precise enough for that.
     const float radius = std::max(glm::length(bounds.size()) * 0.5f, min_radius);
     const float distance = glm::length(bounds.centre() - eye);
     result.far_plane = std::max(distance + radius, 8.0f * reach) * 1.01f;
@@ -49,7 +49,7 @@ CameraMatrices matrices(const Camera& camera, float aspect, const Bounds& bounds
     result.projection = glm::perspectiveRH_ZO(fov, std::max(aspect, 1e-3f), result.near_plane, result.far_plane);
     result.projection[1][1] *= -1.0f; // Vulkan's Y points down
     if (std::isfinite(camera.shift.x) && std::isfinite(camera.shift.y)) {
-        // After the division by w = -z.
+        // The third column is multiplied by z, and the division by w = -z leaves the shift with its sign changed.
         result.projection[2][0] -= camera.shift.x;
         result.projection[2][1] -= camera.shift.y;
     }

@@ -1,5 +1,5 @@
-// Leaves out of the indirect commands the pieces that neither the camera nor, for the shadow map, the light
-// can see: a sphere around each piece against the six planes of a view.
+// Frustum culling of pieces on the device: tests the bounding sphere of each piece against the six planes of the
+// camera's view and, for the shadow map, of the light's, and writes the indirect draw commands of each view.
 #pragma once
 
 #include "engine/gpu/pipeline.h"
@@ -11,7 +11,7 @@ class CullPass {
   public:
     CullPass(const Device& device, VkPipelineLayout layout);
 
-    // Makes frame.camera_commands and, for a frame that draws the shadow map, frame.light_commands.
+    // Makes frame.camera_commands and, with `for_shadow`, frame.light_commands. The frame must draw pieces.
     void declare(Frame& frame, bool for_shadow) const;
 
   private:

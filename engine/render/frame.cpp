@@ -27,8 +27,8 @@ FrameLayout::~FrameLayout() {
 }
 
 void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
-    // Linear filtering of a comparison is 2x2 percentage-closer filtering for free on a GPU; a CPU device
-    // pays for each tap, and with nearest filtering reads one.
+    // Linear filtering of a depth comparison is 2x2 percentage-closer filtering, and costs nothing on a GPU. A CPU
+    // device pays for each tap, so it uses nearest filtering, which reads one.
     const VkFilter filter = device_.is_cpu() ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
     const VkSamplerCreateInfo sampler{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                       .magFilter = filter,
@@ -41,7 +41,7 @@ void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
                                       .compareOp = VK_COMPARE_OP_LESS_OR_EQUAL,
                                       .borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE};
     check(vkCreateSampler(device_.handle(), &sampler, nullptr, &shadow_sampler_), "create a sampler");
-    // For texelFetch(), which does not ask it.
+    // A sampler for texelFetch(), which ignores it.
     const VkSamplerCreateInfo plain{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
     check(vkCreateSampler(device_.handle(), &plain, nullptr, &image_sampler_), "create a sampler");
 
@@ -158,12 +158,12 @@ namespace {
 
 struct ShadowFit {
     glm::mat4 clip_from_world;
-    float texel; // metres
-    float depth; // metres from near to far
+    float texel; // side of a texel, metres
+    float depth; // distance from the near to the far plane, metres
 };
 
-// The tightest box in the light's frame around the casters. Receivers need no room in it: what lies behind a
-// caster has the same place in the map, and a depth beyond the far plane is clamped to it.
+// Returns the tightest box around the casters in the light's frame. Receivers need not be inside: a receiver behind a
+// caster has the caster's texture coordinates, and a depth beyond the far plane is clamped to it.
 ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
     const glm::vec3 up = std::abs(to_light.y) < 0.99f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, 1.0f);
     const glm::vec3 centre = bounds.centre();
@@ -176,8 +176,7 @@ ShadowFit fit_shadow(const Bounds& bounds, glm::vec3 to_light, uint32_t size) {
         low = glm::min(low, q);
         high = glm::max(high, q);
     }
-    // A rim of a few texels for filters to read beyond the last caster, and a size for casters that have
-    // none.
+    // A margin of a few texels, which filters read beyond the last caster, and a minimum size for flat or empty bounds.
     const float extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-5f});
     const float margin = extent * 4.0f / static_cast<float>(size);
     low -= margin;
@@ -211,18 +210,17 @@ shared::FrameData frame_data(const Scene& scene, const View& view) {
     const glm::mat4 texture_from_clip = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f, 0.5f, 0.0f))
                                         * glm::scale(glm::mat4(1.0f), glm::vec3(0.5f, 0.5f, 1.0f));
 
-    // Against shadow acne: along the normal for slopes, along the light for what rounding is left. In texels,
-    // since the error is a texel's.
+    // Against shadow acne: an offset along the normal for sloped surfaces, and a depth bias for rounding. Both are in
+    // texels, because the error is proportional to the texel's size.
     constexpr float normal_offset_texels = 1.6f;
     constexpr float bias_texels = 0.6f;
-    // The ground fades away between these multiples of the distance to the target, so that it looks alike at
-    // any zoom.
+    // The ground fades out between these multiples of the distance to the target, so that it looks alike at any zoom.
     constexpr float fade_begin = 0.9f;
     constexpr float fade_end = 3.5f;
-    // Of the scene's height; see shade() in light.glsl.
+    // The height of the zone that the ground darkens, as a share of the scene's height; shade() in light.glsl.
     constexpr float ground_darkens = 0.35f;
-    // Of the scene's height, which pieces that roll away do not change; a sine; see occlusion.frag. Chosen by
-    // eye.
+    // Ambient occlusion (occlusion.frag), chosen by eye. The reach is a share of the scene's height, because pieces
+    // that roll away do not change it; the bias is a sine.
     constexpr float occlusion_reach = 0.25f;
     constexpr float occlusion_bias = 0.12f;
     constexpr float occlusion_strength = 14.0f;

@@ -1,8 +1,8 @@
-// One frame while it is declared and recorded: what the renderer hands to its passes.
+// One frame during its declaration and recording: the data that the renderer shares with its passes.
 //
-// A pass is a class with its pipelines, and one function, declare(Frame&), that adds it to the graph. Frame's
-// handles are always the newest versions: a pass that writes an image replaces the handle here, and the next
-// pass goes on from there.
+// A pass is a class that holds its pipelines and has a function declare(Frame&), which adds the pass to the graph. The
+// handles in Frame are the newest versions: a pass that writes an image replaces its handle, and the next pass reads
+// the new one.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@
 
 namespace brittle::engine {
 
-// The layout of descriptors that all shaders use, and their samplers. Set 0 is for the whole frame; set 1
+// The descriptor layout of all graphics and culling shaders, with their samplers. Set 0 serves the whole frame; set 1
 // holds one image that a pass reads.
 class FrameLayout {
   public:
@@ -36,10 +36,10 @@ class FrameLayout {
     struct Bindings {
         VkBuffer frame, poses, draws;
         VkBuffer commands, culled_for_camera, culled_for_light, visible_counts; // for the cull pass
-        VkDeviceSize commands_size; // bytes: the cull pass takes the number of commands from it
+        VkDeviceSize commands_size; // bytes; the cull pass derives the number of commands from it
         VkImageView shadow;
     };
-    // Point a set, which no submitted frame may be using, at these.
+    // Write the descriptors of a set. No submitted frame may use the set.
     void update(VkDescriptorSet set, const Bindings& bindings) const;
     void update(VkDescriptorSet set, VkImageView image) const;
 
@@ -62,78 +62,83 @@ struct Frame {
     External external;
     const Scene& scene;
     const PieceArena& pieces;
-    uint32_t max_draws; // in one multi-draw, by the device's limit
+    uint32_t max_draws; // the device's limit of draws in one multi-draw
     const FrameLayout& layout;
-    VkDescriptorSet set;                      // set 0
-    VkDescriptorSet depth_set, occlusion_set; // for set 1, unused so far
+    VkDescriptorSet set;                      // set 0, bound for the whole frame
+    VkDescriptorSet depth_set, occlusion_set; // for set 1; a pass writes and binds one with bind_image()
     FrameStats stats;
-    VkRect2D scissor{}; // of the pixels that are drawn: Scene::region, and a rim for what enlarges it
+    VkRect2D scissor{}; // the drawn pixels: Scene::region and, if the picture is upscaled, a margin
 
-    // Imports. Those of the arena are valid only if it holds a draw.
+    // Imports. Those of the pieces are valid only if there is a draw range or an upload.
     Buffer uniforms, poses, vertices, normals, indices, draw_data, commands;
-    // What each view draws: the cull pass's work or, without one, all commands.
+    // The draw commands of each view: the output of the cull pass or, without it, all commands.
     Buffer camera_commands, light_commands;
-    Buffer visible_counts; // counts of pieces, by view; valid if there is a cull pass
+    Buffer visible_counts; // number of visible pieces of each view; valid if there is a cull pass
     Buffer lines, spheres; // valid if the scene has any
     Image shadow;
-    // Targets. Without multisampling `samples` names nothing, and `colour` is drawn into itself.
+    // Targets. With multisampling, passes draw into `samples` and the last one resolves it into `colour`; otherwise
+    // `samples` is invalid and passes draw into `colour`.
     Image colour, depth, samples;
-    Image occlusion; // valid if the quality has it
-    Image picture;   // what is shown: `colour`, or another one into which that is enlarged
+    Image occlusion; // valid with Quality::ambient_occlusion
+    Image picture;   // the picture to show: `colour`, or the image into which `colour` is upscaled
 
-    PieceUpload upload;         // of geometry, before anything is drawn
-    Buffer staging;             // what is to be uploaded; valid if upload.staging_size is not 0
-    std::vector<Buffer> staged; // upload.staged
+    PieceUpload upload;         // the geometry to copy before anything is drawn
+    Buffer staging;             // the source of the copies; valid if upload.staging_size is not 0
+    std::vector<Buffer> staged; // parallel to upload.staged
 
-    // For the passes that draw into the target: the last of them resolves the samples.
+    // For the passes that draw into the target; `last` marks the last of them, which resolves the samples.
     void write_colour(PassBuilder& pass, Access access, bool last);
     [[nodiscard]] Rendering colour_rendering(const PassContext& context, VkAttachmentLoadOp load, bool last) const;
 
-    // Within a pass that reads the image: points a set at it and binds that as set 1.
+    // Writes the image into a descriptor set and binds it as set 1, in a pass that reads the image.
     void bind_image(const PassContext& context, VkDescriptorSet to, Image image) const;
 
     [[nodiscard]] bool draws_marks() const { return lines.valid() || spheres.valid(); }
     [[nodiscard]] bool draws_pieces() const { return scene.pieces_visible && pieces.draws() != 0; }
 };
 
-// What pipelines that draw into the target must know of it.
+// The properties of the target that pipelines need.
 struct TargetFormat {
     VkFormat colour;
     uint32_t samples;
 };
 
-// What the shaders are told about a scene.
+// The sizes that frame_data() needs beside the scene.
 struct View {
-    glm::uvec2 size;      // pixels that are drawn
-    float aspect;         // width / height of the picture that they make: the size may be rounded
-    uint32_t shadow_size; // texels a side
+    glm::uvec2 size;      // drawn pixels
+    float aspect;         // width / height of the target; that of `size` may differ by rounding
+    uint32_t shadow_size; // shadow map texels a side
 };
-// The pixels of a region in a picture of that size, with so many around them; those that it has.
+// Returns the pixels that a region covers in a picture of `size`, with `margin` pixels around them, clamped to the
+// picture.
 [[nodiscard]] VkRect2D pixel_rect(const Region& region, VkExtent2D size, int32_t margin);
 
+// Returns the uniform data of a frame.
 [[nodiscard]] shared::FrameData frame_data(const Scene& scene, const View& view);
 
-// For the passes that draw pieces: their reads, and the multi-draws by the commands of one view, one with each pipeline
-// that has pieces to draw. Without a pipeline for them, pieces that fade are left out.
+// For the passes that draw pieces: read_pieces() declares their reads, and draw_pieces() records the multi-draws of one
+// view's commands, first the solid pieces, then the fading ones. Without a pipeline for fading pieces, they are
+// skipped.
 void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands);
 struct PiecePipelines {
     const Pipeline& solid;
-    const Pipeline* fading = nullptr; // its fragment shader leaves pixels out
+    const Pipeline* fading = nullptr; // its fragment shader discards pixels
 };
 void draw_pieces(Frame& frame, const PassContext& context, Buffer commands, const PiecePipelines& pipelines);
 
-// Where pieces touch, the cut of one and the exterior of another may be equally deep in a pixel of the seam. The first
-// drawn stays: from front to back that is the exterior, and the seam has no specks of the interior's colour.
+// Where pieces touch, the interior face of one and the exterior face of another may have equal depth in a pixel of the
+// seam. LESS keeps the face drawn first, which is the exterior when pieces are drawn from front to back, so the seam
+// has no specks of the interior's colour.
 inline constexpr VkCompareOp piece_depth_test = VK_COMPARE_OP_LESS;
 
-// The specialization that fading pipelines share, beside what else the shader has.
+// The specialization constant of pipelines for fading pieces.
 struct FadingConstant {
     VkBool32 fading = VK_TRUE;
     VkSpecializationMapEntry entry{shared::constant_fading, 0, sizeof(VkBool32)};
     VkSpecializationInfo info{1, &entry, sizeof(VkBool32), &fading};
 
     FadingConstant() = default;
-    FadingConstant(const FadingConstant&) = delete; // it points into itself
+    FadingConstant(const FadingConstant&) = delete; // `info` points to the other members
     FadingConstant& operator=(const FadingConstant&) = delete;
 };
 

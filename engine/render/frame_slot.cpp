@@ -9,8 +9,7 @@ namespace brittle::engine {
 
 namespace {
 
-// Makes room for `size` bytes: half as much again as is needed, so that a growing scene does not allocate
-// each frame.
+// Grows the buffer to 1.5 times `size` if it is too small, so that a growing scene does not allocate each frame.
 void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size, VkBufferUsageFlags usage,
              MemoryKind kind = MemoryKind::upload) {
     if (buffer.handle() && buffer.size() >= size) return;
@@ -25,9 +24,9 @@ void write_poses(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
     const std::span<BodyPose> poses = slot.poses.mapped_as<BodyPose>(0, bodies);
     const bool known = scene.write_poses && bodies <= slot.posed_bodies && slot.poses_moment <= scene.moment;
     const uint64_t since = known ? slot.poses_moment : 0;
-    // So that a caller who sets positions alone gets whole poses.
+    // The callback may set positions only; the other members then have their defaults.
     if (since == 0) std::ranges::fill(poses, BodyPose{});
-    slot.poses_moment = 0; // the callback may throw half-way
+    slot.poses_moment = 0; // remains if the callback throws
     if (!scene.write_poses) return;
     scene.write_poses(poses, since);
     slot.poses_moment = scene.moment;
@@ -46,13 +45,13 @@ void write_pieces(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
                                      slot.draw_commands.mapped_as<VkDrawIndexedIndirectCommand>(0, draws)};
     };
     if (slot.pieces_version != pieces.version()) {
-        slot.pieces_version = 0; // an allocation may fail half-way
+        slot.pieces_version = 0; // remains if an allocation throws
         reserve(device, slot.draw_data, "draw data", room * sizeof(shared::DrawData), storage);
         reserve(device, slot.draw_commands, "draw commands", commands_size, commands);
         pieces.write_draws(lists());
         slot.pieces_version = pieces.version();
     }
-    // Reads the mapped poses: on a CPU device they are in plain memory.
+    // Reads the mapped poses; on a CPU device, the default for front_to_back, mapped memory is fast to read.
     if (*from.quality.front_to_back)
         pieces.write_draws(lists(), slot.poses.mapped_as<BodyPose>(0, pieces.bodies()), scene.camera.eye);
     const uint64_t culled_size = *from.quality.culling ? commands_size : 0;
@@ -95,7 +94,7 @@ void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
     };
     frame.upload = pieces.next_upload();
     if (frame.draws_pieces() || !frame.upload.empty()) {
-        // The passes of frames before read them; an upload waits for those.
+        // Passes of earlier frames read the arenas; an upload waits for those reads.
         frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
         frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
         frame.indices = import("piece indices", pieces.indices(), Access::index_read);

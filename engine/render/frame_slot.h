@@ -1,8 +1,7 @@
-// What one frame in flight has to itself: the CPU writes its buffers while the device reads another slot's.
+// The resources of one frame in flight: the CPU writes the buffers of one slot while the device reads those of another.
 //
-// In the order of a frame: wait for the slot's commands, write_slot(), then import_slot() into the frame that
-// is declared. Buffers grow as the scene does, and are kept from frame to frame. All functions throw
-// VulkanFailure.
+// Each frame waits for the slot's commands, calls write_slot(), and imports the slot into its graph with import_slot().
+// Buffers grow with the scene and are kept from frame to frame. All functions throw VulkanFailure.
 #pragma once
 
 #include <cstdint>
@@ -21,36 +20,35 @@ struct FrameSlot {
     GraphExecutor executor;
     VkDescriptorSet set, depth_set, occlusion_set;
     DeviceBuffer uniforms;
-    DeviceBuffer visible_counts; // written by both
-    bool culled = false;         // the newest frame counts in `drawn`
+    DeviceBuffer visible_counts; // zeroed by the CPU, counted up by the cull pass
+    bool culled = false;         // whether the newest frame has a cull pass, and `visible_counts` its result
     DeviceBuffer camera_commands, light_commands;
-    DeviceBuffer draw_data, draw_commands; // one a draw range, of PieceArena::version()
-    uint64_t pieces_version = 0;
-    DeviceBuffer staging;                                     // of geometry that this frame uploads
-    std::vector<std::shared_ptr<const DeviceBuffer>> retired; // that nothing needs after this frame
+    DeviceBuffer draw_data, draw_commands;                    // one element for each draw range
+    uint64_t pieces_version = 0;                              // PieceArena::version() of the two
+    DeviceBuffer staging;                                     // geometry that this frame uploads
+    std::vector<std::shared_ptr<const DeviceBuffer>> retired; // freed when the device has finished this frame
     DeviceBuffer poses;
-    uint32_t posed_bodies = 0; // the first so many of poses hold what was written at the moment
-    uint64_t poses_moment = 0; // 0: not known
+    uint32_t posed_bodies = 0; // number of poses that were written at poses_moment
+    uint64_t poses_moment = 0; // Scene::moment of the poses; 0: unknown
     DeviceBuffer lines;
     DeviceBuffer spheres;
-    CommandSlot commands; // last: its destructor waits before the others go
+    CommandSlot commands; // last, because its destructor waits for the device before the buffers are destroyed
 };
 
-// What a slot's buffers are filled from, beside the scene.
+// The data that fills a slot's buffers, beside the scene.
 struct SlotSource {
     const Device& device;
     const FrameLayout& layout;
     const PieceArena& pieces;
     const Quality& quality; // every member is set
     View view;
-    VkImageView shadow; // of the map that the frame reads
+    VkImageView shadow; // the shadow map that the frame reads
 };
 
-// Fills the buffers, and points the slot's descriptors at them. The device must be done with the slot.
+// Fills the slot's buffers and writes its descriptors. The device must have finished the slot's last frame.
 void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene);
 
-// Makes the slot's buffers and the pieces' arenas known to the frame's graph, with what the arenas are to
-// upload.
+// Imports the slot's buffers and the piece arenas into the frame's graph, and plans the upload of the arenas.
 void import_slot(Frame& frame, FrameSlot& slot, const Device& device);
 
 } // namespace brittle::engine

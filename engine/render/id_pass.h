@@ -1,4 +1,4 @@
-// Draws which piece each pixel shows, as numbers: for picking, and for tests that want exact answers.
+// Draws the handle of the piece that each pixel shows, for picking and for exact tests.
 #pragma once
 
 #include "engine/gpu/pipeline.h"
@@ -10,7 +10,7 @@ class IdPass {
   public:
     IdPass(const Device& device, VkPipelineLayout layout);
 
-    // The image, of Format::r32_uint and one sample: a piece's handle, or 0.
+    // Declares the pass and returns its image: Format::r32_uint, one sample, PieceHandle::number or 0 in each pixel.
     [[nodiscard]] Image declare(Frame& frame, VkExtent2D extent) const;
 
   private:

@@ -42,7 +42,7 @@ void MarksPass::declare(Frame& frame) const {
     const Marks on_top{lines && scene.lines_on_top, spheres && scene.spheres_on_top};
     const bool any_on_top = on_top.lines || on_top.spheres;
     if (hidden.lines || hidden.spheres) declare(frame, "marks", hidden, VK_ATTACHMENT_LOAD_OP_LOAD, !any_on_top);
-    // Among themselves, marks on top hide each other as usual, in a depth buffer of their own.
+    // Marks on top hide each other: the pass clears the depth buffer and tests against the marks only.
     if (any_on_top) declare(frame, "marks on top", on_top, VK_ATTACHMENT_LOAD_OP_CLEAR, true);
 }
 

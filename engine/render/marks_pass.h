@@ -1,5 +1,4 @@
-// Draws the marks of a scene over what was shaded: the spheres of the Voronoi sites, and the lines of the
-// physics debug drawer.
+// Draws the marks of a scene over the shaded picture: spheres (Voronoi sites) and debug lines.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +11,14 @@ namespace brittle::engine {
 
 class MarksPass {
   public:
-    // Bytes that the buffer of spheres should have at least: validation layer 1.3.239 believes that instances
-    // are read once a vertex, and would report what a pass before wrote behind a smaller buffer.
+    // The minimum size of the sphere buffer, bytes. Validation layer 1.3.239 assumes one instance for each vertex of
+    // the sphere mesh; with a smaller buffer it reports a hazard with memory behind the buffer.
     static constexpr uint64_t min_spheres_size = 8 * 16 * 3 * sizeof(Sphere);
 
-    // `sphere` outlives it.
+    // `sphere` must outlive the pass.
     MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, const SphereMesh& sphere);
 
-    // Up to two passes: what the pieces hide, then what is on top of them. Adds to frame.colour.
+    // Declares up to two passes over frame.colour: marks that pieces may hide, then marks on top of the pieces.
     void declare(Frame& frame) const;
 
   private:

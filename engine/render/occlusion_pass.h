@@ -1,7 +1,7 @@
-// Ambient occlusion: how much of the sky each pixel's surface sees past what is near it. That darkens the
-// ground under what stands on it, and the gaps between pieces.
+// Screen-space ambient occlusion: the share of the sky that is visible from each pixel's surface. It darkens gaps
+// between pieces, and the ground under them.
 //
-// Two passes before shading: depth alone, with one sample a pixel, then a search in it around each pixel.
+// Two passes run before shading: depth, with one sample a pixel, and the search in the depth image around each pixel.
 #pragma once
 
 #include "engine/gpu/pipeline.h"

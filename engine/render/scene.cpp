@@ -6,15 +6,15 @@
 
 namespace brittle::engine {
 
-// Colours of one lightness and one chroma in Oklab (Ottosson 2020), so that no piece stands out, at hues that
-// step by the golden angle, so that consecutive pieces, which are often neighbours, never look alike.
+// Colours of nearly one lightness and of one chroma in Oklab (Ottosson 2020), so that no piece stands out. Hues step by
+// the golden angle, so that consecutive pieces, which are often neighbours, never look alike.
 glm::vec3 piece_tint(uint32_t index) {
     constexpr float lightness = 0.86f;
     constexpr float chroma = 0.085f;
     constexpr double golden_turn = 0.6180339887498949;
     const double turn = 0.12 + golden_turn * index;
     const auto hue = static_cast<float>((turn - std::floor(turn)) * 6.283185307179586);
-    // Every third is a little lighter, every other third a little darker: hues alone run out beyond a dozen.
+    // Lightness alternates between three levels, because more than about a dozen hues look alike.
     const float l0 = lightness + 0.035f * (static_cast<float>(index % 3) - 1.0f);
     const float a = chroma * std::cos(hue), b = chroma * std::sin(hue);
 

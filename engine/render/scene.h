@@ -1,7 +1,7 @@
-// What a frame shows. Plain data that the caller fills each frame; the geometry of pieces is uploaded apart
-// from it, by Renderer::add_pieces().
+// The content of a frame: plain data that the caller fills each frame. The geometry of pieces is uploaded separately,
+// by Renderer::add_pieces().
 //
-// Right-handed, Y up, metres. Colours are linear light in [0, 1] unless they are called sRGB.
+// Right-handed, Y up, metres. Colours are linear light in [0, 1] unless marked as sRGB.
 #pragma once
 
 #include <compare>
@@ -18,23 +18,23 @@ namespace brittle::engine {
 
 // One piece to upload: a triangle list, counter-clockwise seen from outside, exterior triangles first.
 struct PieceMesh {
-    std::span<const glm::vec3> positions{};  // in the frame of its body: relative to the body's centre of mass
+    std::span<const glm::vec3> positions{};  // relative to the body's centre of mass, in the body's frame
     std::span<const glm::uvec3> triangles{}; // indices into positions
-    uint32_t exterior_triangles = 0;         // the first so many; the rest are interior
-    uint32_t body = 0;                       // the pose that moves it; several pieces may share one
-    glm::vec3 tint{1.0f};                    // multiplies both materials; see piece_tint()
+    uint32_t exterior_triangles = 0;         // number of exterior triangles, the first of `triangles`
+    uint32_t body = 0;                       // index of the pose that moves the piece; several pieces may share a body
+    glm::vec3 tint{1.0f};                    // multiplies both materials; piece_tint()
 };
 
-// A piece that was uploaded; never given again in a renderer's life. Compares and sorts in the order of adding. 0 is
-// no piece.
+// The handle of an uploaded piece, unique in a renderer's life. Handles are ordered by the time of adding. 0 is no
+// piece.
 struct PieceHandle {
     uint32_t number = 0;
 
     friend constexpr auto operator<=>(PieceHandle, PieceHandle) = default;
 };
 
-// A body's place in the world, as the GPU reads it: Scene::write_poses writes these straight into mapped
-// memory, which may be slow to read back, so write each once and read none.
+// The pose of a body, in the layout that the GPU reads. Scene::write_poses writes poses directly into mapped memory,
+// which may be slow to read: write each pose once, and read none.
 struct BodyPose {
     glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f}; // unit length
     glm::vec3 position{0.0f};                   // of the body's centre of mass
@@ -42,11 +42,11 @@ struct BodyPose {
 };
 static_assert(sizeof(BodyPose) == 32, "the layout that shaders/shared.h declares");
 
-// The tint of piece `index`: a fixed sequence without end of soft hues, neighbours in number far apart in
-// hue.
+// Returns the tint of piece `index`, from a fixed infinite sequence of soft colours with distant hues for consecutive
+// indices.
 [[nodiscard]] glm::vec3 piece_tint(uint32_t index);
 
-// `colour` packed for a Line, from sRGB components in [0, 255].
+// Packs a LineVertex::colour from sRGB components in [0, 255].
 [[nodiscard]] constexpr uint32_t srgb8(uint32_t red, uint32_t green, uint32_t blue) {
     return red | green << 8 | blue << 16 | 0xff000000u;
 }
@@ -63,32 +63,31 @@ struct Sphere {
 };
 static_assert(sizeof(Sphere) == 16, "the layout of the instance attributes");
 
-// Materials and light. The defaults are the look of Brittle's pictures: off-white stone that breaks to
-// terracotta.
+// Materials and light. The defaults are off-white stone with a terracotta interior.
 struct Look {
     glm::vec3 exterior{0.66f, 0.615f, 0.54f};
     glm::vec3 interior{0.40f, 0.125f, 0.06f};
-    float tint = 0.5f; // how much of a piece's tint shows, 0 to 1
+    float tint = 0.5f; // weight of the pieces' tints, 0 to 1
     glm::vec3 sphere{0.72f, 0.03f, 0.02f};
     glm::vec3 ground{0.50f, 0.495f, 0.49f};
     glm::vec3 background_top{0.40f, 0.43f, 0.47f};
     glm::vec3 background_bottom{0.62f, 0.61f, 0.60f};
-    glm::vec3 to_light{-0.55f, 0.90f, 0.55f}; // towards the sun; any length but zero
-    glm::vec3 sun{1.00f, 0.93f, 0.83f};       // its light
-    glm::vec3 sky{0.36f, 0.40f, 0.47f};       // light from above
-    glm::vec3 bounce{0.17f, 0.145f, 0.125f};  // light from below
-    float exposure = 1.0f;                    // multiplies all light before the filmic curve
+    glm::vec3 to_light{-0.55f, 0.90f, 0.55f}; // direction to the sun, of any length but zero
+    glm::vec3 sun{1.00f, 0.93f, 0.83f};       // light of the sun
+    glm::vec3 sky{0.36f, 0.40f, 0.47f};       // ambient light from above
+    glm::vec3 bounce{0.17f, 0.145f, 0.125f};  // ambient light from below
+    float exposure = 1.0f;                    // factor of all light before the filmic curve
 };
 
-// A part of the picture, in shares of its width and height from the top left.
+// A rectangle of the picture, as shares of its width and height from the top left corner.
 struct Region {
     glm::vec2 min{0.0f}, max{1.0f};
 };
 
 struct Scene {
     Camera camera{};
-    // What of the picture is drawn: the rest is covered by panels, and its pixels are not defined. Within the region
-    // they are those of the whole picture.
+    // The part of the picture to draw; pixels outside, which panels cover, are undefined. Pixels inside equal those of
+    // the whole picture.
     Region region{};
     // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
     // depth range; what sticks out is drawn, without a shadow. Large bounds make coarse shadows.

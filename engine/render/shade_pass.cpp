@@ -37,8 +37,7 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const Target
                       .colour = target.colour,
                       .samples = target.samples,
                       .constants = &constants};
-    // Pipelines of their own for pieces that fade: a fragment shader that may leave pixels out is tested for depth
-    // late.
+    // Fading pieces have their own pipelines, because a fragment shader with discard loses the early depth test.
     PipelineDesc fading_desc = desc;
     fading_desc.name = "fading pieces";
     fading_desc.constants = &fading;
@@ -67,7 +66,7 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const Target
                                    .fill = VK_POLYGON_MODE_LINE,
                                    .colour = target.colour,
                                    .samples = target.samples});
-    // From below there is no ground: a camera under it still sees the pieces.
+    // Back faces of the ground are culled, so that a camera below it sees the pieces.
     ground_ = Pipeline(device, {.name = "ground",
                                 .layout = layout,
                                 .vertex = ground_vert,
@@ -100,12 +99,12 @@ void ShadePass::declare(Frame& frame) const {
         },
         [this, &frame](PassContext& context) {
             const VkCommandBuffer commands = context.commands;
-            // The background covers what nothing else does.
+            // No clear is needed: the background covers every pixel without piece or ground.
             Rendering rendering =
                 frame.colour_rendering(context, VK_ATTACHMENT_LOAD_OP_DONT_CARE, !frame.draws_marks());
             rendering.depth_load = VK_ATTACHMENT_LOAD_OP_CLEAR;
             begin_rendering(commands, rendering);
-            // Some image must be bound where shaders name one, though without occlusion they do not read it.
+            // The shaders declare an image in set 1, so one must be bound. Without occlusion they do not read it.
             frame.bind_image(context, frame.occlusion_set, frame.occlusion.valid() ? frame.occlusion : frame.shadow);
             if (frame.draws_pieces()) {
                 const bool smooth = frame.scene.smooth;

@@ -10,14 +10,14 @@ namespace brittle::engine {
 ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout, const SphereMesh& sphere) : sphere_(sphere) {
     const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
-    // Front faces, although back faces would need no bias: where a piece stands on the ground, its back face
-    // lies in the ground, and the shadow would begin a bias away from the piece.
+    // Front faces are drawn, although back faces would need no bias: the back face of a piece that stands on the ground
+    // lies in the ground, so its shadow would begin one bias away from the piece.
     pipeline_ = Pipeline(device, {.name = "shadow",
                                   .layout = layout,
                                   .vertex = shadow_vert,
                                   .bindings = {&binding, 1},
                                   .attributes = {&attribute, 1}});
-    // What is left of a piece that fades throws the shadow of a sieve.
+    // A fading piece casts a shadow with the holes of its dither pattern.
     const FadingConstant fading;
     fading_ = Pipeline(device, {.name = "shadow of fading pieces",
                                 .layout = layout,

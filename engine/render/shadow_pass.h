@@ -1,4 +1,5 @@
-// Draws the depth of all pieces, seen from the sun, into the shadow map; of spheres where they cast shadows.
+// Draws the shadow map: the depth, seen from the sun, of all pieces and, with Scene::spheres_cast_shadows, of all
+// spheres.
 #pragma once
 
 #include "engine/gpu/pipeline.h"
@@ -9,8 +10,9 @@ namespace brittle::engine {
 
 class ShadowPass {
   public:
-    ShadowPass(const Device& device, VkPipelineLayout layout, const SphereMesh& sphere); // which outlives it
-    void declare(Frame& frame) const; // replaces frame.shadow's content
+    // `sphere` must outlive the pass.
+    ShadowPass(const Device& device, VkPipelineLayout layout, const SphereMesh& sphere);
+    void declare(Frame& frame) const; // replaces the contents of frame.shadow
 
   private:
     Pipeline pipeline_;

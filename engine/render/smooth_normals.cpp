@@ -6,16 +6,16 @@ namespace brittle::engine {
 
 namespace {
 
-constexpr float crease_cosine = 0.70710678f; // of 45 degrees: what is meant as round is finer, what as an edge is not
-constexpr uint32_t max_compared = 64;        // triangles around a vertex, each with each
+constexpr float crease_cosine = 0.70710678f; // 45 degrees: smooth surfaces are tessellated finer, sharp edges coarser
+constexpr uint32_t max_compared = 64;        // triangles around a vertex that are compared pairwise
 
 glm::vec3 unit_or_zero(const glm::vec3& v) {
     const float length = glm::length(v);
     return length > 0.0f ? v / length : glm::vec3(0.0f);
 }
 
-// The corners at each vertex: those of vertex v are corners[begin[v]] to corners[begin[v + 1]], where corner
-// 3 t + k is the k-th of triangle t.
+// The triangle corners at each vertex. Those of vertex v are corners[begin[v]] to corners[begin[v + 1] - 1]; corner
+// 3 t + k is the k-th corner of triangle t.
 struct Fans {
     std::vector<uint32_t> begin;
     std::vector<uint32_t> corners;
@@ -35,7 +35,7 @@ struct Fans {
 
 SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
     SmoothSurface surface{{triangles.begin(), triangles.end()}, {}, std::vector<glm::vec3>(positions.size())};
-    std::vector<glm::vec3> areas, units; // of triangles
+    std::vector<glm::vec3> areas, units; // area-weighted and unit normals of the triangles
     for (const glm::uvec3& t : triangles) {
         const glm::vec3 a = positions[t.x];
         areas.push_back(glm::cross(positions[t.y] - a, positions[t.z] - a));
@@ -46,7 +46,7 @@ SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<con
         glm::vec3 sum;
         uint32_t vertex;
     };
-    std::vector<Variant> variants; // at this vertex, the vertex itself among them
+    std::vector<Variant> variants; // the normals at the present vertex, of the vertex itself and its copies
     for (uint32_t v = 0; v < positions.size(); ++v) {
         variants.clear();
         const std::span fan = std::span(fans.corners).subspan(fans.begin[v], fans.begin[v + 1] - fans.begin[v]);
@@ -58,7 +58,7 @@ SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<con
                 for (const uint32_t other : fan)
                     if (glm::dot(units[t], units[other / 3]) >= crease_cosine) sum += areas[other / 3];
             }
-            // Added in one order, sums of the same triangles are equal to the last bit.
+            // Equal sets of triangles are added in equal order, so their sums are bit-equal.
             uint32_t vertex = v;
             size_t i = 0;
             while (i < variants.size() && variants[i].sum != sum) ++i;

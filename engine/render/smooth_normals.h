@@ -1,6 +1,6 @@
-// Normals for smooth shading: each corner of a triangle gets the mean normal of the triangles around its
-// vertex that meet its own at less than an angle, weighted by area. At a crease a vertex so gets several
-// normals, and is split.
+// Normals for smooth shading. The normal of a triangle's corner is the area-weighted mean over the triangles around the
+// vertex whose normals differ from the triangle's own by at most the crease angle. A vertex at a crease therefore gets
+// several normals, and is split into copies.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 namespace brittle::engine {
 
 struct SmoothSurface {
-    std::vector<glm::uvec3> triangles; // of the old vertices and, after them, the copies
-    std::vector<uint32_t> copies;      // the old vertex that each is a copy of
-    std::vector<glm::vec3> normals;    // of old vertices and copies: unit length, or 0 where a vertex has no direction
+    std::vector<glm::uvec3> triangles; // indices of original vertices and, after them, copies
+    std::vector<uint32_t> copies;      // the original vertex of each copy
+    std::vector<glm::vec3> normals;    // of original vertices and copies; unit length, or 0 where undefined
 };
 
-// Indices must be in range. Linear in the triangles: around a vertex of very many, each triangle keeps its
-// own normal.
+// Returns the triangles with split vertices and their normals. Indices must be in range. Linear in the number of
+// triangles: around a vertex with more than 64 triangles, each triangle keeps its own normal.
 [[nodiscard]] SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
 
 } // namespace brittle::engine

@@ -13,7 +13,7 @@ namespace {
 
 using Corners = std::array<glm::vec3, 3>;
 
-// An octahedron whose faces are split in four, twice: 128 triangles, round enough for a mark of a few pixels.
+// Returns an octahedron whose faces are split in four, twice: 128 triangles, enough for a sphere of a few pixels.
 std::vector<glm::vec3> unit_sphere() {
     std::vector<Corners> faces;
     for (int octant = 0; octant < 8; ++octant) {

@@ -1,11 +1,10 @@
-// The ball of which Scene::spheres are copies, as marks and in the shadow map: 128 triangles on the unit
-// sphere.
+// The mesh of a unit sphere with 128 triangles, instanced for Scene::spheres as marks and in the shadow map.
 //
 //     const Buffer mesh = sphere.import(frame);                      // in a pass's declaration
 //     pass.read(mesh, Access::vertex_read); pass.read(frame.spheres, Access::vertex_read);
-//     sphere.draw(context, pipeline, mesh, frame);                   // when it is recorded
+//     sphere.draw(context, pipeline, mesh, frame);                   // in its execute function
 //
-// Pipelines take the attributes below: a point of the unit sphere at location 0, centre and radius at 1.
+// Pipelines use the vertex attributes below: a point of the unit sphere at location 0, centre and radius at location 1.
 #pragma once
 
 #include <array>
@@ -24,10 +23,10 @@ class SphereMesh {
     static constexpr std::array<VkVertexInputAttributeDescription, 2> attributes{
         {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0}, {1, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 0}}};
 
-    explicit SphereMesh(const Device& device); // uploads it, and waits for that
+    explicit SphereMesh(const Device& device); // uploads the mesh and waits for the copy
 
     [[nodiscard]] Buffer import(Frame& frame) const;
-    // All spheres of the scene, of which there is at least one.
+    // Records one draw of all spheres of the scene, which must have at least one.
     void draw(PassContext& context, const Pipeline& pipeline, Buffer mesh, const Frame& frame) const;
 
   private:

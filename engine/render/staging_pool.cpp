@@ -11,7 +11,7 @@ namespace brittle::engine {
 
 namespace {
 
-// To an eighth of its magnitude, so that pieces of about one size use the same buffer.
+// Rounds up to a multiple of an eighth of the highest power of two, so that batches of similar size can share buffers.
 uint64_t rounded_up(uint64_t size) {
     const uint64_t grain = std::max<uint64_t>(std::bit_floor(size) / 8, 4096);
     return (size + grain - 1) / grain * grain;
@@ -27,18 +27,18 @@ uint64_t sum(const std::vector<DeviceBuffer>& buffers) {
 void StagingPool::Idle::give_back(DeviceBuffer buffer) noexcept {
     const std::scoped_lock lock(mutex);
     --out;
-    if (!buffer.handle()) return; // there was no memory for it
+    if (!buffer.handle()) return; // its allocation failed
     buffers.insert(std::ranges::lower_bound(buffers, buffer.size(), {}, &DeviceBuffer::size), std::move(buffer));
 }
 
 std::shared_ptr<DeviceBuffer> StagingPool::take(uint64_t size) {
     DeviceBuffer taken;
-    std::vector<DeviceBuffer> surplus; // goes once the lock has
+    std::vector<DeviceBuffer> surplus; // freed after the lock is released
     {
         const std::scoped_lock lock(idle_->mutex);
         std::vector<DeviceBuffer>& buffers = idle_->buffers;
         const auto at = std::ranges::lower_bound(buffers, size, {}, &DeviceBuffer::size);
-        if (at != buffers.end() && at->size() / 2 <= size) { // no large one for something small
+        if (at != buffers.end() && at->size() / 2 <= size) { // large buffers are kept for large batches
             taken = std::move(*at);
             buffers.erase(at);
         }

@@ -1,6 +1,8 @@
-// Memory from which the device copies, for who fills it beside the frame, on any thread: a worker that makes pieces
-// ready. What is let go is used again, for memory is slow at its first touch, and as slow to give back: so it is given
-// back, too, by who takes some.
+// A pool of mapped staging buffers for threads that prepare geometry beside the frame. All functions may run on any
+// thread.
+//
+// Released buffers are reused, because the first touch of new memory is slow. Freeing memory is as slow, so take() frees
+// surplus buffers on the worker's thread, and a release only returns its buffer to the pool.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +18,21 @@ class Device;
 
 class StagingPool {
   public:
-    static constexpr uint64_t max_idle = 64 << 20; // bytes that stay when one was taken
+    static constexpr uint64_t max_idle = 64 << 20; // bytes of idle buffers that take() leaves in the pool
 
     explicit StagingPool(const Device& device) : device_(device), idle_(std::make_shared<Idle>()) {}
 
-    // A mapped buffer of so many bytes or more, for one user until the last pointer to it goes, on any thread, at the
-    // latest before the device. Throws VulkanFailure.
+    // Returns a mapped buffer of at least `size` bytes. It returns to the pool when the last pointer is released, on any
+    // thread, which must happen before the device is destroyed. Throws VulkanFailure.
     [[nodiscard]] std::shared_ptr<DeviceBuffer> take(uint64_t size);
 
     [[nodiscard]] uint64_t idle_bytes() const;
 
   private:
-    struct Idle { // outlives the pool while a buffer is out
+    struct Idle { // shared with the buffers in use, so it may outlive the pool
         std::mutex mutex;
-        std::vector<DeviceBuffer> buffers; // ascending in size; with room for those that are out
-        size_t out = 0;
+        std::vector<DeviceBuffer> buffers; // ascending in size; has capacity for the buffers in use, too
+        size_t out = 0;                    // number of buffers in use
 
         void give_back(DeviceBuffer buffer) noexcept;
     };

@@ -78,13 +78,12 @@ void UiPass::start_imgui(const Window& window, const std::function<void()>& prep
     info.PhysicalDevice = device_.physical();
     info.Device = device_.handle();
     info.QueueFamily = device_.queue_family();
-    device_.with_queue([&](VkQueue queue) { info.Queue = queue; }); // which it uses while it starts only
+    device_.with_queue([&](VkQueue queue) { info.Queue = queue; }); // used only during initialisation
     info.DescriptorPool = pool_;
     info.MinImageCount = 2;
-    info.ImageCount = 3; // of its vertex buffers in turn; more than the frames in flight
+    info.ImageCount = 3; // number of vertex buffers in rotation; must exceed the frames in flight
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-    // Called from C-like code that cannot pass an exception on; a lost device fails again in our next own
-    // call.
+    // The callback could not throw through Dear ImGui's code; a lost device fails again in the engine's next own call.
     info.CheckVkResultFn = nullptr;
     ImGui_ImplVulkan_Init(&info, render_pass_);
 

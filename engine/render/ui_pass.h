@@ -1,4 +1,4 @@
-// The user interface: Dear ImGui over the finished picture.
+// The user interface pass: draws Dear ImGui over the finished picture.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,23 @@ namespace brittle::engine {
 class Swapchain;
 class Window;
 
-// Debian's Dear ImGui 1.86 draws in classic render passes only, hence the one render pass and the
-// framebuffers of this code base. It takes the image as the frame graph hands it over and leaves it so: the
-// render pass has no transition.
+// Debian's Dear ImGui 1.86 supports no dynamic rendering, so this pass has the only render pass and framebuffers of the
+// engine. The render pass makes no layout transition; the frame graph makes them all.
 //
-// Dear ImGui has one context a process; so there is one UiPass at a time.
+// Dear ImGui has one context in a process, so only one UiPass may exist at a time. Main thread only.
 class UiPass {
   public:
-    // The window's own callbacks are installed by now, and Dear ImGui's call them on. `prepare`, if any, chooses fonts
-    // and style, before the fonts are uploaded. Throws VulkanFailure.
+    // Installs Dear ImGui's callbacks, which call the window's own. `prepare` may set fonts and style; it is called
+    // before the fonts are uploaded. Throws VulkanFailure.
     UiPass(const Device& device, const Window& window, const Swapchain& swapchain,
            const std::function<void()>& prepare = {});
     ~UiPass(); // the device must be idle
     UiPass(const UiPass&) = delete;
     UiPass& operator=(const UiPass&) = delete;
 
-    void fit(const Swapchain& swapchain); // after the swapchain was remade; the device must be idle
+    void fit(const Swapchain& swapchain); // recreates the framebuffers for new images; the device must be idle
 
-    // Runs the callback, which makes Dear ImGui calls. Once a frame, before declare().
+    // Starts a Dear ImGui frame and calls `ui`, which may be empty. Once in each frame, before declare().
     void build(const std::function<void()>& ui);
     void declare(Frame& frame, uint32_t swapchain_image) const;
 

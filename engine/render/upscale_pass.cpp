@@ -14,7 +14,7 @@ Corners corners_of(const VkRect2D& part, int32_t by) {
     return {{by * at.x, by * at.y, 0}, {by * (at.x + width), by * (at.y + height), 1}};
 }
 
-// What the larger picture's sides are to the smaller one's; 0 where that is no whole number, or two.
+// Returns the ratio of the large picture's sides to the small one's, or 0 unless it is one integer for both sides.
 int32_t whole_ratio(VkExtent2D small, VkExtent2D large) {
     const uint32_t ratio = large.width / small.width;
     return ratio * small.width == large.width && ratio * small.height == large.height ? static_cast<int32_t>(ratio) : 0;
@@ -34,7 +34,9 @@ void declare_upscale(Frame& frame) {
             constexpr VkImageSubresourceLayers layers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
             const VkExtent2D drawn = context.extent(small), wanted = context.extent(target);
             Corners from = corners_of({{}, drawn}, 1), to = corners_of({{}, wanted}, 1);
-            // A part alone only where its corners are pixels of both, so that each pixel is made of the same four.
+            // The blit is restricted to the region only for an integer ratio: then the region's corners are pixel
+            // corners of both pictures, and every pixel is interpolated from the same four texels as in the whole
+            // picture.
             if (const int32_t ratio = whole_ratio(drawn, wanted)) {
                 const VkRect2D part = pixel_rect(region, drawn, upscale_margin - 1);
                 if (part.extent.width == 0 || part.extent.height == 0) return;

@@ -7,7 +7,8 @@ namespace brittle::engine {
 ViewVolume::ViewVolume(const Camera& camera, float aspect) {
     const CameraMatrices m = matrices(camera, aspect, {});
     clip_from_world_ = m.projection * m.view;
-    // All in front of the eye is at half depth.
+    // Replaces the depth row by half of the w row: every point in front of the eye has depth 0.5, within the depth
+    // range.
     for (int column = 0; column < 4; ++column) clip_from_world_[column][2] = 0.5f * clip_from_world_[column][3];
 }
 

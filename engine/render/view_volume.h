@@ -1,12 +1,12 @@
-// The part of the world that a picture shows, for whoever asks of many things whether they are in it.
+// The view volume of a camera, for visibility tests on the CPU.
 //
-// - From the eye on, however near or far: unlike a picture's, its depth has no end.
-// - The test is that of the cull pass (shaders/frustum.h): what is drawn is never called unseen, what is beyond a corner
-//   may be called seen.
+// - It has four side planes and no near or far plane: it begins at the eye and its depth is unlimited.
+// - The test is that of the cull pass (shaders/frustum.h) and is conservative: it never rejects a visible ball, and may
+//   accept a ball near an edge or corner of the volume.
 // - Plain data; any thread.
 //
 //     const ViewVolume view(scene.camera, 16.0f / 9.0f);
-//     if (!view.sees(ball.centre, ball.radius)) take_out(ball);
+//     if (!view.sees(ball.centre, ball.radius)) remove(ball);
 #pragma once
 
 #include <glm/mat4x4.hpp>
@@ -18,12 +18,12 @@ namespace brittle::engine {
 
 class ViewVolume {
   public:
-    // aspect: width by height.
+    // `aspect` is width / height.
     ViewVolume(const Camera& camera, float aspect);
 
-    // Metres.
+    // Returns whether any part of a ball may be visible. Metres.
     [[nodiscard]] bool sees(const glm::vec3& centre, float radius) const { return sees(centre, centre, radius); }
-    // Any of a ball that is moved along a segment.
+    // Returns whether any part of a ball that moves along a segment may be visible.
     [[nodiscard]] bool sees(const glm::vec3& from, const glm::vec3& to, float radius) const;
 
   private:
