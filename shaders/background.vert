@@ -1,5 +1,5 @@
 #version 460
-// One triangle over the whole target at the far plane, where nothing else was drawn.
+// One triangle over the whole target at the far plane; it covers the pixels without other geometry.
 
 void main() {
     vec2 corner = vec2(gl_VertexIndex << 1 & 2, gl_VertexIndex & 2);

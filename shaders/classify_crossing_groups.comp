@@ -1,4 +1,4 @@
-// How many work groups the crossing triangles need: the arguments of the next dispatch.
+// Computes the number of work groups for the crossing triangles: the arguments of the next dispatch.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "classify.h"

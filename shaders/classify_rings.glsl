@@ -1,23 +1,26 @@
-// Visits sites by rings of bins around a point, from the nearest bins outwards: what finds a nearest site, and what proves
-// that no site is near. Who includes it defines see() and is_done() first, and declares `grid`, `sites` and `bin_begin`.
+// Visits the sites around a point by rings of bins, from the nearest bins outwards: to find the nearest site, or to
+// prove that no site is near. Before the #include, a shader defines visit_site() and can_stop(), and declares `grid`,
+// `sites` and `bin_begin`.
 
-// By how much a squared distance d2 may be off. With u = 2^-24 and no coordinate above s = radius + d, a coordinate is
-// rounded by u s on either side and their difference by u d: at most 2 u s + u d a component, so 4 sqrt(3) u s d +
-// 5 u d2 + 12 u^2 s^2 in the sum of squares. Twice that is allowed for.
+// Returns a bound of the error of a computed squared distance d2. Let u = 2^-24, and let s = radius + d bound the
+// coordinates of both points. Each coordinate is rounded by at most u s, and their difference by u d: at most
+// 2 u s + u d in each component, hence 4 sqrt(3) u s d + 5 u d2 + 12 u^2 s^2 in the sum of squares. The bound is twice
+// that.
 float squared_distance_error(float d2) {
     const float d = sqrt(d2), s = grid.low.w + d;
     return 5.9604645e-8 * (16.0 * s * d + 16.0 * d2 + 1e-5 * s * s);
 }
 
-// x must be finite; it may lie outside the grid.
+// Calls visit_site(index, squared distance) for the sites around x, until can_stop(g2) is true, where g2 is a lower
+// bound of the squared distance of all remaining sites. x must be finite; it may lie outside the grid.
 void visit_sites(vec3 x) {
     const ivec3 bins = ivec3(grid.bins.xyz);
     const ivec3 home = clamp(ivec3((x - grid.low.xyz) / grid.bin_size.xyz), ivec3(0), bins - 1);
     const float infinity = uintBitsToFloat(0x7f800000u);
-    const float slack = 9.5367432e-7 * (grid.low.w + 1.0); // of a distance to the side of a bin
+    const float slack = 9.5367432e-7 * (grid.low.w + 1.0); // bound of the rounding error of a distance to a bin's side
     for (int ring = 0;; ++ring) {
         if (ring > 0) {
-            // Sites that are left lie beyond the sides of the rings done, where there are bins beyond.
+            // The remaining sites lie beyond those sides of the visited block that have bins beyond them.
             float gap = infinity;
             for (int axis = 0; axis < 3; ++axis) {
                 const float low = grid.low[axis] + float(home[axis] - ring + 1) * grid.bin_size[axis];
@@ -34,7 +37,7 @@ void visit_sites(vec3 x) {
             for (int y = from.y; y <= to.y; ++y) {
                 const bool inside = abs(z - home.z) < ring && abs(y - home.y) < ring;
                 for (int b = from.x; b <= to.x; ++b) {
-                    if (inside && abs(b - home.x) < ring) { // done before: on to the other end of the ring
+                    if (inside && abs(b - home.x) < ring) { // visited before: skip to the other end of the ring
                         b = min(home.x + ring, to.x + 1) - 1;
                         continue;
                     }

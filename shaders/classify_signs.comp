@@ -1,5 +1,6 @@
-// How each crossing triangle crosses: which signs its corners have against the bisectors of their cells, and whether any other
-// cell comes near enough to matter (fracture/classifier.h). What rounding could change is left unsaid.
+// Computes the sign pattern of each crossing triangle: the signs of its corners against the bisectors of their cells,
+// and whether any other cell is near enough to change the result (fracture/classifier.h). A bit that rounding could
+// change is left unset.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "classify.h"
@@ -16,8 +17,9 @@ layout(std430, binding = classify_binding_crossing) readonly buffer CrossingList
 layout(std430, binding = classify_binding_crossing_count) readonly buffer Count { uint count; };
 layout(std430, binding = classify_binding_triangle_answers) writeonly buffer Answers { uint answers[]; };
 
-// Of a point: whether sites other than `own` are farther from it than own.x by more than can be wrong, also when the
-// point is off by `off`. |x - s|^2 - |x - own|^2 is linear in x, with a gradient of 2 |s - own| <= 2 (|x - s| + |x - own|).
+// State of the search around a point x: whether every site outside own_cells is farther from x than the site of
+// own_cells.x, by more than the rounding errors, for every point within point_error of x. With o the site of
+// own_cells.x, |x - s|^2 - |x - o|^2 is linear in x, with a gradient of 2 |s - o| <= 2 (|x - s| + |x - o|).
 uvec3 own_cells;
 float own_distance2, point_error;
 bool refuted;
@@ -26,12 +28,14 @@ float squared_distance_error(float d2);
 
 bool is_farther(float d2) {
     return d2 - own_distance2
-           > squared_distance_error(d2) + squared_distance_error(own_distance2) + 2.01 * point_error * (sqrt(d2) + sqrt(own_distance2));
+           > squared_distance_error(d2) + squared_distance_error(own_distance2)
+                 + 2.01 * point_error * (sqrt(d2) + sqrt(own_distance2));
 }
 
 void visit_site(uint site, float d2) {
     if (any(equal(own_cells, uvec3(site)))) return;
-    // Once it holds it holds for all that are farther: the left side grows faster. So the test of gaps is right, too.
+    // If is_farther() holds for a distance, it holds for all larger ones, because its left side grows faster than its
+    // right side. Therefore can_stop() may apply it to a lower bound.
     if (!is_farther(d2)) refuted = true;
 }
 
@@ -41,6 +45,7 @@ bool can_stop(float gap2) {
 
 #include "classify_rings.glsl"
 
+// Returns whether no cell other than `cells` contains a point within x_error of x. `site` is the site of cells.x.
 bool is_alone(vec3 x, float x_error, uvec3 cells, vec3 site) {
     own_cells = cells;
     point_error = x_error;
@@ -51,7 +56,8 @@ bool is_alone(vec3 x, float x_error, uvec3 cells, vec3 site) {
     return !refuted;
 }
 
-// |x - there|^2 - |x - here|^2: positive on the side of `here`. The sum of both squares' errors goes to `error`.
+// Returns |x - there|^2 - |x - here|^2, which is positive on the side of `here`. Raises `error` to the sum of the
+// errors of both squares.
 float bisector_value(vec3 x, vec3 here, vec3 there, inout float error) {
     const vec3 h = x - here, t = x - there;
     const float h2 = h.x * h.x + h.y * h.y + h.z * h.z, t2 = t.x * t.x + t.y * t.y + t.z * t.z;
@@ -59,23 +65,27 @@ float bisector_value(vec3 x, vec3 here, vec3 there, inout float error) {
     return t2 - h2;
 }
 
-// Of a point that was put together from positions: each is rounded, and so is what is done with them.
+// Returns a bound of the rounding error of a point that is interpolated from rounded positions.
 float rounding_of_point() {
     return 5.9604645e-8 * 12.0 * grid.low.w;
 }
 
+// Returns whether the edge crosses the bisector of its cells a and b at a point that no third cell contains.
 bool is_edge_alone(vec3 from, vec3 to, uint a, uint b, vec3 site_a, vec3 site_b) {
     float error = 0.0;
-    const float at_from = bisector_value(from, site_a, site_b, error), at_to = bisector_value(to, site_a, site_b, error);
+    const float at_from = bisector_value(from, site_a, site_b, error);
+    const float at_to = bisector_value(to, site_a, site_b, error);
     const float change = at_from - at_to;
     if (!(change > 8.0 * error)) return false;
     const float t = clamp(at_from / change, 0.0, 1.0);
-    // t is off by at most 4/3 error / change and its rounding.
+    // The error of t is at most 4/3 error / change, plus its own rounding.
     const float t_error = 2.0 * error / change + 5e-7;
     return is_alone(from + t * (to - from), t_error * distance(from, to) + rounding_of_point(), uvec3(a, b, a), site_a);
 }
 
-// The common point has for weights the cofactors of det[f; g; 1], where f and g are the corners' values at two bisectors.
+// Returns whether the triangle meets the three cells' common edge at a point that no fourth cell contains. The
+// barycentric weights of the point are the cofactors of det[f; g; 1], where f and g are the corners' values against two
+// bisectors.
 bool is_point_alone(mat3 corners, uvec3 cells, vec3 site[3]) {
     float error = 0.0;
     vec3 f, g;
@@ -86,11 +96,12 @@ bool is_point_alone(mat3 corners, uvec3 cells, vec3 site[3]) {
     const float largest = max(max(max(abs(f.x), abs(f.y)), abs(f.z)), max(max(abs(g.x), abs(g.y)), abs(g.z)));
     vec3 w = vec3(f.y * g.z - f.z * g.y, f.z * g.x - f.x * g.z, f.x * g.y - f.y * g.x);
     const float sum = w.x + w.y + w.z;
-    // A cofactor is off by at most 8 most error, their sum by 25; a weight in [0, 1], then, by 45 / |sum|.
+    // In multiples of `unit`, the error of a cofactor is at most 8, that of their sum at most 25, and hence that of a
+    // weight in [0, 1] at most 45 / |sum|.
     const float unit = largest * error;
     if (!(abs(sum) > 128.0 * unit)) return false;
     w /= sum;
-    if (any(lessThan(w, vec3(-0.01))) || any(greaterThan(w, vec3(1.01)))) return false; // not in this triangle
+    if (any(lessThan(w, vec3(-0.01))) || any(greaterThan(w, vec3(1.01)))) return false; // outside the triangle
     const vec3 along = corners[1] - corners[0], across = corners[2] - corners[0];
     const float x_error = 64.0 * unit / abs(sum) * (length(along) + length(across)) + 2.0 * rounding_of_point();
     return is_alone(corners[0] + (w.y * along + w.z * across), x_error, cells, site[0]);

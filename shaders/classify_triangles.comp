@@ -1,5 +1,5 @@
-// Which triangles lie in one cell (cells are convex, so three corners decide), and which cross bisectors. Those go to a list,
-// in any order, with a work group of the next pass for each run of them.
+// Separates triangles inside one cell from those that cross bisectors; cells are convex, so the corners decide. Appends
+// the crossing triangles to a list, in any order, for the next pass.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "classify_triangles.glsl"

@@ -1,3 +1,4 @@
+// The common part of the two variants of triangle classification, which differ in list_crossing().
 #include "classify.h"
 
 layout(local_size_x = classify_group_size) in;
@@ -8,7 +9,8 @@ layout(std430, binding = classify_binding_triangle_answers) writeonly buffer Ans
 layout(std430, binding = classify_binding_crossing) writeonly buffer CrossingList { uint crossing_list[]; };
 layout(std430, binding = classify_binding_crossing_count) buffer Count { uint count; };
 
-void list_crossing(uint t, bool crosses); // called by all invocations
+// Appends triangle t to the list if it crosses; called by all invocations.
+void list_crossing(uint t, bool crosses);
 
 void main() {
     const uint t = gl_GlobalInvocationID.x;

@@ -1,4 +1,5 @@
-// As classify_triangles.comp, where the device has ballots: one atomic operation a subgroup instead of one a triangle.
+// The variant of classify_triangles.comp for devices with subgroup ballots: one atomic operation for each subgroup
+// instead of one for each crossing triangle.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

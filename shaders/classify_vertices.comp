@@ -1,5 +1,6 @@
-// The nearest site of each vertex, by a grid of sites: rings of bins around the vertex's own, until no site outside them
-// can be as near. A vertex is marked uncertain where the second nearest is not farther by more than rounding.
+// Finds the nearest site of each vertex by rings of bins around the vertex's bin, until no remaining site can be as
+// near. A vertex is marked uncertain when the distances to the nearest and the second nearest site differ by no more
+// than rounding.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "classify.h"
@@ -26,7 +27,7 @@ void visit_site(uint site, float d2) {
     }
 }
 
-bool can_stop(float gap2) { // all that is left is at least as far
+bool can_stop(float gap2) {
     return gap2 > nearest + squared_distance_error(nearest);
 }
 
@@ -39,7 +40,8 @@ void main() {
     second = nearest;
     nearest_site = 0;
     visit_sites(vec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]));
-    // Without a second one, all others are farther, seen or not; so far that their squares overflow, some of them.
-    const bool certain = isinf(second) ? nearest < 1e37 : second - nearest > squared_distance_error(nearest) + squared_distance_error(second);
+    // Without a second nearest site, every other site was skipped as farther, or its squared distance overflows.
+    const float error = squared_distance_error(nearest) + squared_distance_error(second);
+    const bool certain = isinf(second) ? nearest < 1e37 : second - nearest > error;
     answers[v] = nearest_site | (certain ? 0 : classify_uncertain);
 }

@@ -1,6 +1,6 @@
-// Leaves out the draw ranges whose piece cannot be seen, once for the camera (y = 0 of the grid) and once for the light
-// (y = 1). A range that is left out keeps its place with no instance: moved together, ranges would be drawn in an order
-// that changes from run to run, and where surfaces coincide the last one wins.
+// Culls the draw ranges of pieces outside the view, for the camera (global invocation y = 0) and for the light (y = 1).
+// A culled command keeps its place, with zero instances. Compaction would change the draw order from run to run, and
+// with it the picture where surfaces coincide.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
@@ -29,7 +29,7 @@ void main() {
     if (view == view_camera) {
         for_camera[i] = command;
     } else {
-        // A shadow has no material: a piece's two ranges, which lie side by side, are one.
+        // A shadow has no material, so the piece's two consecutive ranges are merged into one draw.
         if (!first_of_piece) command.instances = 0;
         else if (i + 1 < all.length() && draws[i + 1].piece == draw.piece) command.indices += all[i + 1].indices;
         for_light[i] = command;

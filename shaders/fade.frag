@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The depth of a piece that fades.
+// Depth of fading pieces.
 #include "fade.glsl"
 
 layout(location = 1) flat in vec4 albedo;

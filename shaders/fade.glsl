@@ -1,4 +1,5 @@
-// How a piece fades: by a pattern of the pixels that it leaves out, so that nothing needs to be sorted or blended.
+// Fading by screen-door transparency: a fixed pattern of pixels is discarded, so fragments need neither sorting nor
+// blending.
 #ifndef BRITTLE_FADE_GLSL
 #define BRITTLE_FADE_GLSL
 
@@ -6,15 +7,16 @@
 
 layout(constant_id = constant_fading) const bool fading = false;
 
-// The place of a pixel in the order in which those of an 8x8 block go, 0 to 63: Bayer's matrix, whose bits are those of
-// x ^ y and y in turn, the last first.
+// Returns the pixel's element, 0 to 63, of the 8x8 Bayer matrix: the bits of x ^ y and y, interleaved, with the least
+// significant bits first.
 uint bayer_rank(uvec2 pixel) {
     uint x = pixel.x ^ pixel.y, y = pixel.y, order = 0u;
     for (uint bit = 0u; bit < 3u; ++bit) order = order << 2 | (x >> bit & 1u) << 1 | (y >> bit & 1u);
     return order;
 }
 
-// Ends the fragment if it is not among those that are `left`, from 0 (none) to 1 (all): of 64, as many as are nearest.
+// Discards the fragment unless its pixel's Bayer element is among the first 64 * opacity, rounded; 0 discards all, 1
+// none.
 void discard_faded(float opacity) {
     if (fading && 64.0 * opacity <= float(bayer_rank(uvec2(gl_FragCoord.xy))) + 0.5) discard;
 }

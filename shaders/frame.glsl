@@ -1,4 +1,4 @@
-// The descriptor set, for every shader that reads it.
+// Descriptor set 0 and the functions that read it.
 #ifndef BRITTLE_FRAME_GLSL
 #define BRITTLE_FRAME_GLSL
 
@@ -14,24 +14,26 @@ layout(set = 0, binding = binding_draws, std430) readonly buffer DrawBlock {
     DrawData draws[];
 };
 
+// Rotates v by a unit quaternion.
 vec3 rotate(vec4 rotation, vec3 v) {
     vec3 t = 2.0 * cross(rotation.xyz, v);
     return v + rotation.w * t + cross(rotation.xyz, t);
 }
 
-// A vertex of the body to its place in the world, less `origin`.
+// Transforms a position in the body's frame to world space, relative to `origin`.
 vec3 transform_point(Pose pose, vec3 position, vec3 origin) {
     return rotate(pose.rotation, position * pose.position_and_scale.w) + (pose.position_and_scale.xyz - origin);
 }
 
-// Of a draw range, in linear light; alpha: how much of it is left as it fades.
+// Returns the albedo of a draw range in linear light; alpha is the piece's opacity.
 vec4 albedo_of(DrawData draw) {
     vec4 material = frame.materials[draw.material];
     vec4 tint = unpackUnorm4x8(draw.tint);
     return vec4(material.rgb * mix(vec3(1.0), tint.rgb, material.w), tint.a);
 }
 
-// Lines on a surface must win against it: they come nearer by a fraction of their depth.
+// Returns the clip position of a line's vertex, moved towards the eye so that a line on a surface passes the depth
+// test.
 vec4 line_position(vec3 from_eye) {
     const float nearer = 2e-4;
     vec4 clip = frame.clip_from_eye * vec4(from_eye, 1.0);

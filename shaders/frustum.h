@@ -1,4 +1,5 @@
-// What a view shows: both C++ and GLSL compile this file, so that nothing is called unseen that is drawn.
+// The visibility test of a view. C++ and GLSL both compile this file, so that the CPU never rejects a ball that the
+// cull pass draws.
 #ifndef BRITTLE_SHADERS_FRUSTUM_H
 #define BRITTLE_SHADERS_FRUSTUM_H
 
@@ -20,17 +21,18 @@ using glm::vec4;
 #define BRITTLE_SHARED_FUNCTION
 #endif
 
-// Whether a ball that is moved along a segment stays on the outer side of a plane, whose normal points inwards and need
-// not be a unit vector.
+// Returns whether a ball that moves along a segment stays outside a plane. The plane's normal points inwards and may
+// have any length.
 BRITTLE_SHARED_FUNCTION bool outside_plane(vec4 plane, vec3 from, vec3 to, float radius) {
     return max(dot(vec3(plane), from), dot(vec3(plane), to)) + plane.w < -radius * length(vec3(plane));
 }
 
-// Whether the ball, on its way, reaches into the clip volume (Vulkan's: depth from 0). What is beyond a corner may be
-// called seen; a ball with a coordinate that is no number is.
+// Returns whether a ball that moves along a segment may intersect the clip volume (Vulkan's, with depth from 0). The
+// test is conservative: it accepts balls outside an edge or corner that are outside no single plane, and balls with
+// NaN.
 BRITTLE_SHARED_FUNCTION bool intersects_frustum(mat4 clip, vec3 from, vec3 to, float radius) {
     mat4 row = transpose(clip);
-    float reach = 1.001f * radius + 1e-5f * max(length(from), length(to)); // some more, for rounding
+    float reach = 1.001f * radius + 1e-5f * max(length(from), length(to)); // enlarged for rounding
     return !(outside_plane(row[3] + row[0], from, to, reach) || outside_plane(row[3] - row[0], from, to, reach)
              || outside_plane(row[3] + row[1], from, to, reach) || outside_plane(row[3] - row[1], from, to, reach)
              || outside_plane(row[2], from, to, reach) || outside_plane(row[3] - row[2], from, to, reach));

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A square of two triangles around the disc that the ground fades out in; no vertex buffer.
+// A square of two triangles around the disc in which the ground fades out; without vertex buffer.
 #include "frame.glsl"
 
 layout(location = 0) out vec3 from_eye;

@@ -1,4 +1,4 @@
-// Light, shadow, background and the way from linear light to the screen: fragment shaders only.
+// Lighting, shadows, background and tone mapping, for fragment shaders.
 #ifndef BRITTLE_LIGHT_GLSL
 #define BRITTLE_LIGHT_GLSL
 
@@ -9,7 +9,8 @@ layout(constant_id = constant_ambient_occlusion) const bool ambient_occlusion = 
 layout(set = 0, binding = binding_shadow) uniform sampler2DShadow shadow_map;
 layout(set = 1, binding = binding_image) uniform sampler2D occlusion_map;
 
-// 0 in the shadow, 1 in the sun. Lit outside the map: it encloses all that casts a shadow, and its border is far.
+// Returns the share of sunlight that reaches a surface: 0 in shadow, 1 lit. Surfaces outside the shadow map are lit:
+// the map encloses all casters, and its border has the far depth.
 float sun_visibility(vec3 from_eye, vec3 normal) {
     vec3 receiver = from_eye + normal * frame.to_light.w;
     vec3 s = (frame.shadow_from_eye * vec4(receiver, 1.0)).xyz;
@@ -23,8 +24,8 @@ float sun_visibility(vec3 from_eye, vec3 normal) {
     return lit / 16.0;
 }
 
-// How much of the sky is seen past what is near: the mean of the 4x4 pixels around, over which the occlusion pass turns
-// its samples, as far as they are of this surface.
+// Returns the share of the sky that nearby geometry leaves visible: the mean of the occlusion pass over 4x4 pixels, the
+// period of its sample rotation, weighted by their similarity in distance to this surface.
 float sky_visibility(vec3 from_eye) {
     if (!ambient_occlusion) return 1.0;
     ivec2 last = textureSize(occlusion_map, 0) - 1, at = ivec2(gl_FragCoord.xy) - 2;
@@ -40,23 +41,23 @@ float sky_visibility(vec3 from_eye) {
     return sum / weights;
 }
 
-// Lambert under a sun and a two-coloured sky, of which `visible` is seen. `height` above the ground: near it, less of
-// the sky is to be seen.
+// Lambertian reflection of a sun and of a two-coloured sky whose share `visible` reaches the surface. `height` is the
+// height above the ground, which darkens surfaces near it.
 vec3 shade(vec3 albedo, vec3 normal, float lit, float height, float visible) {
     float open = 0.45 + 0.55 * clamp(height / frame.sky.w + 0.5 * max(normal.y, 0.0), 0.0, 1.0);
     vec3 ambient = mix(frame.bounce.rgb, frame.sky.rgb, 0.5 + 0.5 * normal.y) * (open * visible);
     return albedo * (ambient + frame.sun.rgb * (lit * max(dot(normal, frame.to_light.xyz), 0.0)));
 }
 
-// The backdrop behind a pixel: a vertical gradient of the picture, not of the world, so that the ground can fade into
-// it wherever the camera looks.
+// Returns the background of a pixel: a vertical gradient in the picture, not in the world, so that the ground fades
+// into it at every camera angle.
 vec3 background() {
     float y = gl_FragCoord.y * frame.eye.w;
     return mix(frame.background_top.rgb, frame.background_bottom.rgb, smoothstep(0.0, 1.0, y));
 }
 
-// A filmic curve (Narkowicz 2015, a fit of ACES) instead of a hard clip, then the sRGB curve (IEC 61966-2-1): targets are
-// UNORM and encode nothing.
+// Converts linear light to the target's colour: exposure, a filmic curve (Narkowicz 2015, a fit of ACES), and the sRGB
+// curve (IEC 61966-2-1), because the targets are UNORM.
 vec4 display(vec3 light) {
     light *= frame.background_top.w;
     vec3 c = clamp(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0.0, 1.0);

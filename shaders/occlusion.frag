@@ -1,16 +1,17 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How much of the sky each pixel's surface sees past what is near it: samples on a spiral in the depth image, each counted
-// by the sine of its height above the surface's plane and by how near it is. The spiral and the choice of normal are
-// those of McGuire's scalable ambient obscurance (2012).
-// The spiral turns from pixel to pixel in a pattern of 4x4, which sky_visibility() in light.glsl averages out.
+// Screen-space ambient occlusion: the share of the sky visible from each pixel's surface. Samples lie on a spiral in
+// the depth image; each is weighted by the sine of its elevation above the surface's plane and by its proximity. The
+// spiral and the choice of normal are those of McGuire's scalable ambient obscurance (2012).
+//
+// The spiral is rotated from pixel to pixel in a 4x4 pattern, which sky_visibility() in light.glsl averages out.
 #include "frame.glsl"
 
 layout(set = 1, binding = binding_image) uniform sampler2D depth_map;
-layout(location = 0) out vec2 visible_and_distance; // from the eye, metres
+layout(location = 0) out vec2 visible_and_distance; // visible share of the sky, distance from the eye in metres
 
 const int samples = 16;
-const float turns = 7.0; // has no divisor in common with the samples
+const float turns = 7.0; // coprime with the number of samples
 const float tau = 6.283185307;
 
 vec3 position_at(ivec2 pixel) {
@@ -21,10 +22,11 @@ vec3 position_at(ivec2 pixel) {
     return eye.xyz / eye.w;
 }
 
-// The surface's change to the next pixel, from the side where it is less: the other may lie across an edge.
+// Returns the surface's tangent towards the next pixel, from the side with the smaller difference: the other side may
+// lie across an edge.
 vec3 slope(vec3 position, ivec2 pixel, ivec2 to_next) {
     vec3 ahead = position_at(pixel + to_next) - position, back = position - position_at(pixel - to_next);
-    bool none_ahead = dot(ahead, ahead) == 0.0; // at the image's border
+    bool none_ahead = dot(ahead, ahead) == 0.0; // at the image's border, where position_at() clamps
     bool none_back = dot(back, back) == 0.0;
     return none_back || (!none_ahead && dot(ahead, ahead) < dot(back, back)) ? ahead : back;
 }
@@ -33,7 +35,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 position = position_at(pixel);
     float distance = length(position);
-    visible_and_distance = vec2(1.0, min(distance, 60000.0)); // what 16 bits hold
+    visible_and_distance = vec2(1.0, min(distance, 60000.0)); // within the range of 16-bit floats
     if (texelFetch(depth_map, pixel, 0).r >= 1.0) return;
 
     vec3 normal = cross(slope(position, pixel, ivec2(0, 1)), slope(position, pixel, ivec2(1, 0)));
@@ -53,5 +55,5 @@ void main() {
         float sine = dot(v, normal) * inversesqrt(vv);
         hidden += max(sine - frame.occlusion.z, 0.0) * max(1.0 - vv / (radius * radius), 0.0);
     }
-    visible_and_distance.x = 1.0 / (1.0 + frame.occlusion.w * hidden / float(samples)); // some light gets anywhere
+    visible_and_distance.x = 1.0 / (1.0 + frame.occlusion.w * hidden / float(samples)); // never 0
 }

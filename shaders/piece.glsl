@@ -1,4 +1,4 @@
-// What the pieces' fragment shaders share.
+// Common functions of the pieces' fragment shaders.
 #ifndef BRITTLE_PIECE_GLSL
 #define BRITTLE_PIECE_GLSL
 
@@ -9,9 +9,9 @@ layout(location = 0) in vec3 from_eye;
 layout(location = 1) flat in vec4 albedo;
 layout(location = 0) out vec4 colour;
 
-// The triangle's normal from screen derivatives, so that vertices are shared. The order of the product is Vulkan's, with
-// Y down. Back faces are culled, so a normal that points away from the eye is rounding on a triangle seen edge-on: it
-// is turned round. A triangle too thin for any derivative faces the eye.
+// Returns the triangle's normal from screen-space derivatives, so that vertices can be shared. The order of the cross
+// product is for Vulkan's Y axis, which points down. Back faces are culled, so a normal that points away from the eye
+// is a rounding error on a triangle seen edge-on, and is negated. A triangle too thin for derivatives faces the eye.
 vec3 flat_normal() {
     vec3 n = cross(dFdy(from_eye), dFdx(from_eye));
     float squared = dot(n, n);
@@ -20,7 +20,8 @@ vec3 flat_normal() {
     return dot(n, from_eye) > 0.0 ? -n : n;
 }
 
-// `facet` is the triangle's normal, by which it leaves its own shadow; `normal` what light falls on.
+// Writes the shaded colour. `facet` is the triangle's normal, which offsets the shadow test; `normal` is the shading
+// normal.
 void light_piece(vec3 facet, vec3 normal) {
     float height = from_eye.y + frame.eye.y - frame.ground.w;
     colour = display(

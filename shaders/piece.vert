@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pieces: one instance a draw range, whose number is the draw's first instance.
+// Pieces. Each draw range is one instance; gl_InstanceIndex, the command's first instance, is the index of the range.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The edges of the pieces' triangles, as lines of one colour.
+// Triangle edges of the pieces, in one colour.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The handle of each piece; 0 is where there is none.
+// Handles of the pieces, PieceHandle::number; 0 in pixels without a piece.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;

@@ -7,6 +7,6 @@ layout(location = 2) in vec3 smooth_normal;
 void main() {
     discard_faded(albedo.a);
     vec3 facet = flat_normal();
-    bool bent = dot(smooth_normal, facet) > 0.0; // never where there is no smooth normal
+    bool bent = dot(smooth_normal, facet) > 0.0; // false without a smooth normal, which is 0 then
     light_piece(facet, bent ? normalize(smooth_normal) : facet);
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pieces, as in piece.vert, with a normal for each vertex; none for the interior, which is made of facets.
+// Pieces with a normal for each vertex (piece.vert has none). Interior faces are flat-shaded, with the normal 0.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Depth of the pieces seen from the light; no fragment shader.
+// Depth of the pieces seen from the light; without fragment shader.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;

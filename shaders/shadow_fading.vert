@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// As shadow.vert, for pieces that fade.
+// Depth of fading pieces seen from the light; fade.frag discards pixels.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;

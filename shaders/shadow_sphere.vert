@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Depth of spheres seen from the light, one instance a sphere; no fragment shader.
+// Depth of spheres seen from the light, one instance for each sphere; without fragment shader.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position; // on the unit sphere

@@ -5,7 +5,7 @@
 layout(location = 0) in vec3 normal;
 layout(location = 0) out vec4 colour;
 
-// Markers, not matter: always in the sun, wherever they are inside a mesh.
+// Spheres are markers: they are fully lit, even inside a mesh.
 void main() {
     colour = display(shade(frame.sphere.rgb, normalize(normal), 1.0, frame.sky.w, 1.0));
 }

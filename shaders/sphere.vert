@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Voronoi sites: one instance a sphere.
+// Spheres of a scene, one instance for each.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position; // on the unit sphere

@@ -30,28 +30,29 @@ constexpr std::array<ArenaKind, piece_arenas> kinds{
      {"piece normals", sizeof(glm::vec3), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
      {"piece indices", sizeof(uint32_t), VK_BUFFER_USAGE_INDEX_BUFFER_BIT}}};
 
-// Room for so much more: doubled, so that pieces that come one by one are rarely moved.
-bool make_room(RangeAllocator& space, uint64_t size, uint64_t most) {
+// Grows the capacity by at least `size`, and at least to twice its value, so that arenas are rarely moved when pieces
+// are added one by one. Returns false if that exceeds `limit`.
+bool grow_by(RangeAllocator& space, uint64_t size, uint64_t limit) {
     const uint64_t needed = uint64_t{space.capacity()} + size;
-    if (needed > most) return false;
-    space.grow(static_cast<uint32_t>(std::min(most, std::max(needed, 2 * uint64_t{space.capacity()}))));
+    if (needed > limit) return false;
+    space.grow(static_cast<uint32_t>(std::min(limit, std::max(needed, 2 * uint64_t{space.capacity()}))));
     return true;
 }
 
-// In one range, if the space has one. Otherwise the space grows.
-std::optional<uint32_t> place(RangeAllocator& space, uint32_t size, uint64_t most) {
-    if (const std::optional<uint32_t> at = space.allocate(size)) return at;
-    if (!make_room(space, size, most)) return std::nullopt;
+// Allocates a range, and grows the space if no free range is long enough. Returns nullopt beyond `limit`.
+std::optional<uint32_t> allocate_or_grow(RangeAllocator& space, uint32_t size, uint64_t limit) {
+    if (const std::optional<uint32_t> begin = space.allocate(size)) return begin;
+    if (!grow_by(space, size, limit)) return std::nullopt;
     return space.allocate(size);
 }
 
-// What is free in all; a large batch then finds its place in one growth instead of several.
-void make_room_for_all(RangeAllocator& space, uint64_t size, uint64_t most) {
+// Grows the space until its free elements add up to `size`, so that a large batch causes one growth instead of several.
+void reserve(RangeAllocator& space, uint64_t size, uint64_t limit) {
     const uint64_t unused = space.capacity() - space.used();
-    if (size > unused) (void)make_room(space, size - unused, most);
+    if (size > unused) (void)grow_by(space, size - unused, limit);
 }
 
-// Appends a copy, or makes the one before it longer.
+// Appends a copy, or extends the last one if the two are contiguous.
 void append(std::vector<VkBufferCopy>& copies, const VkBufferCopy& next) {
     if (next.size == 0) return;
     if (!copies.empty()) {
@@ -77,9 +78,9 @@ const char* PieceArena::name(size_t arena) {
     return kinds[arena].name;
 }
 
-bool PieceArena::Allocators::place(Piece& piece) {
-    const std::optional<uint32_t> vertex = engine::place(vertices, piece.batch.vertices, max_vertices);
-    const std::optional<uint32_t> index = engine::place(indices, piece.batch.indices(), max_indices);
+bool PieceArena::Allocators::allocate(Piece& piece) {
+    const std::optional<uint32_t> vertex = allocate_or_grow(vertices, piece.batch.vertices, max_vertices);
+    const std::optional<uint32_t> index = allocate_or_grow(indices, piece.batch.indices(), max_indices);
     if (!vertex || !index) return false;
     piece.vertex = *vertex;
     piece.index = *index;
@@ -122,7 +123,7 @@ Result<std::vector<PieceHandle>> PieceArena::replace_all(PieceBatch batch) {
     return add({std::move(batch)}, std::move(allocators), {});
 }
 
-// Works on copies until nothing can fail any more.
+// Works on copies of the allocators and the list until no step can fail.
 Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches, Allocators allocators,
                                                  std::vector<Piece> pieces) {
     uint64_t vertices = 0, indices = 0, added = 0;
@@ -131,8 +132,8 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
         indices += batch.indices().size();
         added += batch.pieces().size();
     }
-    make_room_for_all(allocators.vertices, vertices, max_vertices);
-    make_room_for_all(allocators.indices, indices, max_indices);
+    reserve(allocators.vertices, vertices, max_vertices);
+    reserve(allocators.indices, indices, max_indices);
     std::vector<PieceHandle> handles;
     handles.reserve(added);
     pieces.reserve(pieces.size() + added);
@@ -146,7 +147,7 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
                         .vertex = 0,
                         .index = 0,
                         .opacity = solid};
-            if (!allocators.place(piece))
+            if (!allocators.allocate(piece))
                 return Error{Status::invalid_argument, "cannot draw more than " + std::to_string(pieces.size())
                                                            + " pieces: their geometry is too large to address"};
             handles.push_back(piece.handle);
@@ -162,7 +163,7 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
     return handles;
 }
 
-// Buffers of the spaces' capacity; the last step that may fail.
+// Grows the buffers to the allocators' capacities. This is the last step of add() that may throw.
 void PieceArena::grow_buffers(const Allocators& allocators) {
     const std::array<uint32_t, piece_arenas> capacity{allocators.vertices.capacity(), allocators.vertices.capacity(),
                                                       allocators.indices.capacity()};
@@ -179,7 +180,7 @@ void PieceArena::grow_buffers(const Allocators& allocators) {
     if (!grown) return;
     for (size_t i = 0; i < piece_arenas; ++i) {
         if (!larger[i].handle()) continue;
-        // Of several growths between two frames, only the first takes a buffer away that a frame has written.
+        // When an arena grows more than once between two frames, only the first buffer was written by a frame.
         if (resident_[i]) old_[i] = std::move(buffers_[i]);
         resident_[i] = false;
         buffers_[i] = std::move(larger[i]);
@@ -232,7 +233,7 @@ Result<void> PieceArena::fade(std::span<const PieceHandle> handles, float fade) 
     return {};
 }
 
-// What follows from the list of pieces.
+// Recomputes the totals over all pieces, after each change.
 void PieceArena::update_totals() {
     bodies_ = draws_ = solid_draws_ = 0;
     triangles_ = 0;
@@ -266,8 +267,8 @@ void PieceArena::write_draws(const DrawLists& lists) const {
 }
 
 void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> poses, const glm::vec3& eye) const {
-    // Sorted as numbers: the bits of a distance that is not negative, then the place in the list, so that no two are
-    // equal.
+    // The keys are unique integers: the bits of the squared distance, whose order is that of non-negative floats, and
+    // the index in the list.
     std::vector<uint64_t> order(pieces_.size());
     for (size_t i = 0; i < order.size(); ++i) {
         const BodyPose& pose = poses[pieces_[i].batch.body];
@@ -302,7 +303,7 @@ PieceUpload PieceArena::next_upload() const {
     PieceUpload upload;
     if (!pending_) return upload;
     for (size_t i = 0; i < piece_arenas; ++i) {
-        size_t at = 0; // in upload.staged: pieces of a batch lie side by side
+        size_t at = 0; // index in upload.staged; the pieces of a batch are consecutive
         for (const Piece& piece : pieces_) {
             const Slice slice = slice_of(piece, i);
             if (!piece.source) {

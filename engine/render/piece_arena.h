@@ -1,18 +1,20 @@
-// The geometry of all pieces: one arena of vertices and one of indices, and what is drawn of them.
+// The geometry of all pieces on the device, in one arena each for positions, normals and indices, and the draw ranges
+// of the pieces.
 //
-// Pieces come and go without a wait for the device. Where a piece lies is decided here at once; its geometry is copied
-// by the next frame, in a pass of its own (upload_pass.h), so that the frame graph orders the copy after the frames
-// that still read what lay there before. Arenas grow by doubling: the same pass moves what is there.
+// Pieces are added and removed without waiting for the device. The place of a piece is allocated at once. The next
+// frame copies its geometry in a pass of its own (upload_pass.h), so that the frame graph orders the copy after the
+// frames that still read the old contents. Arenas grow by doubling; the same pass moves their contents.
 //
 //     arena.add(batches);                                   // any number of changes
-//     PieceUpload upload = arena.next_upload();             // each frame
-//     arena.write_staging(mapped); ... record and submit the copies ...
-//     arena.uploaded(retired);                              // only if that was submitted
+//     PieceUpload upload = arena.next_upload();             // in each frame
+//     arena.write_staging(mapped);
+//     ... record and submit the copies ...
+//     arena.uploaded(retired);                              // only if the copies were submitted
 //
-// A piece has up to two draw ranges, side by side: exterior, then interior. Range i is instance i: its command has i as
-// first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h). First come the ranges of
-// solid pieces, then those of fading ones, each in the order in which pieces were added or from front to back. The
-// lists are made anew for each change: 52 bytes a range.
+// A piece has up to two consecutive draw ranges: exterior, then interior. Range i is instance i: its command has i as
+// first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h). The ranges of solid
+// pieces precede those of fading pieces; within each group, pieces are in the order of adding or from front to back.
+// Every change rebuilds the lists, at 52 bytes for each range. Not thread-safe.
 #pragma once
 
 #include <array>
@@ -33,22 +35,22 @@ namespace brittle::engine {
 
 class Device;
 
-// The arenas: positions and normals (glm::vec3) beside each other, indices (uint32_t).
+// The arenas: positions and normals (glm::vec3), which have parallel elements, and indices (uint32_t).
 inline constexpr size_t piece_arenas = 3;
 using PieceBuffers = std::array<DeviceBuffer, piece_arenas>;
 
-// What the device is to copy before it draws the arenas.
+// The copies that the device must make before it draws from the arenas.
 struct PieceUpload {
-    using Copies = std::array<std::vector<VkBufferCopy>, piece_arenas>; // into each
+    using Copies = std::array<std::vector<VkBufferCopy>, piece_arenas>; // by destination arena
     struct Staged {
         std::shared_ptr<const DeviceBuffer> buffer;
         Copies copies;
     };
 
-    Copies from_old;
-    Copies from_staging;        // of the frame; ascending in it
-    uint64_t staging_size = 0;  // bytes to come from the CPU
-    std::vector<Staged> staged; // of batches that are in buffers of their own
+    Copies from_old;            // from the buffers before an arena grew
+    Copies from_staging;        // from the frame's staging buffer, in ascending order
+    uint64_t staging_size = 0;  // bytes of the frame's staging buffer
+    std::vector<Staged> staged; // from the buffers of staged batches
 
     [[nodiscard]] bool empty() const;
 };
@@ -59,7 +61,8 @@ class PieceArena {
 
     explicit PieceArena(const Device& device) : device_(device) {}
 
-    // Fail with invalid_argument, or throw VulkanFailure, and then change nothing. Renderer says more.
+    // The changes of Renderer's functions of similar names. They fail with invalid_argument or throw VulkanFailure, and
+    // then change nothing.
     [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches);
     [[nodiscard]] Result<std::vector<PieceHandle>> replace_all(PieceBatch batch);
     [[nodiscard]] Result<void> remove(std::span<const PieceHandle> handles);
@@ -68,42 +71,44 @@ class PieceArena {
     [[nodiscard]] uint32_t pieces() const { return static_cast<uint32_t>(pieces_.size()); }
     [[nodiscard]] uint32_t bodies() const { return bodies_; }
     [[nodiscard]] uint32_t draws() const { return draws_; }
-    [[nodiscard]] uint32_t solid_draws() const { return solid_draws_; } // the first so many
+    [[nodiscard]] uint32_t solid_draws() const { return solid_draws_; } // the first of draws(); the rest are fading
     [[nodiscard]] uint64_t triangles() const { return triangles_; }
-    [[nodiscard]] uint64_t version() const { return version_; } // another one after each change of what follows
+    [[nodiscard]] uint64_t version() const { return version_; } // a number that changes when the draw lists change
 
-    // For each draw range, its data and its command; both spans are of draws() elements.
+    // The data and the command of each draw range; both spans have draws() elements.
     struct DrawLists {
         std::span<shared::DrawData> data;
         std::span<VkDrawIndexedIndirectCommand> commands;
     };
     void write_draws(const DrawLists& lists) const;
-    // The same with the pieces nearest to the eye first, by the middle of their spheres; `poses` by body.
+    // Writes the lists with pieces sorted by the distance of their spheres' centres from the eye, nearest first.
+    // `poses` is indexed by body.
     void write_draws(const DrawLists& lists, std::span<const BodyPose> poses, const glm::vec3& eye) const;
 
     [[nodiscard]] const DeviceBuffer& vertices() const { return buffers_[0]; }
     [[nodiscard]] const DeviceBuffer& normals() const { return buffers_[1]; } // for smooth shading
     [[nodiscard]] const DeviceBuffer& indices() const { return buffers_[2]; }
-    // That from_old copies from: valid until uploaded().
+    // The sources of PieceUpload::from_old, valid until uploaded(); null buffers where an arena has not grown.
     [[nodiscard]] const PieceBuffers& old_buffers() const { return old_; }
 
     [[nodiscard]] PieceUpload next_upload() const;
-    void write_staging(std::byte* staging) const; // as next_upload() planned it, of PieceUpload::staging_size bytes
-    // The copies were submitted. Appends buffers that may go once the device is done with that submission.
+    void
+    write_staging(std::byte* staging) const; // writes the PieceUpload::staging_size bytes that next_upload() planned
+    // Records that the copies were submitted. Appends the buffers to free when the device has finished the submission.
     void uploaded(std::vector<std::shared_ptr<const DeviceBuffer>>& retired);
 
   private:
     struct Piece {
         PieceHandle handle;
-        PieceBatch::Piece batch;                  // its part of the batch
-        std::shared_ptr<const PieceBatch> source; // until it was uploaded
-        uint32_t vertex, index;                   // where it begins in the arenas
-        uint32_t opacity;                         // 255: solid; 0: not drawn
+        PieceBatch::Piece batch;                  // its ranges in the batch
+        std::shared_ptr<const PieceBatch> source; // the batch, until the piece was uploaded
+        uint32_t vertex, index;                   // its first elements in the arenas
+        uint32_t opacity;                         // 255: solid; 0: not drawn; between: fading
     };
     struct Allocators {
         RangeAllocator vertices, indices;
 
-        [[nodiscard]] bool place(Piece& piece);
+        [[nodiscard]] bool allocate(Piece& piece);
         void free(const Piece& piece);
     };
 
@@ -113,27 +118,27 @@ class PieceArena {
     void grow_buffers(const Allocators& allocators);
     [[nodiscard]] Result<std::vector<size_t>> find(std::span<const PieceHandle> handles) const;
     void update_totals();
-    // Where the next range goes in the lists, of solid and of fading pieces.
+    // The next free indices in the draw lists.
     struct DrawCursors {
         uint32_t solid, fading;
     };
-    // What of a piece goes into an arena.
+    // The bytes of one piece in one arena.
     struct Slice {
-        uint64_t to;       // bytes, in the arena
+        uint64_t to;       // offset in the arena, bytes
         uint64_t size;     // bytes
-        uint64_t from = 0; // bytes, in the arrays of its batch one after the other; if it has one still
-        std::span<const std::byte> bytes{}; // likewise
+        uint64_t from = 0; // offset in the concatenated arrays of the batch, bytes; only before the upload
+        std::span<const std::byte> bytes{}; // the data in the batch; only before the upload
     };
     [[nodiscard]] static Slice slice_of(const Piece& piece, size_t arena);
     static void write_piece(const Piece& piece, const DrawLists& lists, DrawCursors& cursors);
 
     const Device& device_;
-    std::vector<Piece> pieces_; // ascending in handles
+    std::vector<Piece> pieces_; // by ascending handle
     Allocators allocators_;
     PieceBuffers buffers_;
-    PieceBuffers old_;                          // what submitted frames read until buffers_ took over; may be none
-    std::array<bool, piece_arenas> resident_{}; // whether a submitted frame wrote buffers_
-    bool pending_ = false;                      // there is something to upload
+    PieceBuffers old_;                          // the buffers before growth, read by submitted frames; may be null
+    std::array<bool, piece_arenas> resident_{}; // whether a submitted frame has written buffers_
+    bool pending_ = false;                      // whether there is an upload to make
     uint32_t last_handle_ = 0;
     uint32_t bodies_ = 0;
     uint32_t draws_ = 0;

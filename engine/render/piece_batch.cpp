@@ -23,19 +23,19 @@ Error invalid(size_t piece, const std::string& what) {
 
 Result<void> check_piece(size_t index, const PieceMesh& piece) {
     if (piece.exterior_triangles > piece.triangles.size())
-        return invalid(index, "it says that " + std::to_string(piece.exterior_triangles) + " of its "
-                                  + std::to_string(piece.triangles.size()) + " triangles are exterior");
+        return invalid(index, "exterior_triangles is " + std::to_string(piece.exterior_triangles) + ", but it has only "
+                                  + std::to_string(piece.triangles.size()) + " triangles");
     for (size_t t = 0; t < piece.triangles.size(); ++t) {
         const glm::uvec3 corner = piece.triangles[t];
         const uint32_t largest = std::max({corner.x, corner.y, corner.z});
         if (largest >= piece.positions.size())
-            return invalid(index, "triangle " + std::to_string(t) + " names vertex " + std::to_string(largest) + " of "
-                                      + std::to_string(piece.positions.size()));
+            return invalid(index, "triangle " + std::to_string(t) + " has vertex index " + std::to_string(largest)
+                                      + ", but there are only " + std::to_string(piece.positions.size()) + " vertices");
     }
     return {};
 }
 
-// Around all of the piece: about the middle of its box, so not the smallest.
+// Returns a bounding sphere around the centre of the bounding box; it is not the smallest one.
 glm::vec4 sphere_around(std::span<const glm::vec3> positions) {
     if (positions.empty()) return glm::vec4(0.0f);
     glm::vec3 low = positions[0], high = positions[0];
@@ -59,7 +59,7 @@ Result<PieceBatch> PieceBatch::create(std::span<const PieceMesh> pieces) {
     size_t vertices = 0, triangles = 0;
     for (size_t i = 0; i < pieces.size(); ++i) {
         if (Result<void> valid = check_piece(i, pieces[i]); !valid) return valid.error();
-        vertices += pieces[i].positions.size() + 3 * size_t{pieces[i].exterior_triangles}; // split at most so
+        vertices += pieces[i].positions.size() + 3 * size_t{pieces[i].exterior_triangles}; // bound after splitting
         triangles += pieces[i].triangles.size();
     }
     // Vertex offsets are signed 32 bits, first indices unsigned 32 bits.

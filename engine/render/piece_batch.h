@@ -1,11 +1,11 @@
-// Pieces made ready to be drawn: checked, with normals for smooth shading, in the layout of the renderer's arenas.
-// Making one is nearly all of the work of showing pieces and touches no device, so a worker can do it. What is left is
-// a copy to where the device reads, and a worker can do that, too.
+// A batch of pieces prepared for drawing: checked, with normals for smooth shading, in the layout of the renderer's
+// arenas. Its creation is nearly all of the work of adding pieces and uses no device, so a worker thread can do it. A
+// worker can also copy the batch to memory that the device reads.
 //
 //     Result<PieceBatch> batch = PieceBatch::create(meshes);      // on any thread
-//     renderer.stage(*batch);                                     // likewise
+//     renderer.stage(*batch);                                     // on any thread
 //     ...
-//     auto handles = renderer.add_pieces(*std::move(batch));      // on the renderer's
+//     auto handles = renderer.add_pieces(*std::move(batch));      // on the renderer's thread
 //
 // Copies of a batch share their geometry.
 #pragma once
@@ -27,37 +27,37 @@ class DeviceBuffer;
 
 class PieceBatch {
   public:
-    // One piece's part of the arrays; indices count from its own first vertex, those of the exterior come first.
+    // The ranges of one piece in the arrays. Its indices are relative to its first vertex; exterior indices come first.
     struct Piece {
         uint32_t first_vertex, vertices;
         uint32_t first_index, exterior_indices, interior_indices;
         uint32_t body;
-        uint32_t tint;    // linear, as packUnorm4x8, with no alpha
-        glm::vec4 sphere; // around it, in the frame of its body: centre, radius
+        uint32_t tint;    // linear, packed by packUnorm4x8, alpha 0
+        glm::vec4 sphere; // bounding sphere in the body's frame: centre, radius
 
         [[nodiscard]] uint32_t indices() const { return exterior_indices + interior_indices; }
     };
 
     PieceBatch() = default; // no pieces
 
-    // Copies what it needs. Fails with invalid_argument on an index out of range or more exterior triangles than
-    // triangles, with the piece's number, and on more geometry than can be addressed.
+    // Copies the meshes. Fails with invalid_argument, and the piece's number, on an index out of range or more exterior
+    // triangles than triangles, and on more geometry than 32-bit offsets can address.
     [[nodiscard]] static Result<PieceBatch> create(std::span<const PieceMesh> pieces);
 
     [[nodiscard]] std::span<const Piece> pieces() const { return pieces_; }
-    // Slow to read once they are staged.
+    // The arrays of all pieces. A staged batch has them in mapped memory, which may be slow to read.
     [[nodiscard]] std::span<const glm::vec3> positions() const { return positions_; }
-    [[nodiscard]] std::span<const glm::vec3> normals() const { return normals_; } // beside positions
+    [[nodiscard]] std::span<const glm::vec3> normals() const { return normals_; } // parallel to positions()
     [[nodiscard]] std::span<const uint32_t> indices() const { return indices_; }
 
-    [[nodiscard]] uint64_t bytes() const; // of the three
+    [[nodiscard]] uint64_t bytes() const; // size of the three arrays
 
-    // All of its pieces move with `body` and have the tint: for who makes pieces before he knows.
+    // Sets the body and the tint of all pieces, for callers that create the batch before they know either.
     void assign(uint32_t body, const glm::vec3& tint);
 
-    // Moves the arrays into this buffer, one after the other: mapped, of so many bytes or more.
+    // Moves the arrays into a mapped buffer of at least bytes() bytes, one array after the other.
     void move_to(std::shared_ptr<const DeviceBuffer> buffer);
-    [[nodiscard]] const std::shared_ptr<const DeviceBuffer>& staged() const { return staged_; } // that buffer, or null
+    [[nodiscard]] const std::shared_ptr<const DeviceBuffer>& staged() const { return staged_; } // the buffer, or null
 
   private:
     struct Arrays {
@@ -69,7 +69,7 @@ class PieceBatch {
     std::vector<Piece> pieces_;
     std::span<const glm::vec3> positions_, normals_;
     std::span<const uint32_t> indices_;
-    // What the spans lie in: one of the two.
+    // The owner of the spans' memory; the other pointer is null.
     std::shared_ptr<const Arrays> arrays_;
     std::shared_ptr<const DeviceBuffer> staged_;
 };

@@ -10,22 +10,24 @@
 //     Result<Bitmap> image = (*renderer)->render(scene, {1280, 720});
 //     write_png(*image, "frame.png");
 //
-// With a window: attach(window) once, then present(scene, ui) each frame instead of render(). The renderer
-// notices by itself that the window was resized or minimised. A Window must outlive the renderer attached to
-// it, a Device every renderer made from it.
+// With a window, call attach(window) once, and present(scene, ui) in each frame instead of render(). The renderer
+// follows the window's size by itself, and draws nothing while it is minimised. A Window must outlive the renderer
+// attached to it, and a Device must outlive every renderer made from it.
 //
-// Each frame is a frame graph declared anew: cull, shadow (left out where it can be kept), occlusion, shade, marks,
-// enlarge (where fewer pixels were drawn), then read back, or UI and present. Body poses need no pass: the caller
-// writes them into memory that is mapped for good and that the device reads in place, a slice for each of the two
-// frames in flight. render() waits for its image.
+// Each frame declares a new frame graph: upload, cull, shadow (skipped while the shadow map is valid), occlusion,
+// shade, marks, upscale (if fewer pixels were drawn), and then either read back, or UI and present. Body poses need no
+// pass: the caller writes them into permanently mapped memory, which the device reads in place, with one buffer for
+// each of the two frames in flight. render() waits for its image.
 //
-// Where memory runs out, the call fails and the next one may succeed. After device_lost all calls fail so:
-// destroy what was made from the device, and start again.
+// When memory runs out, the call fails and a later call may succeed. After device_lost, all calls fail with
+// device_lost: destroy all objects made from the device, and create a new device.
 //
-// Pixels are reproducible: the same scene gives the same bytes on the same device and driver. There is no
-// dithering, no noise and no history. In a window on a CPU device things that move are drawn with fewer pixels
-// (Quality::moving_scale). Shaders write sRGB themselves into UNORM targets, because a window's
-// sRGB formats would encode the user interface's colours twice.
+// Pixels are reproducible: equal scenes give equal bytes on the same device and driver. There is no noise, no random
+// dithering and no history. In a window on a CPU device, moving scenes are drawn with fewer pixels
+// (Quality::moving_scale). Shaders write sRGB themselves into UNORM targets, because a window's sRGB formats would
+// encode the user interface's colours twice.
+//
+// All functions run on one thread, except stage().
 #pragma once
 
 #include <cstdint>
@@ -49,25 +51,24 @@ namespace brittle::engine {
 
 class Window;
 
-// What costs time on a device that has little. Unset members are chosen by the device: cheap on a CPU, good
-// on a GPU.
+// The trade-off between time and quality. An unset member is chosen for the device: cheap on a CPU, good on a GPU.
 struct Quality {
-    std::optional<uint32_t> shadow_size{}; // texels a side, 64 to 8192; automatic: 1024 on a CPU, 2048 on a GPU
-    std::optional<bool> soft_shadows{};    // filtered over 16 taps; automatic: on a GPU only. Off: 1 tap
-    std::optional<uint32_t> samples{};     // a pixel, 1 or 4; automatic: 1 on a CPU, 4 on a GPU
-    // Darkens gaps, and the ground under what stands on it, by a search in the depth image; automatic: on a
-    // GPU only.
+    std::optional<uint32_t>
+        shadow_size{};                  // shadow map texels a side, 64 to 8192; default: 1024 on a CPU, 2048 on a GPU
+    std::optional<bool> soft_shadows{}; // 16 filter taps instead of 1; default: on a GPU only
+    std::optional<uint32_t> samples{};  // samples a pixel, 1 or 4; default: 1 on a CPU, 4 on a GPU
+    // Screen-space ambient occlusion, which darkens gaps and the ground under objects; default: on a GPU only.
     std::optional<bool> ambient_occlusion{};
-    // Finds out on the device which pieces are in view, and draws no others: the same picture. Automatic:
-    // where the device has multi-draws.
+    // Frustum culling of pieces on the device, which does not change the picture; default: if the device has
+    // multi-draws.
     std::optional<bool> culling{};
-    // Draws near pieces first, sorted by the CPU in each frame, so that hidden pixels are not shaded: the same picture
-    // but where surfaces coincide. Automatic: on a CPU only.
+    // Draws near pieces first, sorted on the CPU in each frame, so that hidden pixels are not shaded. Changes the
+    // picture only where surfaces coincide. Default: on a CPU only.
     std::optional<bool> front_to_back{};
-    // How many pixels a side present() draws for each of the window's while Scene::moved is true, and texels of the
-    // shadow map for each of shadow_size, 0.25 to 1; the picture is enlarged, and the user interface drawn on it in
-    // full. What is still is drawn in full, and so are pictures of render(). Automatic: 0.5 on a CPU, 1 on a GPU. 1
-    // where the window system takes no copies.
+    // The scale of the picture's sides, 0.25 to 1, while Scene::moved is true; it also scales shadow_size. The picture
+    // is upscaled, and the user interface is drawn on it in full resolution. Applies to present() only; scenes without
+    // motion, and render(), use full resolution. Default: 0.5 on a CPU, 1 on a GPU. Always 1 if the window system does
+    // not support transfers to its images.
     std::optional<float> moving_scale{};
 };
 
@@ -76,91 +77,89 @@ struct RendererSettings {
     bool vsync = true; // wait for the display before each present
 };
 
-// What the last frame drew: for tests and for the profile.
+// Counts of the newest frame, for tests and for profiles.
 struct FrameStats {
     uint32_t pieces = 0;
-    // Those in the camera's view, of the newest frame that the device has finished; without culling, all of
-    // them.
+    // The pieces in the camera's view, in the newest frame that the device has finished; without culling, all pieces.
     uint32_t pieces_in_view = 0;
-    uint32_t draws = 0; // draw ranges in the indirect buffer: one for each exterior, one for each interior, but for
-                        // pieces that have faded away
-    uint32_t indirect_calls = 0; // multi-draw calls that draw them, over all passes
-    uint64_t triangles = 0;      // of the pieces
-    bool shadow_drawn = false;   // false when the kept shadow map was used
-    float scale = 1.0f;          // see Quality::moving_scale
+    uint32_t draws = 0; // draw ranges: one for each exterior and one for each interior, without fully faded pieces
+    uint32_t indirect_calls = 0; // multi-draw calls over all passes
+    uint64_t triangles = 0;      // triangles of all pieces
+    bool shadow_drawn = false;   // false: the shadow map was reused
+    float scale = 1.0f;          // Quality::moving_scale or 1
 };
 
-// Which piece each pixel shows.
+// The piece that each pixel shows.
 struct IdImage {
     uint32_t width = 0;
     uint32_t height = 0;
-    std::vector<uint32_t> ids; // row by row from the top: PieceHandle::number, 0: none
+    std::vector<uint32_t> ids; // PieceHandle::number, or 0 for none; rows from top to bottom
 
     [[nodiscard]] uint32_t at(uint32_t x, uint32_t y) const { return ids[size_t{y} * width + x]; }
 };
 
 class Renderer {
   public:
+    // Fails with invalid_argument when a member of Quality is out of range, or with the failure of a Vulkan call.
     [[nodiscard]] static Result<std::unique_ptr<Renderer>> create(Device& device,
                                                                   const RendererSettings& settings = {});
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
 
-    [[nodiscard]] const Quality& quality() const; // as chosen: every member is set
+    [[nodiscard]] const Quality& quality() const; // the chosen quality; every member is set
 
-    // Pieces come and go between frames. Nothing here waits for the device: the next frame copies the geometry, and
-    // the space of removed pieces is used again in the order of frames. Handles are in the order of the pieces. Fails
-    // with invalid_argument as PieceBatch::create() says, and on a body or an amount that the device cannot address,
-    // or with out_of_memory; then nothing changes. A piece whose frame fails comes with the next.
+    // Adds pieces between frames, without waiting for the device: the next frame copies the geometry, and the frame
+    // graph orders the reuse of removed pieces' space. Returns handles in the order of the pieces. Fails as
+    // PieceBatch::create() does, with invalid_argument on a body index or an amount that the device cannot address, and
+    // with out_of_memory; then no piece is added. If the next frame fails, a later frame copies the geometry.
     [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(PieceBatch batch);
-    [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(std::vector<PieceBatch> batches); // all, or none
+    [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(std::vector<PieceBatch> batches);
     [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(std::span<const PieceMesh> pieces);
-    // Fails with invalid_argument on a handle of no piece that is there, and then removes none.
+    // Removes pieces. Fails with invalid_argument on an unknown handle, and then removes none.
     [[nodiscard]] Result<void> remove_pieces(std::span<const PieceHandle> handles);
-    // How far pieces have faded, from 0, as they come, to 1, where they are not drawn: by a fixed pattern of 8x8
-    // pixels that they leave out, in their shadow as well; their wireframe is not drawn. Fails with invalid_argument
-    // as remove_pieces() does, and on other values. While pieces fade, they alone cost a depth test late in the
-    // pipeline.
+    // Sets the fade of pieces, from 0 (solid, as added) to 1 (not drawn). Fading is screen-door transparency: pixels
+    // and shadow texels are discarded by a fixed 8x8 pattern. The wireframe of a fading piece is not drawn. Fails with
+    // invalid_argument on an unknown handle or another value. Only fading pieces lose the early depth test.
     [[nodiscard]] Result<void> fade_pieces(std::span<const PieceHandle> handles, float fade);
-    // Copies what a large batch holds to where the device reads it, so that the frame that shows it need not: a million
-    // triangles are some ten milliseconds. On any thread, beside all else. A small batch stays as it is, and so does
-    // one that there is no memory for. What was staged must go before the device does.
+    // Copies the geometry of a large batch into memory that the device reads, so that the frame which adds it need not
+    // copy it on the CPU. Runs on any thread, concurrently with all other functions. A small batch, or one for which
+    // there is no memory, stays unchanged. Staged batches must be destroyed before the device.
     void stage(PieceBatch& batch) const;
     // Removes all pieces and adds these.
     [[nodiscard]] Result<std::vector<PieceHandle>> set_pieces(std::span<const PieceMesh> pieces);
     [[nodiscard]] uint32_t body_count() const; // one more than the largest PieceMesh::body; 0 without pieces
 
-    // Draws one frame off screen and reads it back. Width and height from 1 to the device's limit.
+    // Draws one frame off screen and reads it back. Width and height are from 1 to the device's limit; other sizes fail
+    // with invalid_argument.
     [[nodiscard]] Result<Bitmap> render(const Scene& scene, glm::uvec2 size);
 
-    // The picture that present() would show in a window of that size, but for the user interface: differs from render()
-    // by Quality::moving_scale only. For tests, and to measure what a window costs.
+    // Returns the picture that present() would show in a window of that size, without the user interface. It differs
+    // from render() by Quality::moving_scale only. For tests and measurements.
     [[nodiscard]] Result<Bitmap> render_as_presented(const Scene& scene, glm::uvec2 size);
 
-    // Which piece each pixel's middle shows, through everything but pieces. Sizes as for render().
+    // Returns the piece at the centre of each pixel, ignoring ground, lines and spheres. Sizes as for render().
     [[nodiscard]] Result<IdImage> render_ids(const Scene& scene, glm::uvec2 size);
 
-    // Makes the swapchain and starts Dear ImGui on the window. Once in a renderer's life. `prepare_ui` is called once
-    // Dear ImGui has its context: the place for fonts and style.
+    // Creates the swapchain and starts Dear ImGui on the window. May be called once. `prepare_ui` is called after Dear
+    // ImGui's context was created, and may set fonts and style.
     [[nodiscard]] Result<void> attach(Window& window, const std::function<void()>& prepare_ui = {});
 
-    // Draws one frame into the attached window. `ui` makes Dear ImGui calls between its new-frame and render;
-    // empty for none. Returns false when there was nothing to draw into because the window is minimised.
+    // Draws one frame into the attached window. `ui` makes Dear ImGui calls between NewFrame() and Render(); it may be
+    // empty. Returns false when the window could not be drawn into, because it is minimised or its system holds all
+    // images.
     [[nodiscard]] Result<bool> present(const Scene& scene, const std::function<void()>& ui = {});
-    // True while the mouse is over, or the keyboard goes to, the user interface: the application should then
-    // leave that input alone.
+    // Return whether the user interface uses the mouse or the keyboard; the application should then ignore that input.
     [[nodiscard]] bool ui_wants_mouse() const;
     [[nodiscard]] bool ui_wants_keyboard() const;
 
     // Draws every pass but the UI's once into a tiny target, so that the driver compiles every shader now
-    // (0.1 to 0.5 s on a CPU device) and not in the first frame that needs it. After attach(), for the
-    // window's format.
+    // instead of in the first frame that needs it. Call it after attach(), for the window's format.
     [[nodiscard]] Result<void> warm_up();
 
-    // Of the newest frame that the device has finished: in a window, one or two behind the newest.
+    // Returns the times of the newest frame that the device has finished; in a window, it is one or two frames old.
     [[nodiscard]] const std::vector<PassTime>& timings() const;
-    [[nodiscard]] const FrameStats& stats() const;      // of the newest frame
+    [[nodiscard]] const FrameStats& stats() const;      // the counts of the newest frame
     [[nodiscard]] const std::string& graph_dot() const; // the newest frame's graph, for `dot -Tsvg`
 
   private:

@@ -89,28 +89,28 @@ struct Scene {
     // The part of the picture to draw; pixels outside, which panels cover, are undefined. Pixels inside equal those of
     // the whole picture.
     Region region{};
-    // Around everything that is to cast a shadow, at its place in this frame. Fits the shadow map and the
-    // depth range; what sticks out is drawn, without a shadow. Large bounds make coarse shadows.
+    // A box around everything that casts a shadow in this frame. The shadow map and the depth range are fitted to it.
+    // Geometry outside is drawn without a shadow. Large bounds make coarse shadows.
     Bounds bounds{};
-    // Called once in each draw, with one pose a body (Renderer::body_count()): the memory of the frame in flight,
-    // which holds what was written into it at the moment `since`. A body whose pose has not changed after that
-    // moment need not be written. At `since` 0 all are to be written, and each is BodyPose{} so far. Unset: every body
-    // at the origin.
+    // Writes the poses of the bodies; called once in each draw. The span has Renderer::body_count() poses, in the
+    // mapped memory of a frame in flight, and holds the poses that were written there at the moment `since`. Bodies
+    // that have not moved after `since` need no write. At `since` 0, every pose is BodyPose{} and must be written.
+    // Unset: every body is at the origin.
     std::function<void(std::span<BodyPose>, uint64_t since)> write_poses{};
-    // The caller's count of changes to poses, which grows with them: the moment of this frame. 0: not counted,
-    // `since` is always 0. A body new to the renderer makes it 0 as well; so does a moment less than the one before.
+    // The caller's counter of pose changes, as of this frame. 0: no counter, and `since` is always 0. `since` is also 0
+    // after the number of bodies has grown, and when the moment is less than that of an earlier frame.
     uint64_t moment = 0;
-    // False promises that no pose differs from the previous draw's: the shadow map is then kept.
+    // False: no pose differs from the previous draw's, so the shadow map is reused.
     bool moved = true;
 
-    std::span<const LineVertex> lines{}; // two a line; the physics debug drawer, cell edges
-    bool lines_on_top = false;           // true shows lines through the pieces; false hides what is behind them
+    std::span<const LineVertex> lines{}; // two vertices for each line: debug lines, cell edges
+    bool lines_on_top = false;           // true: visible through pieces; false: hidden behind them
     std::span<const Sphere> spheres{};   // Voronoi sites, or balls
     bool spheres_on_top = false;
-    bool spheres_cast_shadows = false; // as balls do and marks do not; within the bounds
-    bool pieces_visible = true;        // false leaves lines and spheres alone on the ground
-    bool smooth = false;               // round exteriors: normals are interpolated but for creases. False: facets
-    bool wireframe = false;            // edges of triangles over the pieces; needs Device::has_line_mode()
+    bool spheres_cast_shadows = false; // true for balls, false for marks; within the bounds
+    bool pieces_visible = true;        // false: only lines, spheres and the ground are drawn
+    bool smooth = false;    // true: exterior normals are interpolated except across creases; false: flat shading
+    bool wireframe = false; // triangle edges over the pieces; needs Device::has_line_mode()
     bool ground = true;
     float ground_height = 0.0f; // y of the ground plane
 

@@ -1,8 +1,8 @@
 // A pool of mapped staging buffers for threads that prepare geometry beside the frame. All functions may run on any
 // thread.
 //
-// Released buffers are reused, because the first touch of new memory is slow. Freeing memory is as slow, so take() frees
-// surplus buffers on the worker's thread, and a release only returns its buffer to the pool.
+// Released buffers are reused, because the first touch of new memory is slow. Freeing memory is as slow, so take()
+// frees surplus buffers on the worker's thread, and a release only returns its buffer to the pool.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ class StagingPool {
 
     explicit StagingPool(const Device& device) : device_(device), idle_(std::make_shared<Idle>()) {}
 
-    // Returns a mapped buffer of at least `size` bytes. It returns to the pool when the last pointer is released, on any
-    // thread, which must happen before the device is destroyed. Throws VulkanFailure.
+    // Returns a mapped buffer of at least `size` bytes. It returns to the pool when the last pointer is released, on
+    // any thread, which must happen before the device is destroyed. Throws VulkanFailure.
     [[nodiscard]] std::shared_ptr<DeviceBuffer> take(uint64_t size);
 
     [[nodiscard]] uint64_t idle_bytes() const;
