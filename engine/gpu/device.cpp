@@ -1,7 +1,6 @@
 #include "engine/gpu/device.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -13,6 +12,7 @@
 #endif
 
 #include "engine/gpu/check.h"
+#include "engine/gpu/device_choice.h"
 #include "engine/gpu/enumerate.h"
 
 namespace brittle::engine {
@@ -38,10 +38,6 @@ void prepare_loader() {
 #endif
 }
 
-bool is_hidden(const FaultInjector* faults, const char* name) {
-    return faults && faults->hides(name);
-}
-
 bool offers_extension(const std::vector<VkExtensionProperties>& extensions, const char* name,
                       const FaultInjector* faults) {
     if (is_hidden(faults, name)) return false;
@@ -54,146 +50,6 @@ bool validation_available(const FaultInjector* faults) {
     const auto layers = enumerate<VkLayerProperties>(vkEnumerateInstanceLayerProperties);
     return std::any_of(layers.begin(), layers.end(),
                        [](const auto& l) { return std::strcmp(l.layerName, validation_layer) == 0; });
-}
-
-// Returns the first family with graphics and compute; in practice every device has one.
-std::optional<uint32_t> find_queue_family(VkPhysicalDevice device) {
-    const auto families = enumerate<VkQueueFamilyProperties>(vkGetPhysicalDeviceQueueFamilyProperties, device);
-    for (uint32_t i = 0; i < families.size(); ++i) {
-        constexpr VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-        if ((families[i].queueFlags & wanted) == wanted) return i;
-    }
-    return std::nullopt;
-}
-
-// The features of a device, as one pNext chain. needed_features below serves both the query and the request.
-struct Features {
-    VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
-                                         .pNext = nullptr};
-    VkPhysicalDeviceFeatures2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v13};
-    Features() = default;
-    Features(const Features&) = delete;
-};
-
-struct NeededFeature {
-    const char* name;
-    VkBool32& (*member)(Features&);
-};
-
-constexpr NeededFeature needed_features[] = {
-    {"drawIndirectFirstInstance", [](Features& f) -> VkBool32& { return f.all.features.drawIndirectFirstInstance; }},
-    {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
-    {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
-    {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
-};
-
-// Returns the reason why Brittle cannot use the device, or "".
-std::string find_problem(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties,
-                         const FaultInjector* faults) {
-    if (properties.apiVersion < VK_API_VERSION_1_3)
-        return "its driver offers Vulkan " + std::to_string(VK_API_VERSION_MAJOR(properties.apiVersion)) + "."
-               + std::to_string(VK_API_VERSION_MINOR(properties.apiVersion)) + ", Brittle needs 1.3";
-    if (!find_queue_family(device)) return "it has no queue for both graphics and compute";
-    Features features;
-    vkGetPhysicalDeviceFeatures2(device, &features.all);
-    std::string missing;
-    for (const NeededFeature& feature : needed_features)
-        if (!feature.member(features) || is_hidden(faults, feature.name))
-            missing += (missing.empty() ? "" : ", ") + std::string(feature.name);
-    return missing.empty() ? "" : "it lacks the feature " + missing;
-}
-
-DeviceKind kind_of(VkPhysicalDeviceType type) {
-    switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-        return DeviceKind::discrete;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-        return DeviceKind::integrated;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-        return DeviceKind::virtual_gpu;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU:
-        return DeviceKind::cpu;
-    default:
-        return DeviceKind::other;
-    }
-}
-
-DeviceInfo describe(VkPhysicalDevice device, uint32_t index, const FaultInjector* faults) {
-    VkPhysicalDeviceProperties basic;
-    vkGetPhysicalDeviceProperties(device, &basic);
-    DeviceInfo info{index, basic.deviceName, kind_of(basic.deviceType), {}, {}};
-    // VkPhysicalDeviceDriverProperties exists from Vulkan 1.2 on; older devices are unusable.
-    if (basic.apiVersion >= VK_API_VERSION_1_2) {
-        VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
-        VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-                                               .pNext = &driver};
-        vkGetPhysicalDeviceProperties2(device, &properties);
-        info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
-    }
-    info.problem = find_problem(device, basic, faults);
-    return info;
-}
-
-std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices, const FaultInjector* faults) {
-    std::vector<DeviceInfo> infos;
-    for (uint32_t i = 0; i < devices.size(); ++i) infos.push_back(describe(devices[i], i, faults));
-    return infos;
-}
-
-std::string lowercase(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
-std::string device_table(const std::vector<DeviceInfo>& infos) {
-    std::string text;
-    for (const DeviceInfo& info : infos)
-        text += "\n  " + std::to_string(info.index) + "  " + info.name + " (" + to_string(info.kind) + ")"
-                + (info.problem.empty() ? "" : ": unusable, " + info.problem);
-    return text;
-}
-
-// Returns the advice to install a driver, and to unset variables that hide installed drivers from the loader.
-std::string driver_advice() {
-    std::string text = " Install a driver: on Debian, `apt install mesa-vulkan-drivers` has drivers for most GPUs"
-                       " and one for the CPU.";
-    for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
-        if (const char* value = std::getenv(name))
-            text += std::string(" The variable ") + name + "=" + value + " restricts the search for drivers; unset it.";
-    return text;
-}
-
-// Returns the index of the usable device that matches DeviceOptions::select.
-Result<uint32_t> choose_device(const std::vector<DeviceInfo>& infos, const std::string& select) {
-    const std::string wanted = lowercase(select);
-    uint32_t index = 0;
-    const char* end = wanted.data() + wanted.size();
-    const auto number = std::from_chars(wanted.data(), end, index);
-    if (!wanted.empty() && number.ptr == end && number.ec == std::errc()) {
-        if (index >= infos.size())
-            return Error{Status::no_device,
-                         "there is no Vulkan device " + select + ". The devices are:" + device_table(infos)};
-        if (!infos[index].problem.empty())
-            return Error{Status::missing_feature, "Vulkan device " + select + " (" + infos[index].name
-                                                      + ") cannot be used: " + infos[index].problem};
-        return index;
-    }
-
-    const auto matches = [&](const DeviceInfo& info) {
-        if (wanted.empty() || wanted == "auto") return true;
-        if (wanted == "cpu") return info.kind == DeviceKind::cpu;
-        if (wanted == "gpu") return info.kind != DeviceKind::cpu;
-        return lowercase(info.name).find(wanted) != std::string::npos;
-    };
-    const DeviceInfo* best = nullptr;
-    for (const DeviceInfo& info : infos)
-        if (matches(info) && info.problem.empty() && (!best || info.kind < best->kind)) best = &info;
-    if (best) return best->index;
-    const std::string which = wanted.empty() || wanted == "auto" ? "no usable Vulkan device"
-                                                                 : "no usable Vulkan device matches \"" + select + "\"";
-    if (infos.empty()) return Error{Status::no_device, which + ": the installed drivers find none." + driver_advice()};
-    return Error{Status::no_device, which + ". The devices are:" + device_table(infos)};
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
@@ -231,22 +87,6 @@ Error no_driver(VkResult result) {
 
 } // namespace
 
-const char* to_string(DeviceKind kind) {
-    switch (kind) {
-    case DeviceKind::discrete:
-        return "discrete GPU";
-    case DeviceKind::integrated:
-        return "integrated GPU";
-    case DeviceKind::virtual_gpu:
-        return "virtual GPU";
-    case DeviceKind::cpu:
-        return "CPU";
-    case DeviceKind::other:
-        return "other";
-    }
-    return "other";
-}
-
 Result<std::vector<DeviceInfo>> list_devices() {
     prepare_loader();
     const VkApplicationInfo application{
@@ -256,7 +96,7 @@ Result<std::vector<DeviceInfo>> list_devices() {
     const VkResult result = vkCreateInstance(&info, nullptr, &instance);
     if (result != VK_SUCCESS) return no_driver(result);
     std::vector<DeviceInfo> infos =
-        describe_all(enumerate<VkPhysicalDevice>(vkEnumeratePhysicalDevices, instance), nullptr);
+        describe_devices(enumerate<VkPhysicalDevice>(vkEnumeratePhysicalDevices, instance), nullptr);
     vkDestroyInstance(instance, nullptr);
     return infos;
 }
@@ -269,7 +109,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
         if (Result<void> made = device->create_instance(options.validation); !made) return made.error();
 
         const auto devices = enumerate<VkPhysicalDevice>(vkEnumeratePhysicalDevices, device->instance_);
-        const std::vector<DeviceInfo> infos = describe_all(devices, options.faults);
+        const std::vector<DeviceInfo> infos = describe_devices(devices, options.faults);
         Result<uint32_t> index = choose_device(infos, options.select);
         if (!index) return index.error();
         device->physical_ = devices[*index];
@@ -341,8 +181,8 @@ void Device::create_device() {
                && !is_hidden(faults_, "subgroupBallot");
     queue_family_ = *find_queue_family(physical_); // choose_device() guarantees one
 
-    Features features;
-    for (const NeededFeature& feature : needed_features) feature.member(features) = VK_TRUE;
+    DeviceFeatures features;
+    enable_needed_features(features);
     VkPhysicalDeviceFeatures optional;
     vkGetPhysicalDeviceFeatures(physical_, &optional);
     line_mode_ = optional.fillModeNonSolid;

@@ -23,6 +23,7 @@
 
 namespace brittle::engine {
 
+// From the most to the least preferred kind.
 enum class DeviceKind { discrete, integrated, virtual_gpu, cpu, other };
 
 [[nodiscard]] const char* to_string(DeviceKind kind);
