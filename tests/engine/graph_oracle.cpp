@@ -66,11 +66,11 @@ bool is_hazard(const Plan& plan, const Event& i, const Event& j) {
     const AccessFacts a = facts(i.access), b = facts(j.access);
     if (a.writes || b.writes) return true;
     if (plan.resources[i.resource].is_image() && a.layout != b.layout) return true;
-    // Reads before the frame promise visibility for themselves alone.
+    // Reads before the frame guarantee visibility only to equal reads.
     return i.position == -1 && !plan.resources[i.resource].import.initial.contains(j.access);
 }
 
-// Whether j waits for i, through barriers each of which waits for something that waits for i.
+// Returns whether j waits for i through a chain of barriers.
 bool is_chained(const Plan& plan, const Event& i, const Event& j) {
     AccessSet waiting_in_i, waiting_in_j;
     for (int position = i.position + 1; position <= j.position; ++position)
@@ -86,8 +86,8 @@ bool is_chained(const Plan& plan, const Event& i, const Event& j) {
     return (i.resource == j.resource ? waiting_in_i : waiting_in_j).contains(j.access);
 }
 
-// Replays layouts. An image must be in the layout of each access, and may be discarded only where nobody
-// misses what it held.
+// Replays layouts. An image must be in the layout of each access, and its contents may be discarded only if no later
+// access needs them.
 std::string layout_fault(const Plan& plan) {
     const std::vector<Event> events = events_of(plan);
     for (std::uint32_t r = 0; r < plan.resources.size(); ++r) {

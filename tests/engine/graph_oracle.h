@@ -1,6 +1,6 @@
-// The tests' judge of plans. It knows of a plan only what a device would see: it replays passes and barriers
-// in order and searches every pair of accesses for a chain of barriers. What each access does it takes from a
-// table of its own.
+// The test oracle of plans. It uses only the parts of a plan that a device sees: it replays passes and barriers in
+// order and searches a chain of barriers for every pair of accesses. The properties of accesses come from a table of
+// its own.
 #pragma once
 
 #include "engine/graph/frame_graph.h"
@@ -15,8 +15,8 @@ struct AccessFacts {
     PassKind kind;
     bool image, buffer;
     bool reads, writes;
-    bool replaces; // a write that leaves nothing of what was there
-    Layout layout; // of an image
+    bool replaces; // a write that replaces all contents
+    Layout layout; // for images
 };
 
 inline constexpr AccessFacts facts_table[] = {
@@ -45,33 +45,31 @@ inline constexpr AccessFacts facts_table[] = {
     {Access::depth_read, PassKind::graphics, true, false, true, false, false, Layout::read_only},
 };
 
-AccessFacts facts(Access access); // the entry above, or one for an access at the frame's edges
+AccessFacts facts(Access access); // the entry above, or that of an initial or final access
 
 inline constexpr ImageDesc small_image{.width = 4, .height = 4};
 inline constexpr BufferDesc small_buffer{.size = 64};
 
-// The plan of a graph that must be right; fails the test with the graph's error if it is not.
+// Compiles a graph and returns its plan. An error of the graph fails the test.
 Plan compiled(FrameGraph& graph, const MemoryNeeds& needs);
 
 using Names = std::vector<std::string>;
 Names names(const std::vector<Plan::Pass>& passes);
 
-// All lists of barriers in the plan.
+// Returns all lists of barriers in the plan.
 std::vector<std::vector<Plan::Barrier>*> barrier_lists(Plan& plan);
 
-// The first hazard without a chain of barriers, or image in a wrong layout, or contents lost; empty if there
-// is none.
+// Returns the first hazard without a chain of barriers, image in a wrong layout, or loss of needed contents; "" if
+// there is none.
 std::string barrier_fault(const Plan& plan);
 
-// The first transient that is misplaced, or shares bytes with another during its life; empty if there is
-// none.
+// Returns the first transient that is misplaced, or shares bytes with another live transient; "" if there is none.
 std::string memory_fault(const Plan& plan, const MemoryNeeds& needs);
 
-// The first barrier that could be taken away without barrier_fault() noticing; empty if there is none.
+// Returns the first barrier whose removal causes no barrier_fault(); "" if there is none.
 std::string superfluous_barrier(Plan& plan);
 
-// Whether DOT text of the shape that to_dot() writes has matching quotes and braces, and edges between
-// declared nodes only.
+// Checks that text of to_dot() has matching quotes and braces, and edges between declared nodes only.
 void check_dot(const std::string& dot);
 
 inline bool contains(const std::string& text, const std::string& part) {

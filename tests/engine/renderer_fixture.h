@@ -1,4 +1,4 @@
-// A renderer to test, and a stage for it.
+// A renderer under test, and an empty scene.
 #pragma once
 
 #include <memory>
@@ -15,10 +15,10 @@ inline constexpr Quality plain_quality{
     .shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false};
 inline constexpr Quality automatic_quality{.shadow_size = 128, .soft_shadows = false};
 
-// A renderer on a device that can be told to fail, checked at the end for silence of the validation layer. Empty where
-// there is no device.
+// A renderer on a device with fault injection. The destructor checks that the validation layer reported nothing.
+// Without a device, the fixture is empty.
 struct Fixture {
-    FaultInjector faults; // of this fixture, unless it was given another
+    FaultInjector faults; // used unless the constructor got another injector
     std::unique_ptr<Device> device;
     std::unique_ptr<Renderer> renderer;
 
@@ -49,7 +49,7 @@ struct Fixture {
     }
 };
 
-// Looks at the origin from the front, and nothing else is there.
+// Returns a scene without ground whose camera looks at the origin along -Z.
 inline Scene empty_stage() {
     Scene scene{.camera = {{0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, 0.0f}, 0.6f},
                 .bounds = {glm::vec3(-1.5f), glm::vec3(1.5f)}};

@@ -53,7 +53,7 @@ Shape icosphere(float radius, int levels) {
             shape.positions.emplace_back(a, b, 0.0f);
             shape.positions.emplace_back(b, 0.0f, a);
         }
-    // The twenty triples of vertices at the edge length, 2, turned outwards.
+    // The faces are the twenty triples of vertices with mutual distance 2, the edge length, oriented outwards.
     const auto near = [&](uint32_t i, uint32_t j) {
         return glm::length(shape.positions[i] - shape.positions[j]) < 2.1f;
     };
@@ -135,13 +135,13 @@ std::string failure_path(const std::string& name, const char* what) {
     return failure_folder() + "/" + name + "." + what + ".png";
 }
 
-// Writes a picture of a failure; a failure to do so joins the message.
+// Writes a picture of a failed check. A failure to write it is appended to the message.
 void keep(const Bitmap& picture, const std::string& path, std::string& message) {
     const Result<void> written = write_png(picture, path);
     message += "\n  " + (written ? path : written.error().message);
 }
 
-// Equal pictures leave their file alone; of others it says how they differ and where to look.
+// Writes the golden unless it equals the picture byte for byte. The message tells the difference and the paths.
 GoldenCheck update_golden(const Bitmap& actual, const std::string& name, const std::string& path) {
     std::error_code ignored;
     std::filesystem::create_directories(failure_folder(), ignored);

@@ -1,4 +1,4 @@
-// What the engine's tests share: a device, shapes, and golden images.
+// Common parts of the engine's tests: a device, shapes, and golden images.
 #pragma once
 
 #include <memory>
@@ -15,9 +15,8 @@
 
 namespace brittle::engine::test {
 
-// The device that tests run on, with validation where the layer is installed: BRITTLE_TEST_DEVICE, as in
-// DeviceOptions::select, or the automatic choice. Null, with "skipped: ..." printed for ctest to count, if
-// there is none.
+// Returns the device for tests, with validation if the layer is installed. The environment variable BRITTLE_TEST_DEVICE
+// has the role of DeviceOptions::select. Without a device, prints "skipped: ...", which ctest counts, and returns null.
 [[nodiscard]] std::unique_ptr<Device> make_device(FaultInjector* faults = nullptr);
 
 struct Shape {
@@ -30,13 +29,13 @@ struct Shape {
     }
 };
 
-// Centred on the origin; the last `interior_faces` of its six faces (-x +x -y +y -z +z) are interior.
+// Returns a box around the origin. The last `interior_faces` of its six faces (-x +x -y +y -z +z) are interior.
 [[nodiscard]] Shape box(glm::vec3 half, uint32_t interior_faces = 0);
-// 20 * 4^levels triangles.
+// Returns a subdivided icosahedron with 20 * 4^levels triangles.
 [[nodiscard]] Shape icosphere(float radius, int levels);
 
-// Boxes and a ball on the ground, with marks: the scene of the golden images. Points into itself, so it stays
-// put.
+// The scene of the golden images: boxes and a ball on the ground, with marks. Its members point to each other, so it
+// cannot be copied.
 class KnownScene {
   public:
     KnownScene();
@@ -55,20 +54,20 @@ class KnownScene {
 
 struct GoldenCheck {
     bool passed = false;
-    std::string message; // what differs, and where the pictures of it are
+    std::string message; // the difference, and the paths of its pictures
 };
 
-// Compares with `folder`/NAME.png. Where they differ, leaves NAME.actual.png, NAME.expected.png and
-// NAME.difference.png in the folder of the test's program. A golden that is missing fails. With
-// BRITTLE_UPDATE_GOLDENS=1 in the environment (tools/update-goldens) writes the golden instead where it is not equal to the
-// last bit, says how it differs, and leaves NAME.before.png and NAME.difference.png there.
+// Compares a picture with `folder`/NAME.png. A missing golden fails. When the two differ, writes NAME.actual.png,
+// NAME.expected.png and NAME.difference.png to failure_folder(). With BRITTLE_UPDATE_GOLDENS=1 in the environment
+// (tools/update-goldens), writes the golden instead unless it is equal byte for byte, describes the difference, and
+// writes NAME.before.png and NAME.difference.png to failure_folder().
 [[nodiscard]] GoldenCheck check_golden(const Bitmap& actual, const std::string& name, const BitmapTolerance& tolerance,
                                        const std::string& folder);
 [[nodiscard]] bool is_updating_goldens();
 [[nodiscard]] std::string golden_folder();  // tests/images
 [[nodiscard]] std::string failure_folder(); // in the build folder
 
-// The bytes of a pixel as 0xRRGGBB.
+// Returns a pixel as 0xRRGGBB.
 [[nodiscard]] uint32_t pixel(const Bitmap& bitmap, uint32_t x, uint32_t y);
 
 } // namespace brittle::engine::test

@@ -52,7 +52,7 @@ TEST_CASE("a bitmap whose pixels do not fit its size is not written") {
     CHECK_FALSE(write_png(image, scratch("short.png")));
 }
 
-TEST_CASE("reading what is no PNG gives an error that names the file") {
+TEST_CASE("reading a file that is not a PNG gives an error that names the file") {
     const std::string text = scratch("text.png"), nothing = scratch("nothing.png");
     std::ofstream(text) << "not a picture";
     std::ofstream{nothing};
@@ -78,7 +78,7 @@ TEST_CASE("writing into a folder that does not exist gives an error that names t
     CHECK(written.error().message.find("no/such/folder.png") != std::string::npos);
 }
 
-TEST_CASE("a bitmap survives its PNG byte for byte") {
+TEST_CASE("a bitmap written as PNG is read back byte for byte") {
     const Bitmap image = gradient(37, 21);
     const std::string path = scratch("round_trip.png");
     REQUIRE(write_png(image, path));
@@ -110,8 +110,8 @@ TEST_CASE("bitmaps of different size are beyond any tolerance") {
     CHECK_FALSE(difference.within_tolerance);
 }
 
-TEST_CASE("the tolerance ends where it says") {
-    const Bitmap image = gradient(20, 20); // 0.5 % are two pixels
+TEST_CASE("bitmap tolerance: its limits are exact") {
+    const Bitmap image = gradient(20, 20); // 0.5 % of its pixels are two pixels
     const auto with = [&](uint32_t pixels, int by) {
         Bitmap other = image;
         for (uint32_t i = 0; i < pixels; ++i) other.at(i, 1)[1] = static_cast<uint8_t>(other.at(i, 1)[1] + by);
@@ -124,8 +124,8 @@ TEST_CASE("the tolerance ends where it says") {
     CHECK(with(2, 4).largest == 4);
 }
 
-TEST_CASE("a golden check can fail: shifted, of another size, missing") {
-    if (std::getenv("BRITTLE_UPDATE_GOLDENS")) return; // the very switch that makes every check pass
+TEST_CASE("a golden check fails for a shifted, a resized and a missing picture") {
+    if (std::getenv("BRITTLE_UPDATE_GOLDENS")) return; // the variable makes every check pass
     const Bitmap image = gradient(24, 16);
     const std::string folder = scratch("goldens");
     std::filesystem::create_directories(folder);

@@ -41,7 +41,7 @@ TEST_CASE("any camera gives finite matrices") {
         }
 }
 
-TEST_CASE("the target is in the middle, up is up and right is right") {
+TEST_CASE("the camera's target projects to the centre, with +Y up and +X right") {
     const CameraMatrices m = matrices({{0, 0, 5}, {0, 0, 0}}, 2.0f, {});
     const glm::vec3 middle = project(m, {0, 0, 0});
     CHECK(middle.x == doctest::Approx(0.0f));
@@ -58,7 +58,7 @@ TEST_CASE("depth runs from 0 at the near plane to 1 at the far plane, with the b
     CHECK(project(m, {1, 1, -1}).z < 1.0f);
 }
 
-TEST_CASE("a camera that looks at bounds sees all of their corners, without a wide rim") {
+TEST_CASE("a camera that looks at bounds sees all of their corners, with a narrow margin") {
     const Bounds bounds{{-3.0f, 0.0f, -0.2f}, {1.0f, 0.7f, 0.4f}};
     for (const float aspect : {0.4f, 1.0f, 16.0f / 9.0f})
         for (const float azimuth : {0.0f, 0.8f, 2.5f})
@@ -76,7 +76,7 @@ TEST_CASE("a camera that looks at bounds sees all of their corners, without a wi
             }
 }
 
-TEST_CASE("an orbit keeps its distance when it turns and its direction when it zooms") {
+TEST_CASE("an orbit camera keeps its distance when it rotates and its direction when it zooms") {
     OrbitCamera orbit = OrbitCamera::around({}, 1.5f);
     const float distance = orbit.distance;
     orbit.rotate({123.0f, -77.0f});
@@ -100,7 +100,7 @@ TEST_CASE("panning moves the picture with the mouse") {
     CHECK(seen.y > 0.0f); // and down
 }
 
-TEST_CASE("tints are colours, bright, and differ between consecutive pieces") {
+TEST_CASE("piece tints are bright, in range, and differ between consecutive pieces") {
     for (uint32_t i = 0; i < 1000; ++i) {
         const glm::vec3 a = piece_tint(i), b = piece_tint(i + 1);
         for (int c = 0; c < 3; ++c) {
@@ -111,7 +111,7 @@ TEST_CASE("tints are colours, bright, and differ between consecutive pieces") {
     }
 }
 
-TEST_CASE("a shift moves all of the picture by that many half pictures, and nothing in depth") {
+TEST_CASE("Camera::shift moves the picture in units of half its size and changes no depth") {
     Camera camera{{0, 0, 5}, {0, 0, 0}};
     const CameraMatrices plain = matrices(camera, 1.5f, {});
     camera.shift = {0.25f, -0.5f};

@@ -1,4 +1,4 @@
-// Culling on the device: the same pictures, from fewer pieces.
+// Culling on the device: equal pictures from fewer draws.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ Quality quality(bool culling) {
     return {.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = false, .culling = culling};
 }
 
-// A grid of boxes in the x-y plane, a metre apart and turned each in its way, about the origin.
+// A grid of boxes in the x-y plane around the origin, one metre apart, each with its own rotation.
 struct Grid {
     Shape cube = box({0.3f, 0.2f, 0.1f}, 2);
     int side;
@@ -24,7 +24,8 @@ struct Grid {
     Scene scene;
 
     explicit Grid(int pieces_a_side) : side(pieces_a_side) {
-        for (glm::vec3& p : cube.positions) p += glm::vec3(0.1f, -0.2f, 0.05f); // spheres off the origin
+        for (glm::vec3& p : cube.positions)
+            p += glm::vec3(0.1f, -0.2f, 0.05f); // moves the bounding spheres off the origin
         const float middle = 0.5f * static_cast<float>(side - 1);
         for (int i = 0; i < side * side; ++i) {
             const auto number = static_cast<uint32_t>(i);
@@ -46,7 +47,7 @@ struct Grid {
 
 } // namespace
 
-TEST_CASE("culled pictures are those of all pieces, wherever the camera is") {
+TEST_CASE("culling changes no picture, wherever the camera is") {
     const Fixture all(quality(false)), culled(quality(true));
     if (!all || !all.device->has_multi_draw()) return;
     Grid grid(9);
@@ -61,7 +62,7 @@ TEST_CASE("culled pictures are those of all pieces, wherever the camera is") {
         grid.scene.bounds.max.x = i % 4 == 0 ? 0.0f : 5.0f; // some cast no shadow
         grid.scene.moved = i % 3 != 0;
         grid.poses[static_cast<size_t>(i)].scale = 0.0f;
-        grid.poses[40].scale = -1.0f; // inside out
+        grid.poses[40].scale = -1.0f; // mirrored
         CAPTURE(i);
         CHECK(culled.draw(grid.scene).pixels == all.draw(grid.scene).pixels);
         const FrameStats& stats = culled.renderer->stats();
@@ -74,7 +75,7 @@ TEST_CASE("culled pictures are those of all pieces, wherever the camera is") {
     CHECK(most > 30);
 }
 
-TEST_CASE("pieces in view are counted once, whatever their draw ranges") {
+TEST_CASE("culling counts each visible piece once, whatever its draw ranges") {
     const Fixture f(quality(true));
     if (!f || !f.device->has_multi_draw()) return;
     Grid grid(5);
@@ -86,11 +87,11 @@ TEST_CASE("pieces in view are counted once, whatever their draw ranges") {
     grid.poses[7].scale = 0.0f;
     (void)f.draw(grid.scene);
     CHECK(f.renderer->stats().pieces_in_view == 24);
-    // At one piece of the middle row, so near that no other is seen.
+    // Towards one piece of the middle row, so near that no other piece is visible.
     grid.scene.camera = {.eye = {0.0f, 0.0f, 1.0f}, .target = {0.0f, 0.0f, 0.0f}, .vertical_fov = 0.1f};
     (void)f.draw(grid.scene);
     CHECK(f.renderer->stats().pieces_in_view == 1);
-    grid.scene.camera.target = {0.0f, 0.0f, 2.0f}; // away from all
+    grid.scene.camera.target = {0.0f, 0.0f, 2.0f}; // away from all pieces
     (void)f.draw(grid.scene);
     CHECK(f.renderer->stats().pieces_in_view == 0);
     REQUIRE(f.renderer->set_pieces({}));
@@ -98,7 +99,7 @@ TEST_CASE("pieces in view are counted once, whatever their draw ranges") {
     CHECK(f.renderer->stats().pieces_in_view == 0);
 }
 
-TEST_CASE("what is out of the camera's view still throws its shadow into it") {
+TEST_CASE("a piece outside the camera's view still casts its shadow into it") {
     const Fixture f(quality(true));
     if (!f || !f.device->has_multi_draw()) return;
     const Shape cube = box(glm::vec3(0.5f));
@@ -115,7 +116,7 @@ TEST_CASE("what is out of the camera's view still throws its shadow into it") {
     CHECK(image.at(small.x / 2, small.y / 2)[1] < without.at(small.x / 2, small.y / 2)[1] - 20);
 }
 
-TEST_CASE("ten thousand pieces are one call a pass") {
+TEST_CASE("ten thousand pieces need one draw call in each pass") {
     const Fixture f(quality(true));
     if (!f || !f.device->has_multi_draw()) return;
     const Grid grid(100);
@@ -126,7 +127,7 @@ TEST_CASE("ten thousand pieces are one call a pass") {
     CHECK(f.renderer->stats().indirect_calls == 2);
 }
 
-TEST_CASE("a device without multi-draws draws the same pictures, with a call a draw range") {
+TEST_CASE("a device without multi-draws draws equal pictures, with one call for each draw range") {
     const Fixture with;
     if (!with || !with.device->has_multi_draw()) return;
     FaultInjector faults;
@@ -144,12 +145,12 @@ TEST_CASE("a device without multi-draws draws the same pictures, with a call a d
         REQUIRE(handles);
         CHECK(without.draw(known.scene).pixels == expected.pixels);
         CHECK(without.renderer->stats().draws == 6);
-        CHECK(without.renderer->stats().indirect_calls == 12); // shadow and shade
+        CHECK(without.renderer->stats().indirect_calls == 12); // six ranges, in the shadow and the shade pass
         CHECK(without.renderer->stats().pieces_in_view == 4);
         const Result<IdImage> ids = without.renderer->render_ids(known.scene, small);
         REQUIRE(ids);
         CHECK(ids->ids == expected_ids->ids);
-        // A list of two parts, drawn range by range.
+        // Solid and fading ranges, each drawn by its own call.
         REQUIRE(without.renderer->fade_pieces(std::span(*handles).first(1), 0.5f));
         (void)without.draw(known.scene);
         CHECK(without.renderer->stats().indirect_calls == 12);

@@ -8,8 +8,8 @@
 using namespace brittle::engine;
 using namespace brittle::engine::test;
 
-TEST_CASE("with no driver there is an error that says what to install") {
-    // The loader reads it in each process; doctest's discovery runs each case in its own.
+TEST_CASE("without a driver, the error says what to install") {
+    // The loader reads the variable once in a process; ctest runs each test case in its own process.
     setenv("VK_DRIVER_FILES", "/nonexistent.json", 1);
     setenv("VK_ICD_FILENAMES", "/nonexistent.json", 1);
     const Result<std::unique_ptr<Device>> device = Device::create();
@@ -21,7 +21,7 @@ TEST_CASE("with no driver there is an error that says what to install") {
         CHECK(device.error().message.find("mesa-vulkan-drivers") != std::string::npos);
 }
 
-TEST_CASE("a device that does not exist is refused with the list of those that do") {
+TEST_CASE("selecting a device that does not exist fails with the list of devices") {
     if (!make_device()) return;
     const Result<std::vector<DeviceInfo>> infos = list_devices();
     REQUIRE(infos);
@@ -36,7 +36,7 @@ TEST_CASE("a device that does not exist is refused with the list of those that d
     }
 }
 
-TEST_CASE("each usable device can be had by its index and by part of its name") {
+TEST_CASE("each usable device can be selected by its index and by part of its name") {
     if (!make_device()) return;
     const Result<std::vector<DeviceInfo>> infos = list_devices();
     REQUIRE(infos);
@@ -61,7 +61,7 @@ TEST_CASE("the automatic choice is the best kind of device") {
         if (info.problem.empty()) CHECK(device->info().kind <= info.kind);
 }
 
-TEST_CASE("validation hears a mistake, and a leak when the device goes") {
+TEST_CASE("validation reports a misuse, and a leak at the device's destruction") {
     std::unique_ptr<Device> device = make_device();
     if (!device) return;
     if (Result<std::unique_ptr<Device>> layer = Device::create({.validation = true}); !layer) return;
@@ -73,7 +73,7 @@ TEST_CASE("validation hears a mistake, and a leak when the device goes") {
     CHECK_FALSE(device->validation_messages().empty());
     vkDestroyBuffer(device->handle(), buffer, nullptr);
 
-#if !defined(__SANITIZE_ADDRESS__) // it would report the driver's side of the leak
+#if !defined(__SANITIZE_ADDRESS__) // LeakSanitizer would report the driver's memory of the leaked object
     const auto messages = device->share_validation_messages();
     const size_t before = messages->size();
     const VkFenceCreateInfo fence_info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
@@ -84,14 +84,14 @@ TEST_CASE("validation hears a mistake, and a leak when the device goes") {
 #endif
 }
 
-TEST_CASE("a match of clocks carries timestamps over in both directions") {
+TEST_CASE("a clock match converts timestamps before and after it") {
     const ClockMatch match{.ticks = 1'000, .nanoseconds = 5'000, .period = 40.0};
     CHECK(match.host(1'000) == 5'000);
     CHECK(match.host(1'010) == 5'400);
     CHECK(match.host(990) == 4'600);
 }
 
-TEST_CASE("both clocks are read together, and neither runs backwards") {
+TEST_CASE("both clocks are sampled together, and neither runs backwards") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     const std::optional<ClockMatch> first = device->match_clocks(), second = device->match_clocks();

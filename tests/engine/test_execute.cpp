@@ -1,4 +1,4 @@
-// The execute half of the frame graph: plans of transfers, whose results can be read back.
+// The execute half of the frame graph, with plans of transfers whose results are read back.
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -28,14 +28,14 @@ void run(GraphExecutor& executor, const Device& device, FrameGraph&& graph, cons
     commands.wait();
 }
 
-constexpr int64_t max_deviation = 1'000'000; // ns, between the clocks of host and device
+constexpr int64_t max_deviation = 1'000'000; // between the clocks of host and device, nanoseconds
 
 int64_t now() {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Fills a chain of transients, each copied from the one before, and ends in `result`: with aliasing memory, a
-// missing barrier or a wrong offset shows as a wrong value or as a validation message.
+// Declares a chain of copies through transients that ends in `result`. The transients share memory, so a missing
+// barrier or a wrong offset gives a wrong value or a validation message.
 void copy_chain(FrameGraph& graph, External& external, const DeviceBuffer& result, uint32_t value, int links) {
     const BufferDesc desc{result.size()};
     Buffer from = graph.create_buffer("link 0", desc);
@@ -69,7 +69,7 @@ TEST_CASE("every access has stages, and usage where a pass may declare it") {
         const auto access = static_cast<Access>(i);
         CAPTURE(to_string(access));
         CHECK(to_vulkan(access).stages != 0);
-        if (traits(access).kinds == 0) continue; // only at the edge of a frame
+        if (traits(access).kinds == 0) continue; // legal only as an initial or final access
         CHECK((to_vulkan(access).image_usage != 0) == traits(access).images);
         CHECK((to_vulkan(access).buffer_usage != 0) == traits(access).buffers);
         CHECK(to_vulkan(access).access != 0);
@@ -85,7 +85,7 @@ TEST_CASE("an empty graph runs") {
     CHECK(device->validation_messages().empty());
 }
 
-TEST_CASE("values pass through transients that share memory, in graphs that change from run to run") {
+TEST_CASE("values are copied through transients that share memory, in graphs that change from run to run") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     GraphExecutor executor(*device);
@@ -113,7 +113,7 @@ TEST_CASE("values pass through transients that share memory, in graphs that chan
     CHECK(device->validation_messages().empty());
 }
 
-TEST_CASE("uploaded bytes arrive, and empty uploads are nothing") {
+TEST_CASE("uploads copy their bytes, and empty uploads are skipped") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     upload(*device, {});
@@ -132,11 +132,12 @@ TEST_CASE("uploaded bytes arrive, and empty uploads are nothing") {
     CHECK(device->validation_messages().empty());
 }
 
-TEST_CASE("memory that no device has is an error, not a crash") {
+TEST_CASE("an allocation without an allowed memory type is an error") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     const auto allocate = [&]() -> Result<void> {
-        const VkDeviceMemory memory = allocate_memory(*device, 1024, 0, MemoryKind::device); // no type is allowed
+        const VkDeviceMemory memory =
+            allocate_memory(*device, 1024, 0, MemoryKind::device); // no memory type is allowed
         vkFreeMemory(device->handle(), memory, nullptr);
         return {};
     };

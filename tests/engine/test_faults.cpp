@@ -1,5 +1,5 @@
-// What the engine answers when the machine fails it. The failures are made to order (engine/gpu/fault.h);
-// those of windows are in test_present.cpp, those of the whole program in tests/tools.
+// The engine's response to failures of the machine, which are injected (engine/gpu/fault.h). Failures of windows are in
+// test_present.cpp, and failures of the whole program in tests/tools.
 #include <algorithm>
 #include <array>
 #include <new>
@@ -20,7 +20,7 @@ bool has(const Error& error, const std::string& text) {
     return error.message.find(text) != std::string::npos;
 }
 
-// With the known scene.
+// A fixture whose renderer has the pieces of the known scene.
 struct KnownFixture : Fixture {
     KnownScene known;
 
@@ -31,7 +31,7 @@ struct KnownFixture : Fixture {
 
 } // namespace
 
-TEST_CASE("faults strike the calls that they are ordered for, and no others") {
+TEST_CASE("fault injection: exactly the chosen calls fail") {
     FaultInjector faults;
     int made = 0;
     const auto call = [&](Call kind) {
@@ -49,7 +49,7 @@ TEST_CASE("faults strike the calls that they are ordered for, and no others") {
     CHECK(made == 3);
     CHECK(faults.count(Call::allocate) == 4);
 
-    // Presenting is done all the same, and so is what brings a suboptimal image.
+    // The real call is made for a failed present and for a suboptimal acquire.
     faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR);
     faults.fail(Call::acquire, VK_SUBOPTIMAL_KHR);
     CHECK(call(Call::present) == VK_ERROR_OUT_OF_DATE_KHR);
@@ -59,14 +59,14 @@ TEST_CASE("faults strike the calls that they are ordered for, and no others") {
     faults.fail(Call::submit, VK_ERROR_DEVICE_LOST);
     CHECK(call(Call::submit) == VK_ERROR_DEVICE_LOST);
     CHECK(made == 5);
-    CHECK(call(Call::submit) == VK_ERROR_DEVICE_LOST); // for good
+    CHECK(call(Call::submit) == VK_ERROR_DEVICE_LOST); // permanent
     CHECK(call(Call::acquire) == VK_ERROR_DEVICE_LOST);
     CHECK(made == 5);
     CHECK(call(Call::wait) == VK_ERROR_DEVICE_LOST);
     CHECK(made == 6);
 }
 
-TEST_CASE("a plan of faults is read, and one that is none is refused with its words") {
+TEST_CASE("fault injection: a plan is parsed, and an invalid one is refused with its text") {
     FaultInjector faults;
     REQUIRE(faults.plan("allocate:-2:3:2,hide:multiDrawIndirect,submit:-4:1"));
     CHECK(faults.hides("multiDrawIndirect"));
@@ -88,7 +88,7 @@ TEST_CASE("a plan of faults is read, and one that is none is refused with its wo
     }
 }
 
-TEST_CASE("a feature that the device lacks is named, by the automatic choice and by index") {
+TEST_CASE("a missing feature is named in the error, for the automatic choice and for a choice by index") {
     FaultInjector faults;
     const std::unique_ptr<Device> whole = make_device();
     if (!whole) return;
@@ -103,7 +103,7 @@ TEST_CASE("a feature that the device lacks is named, by the automatic choice and
     }
 }
 
-TEST_CASE("without the validation layer, asking for it says what to install") {
+TEST_CASE("a request for a missing validation layer fails and says what to install") {
     FaultInjector faults;
     if (!make_device()) return;
     faults.hide("VK_LAYER_KHRONOS_validation");
@@ -113,7 +113,7 @@ TEST_CASE("without the validation layer, asking for it says what to install") {
     CHECK(has(device.error(), "vulkan-validationlayers"));
 }
 
-TEST_CASE("a device without surfaces or swapchains still draws pictures") {
+TEST_CASE("a device without surface or swapchain extensions still draws pictures") {
     for (const char* extension : {"VK_KHR_surface", "VK_KHR_swapchain"}) {
         FaultInjector faults;
         faults.hide(extension);
@@ -127,7 +127,7 @@ TEST_CASE("a device without surfaces or swapchains still draws pictures") {
     }
 }
 
-TEST_CASE("a device that does not start is named with the reason") {
+TEST_CASE("the failure to create a device names the device and the reason") {
     const std::unique_ptr<Device> whole = make_device();
     if (!whole) return;
     const struct {
@@ -146,11 +146,11 @@ TEST_CASE("a device that does not start is named with the reason") {
         REQUIRE_FALSE(device);
         CHECK(device.error().status == status);
         CHECK(has(device.error(), whole->info().name));
-        CHECK(Device::create({.select = whole->info().name, .faults = &faults})); // it was only that once
+        CHECK(Device::create({.select = whole->info().name, .faults = &faults})); // the fault covers one call
     }
 }
 
-TEST_CASE("memory that runs out at any allocation of a renderer is an error, and the next one succeeds") {
+TEST_CASE("out of memory at any allocation of Renderer::create() is an error, and the next attempt succeeds") {
     FaultInjector faults;
     const std::unique_ptr<Device> device = make_device(&faults);
     if (!device) return;
@@ -175,7 +175,7 @@ TEST_CASE("memory that runs out at any allocation of a renderer is an error, and
     CHECK(device->validation_messages().empty());
 }
 
-TEST_CASE("memory that runs out in set_pieces names the size, and the old pieces stay") {
+TEST_CASE("out of memory in set_pieces() names the size and keeps the old pieces") {
     KnownFixture f;
     if (!f) return;
     REQUIRE(f.renderer->set_pieces(f.known.pieces()));
@@ -194,16 +194,16 @@ TEST_CASE("memory that runs out in set_pieces names the size, and the old pieces
         CHECK(f.renderer->body_count() == 4);
         CHECK(f.draw().pixels == before.pixels);
     }
-    CHECK(refused == 3); // the arenas of vertices, normals and indices
+    CHECK(refused == 3); // one allocation each for the arenas of vertices, normals and indices
     CHECK(f.renderer->body_count() == 8);
 }
 
-TEST_CASE("memory that runs out while drawing fails that frame only") {
+TEST_CASE("out of memory in a frame fails that frame only") {
     KnownFixture f;
     if (!f) return;
     REQUIRE(f.renderer->set_pieces(f.known.pieces()));
     const Bitmap before = f.draw();
-    (void)f.draw(); // both frame slots have their buffers now
+    (void)f.draw(); // both frame slots now have their buffers
     const glm::uvec2 larger{200, 150};
     for (const Call kind : {Call::allocate, Call::map, Call::submit}) {
         for (uint32_t n = 1;; ++n) {
@@ -218,7 +218,7 @@ TEST_CASE("memory that runs out while drawing fails that frame only") {
     }
 }
 
-TEST_CASE("an exhausted host memory in a callback fails that frame only") {
+TEST_CASE("exhausted host memory in a callback fails that frame only") {
     KnownFixture f;
     if (!f) return;
     REQUIRE(f.renderer->set_pieces(f.known.pieces()));
@@ -231,7 +231,7 @@ TEST_CASE("an exhausted host memory in a callback fails that frame only") {
     CHECK(f.draw().pixels == before.pixels);
 }
 
-TEST_CASE("a lost device is reported by whatever meets it, and all can be destroyed") {
+TEST_CASE("a lost device is reported by every call that meets it, and all objects can be destroyed") {
     for (const Call kind : {Call::submit, Call::wait}) {
         KnownFixture f;
         if (!f) return;
@@ -256,17 +256,17 @@ TEST_CASE("a lost device is reported by whatever meets it, and all can be destro
     }
 }
 
-TEST_CASE("a device that is lost while pieces are copied to it keeps nothing alive") {
+TEST_CASE("after a device is lost during an upload, all staged memory is freed") {
     KnownFixture f;
     if (!f) return;
-    REQUIRE(f.renderer->set_pieces(f.known.pieces())); // for the next frame to copy
+    REQUIRE(f.renderer->set_pieces(f.known.pieces())); // the next frame uploads them
     f.faults.fail(Call::wait, VK_ERROR_DEVICE_LOST);
     const Result<Bitmap> image = f.renderer->render(f.known.scene, small);
     REQUIRE_FALSE(image);
     CHECK(image.error().status == Status::device_lost);
 }
 
-TEST_CASE("pieces whose frame fails come with the next one, moved to larger arenas or not") {
+TEST_CASE("pieces whose frame fails are uploaded by the next one, whether arenas grow or not") {
     KnownFixture f;
     if (!f) return;
     const std::vector<PieceMesh> pieces = f.known.pieces();
@@ -274,7 +274,7 @@ TEST_CASE("pieces whose frame fails come with the next one, moved to larger aren
     const Bitmap expected = f.draw();
     REQUIRE(f.renderer->set_pieces({}));
     int failed = 0;
-    for (size_t i = 0; i < pieces.size(); ++i) { // each outgrows the arenas
+    for (size_t i = 0; i < pieces.size(); ++i) { // each piece makes the arenas grow
         for (const Call kind : {Call::allocate, Call::map, Call::submit}) {
             REQUIRE(f.renderer->add_pieces({&pieces[i], 1}));
             f.faults.fail(kind, VK_ERROR_OUT_OF_DEVICE_MEMORY);
@@ -285,10 +285,10 @@ TEST_CASE("pieces whose frame fails come with the next one, moved to larger aren
     }
     CHECK(failed > 4);
     CHECK(f.renderer->stats().pieces == 12);
-    CHECK(f.draw().pixels == expected.pixels); // each piece three times in one place
+    CHECK(f.draw().pixels == expected.pixels); // every piece is there three times, at one pose
 }
 
-TEST_CASE("a device that hangs is reported like a lost one, with the time that it was given") {
+TEST_CASE("a hung device is reported as lost, with the timeout") {
     KnownFixture f;
     if (!f) return;
     REQUIRE(f.renderer->set_pieces(f.known.pieces()));
@@ -300,7 +300,7 @@ TEST_CASE("a device that hangs is reported like a lost one, with the time that i
     CHECK(has(image.error(), " s."));
 }
 
-TEST_CASE("a device that fails while it classifies leaves the fracture to the CPU, with the same pieces") {
+TEST_CASE("when the device fails during classification, the CPU classifies and the pieces are equal") {
     FaultInjector faults;
     const std::unique_ptr<Device> device = make_device(&faults);
     if (!device) return;

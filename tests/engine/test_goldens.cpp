@@ -1,5 +1,5 @@
-// Pictures of a known scene against those in tests/images. tools/update-goldens rewrites them; look at them
-// then.
+// Pictures of a known scene, compared with those in tests/images. tools/update-goldens rewrites them; inspect them
+// afterwards.
 
 #include <fstream>
 
@@ -14,12 +14,12 @@ namespace {
 
 constexpr glm::uvec2 size{480, 300};
 
-// On the CPU driver that made the goldens, images repeat byte for byte; GPUs round in their own ways.
+// The CPU driver that made the goldens reproduces them byte for byte; GPUs round differently.
 BitmapTolerance tolerance_of(const Device& device) {
     return device.is_cpu() ? BitmapTolerance{} : BitmapTolerance{.ignore = 3, .channel = 255, .fraction = 0.02};
 }
 
-// Quality is fixed, so that every device draws the same picture.
+// Quality is fixed, so that all devices draw one picture.
 void check_picture(const char* name, const Quality& quality, const std::function<void(Scene&)>& change,
                    std::span<const float> fades = {}) {
     const Fixture f(quality);
@@ -47,12 +47,12 @@ Quality four_samples() {
     return quality;
 }
 
-// What a GPU draws where nothing is said.
+// The default quality of a GPU.
 constexpr Quality best{.shadow_size = 2048, .soft_shadows = true, .samples = 4, .ambient_occlusion = true};
 
 } // namespace
 
-TEST_CASE("the driver that made the goldens is on record beside them") {
+TEST_CASE("goldens: the driver that made them is recorded beside them") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     const std::string path = golden_folder() + "/driver.txt";
@@ -60,39 +60,39 @@ TEST_CASE("the driver that made the goldens is on record beside them") {
     std::ifstream file(path);
     std::string line;
     REQUIRE(std::getline(file, line));
-    CHECK(line.find("LLVM") != std::string::npos); // the CPU driver's name says with which it was built
+    CHECK(line.find("LLVM") != std::string::npos); // lavapipe's name contains its version of LLVM
 }
 
-TEST_CASE("the known scene looks as it did") {
+TEST_CASE("goldens: the known scene") {
     check_picture("known_scene", plain, [](Scene&) {});
 }
 
-TEST_CASE("marks on top of the known scene look as they did") {
+TEST_CASE("goldens: marks on top of the known scene") {
     check_picture("marks_on_top", plain, [](Scene& scene) {
         scene.lines_on_top = true;
         scene.spheres_on_top = true;
     });
 }
 
-TEST_CASE("soft shadows look as they did") {
+TEST_CASE("goldens: soft shadows") {
     check_picture("soft_shadows", soft_shadows(), [](Scene& scene) {
         scene.lines = {};
         scene.spheres = {};
     });
 }
 
-TEST_CASE("smoothed edges look as they did") {
+TEST_CASE("goldens: four samples a pixel") {
     check_picture("four_samples", four_samples(), [](Scene&) {});
 }
 
-TEST_CASE("the known scene looks as it did at its best") {
+TEST_CASE("goldens: the known scene at the best quality") {
     check_picture("best_quality", best, [](Scene& scene) {
         scene.lines = {};
         scene.spheres = {};
     });
 }
 
-TEST_CASE("pieces that fade look as they did") {
+TEST_CASE("goldens: fading pieces") {
     const float fades[] = {0.25f, 0.5f, 0.75f, 0.0f};
     const auto no_marks = [](Scene& scene) {
         scene.lines = {};
@@ -102,7 +102,7 @@ TEST_CASE("pieces that fade look as they did") {
     check_picture("fading_best_quality", best, no_marks, fades);
 }
 
-TEST_CASE("smooth shading and the wireframe look as they did") {
+TEST_CASE("goldens: smooth shading and the wireframe") {
     check_picture("smooth", plain, [](Scene& scene) { scene.smooth = true; });
     check_picture("wireframe", four_samples(), [](Scene& scene) { scene.wireframe = true; });
 }

@@ -39,7 +39,7 @@ long double distance2(const Vec& x, const glm::dvec3& s) {
     return d.x * d.x + d.y * d.y + d.z * d.z;
 }
 
-// What a classifier says of a crossing triangle is true, by comparing all sites in extended precision.
+// Checks a classifier's sign pattern of a crossing triangle against all sites in extended precision.
 class PatternCheck {
   public:
     PatternCheck(const TriangleMesh& mesh, const Sites& sites) : mesh_(mesh), sites_(sites) {}
@@ -49,7 +49,7 @@ class PatternCheck {
     void check(const Triangle& t, const glm::uvec3& cells, uint32_t answer) {
         const bool certain = ((cells.x | cells.y | cells.z) & Classifier::uncertain) == 0;
         const bool three = certain && cells.x != cells.y && cells.y != cells.z && cells.z != cells.x;
-        uint32_t may_be = Classifier::crossing; // bits that have a meaning here
+        uint32_t may_be = Classifier::crossing; // the bits that may be set for this triangle
         for (uint32_t e = 0; e < 3; ++e) {
             const auto from = static_cast<int>(e), to = (from + 1) % 3, third = (from + 2) % 3;
             const uint32_t a = cells[from], b = cells[to];
@@ -82,7 +82,7 @@ class PatternCheck {
 
   private:
     [[nodiscard]] Vec corner(const Triangle& t, int k) const { return Vec(mesh_.positions[t[k]]); }
-    // Positive where x is nearer to a than to b.
+    // Positive if x is nearer to a than to b.
     [[nodiscard]] long double difference(const Vec& x, uint32_t a, uint32_t b) const {
         return distance2(x, sites_[b]) - distance2(x, sites_[a]);
     }
@@ -111,7 +111,7 @@ class PatternCheck {
     const Sites& sites_;
 };
 
-// Answers of a classifier that it is sure of are right, by comparing all sites in extended precision.
+// Checks a classifier's certain answers against all sites in extended precision.
 struct Answers {
     std::vector<uint32_t> vertices, triangles;
     size_t uncertain = 0;
@@ -159,7 +159,7 @@ uint64_t hash_of(const TriangleMesh& mesh, const Sites& sites, Classifier* class
 
 } // namespace
 
-TEST_CASE("the device's answers are right where it is sure") {
+TEST_CASE("GPU classifier: certain answers are right") {
     const auto device = engine::test::make_device();
     if (!device) return;
     const auto classifier = make_classifier(*device);
@@ -173,7 +173,7 @@ TEST_CASE("the device's answers are right where it is sure") {
     }
     SUBCASE("a bisector through rows of vertices") {
         const Answers answers = check_answers(*classifier, cubes, {{-0.25, 0.1, 0.1}, {0.25, 0.1, 0.1}});
-        CHECK(answers.uncertain >= 32); // those in the plane
+        CHECK(answers.uncertain >= 32); // the vertices in the bisector's plane
         CHECK(answers.uncertain < cubes.positions.size() / 2);
     }
     SUBCASE("few and many sites") {
@@ -198,7 +198,7 @@ TEST_CASE("the device's answers are right where it is sure") {
     CHECK(device->validation_messages().empty());
 }
 
-TEST_CASE("the device knows how nearly all crossing triangles cross, and is right") {
+TEST_CASE("GPU classifier: the signs of nearly all crossing triangles are decided, and right") {
     const auto device = engine::test::make_device();
     if (!device) return;
     const auto classifier = make_classifier(*device);
@@ -221,7 +221,7 @@ TEST_CASE("the device knows how nearly all crossing triangles cross, and is righ
     CHECK(device->validation_messages().empty());
 }
 
-TEST_CASE("a device without subgroup ballots gives the same answers") {
+TEST_CASE("GPU classifier: the answers do not depend on subgroup ballots") {
     engine::FaultInjector faults;
     faults.hide("subgroupBallot");
     const auto plain = engine::test::make_device(&faults);
@@ -237,7 +237,7 @@ TEST_CASE("a device without subgroup ballots gives the same answers") {
     CHECK(plain->validation_messages().empty());
 }
 
-TEST_CASE("pieces are the same with the device's help and without") {
+TEST_CASE("GPU classifier: pieces are equal with and without it") {
     const auto device = engine::test::make_device();
     if (!device) return;
     const auto classifier = make_classifier(*device);
@@ -248,7 +248,7 @@ TEST_CASE("pieces are the same with the device's help and without") {
             const Sites sites = uniform_sites(bounds(mesh), count, 7);
             CHECK(hash_of(mesh, sites, classifier.get()) == hash_of(mesh, sites, nullptr));
         }
-        // Bisectors through vertices: the device cannot tell, and says so.
+        // Bisectors through vertices: the device marks these vertices as uncertain.
         Sites own(mesh.positions.begin(), mesh.positions.begin() + 40);
         own.push_back(own.front());
         CHECK(hash_of(mesh, own, classifier.get()) == hash_of(mesh, own, nullptr));
@@ -256,8 +256,8 @@ TEST_CASE("pieces are the same with the device's help and without") {
     CHECK(device->validation_messages().empty());
 }
 
-// The benchmark's meshes, tools/bench/bench.cpp; the largest with fewer triangles, as a CPU driver takes long.
-TEST_CASE("pieces of the benchmark's meshes are the same with the device's help and without") {
+// The meshes of tools/bench/bench.cpp, the largest with fewer triangles, because a CPU driver is slow.
+TEST_CASE("GPU classifier: pieces of the benchmark's meshes are equal with and without it") {
     const auto device = engine::test::make_device();
     if (!device) return;
     const auto classifier = make_classifier(*device);
@@ -275,7 +275,7 @@ TEST_CASE("pieces of the benchmark's meshes are the same with the device's help 
     CHECK(device->validation_messages().empty());
 }
 
-TEST_CASE("a mesh that is smaller or larger than the one before is classified as well") {
+TEST_CASE("GPU classifier: meshes of any size may follow each other") {
     const auto device = engine::test::make_device();
     if (!device) return;
     const auto classifier = make_classifier(*device);
@@ -285,12 +285,12 @@ TEST_CASE("a mesh that is smaller or larger than the one before is classified as
     }
     const TriangleMesh ball = icosphere(1);
     std::vector<uint32_t> vertices(ball.positions.size()), triangles(ball.triangles.size());
-    CHECK_FALSE(classifier->finish(vertices, triangles)); // nothing was started
+    CHECK_FALSE(classifier->finish(vertices, triangles)); // without start()
     CHECK_FALSE(classifier->error().empty());
     CHECK(device->validation_messages().empty());
 }
 
-TEST_CASE("sites are sorted into the bins that they lie in, those outside into the nearest") {
+TEST_CASE("site bins: each site is in its bin, and a site outside the grid in the nearest one") {
     const Box box{glm::dvec3(-1.0), glm::dvec3(1.0)};
     Sites sites = uniform_sites(box, 500, 1);
     sites.push_back({9.0, 0.1, -7.0});

@@ -21,7 +21,7 @@ Plan compiled(FrameGraph& graph) {
     return test::compiled(graph, need_100);
 }
 
-// Compiles a graph that must be wrong.
+// Compiles a graph that has mistakes, and returns the error.
 std::string error_of(FrameGraph& graph) {
     const CompileResult result = std::move(graph).compile(need_100);
     REQUIRE_FALSE(result);
@@ -72,7 +72,7 @@ TEST_CASE("a default-made handle names nothing") {
     static_assert(!std::is_convertible_v<Image, Buffer>);
 }
 
-TEST_CASE("the planner's facts about each access agree with the tests' own table") {
+TEST_CASE("the traits of each access agree with the tests' own table") {
     for (const AccessFacts& f : facts_table) {
         CAPTURE(to_string(f.access));
         const AccessTraits& t = traits(f.access);
@@ -119,14 +119,14 @@ TEST_CASE("a write after a read waits for it") {
     });
     add(graph, "refill", T, [&](PassBuilder& p) { data = p.write(data, Access::transfer_write); });
     Plan plan = compiled(graph);
-    CHECK(plan.passes[0].barriers.empty()); // visible already, says the import
+    CHECK(plan.passes[0].barriers.empty()); // the import's initial access includes the read
     REQUIRE(plan.passes[1].barriers.size() == 1);
     CHECK(plan.passes[1].barriers[0].before == AccessSet(Access::vertex_read));
     CHECK(plan.passes[1].barriers[0].after == AccessSet(Access::transfer_write));
     check_sound(plan);
 }
 
-TEST_CASE("a write after a write waits for it and keeps or discards what was there") {
+TEST_CASE("a write after a write waits for it and keeps or discards the contents") {
     FrameGraph graph;
     Image colour = graph.import_image("colour", small_image, {.final = Access::transfer_read});
     add(graph, "fill", C, [&](PassBuilder& p) { colour = p.write(colour, Access::storage_write_compute); });
@@ -145,12 +145,12 @@ TEST_CASE("a write after a write waits for it and keeps or discards what was the
     colour = other.import_image("colour", small_image, {.initial = Access::sampled_fragment});
     add(other, "clear", G, [&](PassBuilder& p) { colour = p.write(colour, Access::colour_attachment); });
     plan = compiled(other);
-    CHECK(plan.passes[0].barriers.at(0).from == Layout::undefined); // yet it waits for the old readers
+    CHECK(plan.passes[0].barriers.at(0).from == Layout::undefined); // contents are discarded after the wait for readers
     CHECK(plan.passes[0].barriers.at(0).before == AccessSet(Access::sampled_fragment));
     check_sound(plan);
 }
 
-TEST_CASE("reads in a row in different stages share one barrier that names them all") {
+TEST_CASE("consecutive reads in different stages share one barrier with all their accesses") {
     FrameGraph graph;
     Image map = graph.create_image("map", small_image);
     add(graph, "make", G, [&](PassBuilder& p) { map = p.write(map, Access::depth_attachment); });
@@ -188,7 +188,7 @@ TEST_CASE("reads of an image in two layouts need a transition between them") {
     check_sound(plan);
 }
 
-TEST_CASE("a diamond runs its arms after its top and before its bottom") {
+TEST_CASE("a diamond of dependencies: both middle passes wait for the first, and the last for both") {
     FrameGraph graph;
     Buffer top = graph.create_buffer("top", small_buffer);
     Buffer left = graph.create_buffer("left", small_buffer);
@@ -227,7 +227,7 @@ TEST_CASE("a swapchain image goes from acquired to drawn to present") {
     add(graph, "draw", G, [&](PassBuilder& p) { target = p.write(target, Access::colour_attachment); });
     Plan plan = compiled(graph);
     const Plan::Barrier& first = plan.passes.at(0).barriers.at(0);
-    CHECK(first.before == AccessSet(Access::acquired)); // else the transition would not wait for the semaphore
+    CHECK(first.before == AccessSet(Access::acquired)); // so that the transition waits for the semaphore
     CHECK(first.from == Layout::undefined);
     CHECK(first.to == Layout::attachment);
     const Plan::Barrier& last = plan.final_barriers.at(0);
@@ -272,7 +272,7 @@ TEST_CASE("a write waits for both reads of a pass of which the import covers onl
     check_sound(plan);
 }
 
-TEST_CASE("a final read joins the reads in a row before it") {
+TEST_CASE("a final read joins the consecutive reads before it") {
     FrameGraph graph;
     Image history = graph.import_image("history", small_image, {.final = Access::sampled_compute});
     add(graph, "make", G, [&](PassBuilder& p) { history = p.write(history, Access::colour_attachment); });
@@ -288,7 +288,7 @@ TEST_CASE("a final read joins the reads in a row before it") {
 
 // --- Culling ---------------------------------------------------------------------------------------------
 
-TEST_CASE("passes that no output needs are culled, chains and all") {
+TEST_CASE("passes that no output needs are culled, whole chains included") {
     FrameGraph graph;
     Buffer a = graph.create_buffer("a", small_buffer);
     Buffer b = graph.create_buffer("b", small_buffer);
@@ -318,7 +318,7 @@ TEST_CASE("a write that replaces the image culls earlier writes, one that loads 
     }
 }
 
-TEST_CASE("two copies into one buffer both live, for each may write a part") {
+TEST_CASE("two copies into one buffer are both live, because each may write a part") {
     FrameGraph graph;
     Buffer readback = graph.import_buffer("readback", small_buffer, {.final = Access::host_read});
     add(graph, "low half", T, [&](PassBuilder& p) { readback = p.write(readback, Access::transfer_write); });
@@ -328,7 +328,7 @@ TEST_CASE("two copies into one buffer both live, for each may write a part") {
 
 // --- Memory ----------------------------------------------------------------------------------------------
 
-TEST_CASE("a chain of passes lives in the memory of two images") {
+TEST_CASE("a chain of passes needs the memory of two images") {
     FrameGraph graph;
     std::vector<Image> images;
     for (int i = 0; i < 8; ++i) {
@@ -342,7 +342,7 @@ TEST_CASE("a chain of passes lives in the memory of two images") {
     Plan plan = compiled(graph);
     REQUIRE(plan.heaps.size() == 1);
     CHECK(plan.heaps[0].size == 200);
-    // Image 2 takes the bytes of image 0, which pass 1 sampled last.
+    // Image 2 reuses the bytes of image 0, whose last access is in pass 1.
     const std::vector<Plan::Barrier>& barriers = plan.passes[2].barriers;
     const auto born = std::find_if(barriers.begin(), barriers.end(),
                                    [&](const Plan::Barrier& b) { return b.resource == images[2].resource(); });
@@ -402,14 +402,14 @@ TEST_CASE("the plan carries each pass's execute function") {
 
 // --- Impossible graphs -----------------------------------------------------------------------------------
 
-TEST_CASE("reading a transient before any write is refused by name") {
+TEST_CASE("reading a transient before any write is an error with its name") {
     FrameGraph graph;
     const Image shadow = graph.create_image("shadow", small_image);
     add(graph, "shade", G, [&](PassBuilder& p) { p.read(shadow, Access::sampled_fragment); });
     CHECK(error_of(graph) == "pass 'shade' reads 'shadow' as sampled_fragment, but no pass wrote it before");
 }
 
-TEST_CASE("loading what was never written is refused by name") {
+TEST_CASE("loading an attachment that was never written is an error with its name") {
     FrameGraph graph;
     Image target = graph.import_image("target", small_image, {.initial = Access::acquired});
     add(graph, "overlay", G, [&](PassBuilder& p) { target = p.write(target, Access::colour_attachment_load); });
@@ -419,7 +419,7 @@ TEST_CASE("loading what was never written is refused by name") {
              "pass wrote it before");
 }
 
-TEST_CASE("a dead handle is refused with the pass that killed it") {
+TEST_CASE("the use of a dead handle is an error that names the pass which replaced it") {
     FrameGraph graph;
     const Buffer data = graph.create_buffer("data", small_buffer);
     add(graph, "make", C, [&](PassBuilder& p) { (void)p.write(data, Access::storage_write_compute); });
@@ -438,7 +438,7 @@ TEST_CASE("a dead handle is refused with the pass that killed it") {
     }
 }
 
-TEST_CASE("writing a read-only import is refused by name") {
+TEST_CASE("writing a read-only import is an error with its name") {
     FrameGraph graph;
     const Buffer arena =
         graph.import_buffer("arena", small_buffer, {.initial = Access::vertex_read, .read_only = true});
@@ -446,7 +446,7 @@ TEST_CASE("writing a read-only import is refused by name") {
     CHECK(error_of(graph) == "pass 'scribble' writes 'arena' as transfer_write, but it is imported as read-only");
 }
 
-TEST_CASE("an access that the resource, the pass or the direction does not allow is refused by name") {
+TEST_CASE("an access that does not fit the resource, the pass or the direction is an error with its name") {
     FrameGraph graph;
     const Buffer data = graph.create_buffer("data", small_buffer);
     const Image image = graph.create_image("image", small_image);
@@ -481,7 +481,7 @@ TEST_CASE("an access that the resource, the pass or the direction does not allow
     }
 }
 
-TEST_CASE("conflicting uses of one resource in one pass are refused by name") {
+TEST_CASE("conflicting uses of one resource in one pass are an error with its name") {
     FrameGraph graph;
     Image image = graph.import_image("image", small_image, {.initial = Access::sampled_fragment});
     SUBCASE("read and write") {
@@ -516,7 +516,7 @@ TEST_CASE("conflicting uses of one resource in one pass are refused by name") {
     }
 }
 
-TEST_CASE("several reads of one resource in one pass are one use each and no conflict") {
+TEST_CASE("several reads of one resource in one pass do not conflict") {
     FrameGraph graph;
     const Buffer arena = graph.import_buffer("arena", small_buffer, {.initial = Access::transfer_write});
     add(graph, "draw", G, [&](PassBuilder& p) {
@@ -531,7 +531,7 @@ TEST_CASE("several reads of one resource in one pass are one use each and no con
     check_sound(plan);
 }
 
-TEST_CASE("impossible resources are refused by name") {
+TEST_CASE("impossible resources are errors with their names") {
     FrameGraph graph;
     SUBCASE("zero-sized image") {
         (void)graph.create_image("minimised", {.width = 0, .height = 720});
@@ -566,7 +566,7 @@ TEST_CASE("impossible resources are refused by name") {
     }
 }
 
-TEST_CASE("handles that name nothing in the graph are refused") {
+TEST_CASE("handles that are not of the graph are errors") {
     FrameGraph graph, other;
     const Image foreign = other.create_image("foreign", small_image);
     const Buffer data = graph.create_buffer("data", small_buffer);

@@ -35,8 +35,7 @@ MemoryNeed random_need(const Plan::Resource& resource) {
     return {.size = 1 + random.below(300), .alignment = 1u << random.below(7), .memory_class = random.below(8) == 0};
 }
 
-// A random legal graph, with what the test itself knows of it: for each pass the passes whose results it
-// needs.
+// A random legal graph, with the test's own record of the passes whose results each pass needs.
 class RandomGraph {
   public:
     explicit RandomGraph(std::uint64_t seed) : random_(seed) {
@@ -48,7 +47,7 @@ class RandomGraph {
 
     FrameGraph graph;
 
-    // Names of the passes from which an output can be reached.
+    // Returns the names of the passes that an output depends on.
     [[nodiscard]] std::set<std::string> expected_live() const {
         std::set<std::string> live;
         for (std::size_t p = 0; p < passes_.size(); ++p)
@@ -58,7 +57,7 @@ class RandomGraph {
         return live;
     }
 
-    // Whether the plan repeats each live pass as it was declared.
+    // Returns whether the plan has every live pass as declared.
     [[nodiscard]] bool repeats_declaration(const Plan& plan) const {
         const auto same = [](const Plan::Use& a, const Plan::Use& b) {
             return a.resource == b.resource && a.version == b.version && a.access == b.access;
@@ -74,7 +73,7 @@ class RandomGraph {
         bool is_image, imported, read_only, defined;
         Image image;
         Buffer buffer;
-        int writer = -1; // pass that made the newest version
+        int writer = -1; // the pass that made the newest version
         std::uint32_t version = 0;
         [[nodiscard]] std::uint32_t index() const { return is_image ? image.resource() : buffer.resource(); }
     };
@@ -111,7 +110,7 @@ class RandomGraph {
             resource.defined = !import.initial.empty() && import.initial != AccessSet(Access::acquired);
             resource.read_only = resource.defined && random_.below(4) == 0;
             import.read_only = resource.read_only;
-            // A reading final access wants contents; without them the graph would rightly be refused.
+            // A final access that reads needs contents; without them, compile() rightly fails.
             static const AccessSet final_edges[][3] = {
                 {{}, Access::host_read, Access::vertex_read | Access::storage_read_compute},
                 {{}, Access::present, Access::sampled_compute}};
@@ -144,7 +143,7 @@ class RandomGraph {
             [](PassContext&) {});
     }
 
-    // All accesses that a pass of this kind may now make to the resource.
+    // Returns all accesses that a pass of this kind may make to the resource at this point.
     [[nodiscard]] std::vector<AccessFacts> legal(const Resource& resource, const Pass& pass, PassKind kind) const {
         std::vector<AccessFacts> out;
         for (const AccessFacts& f : facts_table) {
@@ -211,7 +210,7 @@ TEST_CASE("random graphs: every hazard has a barrier, no barrier is superfluous,
                 aliased += barrier.aliasing;
             }
     }
-    // The graphs are worth the name.
+    // The random graphs cover every mechanism.
     MESSAGE(live, " live passes, ", culled, " culled, ", barriers, " barriers, ", aliased, " of them aliasing");
     CHECK(live > 3000);
     CHECK(culled > 1000);

@@ -1,4 +1,4 @@
-// Which piece each pixel shows.
+// Piece ids: the handle of the piece that each pixel shows.
 #include <algorithm>
 
 #include "renderer_fixture.h"
@@ -17,7 +17,7 @@ IdImage ids_of(const Fixture& f, const Scene& scene, glm::uvec2 size = small) {
 
 } // namespace
 
-TEST_CASE("without pieces no pixel has a number, and a size of nothing is refused") {
+TEST_CASE("piece ids: without pieces every pixel is 0, and an empty size is refused") {
     const Fixture f;
     if (!f) return;
     Scene scene = empty_stage();
@@ -33,8 +33,8 @@ TEST_CASE("without pieces no pixel has a number, and a size of nothing is refuse
     CHECK(std::ranges::count(ids_of(f, scene).ids, 0u) == small.x * small.y);
 }
 
-TEST_CASE("a pixel has a number exactly where the picture shows a piece") {
-    for (const uint32_t samples : {1u, 4u}) { // numbers have one sample whatever the quality
+TEST_CASE("piece ids: a pixel has an id exactly where the picture shows a piece") {
+    for (const uint32_t samples : {1u, 4u}) { // ids have one sample at every quality
         const Fixture f({.shadow_size = 512, .soft_shadows = false, .samples = samples, .ambient_occlusion = false});
         if (!f) return;
         KnownScene known;
@@ -60,10 +60,10 @@ TEST_CASE("a pixel has a number exactly where the picture shows a piece") {
     }
 }
 
-TEST_CASE("the piece in front has the pixel, and interiors are their piece's") {
+TEST_CASE("piece ids: the nearest piece has the pixel, with exterior or interior face") {
     const Fixture f;
     if (!f) return;
-    // In a row away from the camera, and one at the side that shares a body with the first.
+    // A row of pieces away from the camera, and one at the side that shares a body with the first.
     const Shape cube = box(glm::vec3(0.3f), 3);
     Shape beside = cube;
     for (glm::vec3& p : beside.positions) p.x += 1.0f;
@@ -83,7 +83,7 @@ TEST_CASE("the piece in front has the pixel, and interiors are their piece's") {
     CHECK(ids_of(f, scene).at(small.x / 2 + 21, small.y / 2) == 0);
 }
 
-TEST_CASE("numbers that were asked for between two pictures leave no trace in them") {
+TEST_CASE("piece ids: render_ids() between two pictures does not change them") {
     const Fixture f;
     if (!f) return;
     KnownScene known;
@@ -97,7 +97,7 @@ TEST_CASE("numbers that were asked for between two pictures leave no trace in th
     known.poses[3].position.y += 0.3f;
     known.scene.moved = true;
     (void)ids_of(f, known.scene);
-    known.scene.moved = false; // since the numbers
+    known.scene.moved = false; // nothing moved after render_ids()
     const Bitmap after = f.draw(known.scene);
     CHECK(f.renderer->stats().shadow_drawn);
     known.scene.moved = true;

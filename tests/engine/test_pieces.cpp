@@ -1,4 +1,5 @@
-// Pieces that come, fade and go between frames; the oracle is the same set, set at once.
+// Pieces that are added, faded and removed between frames. The oracle is a call of set_pieces() with the remaining
+// pieces.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,14 +19,14 @@ using namespace brittle::engine::test;
 
 namespace {
 
-// A piece of its own shape at its own place, on a grid in the x-y plane; its body is its number.
+// Piece `number`, with its own shape and its own place on a grid in the x-y plane. Its body index is its number.
 struct Made {
     Shape shape;
     uint32_t body;
 
     explicit Made(uint32_t number) : body(number) {
         const float size = 0.04f + 0.01f * static_cast<float>(number % 7);
-        // Every twelfth is large enough to be staged.
+        // Every twelfth piece is large enough to be staged.
         shape = number % 3 == 0 ? icosphere(size, number % 12 == 0 ? 4 : static_cast<int>(number % 2))
                                 : box({size, size * 0.7f, size * 0.5f}, number % 5);
         for (glm::vec3& p : shape.positions)
@@ -42,7 +43,7 @@ std::vector<PieceHandle> add(const Fixture& f, std::span<const PieceMesh> meshes
     return *std::move(handles);
 }
 
-// Each in a batch of its own.
+// Adds each piece as a batch of its own.
 std::vector<PieceHandle> add_staged(const Fixture& f, std::span<const PieceMesh> meshes) {
     std::vector<PieceBatch> batches;
     for (const PieceMesh& mesh : meshes) {
@@ -61,7 +62,7 @@ IdImage ids_of(const Fixture& f, const Scene& scene) {
     return *std::move(image);
 }
 
-// What batches are compared with; nothing is there afterwards.
+// Draws the meshes with set_pieces(), for comparison, and removes them again.
 Bitmap drawn_at_once(const Fixture& f, const KnownScene& known) {
     REQUIRE(f.renderer->set_pieces(known.pieces()));
     Bitmap picture = f.draw(known.scene);
@@ -71,7 +72,7 @@ Bitmap drawn_at_once(const Fixture& f, const KnownScene& known) {
 
 } // namespace
 
-TEST_CASE("no pieces are added and removed without a word, and unknown handles are refused") {
+TEST_CASE("adding or removing no pieces succeeds, and unknown handles are refused") {
     const Fixture f;
     if (!f) return;
     CHECK(add(f, {}).empty());
@@ -102,7 +103,7 @@ TEST_CASE("no pieces are added and removed without a word, and unknown handles a
     CHECK(f.renderer->stats().pieces == 0);
 }
 
-TEST_CASE("pieces that contradict themselves add nothing") {
+TEST_CASE("invalid pieces are refused, and none is added") {
     const Fixture f;
     if (!f) return;
     const Made made(1);
@@ -139,7 +140,7 @@ TEST_CASE("pieces without triangles or vertices have a handle and a body, and no
     CHECK(f.renderer->stats().draws == 0);
 }
 
-TEST_CASE("a batch made on another thread is drawn like the meshes it was made of") {
+TEST_CASE("a batch created on another thread is drawn like its meshes") {
     const Fixture f;
     if (!f) return;
     const KnownScene known;
@@ -151,12 +152,12 @@ TEST_CASE("a batch made on another thread is drawn like the meshes it was made o
     CHECK(f.draw(known.scene).pixels == expected.pixels);
 }
 
-TEST_CASE("batches added together, with bodies and tints given later, are drawn like the meshes they were made of") {
+TEST_CASE("batches added together, with bodies and tints assigned later, are drawn like their meshes") {
     const Fixture f;
     if (!f) return;
     const KnownScene known;
     const Bitmap expected = drawn_at_once(f, known);
-    std::vector<PieceBatch> batches(1); // one of nothing
+    std::vector<PieceBatch> batches(1); // an empty batch
     for (const PieceMesh& piece : known.pieces()) {
         PieceMesh plain = piece;
         plain.body = 99;
@@ -170,13 +171,13 @@ TEST_CASE("batches added together, with bodies and tints given later, are drawn 
     CHECK(f.draw(known.scene).pixels == expected.pixels);
 }
 
-TEST_CASE("whatever came and went, pictures, numbers and counts are those of what is left") {
+TEST_CASE("after any additions and removals, pictures, ids and counts are those of the remaining pieces") {
     const Fixture changed, fresh;
     if (!changed) return;
     std::mt19937 random(11);
     std::vector<Made> all;
     for (uint32_t i = 0; i < 96; ++i) all.emplace_back(i);
-    std::map<PieceHandle, uint32_t> live; // by handle: in the order of adding
+    std::map<PieceHandle, uint32_t> live; // piece number by handle, hence in the order of adding
     const auto remove = [&](uint32_t count) {
         std::vector<PieceHandle> gone;
         while (gone.size() < std::min<size_t>(count, live.size())) {
@@ -190,7 +191,7 @@ TEST_CASE("whatever came and went, pictures, numbers and counts are those of wha
     scene.ground = true;
     scene.ground_height = -0.8f;
     for (int round = 0; round < 120; ++round) {
-        // Several changes between two frames, among them some that take back what was not drawn yet.
+        // Several changes between two frames; some remove pieces that no frame has drawn yet.
         for (uint32_t change = random() % 4; change > 0; --change) {
             if (random() % 12 == 0) {
                 REQUIRE(changed.renderer->set_pieces({}));
@@ -212,7 +213,7 @@ TEST_CASE("whatever came and went, pictures, numbers and counts are those of wha
                 for (size_t i = 0; i < handles.size(); ++i) live[handles[i]] = numbers[i];
             }
         }
-        scene.moved = round % 3 == 0; // changes of pieces make a kept shadow map invalid by themselves
+        scene.moved = round % 3 == 0; // changes of pieces invalidate the shadow map by themselves
         std::vector<PieceMesh> meshes;
         std::vector<PieceHandle> expected_handles;
         for (const auto& [handle, number] : live) {
@@ -229,7 +230,7 @@ TEST_CASE("whatever came and went, pictures, numbers and counts are those of wha
         REQUIRE(is.pieces_in_view == should.pieces_in_view);
         REQUIRE(is.draws == should.draws);
         REQUIRE(is.triangles == should.triangles);
-        // One renderer may have kept its shadow map, where nothing changed.
+        // One of the renderers may have reused its shadow map if nothing changed.
         REQUIRE(is.indirect_calls == (is.draws == 0 ? 0u : is.shadow_drawn ? 2u : 1u));
         if (round % 4 != 0) continue;
         const IdImage ids = ids_of(changed, scene), should_ids = ids_of(fresh, scene);
@@ -242,7 +243,7 @@ TEST_CASE("whatever came and went, pictures, numbers and counts are those of wha
     }
 }
 
-TEST_CASE("ten thousand pieces that come and go need no more memory than the first few") {
+TEST_CASE("ten thousand pieces added and removed in turn need no more memory than the first few") {
     Fixture f;
     if (!f) return;
     std::mt19937 random(3);
@@ -252,7 +253,7 @@ TEST_CASE("ten thousand pieces that come and go need no more memory than the fir
     std::vector<PieceHandle> live;
     uint32_t allocations = 0;
     for (int cycle = 0; cycle < 10000; ++cycle) {
-        // The first are the largest, so that no later frame needs more than one of those did.
+        // The first pieces are the largest, so that no later frame needs more memory.
         const Shape& shape = cycle < 200 ? large : shapes[random() % shapes.size()];
         const PieceMesh mesh = shape.piece(static_cast<uint32_t>(cycle % 32));
         live.push_back(add(f, {&mesh, 1})[0]);
@@ -268,7 +269,7 @@ TEST_CASE("ten thousand pieces that come and go need no more memory than the fir
     CHECK(f.renderer->stats().pieces <= 32);
 }
 
-TEST_CASE("fading leaves out more and more pixels, and the same ones each time") {
+TEST_CASE("fading discards a growing, reproducible set of pixels") {
     for (const uint32_t samples : {1u, 4u}) {
         Quality quality = plain_quality;
         quality.samples = samples;
@@ -311,14 +312,14 @@ TEST_CASE("fading leaves out more and more pixels, and the same ones each time")
     }
 }
 
-TEST_CASE("where a piece fades the picture is that of what is behind, elsewhere that of the piece") {
+TEST_CASE("each pixel of a fading piece shows either the piece or the background behind it") {
     const Fixture f;
     if (!f) return;
     const Shape cube = box(glm::vec3(0.5f));
     const PieceMesh meshes[] = {cube.piece(0), cube.piece(1, {0.2f, 0.4f, 1.0f})};
     const std::vector<PieceHandle> handles = add(f, meshes);
     Scene scene = empty_stage();
-    scene.look.sun = glm::vec3(0.0f); // no shadows, so that pixels have nothing to do with each other
+    scene.look.sun = glm::vec3(0.0f); // without shadows, pixels are independent of each other
     scene.write_poses = [](std::span<BodyPose> poses, uint64_t) { poses[1].position = {0.3f, 0.1f, -1.2f}; };
     for (const bool smooth : {false, true}) {
         scene.smooth = smooth;
@@ -343,14 +344,14 @@ TEST_CASE("the shadow of a piece fades with it") {
     const Shape cube = box(glm::vec3(0.5f));
     const PieceMesh piece = cube.piece(0);
     const std::vector<PieceHandle> handles = add(f, {&piece, 1});
-    // Seen from above is the ground alone, where the shadow falls.
+    // The camera looks down on the ground where the shadow falls; the piece is outside the picture.
     Scene scene{.camera = {{3.0f, 3.0f, 0.001f}, {3.0f, 0.0f, 0.0f}, 0.3f},
                 .bounds = {{-0.5f, 2.5f, -0.5f}, {0.5f, 3.5f, 0.5f}}};
     scene.write_poses = [](std::span<BodyPose> poses, uint64_t) { poses[0].position = {0.0f, 3.0f, 0.0f}; };
     scene.look.to_light = {-1.0f, 1.0f, 0.0f};
     const auto brightness = [&](float fade) {
         REQUIRE(f.renderer->fade_pieces(handles, fade));
-        scene.moved = false; // a change of fade draws the shadow map again by itself
+        scene.moved = false; // a change of fade invalidates the shadow map by itself
         const Bitmap image = f.draw(scene);
         CHECK(f.renderer->stats().shadow_drawn);
         double sum = 0.0;
@@ -364,7 +365,7 @@ TEST_CASE("the shadow of a piece fades with it") {
     CHECK_FALSE(f.renderer->stats().shadow_drawn);
 }
 
-TEST_CASE("draws from front to back are the same draws, nearest piece first, pieces that fade last") {
+TEST_CASE("front-to-back order keeps the draws and sorts them by distance, fading pieces last") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     PieceArena arena(*device);
@@ -384,7 +385,7 @@ TEST_CASE("draws from front to back are the same draws, nearest piece first, pie
         pose.scale = static_cast<float>(random() % 3);
     }
     poses[3].position.x = poses[23].position.y = std::numeric_limits<float>::quiet_NaN();
-    poses[5] = poses[6]; // not equally far: each has its place in its body
+    poses[5] = poses[6]; // their distances still differ, because each piece is offset in its body
     const glm::vec3 eye(1.0f, 2.0f, -3.0f);
 
     struct Lists {
@@ -417,7 +418,7 @@ TEST_CASE("draws from front to back are the same draws, nearest piece first, pie
         if (i == 0 || i == arena.solid_draws()) continue;
         CHECK(distance(sorted.data[i - 1]) <= distance(sorted.data[i]) + 1e-5f);
         const bool same = sorted.data[i - 1].piece == sorted.data[i].piece;
-        if (same) CHECK(sorted.data[i - 1].material < sorted.data[i].material); // side by side
+        if (same) CHECK(sorted.data[i - 1].material < sorted.data[i].material); // consecutive ranges of one piece
     }
     CHECK(is != should);
     std::ranges::sort(is);
@@ -425,7 +426,7 @@ TEST_CASE("draws from front to back are the same draws, nearest piece first, pie
     CHECK(is == should);
 }
 
-TEST_CASE("the order of draws changes no picture") {
+TEST_CASE("the draw order changes no picture") {
     Quality quality = plain_quality;
     quality.front_to_back = false;
     const Fixture as_added(quality);

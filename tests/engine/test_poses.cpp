@@ -1,4 +1,5 @@
-// What a caller has to write of the poses: only what changed since the slice of the frame was written.
+// Scene::write_poses and Scene::moment: a caller writes only the poses that changed since a frame slot was last
+// written.
 #include <algorithm>
 #include <random>
 #include <stdexcept>
@@ -10,13 +11,13 @@ using namespace brittle::engine::test;
 
 namespace {
 
-// Bodies in a row, with the moment at which each last changed.
+// Bodies in a row, and the moment at which each last moved.
 struct Row {
     Shape cube = box(glm::vec3(0.12f));
     std::vector<BodyPose> poses;
     std::vector<uint64_t> changed;
     uint64_t moment = 0;
-    uint64_t since = 0; // of the newest call
+    uint64_t since = 0; // argument of the newest call
     size_t written = 0;
 
     explicit Row(size_t count) : poses(count), changed(count) {
@@ -53,7 +54,7 @@ struct Row {
 
 } // namespace
 
-TEST_CASE("poses of scenes that count no moments are written whole each time") {
+TEST_CASE("poses: without a moment, all are written in each frame") {
     const Fixture f;
     if (!f) return;
     Row row(3);
@@ -67,7 +68,7 @@ TEST_CASE("poses of scenes that count no moments are written whole each time") {
     }
 }
 
-TEST_CASE("bodies at rest are written once a frame in flight, and what moves is written into each") {
+TEST_CASE("poses: a resting body is written once for each frame in flight, a moving one in each frame") {
     const Fixture f;
     if (!f) return;
     Row row(6);
@@ -85,7 +86,7 @@ TEST_CASE("bodies at rest are written once a frame in flight, and what moves is 
     }
 }
 
-TEST_CASE("pictures of poses that were written in parts are those of poses written whole") {
+TEST_CASE("poses: partial writes give the pictures of complete writes") {
     const Fixture parts, whole;
     if (!parts) return;
     std::mt19937 random(5);
@@ -97,7 +98,7 @@ TEST_CASE("pictures of poses that were written in parts are those of poses writt
     for (int frame = 0; frame < 80; ++frame) {
         for (uint32_t n = random() % 3; n > 0; --n)
             row.move(random() % row.poses.size(), static_cast<float>(random() % 100) * 0.01f - 0.5f);
-        // Now and then something that takes the slices away: another caller, other pieces, a time before.
+        // Sometimes an event that invalidates the poses: another caller, other pieces, an earlier moment.
         const uint32_t event = random() % 12;
         if (event == 0) (void)parts.draw(empty_stage());
         if (event == 1) REQUIRE(parts.renderer->warm_up());
@@ -113,7 +114,7 @@ TEST_CASE("pictures of poses that were written in parts are those of poses writt
     CHECK(spared > 100);
 }
 
-TEST_CASE("a body that is new to the renderer, or a moment before the last, has all written again") {
+TEST_CASE("poses: a new body or an earlier moment makes the renderer request all poses") {
     const Fixture f;
     if (!f) return;
     Row row(4);
@@ -139,7 +140,7 @@ TEST_CASE("a body that is new to the renderer, or a moment before the last, has 
     CHECK(row.since == 0);
 }
 
-TEST_CASE("after a callback that failed half-way all are written again") {
+TEST_CASE("poses: after an exception in the callback, all are requested again") {
     const Fixture f;
     if (!f) return;
     Row row(3);

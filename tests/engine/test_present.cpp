@@ -60,7 +60,7 @@ struct WindowFixture : OpenWindow, Fixture {
 
 } // namespace
 
-TEST_CASE("the extent is the surface's, or the window's within its limits, or nothing") {
+TEST_CASE("the swapchain's extent is prescribed by the surface, or the window's size within its limits") {
     VkSurfaceCapabilitiesKHR can{};
     const auto is = [&](glm::uvec2 window, uint32_t width, uint32_t height) {
         const VkExtent2D extent = choose_extent(can, window);
@@ -86,10 +86,10 @@ TEST_CASE("a present mode that is not offered is replaced by FIFO") {
     CHECK(choose_present_mode(all, false) == VK_PRESENT_MODE_MAILBOX_KHR);
     CHECK(choose_present_mode(std::span(all).first(1), false) == VK_PRESENT_MODE_IMMEDIATE_KHR);
     CHECK(choose_present_mode(std::span(all).subspan(2), false) == VK_PRESENT_MODE_FIFO_KHR);
-    CHECK(choose_present_mode({}, false) == VK_PRESENT_MODE_FIFO_KHR); // a driver that breaks its promise
+    CHECK(choose_present_mode({}, false) == VK_PRESENT_MODE_FIFO_KHR); // a driver that violates the specification
 }
 
-TEST_CASE("a device without swapchains is refused for a window, with the way out") {
+TEST_CASE("attaching a window to a device without swapchains is an error with advice") {
     WindowFixture f;
     if (!f) return;
     FaultInjector faults;
@@ -103,10 +103,10 @@ TEST_CASE("a device without swapchains is refused for a window, with the way out
         CHECK(attached.error().status == Status::missing_feature);
         CHECK(attached.error().message.find("brittle render") != std::string::npos);
     }
-    CHECK((*renderer)->render({}, {40, 30})); // it draws pictures all the same
+    CHECK((*renderer)->render({}, {40, 30})); // off-screen pictures still work
 }
 
-TEST_CASE("a swapchain that is out of date is made again, and the frame is shown") {
+TEST_CASE("an out-of-date swapchain is recreated, and the frame is shown") {
     WindowFixture f;
     if (!f) return;
     f.attach();
@@ -119,7 +119,7 @@ TEST_CASE("a swapchain that is out of date is made again, and the frame is shown
     f.faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR);
     f.show();
     CHECK(f.faults.count(Call::create_swapchain) == made + 2);
-    // Twice in a frame: nothing is shown this time, and the next time it is.
+    // Two failures in one frame: this frame is skipped and the next is shown.
     f.faults.fail(Call::acquire, VK_ERROR_OUT_OF_DATE_KHR, 1, 2);
     const Result<bool> shown = f.present();
     REQUIRE(shown);
@@ -127,7 +127,7 @@ TEST_CASE("a swapchain that is out of date is made again, and the frame is shown
     f.show();
 }
 
-TEST_CASE("a suboptimal swapchain is shown and made again, but not for ever") {
+TEST_CASE("a suboptimal swapchain is shown, and recreated once only") {
     WindowFixture f;
     if (!f) return;
     f.attach();
@@ -144,7 +144,7 @@ TEST_CASE("a suboptimal swapchain is shown and made again, but not for ever") {
     }
 }
 
-TEST_CASE("a lost surface is made again") {
+TEST_CASE("a lost surface is recreated") {
     WindowFixture f;
     if (!f) return;
     f.attach();
@@ -157,7 +157,7 @@ TEST_CASE("a lost surface is made again") {
     }
 }
 
-TEST_CASE("a window system that keeps its images costs that frame only") {
+TEST_CASE("a window system that holds all images delays one frame only") {
     WindowFixture f;
     if (!f) return;
     f.attach();
@@ -169,7 +169,7 @@ TEST_CASE("a window system that keeps its images costs that frame only") {
     f.show();
 }
 
-TEST_CASE("memory that runs out at any call of a frame is an error, and the next frame is shown") {
+TEST_CASE("out of memory at any call of a frame in a window is an error, and the next frame is shown") {
     WindowFixture f;
     if (!f) return;
     f.attach();
@@ -177,9 +177,9 @@ TEST_CASE("memory that runs out at any call of a frame is an error, and the next
         for (const Call kind : {Call::create_swapchain, Call::acquire, Call::submit, Call::present, Call::allocate}) {
             f.show();
             CAPTURE(static_cast<int>(kind));
-            f.faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR); // the swapchain is made again, too
+            f.faults.fail(Call::present, VK_ERROR_OUT_OF_DATE_KHR); // the swapchain is recreated, too
             f.show(1);
-            if (kind == Call::allocate) { // for which the pieces must outgrow the arenas
+            if (kind == Call::allocate) { // makes the arenas grow, so that there is an allocation
                 f.faults.fail(kind, result);
                 const auto added = f.renderer->add_pieces(f.known.pieces());
                 REQUIRE_FALSE(added);
@@ -194,7 +194,7 @@ TEST_CASE("memory that runs out at any call of a frame is an error, and the next
     f.show();
 }
 
-TEST_CASE("a window cannot be attached without memory, and can with it") {
+TEST_CASE("attaching a window fails without memory, and a later attempt succeeds") {
     WindowFixture f;
     if (!f) return;
     f.faults.fail(Call::submit, VK_ERROR_OUT_OF_DEVICE_MEMORY);
@@ -205,7 +205,7 @@ TEST_CASE("a window cannot be attached without memory, and can with it") {
     f.show();
 }
 
-TEST_CASE("a device that is lost under a window is reported, and all can be destroyed") {
+TEST_CASE("a device lost while a window is attached is reported, and all objects can be destroyed") {
     for (const Call kind : {Call::acquire, Call::submit, Call::wait, Call::present}) {
         WindowFixture f;
         if (!f) return;
@@ -220,7 +220,7 @@ TEST_CASE("a device that is lost under a window is reported, and all can be dest
     }
 }
 
-TEST_CASE("a device that hangs under a window is reported, and all can be destroyed") {
+TEST_CASE("a device that hangs while a window is attached is reported, and all objects can be destroyed") {
     WindowFixture f;
     if (!f) return;
     f.attach();
@@ -231,7 +231,7 @@ TEST_CASE("a device that hangs under a window is reported, and all can be destro
     CHECK(shown.error().status == Status::device_lost);
 }
 
-TEST_CASE("frames in full and enlarged ones follow each other, whatever the window's size") {
+TEST_CASE("full and upscaled frames may alternate, at any size of the window") {
     WindowFixture f;
     if (!f) return;
     f.attach();
@@ -249,7 +249,7 @@ TEST_CASE("frames in full and enlarged ones follow each other, whatever the wind
     }
 }
 
-TEST_CASE("a minimised window shows nothing, and comes back") {
+TEST_CASE("a minimised window is not drawn into, and is drawn into again once it is restored") {
     WindowFixture f;
     if (!f) return;
     f.attach();
@@ -268,7 +268,7 @@ TEST_CASE("a minimised window shows nothing, and comes back") {
     }
 }
 
-TEST_CASE("a window that is resized before every frame is drawn into at each size") {
+TEST_CASE("a window that is resized before each frame is drawn into at each size") {
     WindowFixture f;
     if (!f) return;
     f.attach();

@@ -1,4 +1,4 @@
-// What Quality changes in a picture, and what it must not.
+// The effect of Quality and of Scene::region on pictures.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,7 +14,7 @@ constexpr Quality plain{.shadow_size = 512, .soft_shadows = false, .samples = 1,
 constexpr Quality shaded_gaps{.shadow_size = 512, .soft_shadows = false, .samples = 1, .ambient_occlusion = true};
 constexpr Quality smooth_edges{.shadow_size = 512, .soft_shadows = false, .samples = 4, .ambient_occlusion = false};
 
-// Each pixel the mean of `factor` squared.
+// Returns the picture reduced by `factor`: each pixel is the mean of factor x factor pixels.
 Bitmap shrunk(const Bitmap& large, uint32_t factor) {
     Bitmap small_one{large.width / factor, large.height / factor, {}};
     for (uint32_t y = 0; y < small_one.height; ++y)
@@ -28,7 +28,8 @@ Bitmap shrunk(const Bitmap& large, uint32_t factor) {
     return small_one;
 }
 
-// Twice as large: each pixel from the four nearest of `from`, whose middles lie a quarter or three quarters of a pixel away.
+// Returns the picture doubled by bilinear interpolation: the centres of the four nearest pixels of `from` lie 1/4 or
+// 3/4 of a pixel away.
 Bitmap doubled(const Bitmap& from) {
     Bitmap large{2 * from.width, 2 * from.height, {}};
     const auto near = [](uint32_t at, uint32_t size) { return std::min(at / 2, size - 1); };
@@ -79,7 +80,7 @@ double mean_difference(const Bitmap& a, const Bitmap& b) {
 
 } // namespace
 
-TEST_CASE("quality is chosen by the device where it is left open") {
+TEST_CASE("unset members of Quality are chosen for the device") {
     const Fixture open(Quality{});
     if (!open) return;
     const Quality& chosen = open.renderer->quality();
@@ -94,7 +95,7 @@ TEST_CASE("quality is chosen by the device where it is left open") {
     CHECK(given.renderer->quality().shadow_size == 512u);
 }
 
-TEST_CASE("samples that not every device has are refused") {
+TEST_CASE("numbers of samples other than 1 and 4 are refused") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     for (const uint32_t samples : {0u, 2u, 3u, 8u, 64u}) {
@@ -104,7 +105,7 @@ TEST_CASE("samples that not every device has are refused") {
     }
 }
 
-TEST_CASE("a scale while things move that is out of range is refused") {
+TEST_CASE("a moving_scale out of range is refused") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     for (const float scale :
@@ -115,7 +116,7 @@ TEST_CASE("a scale while things move that is out of range is refused") {
     }
 }
 
-TEST_CASE("where panels cover a part, the rest has the pixels of the whole picture, at every quality and scale") {
+TEST_CASE("pixels inside Scene::region equal those of the whole picture, at every quality and scale") {
     Quality best = smooth_edges;
     best.ambient_occlusion = true;
     best.soft_shadows = true;
@@ -152,7 +153,7 @@ TEST_CASE("where panels cover a part, the rest has the pixels of the whole pictu
     }
 }
 
-TEST_CASE("a window shows in full what is still, whatever the size and whatever was drawn before") {
+TEST_CASE("a scene at rest is presented in full resolution, at any size and after any frame") {
     for (const float scale : {0.25f, 0.5f, 0.7f, 1.0f}) {
         const Fixture full(with_scale(1.0f)), f(with_scale(scale));
         if (!f) return;
@@ -163,18 +164,18 @@ TEST_CASE("a window shows in full what is still, whatever the size and whatever 
         for (const glm::uvec2 size : {glm::uvec2(1), glm::uvec2(1, 33), small, glm::uvec2(95, 63)}) {
             known.scene.moved = true;
             const Bitmap expected = full.draw(known.scene, size);
-            (void)presented(f, known.scene, size); // its shadows are coarser, and must not stay
+            (void)presented(f, known.scene, size); // its coarse shadow map must not be reused
             known.scene.moved = false;
             CHECK(presented(f, known.scene, size).pixels == expected.pixels);
             CHECK(f.renderer->stats().scale == 1.0f);
             known.scene.moved = true;
-            CHECK(f.draw(known.scene, size).pixels == expected.pixels); // a picture is never enlarged
+            CHECK(f.draw(known.scene, size).pixels == expected.pixels); // render() never upscales
             CHECK(f.renderer->stats().scale == 1.0f);
         }
     }
 }
 
-TEST_CASE("at half the scale a window shows the picture of half the size, enlarged") {
+TEST_CASE("at a moving_scale of 0.5, a moving scene is the picture of half the size, upscaled") {
     const Fixture half(with_scale(1.0f, 256)), f(with_scale(0.5f));
     if (!f) return;
     KnownScene known;
@@ -184,12 +185,12 @@ TEST_CASE("at half the scale a window shows the picture of half the size, enlarg
         const Bitmap expected = doubled(half.draw(known.scene, size / 2u));
         const Bitmap image = presented(f, known.scene, size);
         CHECK(f.renderer->stats().scale == 0.5f);
-        CHECK(largest_difference(image, expected) <= 1); // the device's weights are rounded
+        CHECK(largest_difference(image, expected) <= 1); // the device rounds its interpolation weights
         CHECK(presented(f, known.scene, size).pixels == image.pixels);
     }
 }
 
-TEST_CASE("while things move a window shows nearly the full picture, at odd sizes and with samples and occlusion") {
+TEST_CASE("an upscaled picture is near the full one, at odd sizes and with samples and occlusion") {
     for (const bool costly : {false, true})
         for (const float scale : {0.5f, 0.7f}) {
             Quality quality = with_scale(scale);
@@ -203,18 +204,18 @@ TEST_CASE("while things move a window shows nearly the full picture, at odd size
                 CAPTURE(size.x);
                 const double difference = mean_difference(presented(f, known.scene, size), f.draw(known.scene, size));
                 CHECK(difference > 0.0);
-                CHECK(difference < 6.0); // as samples may differ, above
+                CHECK(difference < 6.0); // of 255, on average
             }
             for (const glm::uvec2 size : {glm::uvec2(1), glm::uvec2(1, 33), glm::uvec2(3, 2)})
                 (void)presented(f, known.scene, size);
         }
 }
 
-TEST_CASE("four samples a pixel come nearer to a picture of 64") {
+TEST_CASE("four samples a pixel approach the picture of 64 samples") {
     const Fixture one(plain), four(smooth_edges);
     if (!one) return;
     KnownScene known;
-    known.scene.lines = {}; // a pixel wide at any size
+    known.scene.lines = {}; // lines are one pixel wide at any size
     REQUIRE(one.renderer->set_pieces(known.pieces()));
     REQUIRE(four.renderer->set_pieces(known.pieces()));
     const Bitmap reference = shrunk(one.draw(known.scene, 8u * small), 8);
@@ -247,7 +248,7 @@ TEST_CASE("samples are resolved whichever pass is the last to draw") {
     CHECK(four.draw(known.scene).pixels == four.draw(known.scene).pixels);
 }
 
-TEST_CASE("ambient occlusion darkens the ground at a box's foot, and nothing in the open") {
+TEST_CASE("ambient occlusion darkens the ground at the foot of a box, and no open ground") {
     const Fixture off(plain), on(shaded_gaps);
     if (!off) return;
     const Shape cube = box(glm::vec3(0.5f));
@@ -260,7 +261,7 @@ TEST_CASE("ambient occlusion darkens the ground at a box's foot, and nothing in 
     const glm::uvec2 size{192, 128};
     const Bitmap without = off.draw(scene, size), with = on.draw(scene, size);
     const auto darker = [&](uint32_t x, uint32_t y) { return int{without.at(x, y)[1]} - int{with.at(x, y)[1]}; };
-    // Down the middle column: sky, the box, its foot, the ground before it.
+    // Down the middle column: background, the box, its foot, the ground in front of it.
     uint32_t foot = size.y - 1;
     int most = 0;
     for (uint32_t y = size.y / 2; y < size.y; ++y)
@@ -296,10 +297,10 @@ TEST_CASE("exposure multiplies light") {
     }
 }
 
-TEST_CASE("the shadow map covers everything within the bounds") {
+TEST_CASE("the shadow map covers all casters within the bounds") {
     const Fixture f;
     if (!f) return;
-    // Two boxes at opposite ends of a long scene, seen from above; each must have its shadow at its side.
+    // Two boxes at opposite ends of a long scene, seen from above; each must have its shadow beside it.
     const Shape cube = box(glm::vec3(0.5f));
     const PieceMesh pieces[] = {cube.piece(0), cube.piece(1)};
     REQUIRE(f.renderer->set_pieces(pieces));
@@ -309,7 +310,7 @@ TEST_CASE("the shadow map covers everything within the bounds") {
         poses[0].position = {-10.0f, 0.5f, 0.0f};
         poses[1].position = {10.0f, 0.5f, 0.0f};
     };
-    scene.look.to_light = {-1.0f, 1.0f, 0.0f}; // a metre of shadow on the right of each
+    scene.look.to_light = {-1.0f, 1.0f, 0.0f}; // each box casts one metre of shadow to the right
     const glm::uvec2 size{256, 128};
     const Bitmap image = f.draw(scene, size);
     // 40 m up, 0.6 rad: 128 pixels are 24.7 m.

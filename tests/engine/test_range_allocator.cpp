@@ -1,4 +1,4 @@
-// Free lists, against a list of which element belongs to whom.
+// RangeAllocator, compared with an array that records the owner of each element.
 #include <algorithm>
 #include <random>
 #include <vector>
@@ -9,7 +9,7 @@
 
 using brittle::engine::RangeAllocator;
 
-TEST_CASE("a space of nothing has room for nothing, and an empty range is always to be had") {
+TEST_CASE("range allocator: without capacity, only empty ranges are allocated") {
     RangeAllocator space;
     CHECK_FALSE(space.allocate(1));
     CHECK(space.allocate(0));
@@ -22,7 +22,7 @@ TEST_CASE("a space of nothing has room for nothing, and an empty range is always
     CHECK(space.used() == 4);
 }
 
-TEST_CASE("free neighbours become one range again, in any order") {
+TEST_CASE("range allocator: adjacent free ranges are merged, in any order of freeing") {
     std::vector<uint32_t> order{0, 1, 2, 3};
     do {
         RangeAllocator space(8);
@@ -33,7 +33,7 @@ TEST_CASE("free neighbours become one range again, in any order") {
     } while (std::ranges::next_permutation(order).found);
 }
 
-TEST_CASE("ranges may be given back in parts, and growth lengthens what is free at the end") {
+TEST_CASE("range allocator: ranges may be freed in parts, and growth extends the last free range") {
     RangeAllocator space(6);
     REQUIRE(space.allocate(6) == 0u);
     space.free(2, 1);
@@ -44,7 +44,7 @@ TEST_CASE("ranges may be given back in parts, and growth lengthens what is free 
     CHECK_FALSE(space.allocate(1));
 }
 
-TEST_CASE("random ranges never overlap, and one is found exactly where elements are free in a row") {
+TEST_CASE("range allocator: random ranges never overlap, and allocation succeeds exactly if a free range fits") {
     std::mt19937 random(7);
     struct Range {
         uint32_t begin, size;
@@ -65,7 +65,7 @@ TEST_CASE("random ranges never overlap, and one is found exactly where elements 
             std::fill_n(taken.begin() + range.begin, range.size, false);
         } else {
             const uint32_t size = 1 + random() % 20;
-            uint32_t row = 0, first = ~0u; // where the first fit is
+            uint32_t row = 0, first = ~0u; // length of the present free run, and start of the first fit
             for (uint32_t i = 0; i < taken.size() && first == ~0u; ++i) {
                 row = taken[i] ? 0 : row + 1;
                 if (row == size) first = i + 1 - size;

@@ -32,7 +32,7 @@ TEST_CASE("an empty scene draws the background alone") {
     CHECK(image.at(5, 5)[3] == 255);
 }
 
-TEST_CASE("no pieces, pieces without triangles and no size are answered, not crashed on") {
+TEST_CASE("no pieces, pieces without triangles and an empty size do not crash") {
     const Fixture f;
     if (!f) return;
     CHECK(f.renderer->set_pieces({}));
@@ -48,7 +48,7 @@ TEST_CASE("no pieces, pieces without triangles and no size are answered, not cra
     }
 }
 
-TEST_CASE("pieces that contradict themselves are refused by number and the old ones stay") {
+TEST_CASE("invalid pieces are refused with their number, and the old ones stay") {
     const Fixture f;
     if (!f) return;
     const Shape cube = box(glm::vec3(1.0f));
@@ -89,7 +89,7 @@ TEST_CASE("present without a window is an error") {
     CHECK(shown.error().status == Status::invalid_argument);
 }
 
-TEST_CASE("scenes with numbers that are none are drawn somehow") {
+TEST_CASE("scenes with NaN and infinity are drawn without a crash") {
     const Fixture f;
     if (!f) return;
     const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -126,10 +126,10 @@ TEST_CASE("one indirect call draws all ranges, in the shadow pass and in the sha
     CHECK(stats.shadow_drawn);
 }
 
-TEST_CASE("interior faces have a colour of their own") {
+TEST_CASE("interior faces have the interior's colour") {
     const Fixture f;
     if (!f) return;
-    for (const uint32_t interior : {0u, 1u}) { // the last face, +z, looks at the camera
+    for (const uint32_t interior : {0u, 1u}) { // the last face, +z, faces the camera
         const Shape cube = box(glm::vec3(1.0f), interior);
         const PieceMesh piece = cube.piece(0);
         REQUIRE(f.renderer->set_pieces({&piece, 1}));
@@ -138,7 +138,7 @@ TEST_CASE("interior faces have a colour of their own") {
     }
 }
 
-TEST_CASE("faces that look away are culled, those that look at the eye are not") {
+TEST_CASE("back faces are culled and front faces are not") {
     const Fixture f;
     if (!f) return;
     Shape cube = box(glm::vec3(1.0f));
@@ -150,10 +150,10 @@ TEST_CASE("faces that look away are culled, those that look at the eye are not")
     piece = cube.piece(0);
     REQUIRE(f.renderer->set_pieces({&piece, 1}));
     const uint32_t inside = pixel(f.draw(scene), small.x / 2, small.y / 2);
-    CHECK(outside != inside); // the far wall, in the cube's own shadow
+    CHECK(outside != inside); // inside is the far wall, in the cube's own shadow
 }
 
-TEST_CASE("a pose moves, turns, scales and hides its body, and only its own") {
+TEST_CASE("a pose moves, rotates, scales and hides its own body only") {
     const Fixture f;
     if (!f) return;
     const Shape cube = box(glm::vec3(0.3f));
@@ -184,7 +184,7 @@ TEST_CASE("a pose moves, turns, scales and hides its body, and only its own") {
     CHECK(pixel(hidden, 64, 32) == backdrop);
     CHECK(right(hidden) == right(apart));
 
-    // A long box on its side, stood up by a quarter turn about Z.
+    // A long horizontal box, rotated upright by a quarter turn about Z.
     const Shape beam = box({1.0f, 0.1f, 0.1f});
     const PieceMesh piece = beam.piece(0);
     REQUIRE(f.renderer->set_pieces({&piece, 1}));
@@ -216,14 +216,13 @@ TEST_CASE("two pieces may share a body") {
     CHECK(pixel(shown, x, small.y / 2) != pixel(hidden, x, small.y / 2));
 }
 
-TEST_CASE("a box above the ground throws a shadow where the sun says") {
+TEST_CASE("a box above the ground casts its shadow along the sun's direction") {
     const Fixture f;
     if (!f) return;
     const Shape cube = box(glm::vec3(0.5f));
     const PieceMesh piece = cube.piece(0);
     REQUIRE(f.renderer->set_pieces({&piece, 1}));
-    // From straight above, the sun straight above: the shadow is under the box, so move the box out of the
-    // view's way.
+    // Seen from above, the box would hide its own shadow, so the light is oblique.
     Scene scene{.camera = {{0.0f, 6.0f, 0.001f}, {0.0f, 0.0f, 0.0f}, 0.9f},
                 .bounds = {{-0.5f, 1.0f, -0.5f}, {0.5f, 2.0f, 0.5f}}};
     scene.write_poses = [](std::span<BodyPose> poses, uint64_t) { poses[0].position = {0.0f, 1.5f, 0.0f}; };
@@ -239,7 +238,7 @@ TEST_CASE("a box above the ground throws a shadow where the sun says") {
     CHECK(mirrored == brightness(64, 64 + 45));
 }
 
-TEST_CASE("a kept shadow map gives the same picture without its pass") {
+TEST_CASE("a reused shadow map gives an equal picture without the shadow pass") {
     const Fixture f;
     if (!f) return;
     KnownScene known;
@@ -252,7 +251,7 @@ TEST_CASE("a kept shadow map gives the same picture without its pass") {
     CHECK(f.renderer->graph_dot().find("\"shadow\"") == std::string::npos);
     REQUIRE(f.renderer->set_pieces(known.pieces()));
     (void)f.draw(known.scene);
-    CHECK(f.renderer->stats().shadow_drawn); // new pieces, whatever the caller says
+    CHECK(f.renderer->stats().shadow_drawn); // new pieces invalidate the shadow map, even with moved == false
 }
 
 TEST_CASE("the same scene gives the same bytes, frame after frame and size after size") {
@@ -274,7 +273,7 @@ TEST_CASE("lines are drawn behind the pieces or on top of them") {
     const Shape cube = box(glm::vec3(0.5f));
     const PieceMesh piece = cube.piece(0);
     REQUIRE(f.renderer->set_pieces({&piece, 1}));
-    // Through the middle of the cube, and a green one beside it.
+    // A red line through the centre of the cube, and a green one beside the cube.
     const LineVertex lines[] = {{{-1.0f, 0.01f, 0.0f}},
                                 {{1.0f, 0.01f, 0.0f}},
                                 {{-1.0f, -0.8f, 0.0f}, srgb8(0, 255, 0)},
@@ -289,14 +288,14 @@ TEST_CASE("lines are drawn behind the pieces or on top of them") {
     };
     constexpr uint32_t red = 0xd7261e, green = 0x00ff00;
     const Bitmap behind = f.draw(scene);
-    CHECK(count(behind, red, 40, 56) == 0); // within the cube
+    CHECK(count(behind, red, 40, 56) == 0); // the columns of the cube
     CHECK(count(behind, red, 0, small.x) >= 10);
     CHECK(count(behind, green, 40, 56) >= 16);
     scene.lines_on_top = true;
     CHECK(count(f.draw(scene), red, 40, 56) >= 16);
 }
 
-TEST_CASE("spheres mark their places, hidden or on top") {
+TEST_CASE("spheres are drawn at their centres, hidden by pieces or on top") {
     const Fixture f;
     if (!f) return;
     const Shape cube = box(glm::vec3(0.5f));
@@ -316,7 +315,7 @@ TEST_CASE("spheres mark their places, hidden or on top") {
     CHECK(reddish(pixel(f.draw(scene), small.x / 2, small.y / 2)));
 }
 
-TEST_CASE("the shadow of a ball lies where light rays meet it, and marks have none") {
+TEST_CASE("a ball's shadow covers the points whose light rays hit it, and marks cast none") {
     const Fixture f;
     if (!f) return;
     const Sphere ball{{0.1f, 1.0f, -0.1f}, 0.3f};
@@ -334,7 +333,7 @@ TEST_CASE("the shadow of a ball lies where light rays meet it, and marks have no
         matrices(scene.camera, static_cast<float>(small.x) / static_cast<float>(small.y), scene.bounds);
     const glm::mat4 world_from_clip = glm::inverse(camera.projection * camera.view);
     const auto green = [](uint32_t rgb) { return rgb >> 8 & 0xff; };
-    // Of a line through a point to the ball's middle.
+    // Returns the distance of the ball's centre from a line through a point.
     const auto distance = [&](glm::vec3 from, glm::vec3 along) {
         return glm::length(glm::cross(ball.centre - from, glm::normalize(along)));
     };
@@ -348,7 +347,7 @@ TEST_CASE("the shadow of a ball lies where light rays meet it, and marks have no
             const glm::vec3 ground = scene.camera.eye - ray * (scene.camera.eye.y / ray.y);
             const float off = distance(ground, scene.look.to_light) / ball.radius;
             CHECK(pixel(mark, x, y) == pixel(bare, x, y));
-            if (off < 0.85f) { // the mesh is inscribed
+            if (off < 0.85f) { // below 1, because the mesh is inscribed in the ball
                 CHECK(green(pixel(image, x, y)) + 15 < green(pixel(bare, x, y)));
                 ++shaded;
             }
@@ -358,7 +357,7 @@ TEST_CASE("the shadow of a ball lies where light rays meet it, and marks have no
     CHECK(shaded > 20);
 }
 
-TEST_CASE("marks may grow, shrink and vanish from frame to frame") {
+TEST_CASE("the number of marks may change from frame to frame") {
     const Fixture f;
     if (!f) return;
     Scene scene = empty_stage();
@@ -380,7 +379,7 @@ TEST_CASE("every pass of a frame is timed") {
     if (!f) return;
     const KnownScene known;
     REQUIRE(f.renderer->set_pieces(known.pieces()));
-    (void)f.draw(known.scene); // which uploads as well
+    (void)f.draw(known.scene); // the first frame also has the upload pass
     (void)f.draw(known.scene);
     if (!f.device->limits().timestampComputeAndGraphics) return;
     std::vector<std::string> names;
@@ -392,7 +391,7 @@ TEST_CASE("every pass of a frame is timed") {
     CHECK(names == std::vector<std::string>{"cull", "shadow", "shade", "marks", "read back"});
 }
 
-TEST_CASE("warming up leaves no trace") {
+TEST_CASE("warm_up() leaves no piece and changes no picture") {
     const Fixture f;
     if (!f) return;
     REQUIRE(f.renderer->warm_up());

@@ -1,4 +1,4 @@
-// Smooth normals, smooth shading and edges.
+// Smooth normals, smooth shading and the wireframe.
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +24,7 @@ double mean_difference(const Bitmap& a, const Bitmap& b) {
 
 } // namespace
 
-TEST_CASE("smooth normals of nothing and of triangles without area") {
+TEST_CASE("smooth normals: no triangles, and triangles without area") {
     const SmoothSurface nothing = smooth_normals({}, {});
     CHECK(nothing.triangles.empty());
     CHECK(nothing.normals.empty());
@@ -36,7 +36,7 @@ TEST_CASE("smooth normals of nothing and of triangles without area") {
     for (const glm::uvec3& t : flat.triangles) CHECK(std::max({t.x, t.y, t.z}) < flat.normals.size());
 }
 
-TEST_CASE("a box keeps its edges: each corner has the normals of three faces") {
+TEST_CASE("smooth normals: a box keeps its creases, with the normals of three faces at each corner") {
     const Shape cube = box(glm::vec3(1.0f));
     const SmoothSurface surface = smooth(cube);
     CHECK(surface.copies.size() == 16);
@@ -51,7 +51,7 @@ TEST_CASE("a box keeps its edges: each corner has the normals of three faces") {
         }
 }
 
-TEST_CASE("a ball is split nowhere, and its normals are its radii") {
+TEST_CASE("smooth normals: a ball has no split vertex, and its normals are radial") {
     const Shape ball = icosphere(2.0f, 3);
     const SmoothSurface surface = smooth(ball);
     CHECK(surface.copies.empty());
@@ -60,7 +60,7 @@ TEST_CASE("a ball is split nowhere, and its normals are its radii") {
         CHECK(glm::dot(surface.normals[v], ball.positions[v] / 2.0f) > 0.999f);
 }
 
-TEST_CASE("a vertex of ten thousand triangles takes no time") {
+TEST_CASE("smooth normals: a vertex of ten thousand triangles takes linear time") {
     Shape fan;
     fan.positions.push_back({0.0f, 1.0f, 0.0f});
     const uint32_t count = 10000;
@@ -75,7 +75,7 @@ TEST_CASE("a vertex of ten thousand triangles takes no time") {
     }));
 }
 
-TEST_CASE("smooth shading makes a coarse ball look like a fine one") {
+TEST_CASE("smooth shading brings a coarse ball near a fine one") {
     const Fixture f;
     if (!f) return;
     const auto draw = [&](int levels, bool smooth_shading) {
@@ -84,7 +84,7 @@ TEST_CASE("smooth shading makes a coarse ball look like a fine one") {
         REQUIRE(f.renderer->set_pieces({&piece, 1}));
         Scene scene = empty_stage();
         scene.smooth = smooth_shading;
-        scene.look.to_light = {0.3f, 0.2f, 1.0f}; // from the camera: no shadow in sight
+        scene.look.to_light = {0.3f, 0.2f, 1.0f}; // from the camera, so that no shadow is visible
         return f.draw(scene);
     };
     const Bitmap fine = draw(5, false);
@@ -93,7 +93,7 @@ TEST_CASE("smooth shading makes a coarse ball look like a fine one") {
     CHECK(bent < 0.5 * facets);
 }
 
-TEST_CASE("smooth shading leaves boxes and interiors as they are") {
+TEST_CASE("smooth shading does not change boxes and interiors") {
     const Fixture f;
     if (!f) return;
     KnownScene known;
@@ -108,10 +108,10 @@ TEST_CASE("smooth shading leaves boxes and interiors as they are") {
     int largest = 0;
     for (size_t i = 0; i < facets.pixels.size(); ++i)
         largest = std::max(largest, std::abs(int{facets.pixels[i]} - int{bent.pixels[i]}));
-    CHECK(largest <= 1); // normals by derivatives are rounded
+    CHECK(largest <= 1); // normals from derivatives are rounded
 }
 
-TEST_CASE("the wireframe shows the edges that look at the eye, and nothing else") {
+TEST_CASE("the wireframe shows the edges of front faces only") {
     const Fixture f;
     if (!f) return;
     if (!f.device->has_line_mode()) return;
@@ -122,7 +122,7 @@ TEST_CASE("the wireframe shows the edges that look at the eye, and nothing else"
     const Bitmap plain = f.draw(scene);
     scene.wireframe = true;
     const Bitmap edges = f.draw(scene);
-    CHECK(f.renderer->stats().indirect_calls == 3); // shadow, faces, edges
+    CHECK(f.renderer->stats().indirect_calls == 3); // shadow, faces and edges
     uint32_t drawn = 0;
     for (uint32_t y = 0; y < small.y; ++y)
         for (uint32_t x = 0; x < small.x; ++x) drawn += pixel(edges, x, y) != pixel(plain, x, y);

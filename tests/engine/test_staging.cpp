@@ -1,4 +1,4 @@
-// Pieces that a worker copies to where the device reads; the oracle is the same pieces, copied by the frame.
+// Batches that a worker copies to mapped memory. The oracle is an equal batch that the frame copies.
 #include <algorithm>
 #include <thread>
 
@@ -11,9 +11,9 @@ using namespace brittle::engine::test;
 
 namespace {
 
-constexpr uint64_t large = 64 << 10; // bytes: what is staged
+constexpr uint64_t large = 64 << 10; // minimum size of a batch that stage() moves, bytes
 
-// Balls in a row, each by itself large enough to be staged.
+// Balls in a row, each large enough to be staged.
 struct Row {
     Shape ball = icosphere(0.3f, 4);
 
@@ -51,7 +51,7 @@ std::vector<uint8_t> bytes_of(const PieceBatch& batch) {
 
 } // namespace
 
-TEST_CASE("a large batch is staged whole, a small one is left as it is") {
+TEST_CASE("stage() moves a large batch to mapped memory and leaves a small one unchanged") {
     const Fixture f;
     if (!f) return;
     const Row row;
@@ -77,7 +77,7 @@ TEST_CASE("a large batch is staged whole, a small one is left as it is") {
     CHECK_FALSE(none.staged());
 }
 
-TEST_CASE("staged batches are drawn like the meshes that they were made of, alone and among others") {
+TEST_CASE("staged batches are drawn like their meshes, alone and among others") {
     const Fixture f;
     if (!f) return;
     const Row row;
@@ -85,7 +85,7 @@ TEST_CASE("staged batches are drawn like the meshes that they were made of, alon
     const std::vector<PieceMesh> meshes{row.mesh(0), cube.piece(1, piece_tint(7)), row.mesh(2), row.mesh(3),
                                         cube.piece(4)};
     const Bitmap expected = picture_of(f, meshes);
-    for (const uint32_t stage : {0b11111u, 0b00100u, 0b01001u, 0b00000u}) { // by batch
+    for (const uint32_t stage : {0b11111u, 0b00100u, 0b01001u, 0b00000u}) { // one bit for each batch
         std::vector<PieceBatch> batches;
         for (size_t i = 0; i < 2; ++i) batches.push_back(*PieceBatch::create({&meshes[i], 1}));
         batches.push_back(*PieceBatch::create(std::span(meshes).subspan(2, 2))); // two pieces in one buffer
@@ -99,7 +99,7 @@ TEST_CASE("staged batches are drawn like the meshes that they were made of, alon
         CHECK(std::ranges::is_sorted(*handles));
         CAPTURE(stage);
         CHECK(f.draw(Row::scene()).pixels == expected.pixels);
-        // Moved into larger arenas, and drawn in another order.
+        // The pieces are moved into larger arenas and drawn in another order.
         REQUIRE(f.renderer->remove_pieces({&handles->front(), 1}));
         PieceBatch again = row.batch(0);
         f.renderer->stage(again);
@@ -122,14 +122,14 @@ TEST_CASE("copies of a staged batch share its buffer, with bodies and tints of t
     CHECK(batches[0].staged() == batches[2].staged());
     REQUIRE(f.renderer->add_pieces(std::move(batches)));
     CHECK(f.draw(Row::scene()).pixels == expected.pixels);
-    other.assign(3, piece_tint(3)); // its buffer was read already, and may be read again
+    other.assign(3, piece_tint(3)); // its buffer was read by a frame, and may be read again
     REQUIRE(f.renderer->add_pieces(std::move(other)));
     const PieceMesh four[] = {meshes[0], meshes[1], meshes[2], row.mesh(3)};
     const Bitmap all = f.draw(Row::scene());
     CHECK(all.pixels == picture_of(f, four).pixels);
 }
 
-TEST_CASE("batches are added all or none, and the piece that cannot be is counted through them") {
+TEST_CASE("batches are added all or none, and the error counts pieces over all batches") {
     const Fixture f;
     if (!f) return;
     const Row row;
@@ -141,13 +141,13 @@ TEST_CASE("batches are added all or none, and the piece that cannot be is counte
     CHECK(f.renderer->add_pieces(std::vector<PieceBatch>{}));
 }
 
-TEST_CASE("the frame that shows staged pieces allocates nothing for them") {
+TEST_CASE("the frame that uploads staged pieces allocates no memory for them") {
     const Fixture f, fresh;
     if (!f) return;
     const Row row;
     const Shape other = icosphere(0.2f, 4);
     const PieceMesh before = other.piece(0), after = row.mesh(0);
-    for (int frame = 0; frame < 3; ++frame) { // arenas, and what frames have
+    for (int frame = 0; frame < 3; ++frame) { // allocates the arenas and the buffers of the frame slots
         REQUIRE(f.renderer->set_pieces({&before, 1}));
         (void)f.draw(Row::scene());
     }
@@ -161,7 +161,7 @@ TEST_CASE("the frame that shows staged pieces allocates nothing for them") {
     CHECK(f.faults.count(Call::map) == maps);
 }
 
-TEST_CASE("where there is no memory to stage a batch, the frame copies it") {
+TEST_CASE("without memory for staging, the frame copies the batch") {
     Fixture f;
     if (!f) return;
     const Row row;
@@ -177,7 +177,7 @@ TEST_CASE("where there is no memory to stage a batch, the frame copies it") {
         REQUIRE(handles);
         CHECK(f.draw(Row::scene()).pixels == expected.pixels);
         REQUIRE(f.renderer->remove_pieces(*handles));
-        f.renderer->stage(batch); // now there is
+        f.renderer->stage(batch); // memory is available again
         CHECK(batch.staged());
         const auto staged = f.renderer->add_pieces(std::move(batch));
         REQUIRE(staged);
@@ -186,7 +186,7 @@ TEST_CASE("where there is no memory to stage a batch, the frame copies it") {
     }
 }
 
-TEST_CASE("staged pieces whose frame fails come with the next one") {
+TEST_CASE("staged pieces whose frame fails are uploaded by the next one") {
     Fixture f;
     if (!f) return;
     const Row row;
@@ -202,7 +202,7 @@ TEST_CASE("staged pieces whose frame fails come with the next one") {
     CHECK(f.draw(Row::scene()).pixels == expected.pixels);
 }
 
-TEST_CASE("what was staged and never drawn can go at any time before the device") {
+TEST_CASE("a staged batch that was never drawn may be destroyed at any time before the device") {
     Fixture f;
     if (!f) return;
     const Row row;
@@ -214,10 +214,10 @@ TEST_CASE("what was staged and never drawn can go at any time before the device"
     REQUIRE(f.renderer->remove_pieces(*handles)); // before any frame
     (void)f.draw(Row::scene());
     f.renderer.reset();
-    CHECK(kept.staged()); // the fixture's device outlives it
+    CHECK(kept.staged()); // destroyed before the fixture's device
 }
 
-TEST_CASE("threads stage pieces while others are drawn") {
+TEST_CASE("threads stage pieces while the renderer draws") {
     const Fixture f;
     if (!f) return;
     const Row row;
@@ -248,7 +248,7 @@ TEST_CASE("threads stage pieces while others are drawn") {
     }
 }
 
-TEST_CASE("a staged buffer is not given out again before the copies from it are done") {
+TEST_CASE("a staging buffer is reused only after the copies from it have finished") {
     const std::unique_ptr<Device> device = make_device();
     if (!device) return;
     const Row row;
@@ -286,7 +286,7 @@ TEST_CASE("a staged buffer is not given out again before the copies from it are 
     for (size_t k = 0; k < retired.size(); ++k) CHECK(retired[k] == oracle[k].staged());
 }
 
-TEST_CASE("a pool gives out what came back where it fits, and keeps no more than it may") {
+TEST_CASE("staging pool: idle buffers are reused where they fit, and their total is limited") {
     FaultInjector faults;
     const std::unique_ptr<Device> device = make_device(&faults);
     if (!device) return;
@@ -299,7 +299,7 @@ TEST_CASE("a pool gives out what came back where it fits, and keeps no more than
     CHECK(pool.idle_bytes() == 0);
     first.reset();
     CHECK(pool.idle_bytes() >= 1 << 20);
-    const std::shared_ptr<DeviceBuffer> small_one = pool.take(1 << 16); // does not take the large one
+    const std::shared_ptr<DeviceBuffer> small_one = pool.take(1 << 16); // must not get the large buffer
     CHECK(small_one->handle() != handle);
     const std::shared_ptr<DeviceBuffer> larger = pool.take(3 << 20);
     CHECK(larger->size() >= 3 << 20);
@@ -317,7 +317,7 @@ TEST_CASE("a pool gives out what came back where it fits, and keeps no more than
     for (int i = 0; i < 12; ++i) many.push_back(pool.take(8 << 20));
     many.clear();
     CHECK(pool.idle_bytes() > StagingPool::max_idle);
-    second = pool.take(1 << 10); // who takes gives back what is too much
+    second = pool.take(1 << 10); // take() frees the surplus
     CHECK(pool.idle_bytes() <= StagingPool::max_idle);
     CHECK(pool.idle_bytes() > StagingPool::max_idle / 2);
     CHECK(device->validation_messages().empty());

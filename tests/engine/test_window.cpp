@@ -1,4 +1,4 @@
-// A window that opens needs a display: tests of tools/brittle do that, under Xvfb.
+// Windows without a display. Open windows are tested by test_present.cpp and by tests/tools, under Xvfb.
 #include <cstdlib>
 
 #include <doctest/doctest.h>
@@ -7,7 +7,7 @@
 
 using namespace brittle::engine;
 
-TEST_CASE("without a display there is an error that names the way without one, each time") {
+TEST_CASE("without a display, each attempt to open a window fails and names the command that needs none") {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
     for (int attempt = 0; attempt < 2; ++attempt) {
@@ -19,7 +19,7 @@ TEST_CASE("without a display there is an error that names the way without one, e
     }
 }
 
-TEST_CASE("letters are keys by their upper-case code") {
+TEST_CASE("the key code of a letter is its upper-case ASCII code") {
     const Input input{.keys = {Key::space, static_cast<Key>('R')}};
     CHECK(input.pressed('R'));
     CHECK(input.pressed(Key::space));

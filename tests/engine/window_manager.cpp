@@ -1,6 +1,5 @@
-// The least window manager that lets programs minimise their windows: it maps what asks to be mapped, unmaps
-// what asks to be minimised, and notes either in WM_STATE, where GLFW looks. For tests under Xvfb, which has
-// none.
+// A minimal window manager for tests under Xvfb, which has none. It maps and minimises windows on request and sets
+// WM_STATE, which GLFW reads.
 #include <cstdio>
 
 #include <X11/Xlib.h>
@@ -28,7 +27,7 @@ int main() {
         std::fputs("window_manager: no display\n", stderr);
         return 1;
     }
-    // A window may be gone by the time that its request is read.
+    // A window may have been destroyed before its request is read.
     XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });
     XSelectInput(display, DefaultRootWindow(display), SubstructureRedirectMask | SubstructureNotifyMask);
     XSync(display, False);
