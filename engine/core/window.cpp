@@ -27,7 +27,7 @@ Result<std::unique_ptr<Window>> Window::create(const WindowSettings& settings) {
     // Once GLFW is initialised, further calls return true immediately.
     if (!glfwInit())
         return Error{Status::no_display, "cannot open a window, there is no display: " + last_error
-                                             + ". `brittle render` draws the same pictures into files without one."};
+                                             + ". Use `brittle render` to draw the same pictures into files."};
 
     std::unique_ptr<Window> window(new Window);
     ++open_windows; // the destructor counts down

@@ -1,5 +1,5 @@
-// The choice of a device: the devices of an instance, what makes one unusable, and the one that DeviceOptions::select
-// names. Internal to engine/gpu: device.cpp creates the instance and the device.
+// The choice of a device: describes the devices of an instance, finds the unusable ones, and selects the device for
+// DeviceOptions::select. Internal to engine/gpu; device.cpp creates the instance and the device.
 #pragma once
 
 #include <cstdint>

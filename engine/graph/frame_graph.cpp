@@ -19,9 +19,9 @@ std::string edge_error(AccessSet set, const char* edge, Access forbidden, bool i
         const AccessTraits& t = traits(access);
         if (!first) first = &t;
         if (image ? !t.images : !t.buffers)
-            error = std::string(t.name) + " is no access to " + (image ? "an image" : "a buffer");
+            error = std::string(t.name) + " is not legal for " + (image ? "an image" : "a buffer");
         else if (access == forbidden || (edge == std::string_view("final") && access == Access::acquired))
-            error = std::string(t.name) + " is no " + edge + " access";
+            error = std::string(t.name) + " is not legal as " + edge + " access";
         else if (image && t.layout != first->layout)
             error = std::string(edge) + " accesses " + first->name + " and " + t.name + " need different image layouts";
     });
@@ -51,7 +51,8 @@ Buffer FrameGraph::import_buffer(std::string_view name, const BufferDesc& desc, 
 std::uint32_t FrameGraph::add_resource(std::string_view name, std::variant<ImageDesc, BufferDesc> desc, bool imported,
                                        const Import& import) {
     if (resources_.size() >= Image::max_resources) {
-        fail(named("resource", name) + " is one too many: a graph holds " + std::to_string(Image::max_resources));
+        fail(named("resource", name) + " exceeds the limit of " + std::to_string(Image::max_resources)
+             + " resources in a graph");
         return Image::max_resources;
     }
     const auto* image = std::get_if<ImageDesc>(&desc);
@@ -114,7 +115,7 @@ std::uint32_t FrameGraph::add_use(std::uint32_t pass_index, Plan::Use use, bool 
     if (use.resource >= resources_.size() || resources_[use.resource].is_image() != image
         || use.version > newest(use.resource)) {
         fail(named("pass", pass.name) + (write ? " writes " : " reads ") + (image ? "an image" : "a buffer")
-             + " handle that names nothing in this graph");
+             + " handle that is not of this graph");
         return use.version;
     }
     const bool repeated = std::any_of(pass.uses.begin(), pass.uses.end(), [&](const Plan::Use& other) {
@@ -146,8 +147,8 @@ std::string FrameGraph::use_error(const Plan::Pass& pass, const Plan::Use& use, 
     };
 
     if (!(image ? t.images : t.buffers))
-        return wrong(image ? "which is no access to an image" : "which is no access to a buffer");
-    if (!t.kinds) return wrong("which is only for the edges of an import");
+        return wrong(image ? "which is not legal for an image" : "which is not legal for a buffer");
+    if (!t.kinds) return wrong("which is legal only as an import's initial or final access");
     if (!(t.kinds >> static_cast<unsigned>(pass.kind) & 1))
         return wrong(std::string("which is not allowed in a ") + to_string(pass.kind) + " pass");
     if (use.access == Access::resolve_attachment && std::get<ImageDesc>(resource.desc).samples != 1)
@@ -174,7 +175,7 @@ std::string FrameGraph::use_error(const Plan::Pass& pass, const Plan::Use& use, 
         return wrong(resource.imported ? "but it was imported with undefined contents and no pass wrote it before"
                                        : "but no pass wrote it before");
     if (write && current == Image::max_version)
-        return wrong("but it was written " + std::to_string(current) + " times already, the most allowed");
+        return wrong("but it was written " + std::to_string(current) + " times already, which is the limit");
     return {};
 }
 
@@ -183,8 +184,8 @@ void FrameGraph::check_final_accesses() {
         bool reads = false;
         resources_[r].import.final.for_each([&](Access access) { reads |= traits(access).reads; });
         if (reads && !contents_defined(r))
-            fail(named("imported", resources_[r].name) + " is to end as " + to_string(resources_[r].import.final)
-                 + ", but no pass wrote it");
+            fail(named("imported", resources_[r].name) + " has the final access "
+                 + to_string(resources_[r].import.final) + ", but no pass wrote it");
     }
 }
 

@@ -77,7 +77,7 @@ class [[nodiscard]] CompileResult {
     GraphError error_;
 };
 
-// Declares what one pass does; valid during its setup only.
+// Declares the resource accesses of one pass; valid during its setup only.
 class PassBuilder {
   public:
     void read(Image image, Access access);

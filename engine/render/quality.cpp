@@ -28,10 +28,11 @@ Result<Quality> choose_quality(Quality quality, const Device& device) {
     if (!quality.moving_scale) quality.moving_scale = cpu ? 0.5f : 1.0f;
 
     const uint32_t size = *quality.shadow_size;
-    if (size < min_shadow_size || size > std::min(max_shadow_size, device.limits().maxImageDimension2D))
+    const uint32_t max_size = std::min(max_shadow_size, device.limits().maxImageDimension2D);
+    if (size < min_shadow_size || size > max_size)
         return Error{Status::invalid_argument,
                      "a shadow map of " + std::to_string(size) + " texels a side is out of range, which is "
-                         + std::to_string(min_shadow_size) + " to " + std::to_string(max_shadow_size)};
+                         + std::to_string(min_shadow_size) + " to " + std::to_string(max_size)};
     // Every device supports 1 and 4 samples for all formats that Brittle uses; other numbers are optional.
     if (*quality.samples != 1 && *quality.samples != 4)
         return Error{Status::invalid_argument,

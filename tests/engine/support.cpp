@@ -141,7 +141,7 @@ void keep(const Bitmap& picture, const std::string& path, std::string& message) 
     message += "\n  " + (written ? path : written.error().message);
 }
 
-// Writes the golden unless it equals the picture byte for byte. The message tells the difference and the paths.
+// Writes the golden unless it equals the picture byte for byte. The message has the difference and the paths.
 GoldenCheck update_golden(const Bitmap& actual, const std::string& name, const std::string& path) {
     std::error_code ignored;
     std::filesystem::create_directories(failure_folder(), ignored);

@@ -62,7 +62,7 @@ TEST_CASE("a resource that no live pass uses gets no memory and no barrier") {
     CHECK(plan.final_barriers.empty());
 }
 
-TEST_CASE("a default-made handle names nothing") {
+TEST_CASE("a default-constructed handle is invalid") {
     CHECK_FALSE(Image().valid());
     CHECK(Image(3, 2).valid());
     CHECK(Image(3, 2).resource() == 3);
@@ -452,11 +452,11 @@ TEST_CASE("an access that does not fit the resource, the pass or the direction i
     const Image image = graph.create_image("image", small_image);
     SUBCASE("attachment access to a buffer") {
         add(graph, "p", G, [&](PassBuilder& p) { (void)p.write(data, Access::colour_attachment); });
-        CHECK(error_of(graph) == "pass 'p' writes 'data' as colour_attachment, which is no access to a buffer");
+        CHECK(error_of(graph) == "pass 'p' writes 'data' as colour_attachment, which is not legal for a buffer");
     }
     SUBCASE("vertex access to an image") {
         add(graph, "p", G, [&](PassBuilder& p) { p.read(image, Access::vertex_read); });
-        CHECK(error_of(graph) == "pass 'p' reads 'image' as vertex_read, which is no access to an image");
+        CHECK(error_of(graph) == "pass 'p' reads 'image' as vertex_read, which is not legal for an image");
     }
     SUBCASE("attachment in a compute pass") {
         add(graph, "p", C, [&](PassBuilder& p) { (void)p.write(image, Access::depth_attachment); });
@@ -477,7 +477,9 @@ TEST_CASE("an access that does not fit the resource, the pass or the direction i
     }
     SUBCASE("an access for edges of the frame inside it") {
         add(graph, "p", G, [&](PassBuilder& p) { p.read(image, Access::present); });
-        CHECK(error_of(graph) == "pass 'p' reads 'image' as present, which is only for the edges of an import");
+        CHECK(error_of(graph)
+              == "pass 'p' reads 'image' as present, which is legal only as an import's initial or final "
+                 "access");
     }
 }
 
@@ -549,20 +551,20 @@ TEST_CASE("impossible resources are errors with their names") {
     }
     SUBCASE("initial access of the wrong sort") {
         (void)graph.import_buffer("odd", small_buffer, {.initial = Access::present});
-        CHECK(error_of(graph) == "imported 'odd': present is no access to a buffer");
+        CHECK(error_of(graph) == "imported 'odd': present is not legal for a buffer");
     }
-    SUBCASE("edge accesses at the wrong edge") {
+    SUBCASE("initial accesses as final ones, and the reverse") {
         (void)graph.import_image("late", small_image, {.final = Access::acquired});
         (void)graph.import_buffer("early", small_buffer, {.initial = Access::host_read});
         (void)graph.import_buffer("after", small_buffer, {.final = Access::host_write});
         CHECK(error_of(graph)
-              == "imported 'late': acquired is no final access\nimported 'early': host_read is no initial "
-                 "access\n"
-                 "imported 'after': host_write is no final access");
+              == "imported 'late': acquired is not legal as final access\n"
+                 "imported 'early': host_read is not legal as initial access\n"
+                 "imported 'after': host_write is not legal as final access");
     }
-    SUBCASE("final read of contents that nobody made") {
+    SUBCASE("final read of contents that no pass wrote") {
         (void)graph.import_image("blank", small_image, {.initial = Access::acquired, .final = Access::present});
-        CHECK(error_of(graph) == "imported 'blank' is to end as present, but no pass wrote it");
+        CHECK(error_of(graph) == "imported 'blank' has the final access present, but no pass wrote it");
     }
 }
 
@@ -575,9 +577,9 @@ TEST_CASE("handles that are not of the graph are errors") {
     add(graph, "c", C,
         [&](PassBuilder& p) { p.read(Buffer(data.resource(), data.version() + 1), Access::storage_read_compute); });
     const std::string error = error_of(graph);
-    for (const char* part :
-         {"pass 'a' reads an image handle that names nothing in this graph",
-          "pass 'b' writes an image handle that names nothing", "pass 'c' reads a buffer handle that names nothing"})
+    for (const char* part : {"pass 'a' reads an image handle that is not of this graph",
+                             "pass 'b' writes an image handle that is not of this graph",
+                             "pass 'c' reads a buffer handle that is not of this graph"})
         CHECK(contains(error, part));
 }
 

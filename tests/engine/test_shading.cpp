@@ -126,7 +126,7 @@ TEST_CASE("the wireframe shows the edges of front faces only") {
     uint32_t drawn = 0;
     for (uint32_t y = 0; y < small.y; ++y)
         for (uint32_t x = 0; x < small.x; ++x) drawn += pixel(edges, x, y) != pixel(plain, x, y);
-    // The front face's outline and diagonal: 5 m, of which 64 pixels are 3.1 m at 5 m, and 2.6 m at the face.
+    // The front face has an outline of 5.6 m and a diagonal of 2 m; 64 pixels are 2.7 m at its distance of 4.3 m.
     CHECK(drawn > 80);
     CHECK(drawn < 200);
     scene.pieces_visible = false;
