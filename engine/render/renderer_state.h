@@ -126,7 +126,7 @@ struct Renderer::State {
     std::vector<PassTime> timings;
     FrameStats stats;
     std::string dot;
-    std::optional<Error> lost; // the error of a lost device, because changes of pieces make no Vulkan call
+    std::optional<Error> lost; // the error of a lost device; run() returns it also from functions without Vulkan calls
 };
 
 } // namespace brittle::engine
