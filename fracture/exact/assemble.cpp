@@ -7,9 +7,9 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastVertices = 8192;
-constexpr uint32_t kLeastTriangles = 8192;
-constexpr uint32_t kLeastPoints = 2048;
+constexpr uint32_t min_vertices_per_chunk = 8192;
+constexpr uint32_t min_triangles_per_chunk = 8192;
+constexpr uint32_t min_points_per_chunk = 2048;
 
 uint32_t size_of(const auto& array) {
     return static_cast<uint32_t>(array.size());
@@ -42,12 +42,12 @@ void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
                     bool guessed, Threads& threads, std::vector<SiteId>& cell_of_triangle, Cut& cut) {
     const uint32_t count = size_of(triangles);
     cell_of_triangle.resize(count);
-    const uint32_t parts = threads.chunks(count, kLeastTriangles);
+    const uint32_t parts = threads.chunks(count, min_triangles_per_chunk);
     std::vector<uint32_t> crossing_begin(parts + 1, 0);
     const auto left_out = [&](uint32_t t) {
-        return surface.leaves_triangles_out() && surface.components()[triangles[t].x] == kNone;
+        return surface.leaves_triangles_out() && surface.components()[triangles[t].x] == no_index;
     };
-    threads.for_chunks(count, kLeastTriangles, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t crossing = 0;
         for (uint32_t t = begin; t < end; ++t) {
             if (guessed && (cell_of_triangle[t] & Classifier::crossing) == 0 && !left_out(t)) continue;
@@ -55,7 +55,7 @@ void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
             const bool whole = a == b && b == c;
             const bool used = !left_out(t);
             if (!used)
-                cell_of_triangle[t] = kNone;
+                cell_of_triangle[t] = no_index;
             else if (whole)
                 cell_of_triangle[t] = a;
             else if (!guessed)
@@ -66,14 +66,14 @@ void sort_triangles(const Surface& surface, std::span<const Triangle> triangles,
     });
     for (uint32_t k = 0; k < parts; ++k) crossing_begin[k + 1] += crossing_begin[k];
     cut.crossing.resize(crossing_begin[parts]);
-    threads.for_chunks(count, kLeastTriangles, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t at = crossing_begin[chunk];
         if (at == crossing_begin[chunk + 1]) return;
         for (uint32_t t = begin; t < end; ++t) {
             if ((cell_of_triangle[t] & Classifier::crossing) == 0 || left_out(t)) continue;
             cut.crossing[at].triangle = t;
             cut.crossing[at++].known = cell_of_triangle[t] & ~Classifier::crossing;
-            cell_of_triangle[t] = kNone;
+            cell_of_triangle[t] = no_index;
         }
     });
 }
@@ -104,43 +104,43 @@ void Assembler::count(const Input& input, Threads& threads) {
     const uint32_t points = size_of(cut.edge_points), pierces = size_of(cut.pierce_points);
     const uint32_t nodes = size_of(cut.nodes);
 
-    edge_row_ = threads.chunks(vertices, kLeastVertices);
-    pierce_row_ = edge_row_ + threads.chunks(points, kLeastPoints);
-    node_row_ = pierce_row_ + threads.chunks(pierces, kLeastPoints);
-    vertex_table_.reset(node_row_ + threads.chunks(nodes, kLeastPoints), cells);
-    threads.for_chunks(vertices, kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    edge_row_ = threads.chunks(vertices, min_vertices_per_chunk);
+    pierce_row_ = edge_row_ + threads.chunks(points, min_points_per_chunk);
+    node_row_ = pierce_row_ + threads.chunks(pierces, min_points_per_chunk);
+    vertex_table_.reset(node_row_ + threads.chunks(nodes, min_points_per_chunk), cells);
+    threads.for_chunks(vertices, min_vertices_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = vertex_table_.row(chunk);
         const auto& component = input.surface.components();
-        for (uint32_t v = begin; v < end; ++v) row[input.cell_of[v]] += component[v] != kNone ? 1 : 0;
+        for (uint32_t v = begin; v < end; ++v) row[input.cell_of[v]] += component[v] != no_index ? 1 : 0;
     });
-    threads.for_chunks(points, kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(points, min_points_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = vertex_table_.row(edge_row_ + chunk);
         for (uint32_t p = begin; p < end; ++p) {
             for (const uint32_t c : cut.edge_points[p].cells) ++row[c];
         }
     });
-    threads.for_chunks(pierces, kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(pierces, min_points_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = vertex_table_.row(pierce_row_ + chunk);
         for (uint32_t p = begin; p < end; ++p) {
             for (const uint32_t c : cut.pierce_points[p].cells) ++row[c];
         }
     });
-    threads.for_chunks(nodes, kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(nodes, min_points_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = vertex_table_.row(node_row_ + chunk);
         for (uint32_t n = begin; n < end; ++n) {
             for (const uint32_t c : cut.nodes[n].cells) {
-                if (c != kNone) ++row[c];
+                if (c != no_index) ++row[c];
             }
         }
     });
 
-    polygon_row_ = threads.chunks(triangles, kLeastTriangles);
+    polygon_row_ = threads.chunks(triangles, min_triangles_per_chunk);
     cap_row_ = polygon_row_ + cut.chunk_count;
     triangle_table_.reset(cap_row_ + size_of(input.caps), cells);
-    threads.for_chunks(triangles, kLeastTriangles, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(triangles, min_triangles_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = triangle_table_.row(chunk);
         for (uint32_t t = begin; t < end; ++t) {
-            if (input.cell_of_triangle[t] != kNone) ++row[input.cell_of_triangle[t]];
+            if (input.cell_of_triangle[t] != no_index) ++row[input.cell_of_triangle[t]];
         }
     });
     threads.for_chunks(cut.chunk_count, 1, [&](uint32_t, uint32_t begin, uint32_t end) {
@@ -196,37 +196,40 @@ void Assembler::place_vertices(const Input& input, Threads& threads, Fragments& 
         out.vertex_point[at] = id.bits();
     };
     local_of_mesh_.resize(input.cell_of.size());
-    threads.for_chunks(size_of(input.cell_of), kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        uint32_t* const row = vertex_table_.row(chunk);
-        const auto& component = input.surface.components();
-        for (uint32_t v = begin; v < end; ++v) {
-            if (component[v] == kNone) continue;
-            const SiteId c = input.cell_of[v];
-            local_of_mesh_[v] = row[c]++;
-            put(c, local_of_mesh_[v], {VertexId::mesh, v}, input.mesh.positions[v]);
-        }
-    });
+    threads.for_chunks(size_of(input.cell_of), min_vertices_per_chunk,
+                       [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+                           uint32_t* const row = vertex_table_.row(chunk);
+                           const auto& component = input.surface.components();
+                           for (uint32_t v = begin; v < end; ++v) {
+                               if (component[v] == no_index) continue;
+                               const SiteId c = input.cell_of[v];
+                               local_of_mesh_[v] = row[c]++;
+                               put(c, local_of_mesh_[v], {VertexId::mesh, v}, input.mesh.positions[v]);
+                           }
+                       });
     const auto place = [&](uint32_t* row, auto& local, const auto& cells, VertexId id, const glm::dvec3& position) {
-        for (size_t k = 0; k < cells.size() && cells[k] != kNone; ++k) {
+        for (size_t k = 0; k < cells.size() && cells[k] != no_index; ++k) {
             local[k] = row[cells[k]]++;
             put(cells[k], local[k], id, position * to_input);
         }
     };
-    threads.for_chunks(size_of(cut.edge_points), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        uint32_t* const row = vertex_table_.row(edge_row_ + chunk);
-        for (uint32_t p = begin; p < end; ++p) {
-            EdgePoint& point = cut.edge_points[p];
-            place(row, point.local, point.cells, {VertexId::edge, p}, cut.edge_positions[p]);
-        }
-    });
-    threads.for_chunks(size_of(cut.pierce_points), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        uint32_t* const row = vertex_table_.row(pierce_row_ + chunk);
-        for (uint32_t p = begin; p < end; ++p) {
-            PiercePoint& point = cut.pierce_points[p];
-            place(row, point.local, point.cells, {VertexId::pierce, p}, cut.pierce_positions[p]);
-        }
-    });
-    threads.for_chunks(size_of(cut.nodes), kLeastPoints, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(size_of(cut.edge_points), min_points_per_chunk,
+                       [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+                           uint32_t* const row = vertex_table_.row(edge_row_ + chunk);
+                           for (uint32_t p = begin; p < end; ++p) {
+                               EdgePoint& point = cut.edge_points[p];
+                               place(row, point.local, point.cells, {VertexId::edge, p}, cut.edge_positions[p]);
+                           }
+                       });
+    threads.for_chunks(size_of(cut.pierce_points), min_points_per_chunk,
+                       [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+                           uint32_t* const row = vertex_table_.row(pierce_row_ + chunk);
+                           for (uint32_t p = begin; p < end; ++p) {
+                               PiercePoint& point = cut.pierce_points[p];
+                               place(row, point.local, point.cells, {VertexId::pierce, p}, cut.pierce_positions[p]);
+                           }
+                       });
+    threads.for_chunks(size_of(cut.nodes), min_points_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         uint32_t* const row = vertex_table_.row(node_row_ + chunk);
         for (uint32_t n = begin; n < end; ++n) {
             Node& node = cut.nodes[n];
@@ -237,11 +240,11 @@ void Assembler::place_vertices(const Input& input, Threads& threads, Fragments& 
 
 void Assembler::place_whole(const Input& input, Threads& threads, Fragments& out) {
     threads.for_chunks(
-        size_of(input.cell_of_triangle), kLeastTriangles, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        size_of(input.cell_of_triangle), min_triangles_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
             uint32_t* const row = triangle_table_.row(chunk);
             for (uint32_t t = begin; t < end; ++t) {
                 const SiteId c = input.cell_of_triangle[t];
-                if (c == kNone) continue;
+                if (c == no_index) continue;
                 const uint32_t at = cells_[c].triangles.begin + row[c]++;
                 const Triangle& corners = input.mesh.triangles[t];
                 out.triangles[at] = {local_of_mesh_[corners.x], local_of_mesh_[corners.y], local_of_mesh_[corners.z]};

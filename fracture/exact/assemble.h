@@ -30,7 +30,7 @@ struct CellRun {
 };
 
 // Sorts the mesh's triangles into those inside a cell and those that cross: fills cut.crossing and
-// cell_of_triangle (kNone where it crosses or is left out). Where `guessed`, cell_of_triangle holds a classifier's
+// cell_of_triangle (no_index where it crosses or is left out). Where `guessed`, cell_of_triangle holds a classifier's
 // answers; only triangles that it calls crossing are looked at, and what it knows of them is kept.
 void sort_triangles(const Surface& surface, std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
                     bool guessed, Threads& threads, std::vector<SiteId>& cell_of_triangle, Cut& cut);

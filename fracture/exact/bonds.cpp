@@ -62,10 +62,10 @@ void BondFinder::index_pieces(size_t sites, const Fragments& fragments) {
 }
 
 uint32_t BondFinder::find_piece(uint32_t site, uint32_t point) const {
-    if (pieces_of(site) == 0) return kNone;
+    if (pieces_of(site) == 0) return no_index;
     if (pieces_of(site) == 1) return first_piece_[site];
     const auto at = std::lower_bound(islands_.begin(), islands_.end(), Entry{site, point, 0});
-    if (at == islands_.end() || (*at)[0] != site || (*at)[1] != point) return kNone;
+    if (at == islands_.end() || (*at)[0] != site || (*at)[1] != point) return no_index;
     return (*at)[2];
 }
 
@@ -75,7 +75,7 @@ void BondFinder::run(std::span<const glm::dvec3> sites, Fragments& out) {
     for (uint32_t a = 0; a < out.pieces.size(); ++a) {
         const Piece& piece = out.pieces[a];
         const auto positions = out.positions_of(piece);
-        uint32_t other = kNone;
+        uint32_t other = no_index;
         glm::dvec3 normal(0.0);
         for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end; ++t) {
             if (out.triangle_source[t] < piece.site) continue; // the piece over there counts it
@@ -85,7 +85,7 @@ void BondFinder::run(std::span<const glm::dvec3> sites, Fragments& out) {
             }
             const Triangle& corners = out.triangles[t];
             const uint32_t b = find_piece(other, out.vertex_point[piece.vertices.begin + corners.x]);
-            if (b == kNone) continue;
+            if (b == no_index) continue;
             const glm::dvec3 &p = positions[corners.x], &q = positions[corners.y], &r = positions[corners.z];
             const double area = 0.5 * glm::dot(glm::cross(q - p, r - p), normal);
             add(out.bonds, a, b, area, area / 3.0 * (p + q + r), normal);

@@ -22,7 +22,7 @@ class BondFinder {
   private:
     using Entry = std::array<uint32_t, 3>; // site, point, piece
     void index_pieces(size_t sites, const Fragments& fragments);
-    // The piece of a site that has a corner of a cut; kNone where there is none.
+    // The piece of a site that has a corner of a cut; no_index where there is none.
     [[nodiscard]] uint32_t find_piece(uint32_t site, uint32_t point) const;
     [[nodiscard]] uint32_t pieces_of(uint32_t site) const { return first_piece_[site + 1] - first_piece_[site]; }
 

@@ -10,7 +10,7 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastFacets = 4;
+constexpr uint32_t min_facets_per_chunk = 4;
 
 // What the walk around a facet meets: a pierce point, where the winding changes, or a Voronoi vertex.
 struct Stop {
@@ -260,7 +260,7 @@ void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiag
 void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
                                 const CapChunk& out) {
     const auto ring = context.diagram.ring_of(facet);
-    sides_.assign(cap.corners_end - cap.corners_begin, {kNone, kNone});
+    sides_.assign(cap.corners_end - cap.corners_begin, {no_index, no_index});
     for (uint32_t k = 0; k < sides_.size(); ++k) {
         const VertexId id = out.corners[cap.corners_begin + k];
         if (id.kind() == VertexId::pierce) {
@@ -327,7 +327,7 @@ void Capper::Worker::split_diagonals_along_sides(const Context& context, Cap& ca
     along_.clear();
     const auto share_side = [&](uint32_t a, uint32_t b) {
         for (const uint32_t side : sides_[a]) {
-            if (side != kNone && (side == sides_[b][0] || side == sides_[b][1])) return true;
+            if (side != no_index && (side == sides_[b][0] || side == sides_[b][1])) return true;
         }
         return false;
     };
@@ -416,7 +416,7 @@ void Capper::number_added_nodes(const VoronoiDiagram& diagram, Cut& cut) {
         }
         for (const CapChunk::AddedNode& node : chunk.added_nodes) {
             const VoronoiDiagram::Facet& facet = diagram.facets[node.facet];
-            cut.nodes.push_back({{facet.i, facet.j, kNone, kNone}, node.position, {}});
+            cut.nodes.push_back({{facet.i, facet.j, no_index, no_index}, node.position, {}});
         }
     }
 }
@@ -425,11 +425,11 @@ bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Windin
                  Threads& threads) {
     group_by_facet(diagram, cut);
     const auto facets = static_cast<uint32_t>(diagram.facets.size());
-    chunk_count_ = threads.chunks(facets, kLeastFacets);
+    chunk_count_ = threads.chunks(facets, min_facets_per_chunk);
     if (chunks_.size() < chunk_count_) chunks_.resize(chunk_count_);
     if (workers_.size() < chunk_count_) workers_.resize(chunk_count_);
     const Worker::Context context{scene, diagram, winding, cut, visited_};
-    threads.for_chunks(facets, kLeastFacets, [&](uint32_t k, uint32_t begin, uint32_t end) {
+    threads.for_chunks(facets, min_facets_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
         CapChunk& out = chunks_[k];
         out.caps.clear();
         out.added_nodes.clear();

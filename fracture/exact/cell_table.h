@@ -27,8 +27,8 @@ class CellTable {
     // Fills total with the number of items of each cell.
     void scan(Threads& threads, std::vector<uint32_t>& total) {
         total.assign(cells_, 0);
-        constexpr uint32_t kLeastCells = 4096;
-        threads.for_chunks(cells_, kLeastCells, [&](uint32_t, uint32_t begin, uint32_t end) {
+        constexpr uint32_t min_cells_per_chunk = 4096;
+        threads.for_chunks(cells_, min_cells_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
             for (uint32_t r = 0; r < rows_; ++r) {
                 uint32_t* const counts = row(r);
                 for (uint32_t c = begin; c < end; ++c) {

@@ -11,17 +11,17 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // side4_filter's bound is 32u (|h| pw + |n| px) for the homogeneous vertex; dividing by w adds less than 4u.
-constexpr double kVertexError = 0x28.0p-53;
+constexpr double vertex_error = 0x28.0p-53;
 
 // Below this ratio of w to its permanent a vertex's position has too few digits to bound the cell's reach
 // with.
-constexpr double kReliableVertex = 1e-9;
+constexpr double min_reliable_ratio = 1e-9;
 
 // Slack of the security radius for the rounding of positions that are reliable.
-constexpr double kReachSlack = 1.0 + 1e-6;
+constexpr double reach_slack = 1.0 + 1e-6;
 
 } // namespace
 
@@ -105,8 +105,8 @@ void CellBuilder::start_with_box() {
     plane_id_.clear();
     plane_.clear();
     for (uint32_t k = 0; k < 6; ++k) {
-        plane_id_.push_back(kBoxMinX + k);
-        plane_.push_back(make_box_plane(diagram_->sites[c_], diagram_->box, kBoxMinX + k));
+        plane_id_.push_back(box_min_x + k);
+        plane_.push_back(make_box_plane(diagram_->sites[c_], diagram_->box, box_min_x + k));
     }
     count_ = 0;
     unreliable_ = 0;
@@ -136,33 +136,33 @@ void CellBuilder::place_vertex(uint32_t v, uint32_t a, uint32_t b, uint32_t d) {
     }
     const CellVertex vertex = make_cell_vertex(plane_[a], plane_[b], plane_[d]);
     corner_[v] = {a, b, d};
-    if (vertex.w > kReliableVertex * vertex.pw) {
+    if (vertex.w > min_reliable_ratio * vertex.pw) {
         const double inverse = 1.0 / vertex.w;
         x_[v] = vertex.x.x * inverse;
         y_[v] = vertex.x.y * inverse;
         z_[v] = vertex.x.z * inverse;
-        ew_[v] = kVertexError * vertex.pw * inverse;
-        ex_[v] = kVertexError * vertex.px * inverse;
+        ew_[v] = vertex_error * vertex.pw * inverse;
+        ex_[v] = vertex_error * vertex.px * inverse;
     } else { // every filter fails, and the reach is unbounded
         x_[v] = y_[v] = z_[v] = 0.0;
-        ew_[v] = ex_[v] = kInfinity;
+        ew_[v] = ex_[v] = infinity;
         ++unreliable_;
     }
 }
 
 double CellBuilder::security2() const {
-    if (unreliable_ > 0) return kInfinity;
+    if (unreliable_ > 0) return infinity;
     const double norm2 = simd::largest_norm2(x_.data(), y_.data(), z_.data(), count_);
-    if (advantage_ == 0.0) return 4.0 * kReachSlack * norm2;
+    if (advantage_ == 0.0) return 4.0 * reach_slack * norm2;
     const double radius = std::sqrt(norm2) + std::sqrt(norm2 + advantage_);
-    return kReachSlack * radius * radius;
+    return reach_slack * radius * radius;
 }
 
 SiteTree::Reach CellBuilder::reach() const {
-    SiteTree::Reach result{security2(), glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
+    SiteTree::Reach result{security2(), glm::dvec3(-infinity), glm::dvec3(infinity)};
     if (unreliable_ > 0) return result;
     simd::ball_box(x_.data(), y_.data(), z_.data(), count_, advantage_, result.low, result.high);
-    const double slack = (kReachSlack - 1.0) * std::sqrt(result.radius2);
+    const double slack = (reach_slack - 1.0) * std::sqrt(result.radius2);
     result.low -= slack;
     result.high += slack;
     return result;
@@ -209,7 +209,7 @@ void CellBuilder::replace_removed(uint32_t new_slot) {
             assert(other[corner] == q && other[(corner + 1) % 3] == p);
             rim_.push_back({p, q, u, corner, 0});
         }
-        if (ew_[v] == kInfinity) --unreliable_;
+        if (ew_[v] == infinity) --unreliable_;
     }
     for (const uint32_t v : removed_) is_removed_[v] = 0;
 

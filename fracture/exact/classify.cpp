@@ -8,10 +8,10 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastVertices = 2048;
+constexpr uint32_t min_vertices_per_chunk = 2048;
 
 // Leaves room for the rounding of a ball's radius, of the step to the next vertex and of their squares.
-constexpr double kBallSlack = 1.0 - 1e-12;
+constexpr double ball_slack = 1.0 - 1e-12;
 
 // The neighbour that is nearer to q than c by most, or none, beyond doubt.
 SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c,
@@ -37,7 +37,7 @@ SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm:
 class Hints {
   public:
     Hints(const Box& box, uint32_t points, SiteId anywhere) : low_(box.min) {
-        const double bins = std::clamp(std::round(std::cbrt(points / kPointsPerBin)), 1.0, kMostBins);
+        const double bins = std::clamp(std::round(std::cbrt(points / points_per_bin)), 1.0, max_bins_per_axis);
         bins_ = static_cast<uint32_t>(bins);
         per_bin_ = bins / box.size();
         balls_.assign(size_t{bins_} * bins_ * bins_, KnownBall{VoronoiDiagram::none});
@@ -59,8 +59,8 @@ class Hints {
 
   private:
     // Most bins are far from the surface and stay empty.
-    static constexpr double kPointsPerBin = 2.0;
-    static constexpr double kMostBins = 16.0;
+    static constexpr double points_per_bin = 2.0;
+    static constexpr double max_bins_per_axis = 16.0;
 
     glm::dvec3 low_;
     glm::dvec3 per_bin_{0.0};
@@ -78,11 +78,11 @@ KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3&
         const Frames::Cell& cell = frames.cells[c];
         if (cell.begin == cell.end) return {c, q, 0.0};
         const glm::dvec3 y = q - cell.site;
-        const uint32_t n = (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
+        const uint32_t n = Frames::padded(cell.end - cell.begin);
         const LeastDistance least = min_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
                                                     static_cast<float>(y.y), static_cast<float>(y.z));
         if (least.distance > cell.float_error) {
-            return {c, q, kBallSlack * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
+            return {c, q, ball_slack * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
         }
         if (least.distance < -cell.float_error) {
             c = frames.site[least.slot];
@@ -102,8 +102,8 @@ void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frame
     const auto any = std::find(diagram.cell_is_empty.begin(), diagram.cell_is_empty.end(), uint8_t{0});
     assert(any != diagram.cell_is_empty.end());
     const auto anywhere = static_cast<SiteId>(any - diagram.cell_is_empty.begin());
-    std::vector<PredicateStats> part(threads.chunks(count, kLeastVertices));
-    threads.for_chunks(count, kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    std::vector<PredicateStats> part(threads.chunks(count, min_vertices_per_chunk));
+    threads.for_chunks(count, min_vertices_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         Hints hints(problem.box, end - begin, anywhere);
         for (uint32_t v = begin; v < end; ++v) {
             KnownBall& ball = hints.at(positions[v]);

@@ -10,8 +10,8 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastTriangles = 256;
-constexpr double kWellConditioned = 1e7; // as in edges.cpp
+constexpr uint32_t min_triangles_per_chunk = 256;
+constexpr double well_conditioned = 1e7; // as in edges.cpp
 
 bool even(uint32_t a, uint32_t b, uint32_t c) {
     return (a < b && b < c) || (b < c && c < a) || (c < a && a < b);
@@ -331,7 +331,7 @@ glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context, const
     glm::dvec3 weights(at_a.y * at_b.z - at_a.z * at_b.y, at_a.z * at_b.x - at_a.x * at_b.z,
                        at_a.x * at_b.y - at_a.y * at_b.x);
     const double sum = weights.x + weights.y + weights.z;
-    if (std::abs(sum) > kWellConditioned * 14.0 * most * error) {
+    if (std::abs(sum) > well_conditioned * 14.0 * most * error) {
         weights = glm::clamp(weights / sum, 0.0, 1.0);
     } else {
         weights = pierce_weights_exact(context.problem, cells[0], cells[1], cells[2], corner_positions_);
@@ -381,12 +381,12 @@ void TriangleCutter::run(const Scene& scene, const VoronoiDiagram& diagram, cons
                          std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads,
                          Cut& cut, PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(cut.crossing.size());
-    const uint32_t parts = threads.chunks(count, kLeastTriangles);
+    const uint32_t parts = threads.chunks(count, min_triangles_per_chunk);
     if (workers_.size() < parts) workers_.resize(parts);
     if (cut.chunks.size() < parts) cut.chunks.resize(parts);
     cut.chunk_count = parts;
     const Worker::Context context{diagram, frames, scene.positions, scene.diagram(), cut};
-    threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t begin, uint32_t end) {
+    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
         Worker& worker = workers_[k];
         worker.start(cut.chunks[k]);
         for (uint32_t x = begin; x < end; ++x) {
@@ -408,7 +408,7 @@ void TriangleCutter::run(const Scene& scene, const VoronoiDiagram& diagram, cons
     }
     cut.pierce_points.resize(points);
     cut.pierce_positions.resize(points);
-    threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t, uint32_t) {
+    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t k, uint32_t, uint32_t) {
         Worker& worker = workers_[k];
         const uint32_t base = worker.base;
         const auto moved = [base](VertexId id) {

@@ -31,14 +31,13 @@ class VertexId {
 
     [[nodiscard]] Kind kind() const { return static_cast<Kind>(bits_ >> 30); }
     [[nodiscard]] uint32_t index() const { return bits_ & 0x3fffffffu; }
-    [[nodiscard]] bool is_none() const { return bits_ == kNone; }
+    [[nodiscard]] bool is_none() const { return bits_ == no_index; }
     [[nodiscard]] uint32_t bits() const { return bits_; } // Fragments::vertex_point
     friend bool operator==(VertexId, VertexId) = default;
 
   private:
-    uint32_t bits_ = kNone;
+    uint32_t bits_ = no_index;
 };
-inline constexpr uint32_t kMostVertices = 0x3ffffffeu; // of a kind
 
 struct EdgePoint {
     std::array<uint32_t, 2> cells; // in the order of the edge, from its lower to its higher vertex
@@ -65,7 +64,7 @@ struct PiercePoint {
 }
 
 struct Node {
-    std::array<uint32_t, 4> cells; // ascending; kNone where fewer than four meet
+    std::array<uint32_t, 4> cells; // ascending; no_index where fewer than four meet
     glm::dvec3 position;
     std::array<uint32_t, 4> local{};
 };

@@ -9,11 +9,11 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastCells = 4;
+constexpr uint32_t min_cells_per_chunk = 4;
 
 // Below this ratio of the determinant to its permanent a position has lost two digits: it is then rounded from the exact
 // one. Lost digits would move it off its planes, which in a thin solid bends the caps that meet there.
-constexpr double kWellConditioned = 1e-2;
+constexpr double well_conditioned = 1e-2;
 
 void exclusive_sum(std::vector<uint32_t>& counts) {
     uint32_t sum = 0;
@@ -39,7 +39,7 @@ glm::dvec3 vertex_position(const Diagram& problem, const std::array<PlaneId, 4>&
     const CellVertex v = make_cell_vertex(make_plane(problem, c, planes[1]), make_plane(problem, c, planes[2]),
                                           make_plane(problem, c, planes[3]));
     const glm::dvec3 y =
-        v.w > kWellConditioned * v.pw ? v.x / v.w : cell_vertex_exact(problem, c, planes[1], planes[2], planes[3]);
+        v.w > well_conditioned * v.pw ? v.x / v.w : cell_vertex_exact(problem, c, planes[1], planes[2], planes[3]);
     return glm::clamp(problem.sites[c] + y, problem.box.min, problem.box.max);
 }
 
@@ -54,9 +54,9 @@ void DiagramBuilder::build(const Diagram& problem, Threads& threads, VoronoiDiag
     build_cells(problem, threads, out);
     number_facets(out);
     number_items(out);
-    threads.for_chunks(sites, kLeastCells,
+    threads.for_chunks(sites, min_cells_per_chunk,
                        [&](uint32_t, uint32_t begin, uint32_t end) { fill_owned(problem, begin, end, out); });
-    threads.for_chunks(sites, kLeastCells, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(sites, min_cells_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         link_rings(chunks_[chunk], begin, end, out);
     });
 }
@@ -66,9 +66,9 @@ void DiagramBuilder::build_cells(const Diagram& problem, Threads& threads, Voron
     tree_.build(problem.sites, problem.weights);
     cells_.resize(sites);
     out.cell_is_empty.resize(sites);
-    chunks_.resize(std::max<size_t>(chunks_.size(), threads.chunks(sites, kLeastCells)));
+    chunks_.resize(std::max<size_t>(chunks_.size(), threads.chunks(sites, min_cells_per_chunk)));
     for (Chunk& chunk : chunks_) chunk.builder.stats = {};
-    threads.for_chunks(sites, kLeastCells, [&](uint32_t k, uint32_t begin, uint32_t end) {
+    threads.for_chunks(sites, min_cells_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
         Chunk& chunk = chunks_[k];
         chunk.planes.clear();
         chunk.rings.clear();
@@ -157,7 +157,7 @@ void DiagramBuilder::number_items(VoronoiDiagram& out) {
     const auto facets = static_cast<uint32_t>(out.facets.size());
     // Chunks hold consecutive cells, hence consecutive facets: read their rings one after the other.
     uint32_t ring = 0;
-    uint32_t chunk_index = kBoxMinX;
+    uint32_t chunk_index = box_min_x;
     const uint32_t* size = nullptr;
     for (VoronoiDiagram::Facet& facet : out.facets) {
         if (cells_[facet.i].chunk != chunk_index) {
@@ -172,7 +172,7 @@ void DiagramBuilder::number_items(VoronoiDiagram& out) {
     edge_begin_.assign(facets + 1, 0);
     vertex_begin_.assign(facets + 1, 0);
     uint32_t f = 0;
-    chunk_index = kBoxMinX;
+    chunk_index = box_min_x;
     const uint32_t* third = nullptr;
     for (; f < facets; ++f) {
         const VoronoiDiagram::Facet& facet = out.facets[f];

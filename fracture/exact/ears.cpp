@@ -6,17 +6,17 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kNoTwin = 0xffffffffu;
+constexpr uint32_t no_twin = 0xffffffffu;
 
 // Every ear is tested against every concave vertex; beyond this many, triangulate() with its grid is faster.
-constexpr size_t kMostConcave = 48;
+constexpr size_t max_concave = 48;
 
 // Flips of a diagonal end by themselves in exact arithmetic; this many a triangle are never needed in
 // practice.
-constexpr uint32_t kMostFlips = 16;
+constexpr uint32_t max_flips_per_triangle = 16;
 
 // Diagonals are flipped for the shape of triangles only: ties and near-ties stay as they are.
-constexpr double kFlipGain = 1e-9;
+constexpr double min_flip_gain = 1e-9;
 
 // Which side of the line ab the point c lies on, 0 where rounding could decide. Shewchuk's bound for the
 // double stage is (3 + 16u)u times the sum of the products' magnitudes, u = 2^-53.
@@ -48,7 +48,7 @@ bool EarClipper::find_concave(std::span<const glm::dvec2> loop) {
     next_.resize(n);
     prev_.resize(n);
     turn_.resize(n);
-    beyond_.assign(n, kNoTwin);
+    beyond_.assign(n, no_twin);
     concave_.clear();
     double area = 0.0; // twice; triangles that all turn left could not add up to less than nothing
     for (uint32_t v = 0; v < n; ++v) {
@@ -60,7 +60,7 @@ bool EarClipper::find_concave(std::span<const glm::dvec2> loop) {
         const glm::dvec2 a = loop[v] - loop[0], b = loop[next_[v]] - loop[0];
         area += a.x * b.y - a.y * b.x;
     }
-    return area > 0.0 && concave_.size() <= kMostConcave;
+    return area > 0.0 && concave_.size() <= max_concave;
 }
 
 bool EarClipper::is_ear(std::span<const glm::dvec2> loop, uint32_t v) const {
@@ -79,9 +79,9 @@ void EarClipper::cut(uint32_t v) {
     const uint32_t a = prev_[v], b = next_[v];
     const auto t = static_cast<uint32_t>(corners_.size());
     corners_.push_back({a, v, b});
-    twin_.insert(twin_.end(), {beyond_[a], beyond_[v], kNoTwin});
+    twin_.insert(twin_.end(), {beyond_[a], beyond_[v], no_twin});
     for (const uint32_t h : {3 * t, 3 * t + 1}) {
-        if (twin_[h] != kNoTwin) twin_[twin_[h]] = h;
+        if (twin_[h] != no_twin) twin_[twin_[h]] = h;
     }
     beyond_[a] = 3 * t + 2;
     next_[a] = b;
@@ -117,18 +117,18 @@ bool EarClipper::cut_ears(std::span<const glm::dvec2> loop) {
     cut(v);
     const uint32_t last = static_cast<uint32_t>(twin_.size()) - 1;
     twin_[last] = closing;
-    if (closing != kNoTwin) twin_[closing] = last;
+    if (closing != no_twin) twin_[closing] = last;
     return true;
 }
 
 bool EarClipper::flip_edge(std::span<const glm::dvec2> loop, uint32_t h) {
     // Triangles (a,b,c) and (b,a,d) become (d,b,c) and (c,a,d).
     const uint32_t t = twin_[h];
-    if (t == kNoTwin) return false;
+    if (t == no_twin) return false;
     const uint32_t h1 = after(h), h2 = after(h1), t1 = after(t), t2 = after(t1);
     const auto corner = [&](uint32_t half_edge) -> uint32_t& { return corners_[half_edge / 3][half_edge % 3]; };
     const uint32_t a = corner(h), b = corner(t), c = corner(h2), d = corner(t2);
-    if (!(in_circle(loop[a], loop[b], loop[c], loop[d]) > kFlipGain)) return false;
+    if (!(in_circle(loop[a], loop[b], loop[c], loop[d]) > min_flip_gain)) return false;
     if (turn(loop[d], loop[b], loop[c]) <= 0 || turn(loop[c], loop[a], loop[d]) <= 0) return false;
     const uint32_t across_ad = twin_[t1], across_bc = twin_[h1];
     corner(h) = d;
@@ -139,7 +139,7 @@ bool EarClipper::flip_edge(std::span<const glm::dvec2> loop, uint32_t h) {
     const uint32_t across_db = twin_[t2], across_ca = twin_[h2];
     const auto join = [&](uint32_t x, uint32_t y) {
         twin_[x] = y;
-        if (y != kNoTwin) twin_[y] = x;
+        if (y != no_twin) twin_[y] = x;
     };
     join(h, across_db);
     join(h1, across_bc);
@@ -153,9 +153,9 @@ bool EarClipper::flip_edge(std::span<const glm::dvec2> loop, uint32_t h) {
 void EarClipper::flip(std::span<const glm::dvec2> loop) {
     pending_.clear();
     for (uint32_t h = 0; h < twin_.size(); ++h) {
-        if (twin_[h] != kNoTwin && twin_[h] < h) pending_.push_back(h);
+        if (twin_[h] != no_twin && twin_[h] < h) pending_.push_back(h);
     }
-    for (size_t flips = kMostFlips * corners_.size(); !pending_.empty() && flips > 0;) {
+    for (size_t flips = max_flips_per_triangle * corners_.size(); !pending_.empty() && flips > 0;) {
         const uint32_t h = pending_.back();
         pending_.pop_back();
         if (flip_edge(loop, h)) --flips;

@@ -35,7 +35,7 @@ class EarClipper {
     std::vector<uint32_t> beyond_; // of the remaining polygon's edge from each vertex: the half-edge on the other side
     std::vector<int8_t> turn_;
     std::vector<uint32_t> concave_;
-    // Triangle t has the half-edges 3t + k from corner k to the next; twins are kNoTwin on the loop.
+    // Triangle t has the half-edges 3t + k from corner k to the next; twins are no_twin on the loop.
     std::vector<std::array<uint32_t, 3>> corners_;
     std::vector<uint32_t> twin_;
     std::vector<uint32_t> pending_;

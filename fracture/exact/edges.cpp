@@ -12,11 +12,11 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastTriangles = 256;
+constexpr uint32_t min_triangles_per_chunk = 256;
 
 // A quotient of differences whose error bound is this much smaller has nine good digits or more; else it is
 // rounded from the exact one.
-constexpr double kWellConditioned = 1e7;
+constexpr double well_conditioned = 1e7;
 
 uint64_t key_of(uint32_t low, uint32_t high) {
     return uint64_t{low} << 32 | high; // never 0: low < high
@@ -29,7 +29,7 @@ uint64_t hash_of(uint64_t key) {
 
 // The bisector that an edge leaves its cell through, so far.
 struct Exit {
-    Frames::Slot slot = kNone;
+    Frames::Slot slot = no_index;
     double at_low = 0.0, at_high = 0.0;
 };
 
@@ -43,7 +43,7 @@ glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::
     const double reach =
         std::sqrt(std::max(y0.x * y0.x + y0.y * y0.y + y0.z * y0.z, y1.x * y1.x + y1.y * y1.y + y1.z * y1.z));
     const double difference = g0 - g1;
-    const bool good = std::abs(difference) > kWellConditioned * value_error(plane.length, reach, plane.weight);
+    const bool good = std::abs(difference) > well_conditioned * value_error(plane.length, reach, plane.weight);
     const double t = good ? std::clamp(g0 / difference, 0.0, 1.0) : edge_parameter_exact(problem, c, other, low, high);
     const glm::dvec3 p = low + t * (high - low);
     return glm::clamp(p, glm::min(low, high), glm::max(low, high));
@@ -59,7 +59,7 @@ void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, co
     for (SiteId c = from; c != to;) {
         const Frames::Cell& cell = frames.cells[c];
         const glm::dvec3 y0 = q0 - cell.site, y1 = q1 - cell.site;
-        const uint32_t filled = (cell.end - cell.begin + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
+        const uint32_t filled = Frames::padded(cell.end - cell.begin);
         if (chunk.beyond.size() < filled) chunk.beyond.resize(filled);
         plane_values_at(frames, cell.begin, filled, y1, chunk.beyond.data());
         Exit exit;
@@ -70,7 +70,7 @@ void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, co
             if (side == 0) side = side1_exact(problem, c, frames.site[l], q1, chunk.stats);
             if (side > 0) continue;
             const double at_low = frames.value_at(l, y0);
-            if (exit.slot != kNone) { // keep the one that is met first
+            if (exit.slot != no_index) { // keep the one that is met first
                 side = side2_filter(exit.at_low, exit.at_high, at_low, at_high, cell.error);
                 if (side == 0) {
                     side = side2_exact(problem, c, frames.site[exit.slot], frames.site[l], q0, q1, chunk.stats);
@@ -79,8 +79,8 @@ void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, co
             }
             exit = {l, at_low, at_high};
         }
-        assert(exit.slot != kNone);
-        if (exit.slot == kNone) break;
+        assert(exit.slot != no_index);
+        if (exit.slot == no_index) break;
         const SiteId next = frames.site[exit.slot];
         const uint32_t facet = diagram.neighbours[cell.first_neighbour + (exit.slot - cell.begin)].facet;
         chunk.points.push_back({{c, next}, facet, VertexId{}, {}});
@@ -129,9 +129,9 @@ void EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Fr
                      std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads, Cut& cut,
                      PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(cut.crossing.size());
-    const uint32_t parts = threads.chunks(count, kLeastTriangles);
+    const uint32_t parts = threads.chunks(count, min_triangles_per_chunk);
     chunks_.resize(std::max<size_t>(chunks_.size(), parts));
-    threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t begin, uint32_t end) {
+    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
         Chunk& chunk = chunks_[k];
         chunk.walks.clear();
         chunk.points.clear();
@@ -162,14 +162,14 @@ void EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Fr
     cut.edge_points.resize(points);
     cut.edge_positions.resize(points);
     table_.assign(std::bit_ceil(2 * walks + 2), Walk{0, 0, 0});
-    threads.for_chunks(count, kLeastTriangles, [&](uint32_t k, uint32_t, uint32_t) {
+    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t k, uint32_t, uint32_t) {
         const Chunk& chunk = chunks_[k];
         std::copy(chunk.points.begin(), chunk.points.end(), cut.edge_points.begin() + chunk.base);
         std::copy(chunk.positions.begin(), chunk.positions.end(), cut.edge_positions.begin() + chunk.base);
         for (const Walk& walk : chunk.walks) insert({walk.key, walk.first + chunk.base, walk.count});
     });
 
-    threads.for_chunks(count, kLeastTriangles, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t x = begin; x < end; ++x) {
             CrossingTriangle& crossing = cut.crossing[x];
             const Triangle& t = triangles[crossing.triangle];

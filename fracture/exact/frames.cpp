@@ -9,16 +9,12 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastCells = 32;
-constexpr double kBeyondReach = 1e30; // the h of filling planes
+constexpr uint32_t min_cells_per_chunk = 32;
+constexpr double beyond_reach = 1e30; // the h of filling planes
 
 // value_error() with the unit roundoff of float, one unit more for rounding y, and the error in double on
 // top.
-constexpr double kFloatRoundings = 0xa.0p-24;
-
-uint32_t padded(uint32_t n) {
-    return (n + Frames::kLanes - 1) / Frames::kLanes * Frames::kLanes;
-}
+constexpr double float_roundoff = 0xa.0p-24;
 
 } // namespace
 
@@ -36,14 +32,14 @@ void Frames::build(const Diagram& problem, const VoronoiDiagram& diagram, Thread
     for (auto* array : {&nx, &ny, &nz, &h}) array->resize(slots);
     for (auto* array : {&fx, &fy, &fz, &fh}) array->resize(slots);
     site.resize(slots);
-    threads.for_chunks(sites, kLeastCells, [&](uint32_t, uint32_t first, uint32_t last) {
+    threads.for_chunks(sites, min_cells_per_chunk, [&](uint32_t, uint32_t first, uint32_t last) {
         for (SiteId c = first; c < last; ++c) {
             Cell& cell = cells[c];
             cell.site = problem.sites[c];
             double longest = 0.0, weight = 0.0, highest = 0.0; // of |n|, |W_c - W_l|, and h / |n| before rounding
             const Slot filled = cell.begin + padded(cell.end - cell.begin);
             for (Slot l = cell.begin; l < filled; ++l) {
-                Bisector plane{glm::dvec3(0.0), kBeyondReach, 0.0};
+                Bisector plane{glm::dvec3(0.0), beyond_reach, 0.0};
                 site[l] = VoronoiDiagram::none;
                 if (l < cell.end) {
                     site[l] = diagram.neighbours[cell.first_neighbour + (l - cell.begin)].site;
@@ -67,7 +63,7 @@ void Frames::build(const Diagram& problem, const VoronoiDiagram& diagram, Thread
             const double reach = glm::length(far);
             cell.error = value_error(longest, reach, weight);
             const double height = problem.weights.empty() ? 0.5 * longest : highest;
-            cell.float_error = static_cast<float>(kFloatRoundings * (height + reach));
+            cell.float_error = static_cast<float>(float_roundoff * (height + reach));
         }
     });
 }
@@ -84,7 +80,7 @@ BRITTLE_SIMD void plane_values_at(const Frames& frames, Frames::Slot begin, uint
 
 BRITTLE_SIMD LeastDistance min_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
                                            float z) {
-    constexpr uint32_t lanes = Frames::kLanes;
+    constexpr uint32_t lanes = Frames::lane_count;
     const float* nx = frames.fx.data() + begin;
     const float* ny = frames.fy.data() + begin;
     const float* nz = frames.fz.data() + begin;

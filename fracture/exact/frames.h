@@ -11,10 +11,14 @@
 namespace brittle::fracture::exact {
 
 struct Frames {
-    // A neighbour's place in the arrays. Each cell's run starts at a multiple of kLanes and is filled up with
+    // A neighbour's place in the arrays. Each cell's run starts at a multiple of lane_count and is filled up with
     // planes that nothing is beyond.
     using Slot = uint32_t;
-    static constexpr uint32_t kLanes = 8;
+    static constexpr uint32_t lane_count = 8;
+    // Slots that n neighbours take.
+    [[nodiscard]] static constexpr uint32_t padded(uint32_t n) {
+        return (n + lane_count - 1) / lane_count * lane_count;
+    }
 
     struct Cell {
         glm::dvec3 site;
@@ -37,7 +41,7 @@ struct Frames {
     void build(const Diagram& problem, const VoronoiDiagram& diagram, Threads& threads);
 };
 
-// Values of the planes [begin, begin + n) at y; n is a multiple of Frames::kLanes.
+// Values of the planes [begin, begin + n) at y; n is a multiple of Frames::lane_count.
 void plane_values_at(const Frames& frames, Frames::Slot begin, uint32_t n, const glm::dvec3& y, double* values);
 
 // The least distance to the planes [begin, begin + n) from y, in float, and its slot; negative beyond the

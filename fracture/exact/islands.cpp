@@ -14,7 +14,7 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastCells = 4;
+constexpr uint32_t min_cells_per_chunk = 4;
 
 void unite(std::vector<uint32_t>& parent, const Triangle& t) {
     const uint32_t a = root_of(parent, t.x), b = root_of(parent, t.y), c = root_of(parent, t.z);
@@ -87,11 +87,11 @@ uint32_t IslandSplitter::attach_cavities(const CellRun& cell, const Fragments& o
         }
     }
     // Number what remains by the least vertex again.
-    std::vector<uint32_t> number(islands, kNone);
+    std::vector<uint32_t> number(islands, no_index);
     uint32_t remaining = 0;
     for (uint32_t& label : chunk.label) {
         uint32_t& n = number[home[label]];
-        if (n == kNone) n = remaining++;
+        if (n == no_index) n = remaining++;
         label = n;
     }
     return remaining;
@@ -159,9 +159,9 @@ void IslandSplitter::run(const Assembler::Input& input, std::span<const CellRun>
                          Fragments& out) {
     count_uncut_components(input);
     const auto count = static_cast<uint32_t>(cells.size());
-    const uint32_t parts = threads.chunks(count, kLeastCells);
+    const uint32_t parts = threads.chunks(count, min_cells_per_chunk);
     if (chunks_.size() < parts) chunks_.resize(parts);
-    threads.for_chunks(count, kLeastCells, [&](uint32_t k, uint32_t begin, uint32_t end) {
+    threads.for_chunks(count, min_cells_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
         Chunk& chunk = chunks_[k];
         chunk.pieces.clear();
         for (SiteId c = begin; c < end; ++c) split_cell(c, cells[c], chunk, out);

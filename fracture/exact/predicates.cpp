@@ -41,8 +41,8 @@ Row site_row(const Diagram& diagram, SiteId c, SiteId l) {
 }
 
 Row box_row(const glm::dvec3& s_c, const Box& box, PlaneId p) {
-    const int axis = static_cast<int>((p - kBoxMinX) / 2);
-    const bool max = ((p - kBoxMinX) & 1u) != 0;
+    const int axis = static_cast<int>((p - box_min_x) / 2);
+    const bool max = ((p - box_min_x) & 1u) != 0;
     Row row;
     Expansion& n = axis == 0 ? row.n.x : (axis == 1 ? row.n.y : row.n.z);
     n = Expansion(max ? 1.0 : -1.0);

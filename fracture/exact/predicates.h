@@ -28,11 +28,11 @@
 //
 // or, where speed does not matter, side1(diagram, c, l_id, q, stats), which does both.
 //
-// Input range. Every coordinate (sites, mesh, box) is finite, at most kLargestCoordinate in magnitude and an
-// integer multiple of kGranularity. Then no polynomial here (degree <= 7) overflows or underflows and all
+// Input range. Every coordinate (sites, mesh, box) is finite, at most max_coordinate in magnitude and an
+// integer multiple of coordinate_granularity. Then no polynomial here (degree <= 7) overflows or underflows and all
 // answers hold without exception. Scale by a power of two so that the box is about [-1,1], and pass each
 // coordinate through snap(), which changes only coordinates below 2^-98 (3e-30 of the box). Weights likewise; they count as
-// two coordinates, so their magnitude may be kLargestCoordinate squared.
+// two coordinates, so their magnitude may be max_coordinate squared.
 //
 // Threads: all functions are pure but for the PredicateStats that the caller hands in; give each thread its
 // own. Compile without floating-point contraction and without fast-math.
@@ -52,12 +52,12 @@
 
 namespace brittle::fracture::exact {
 
-inline constexpr double kLargestCoordinate = 0x1.0p+100;
-inline constexpr double kGranularity = 0x1.0p-150;
+inline constexpr double max_coordinate = 0x1.0p+100;
+inline constexpr double coordinate_granularity = 0x1.0p-150;
 
-// The nearest multiple of kGranularity. The identity for |x| >= 2^-98.
+// The nearest multiple of coordinate_granularity. The identity for |x| >= 2^-98.
 [[nodiscard]] inline double snap(double x) {
-    constexpr double magic = 0x1.8p-98; // its unit in the last place is kGranularity
+    constexpr double magic = 0x1.8p-98; // its unit in the last place is coordinate_granularity
     return std::abs(x) < 0x1.0p-98 ? (x + magic) - magic : x;
 }
 
@@ -69,10 +69,10 @@ using SiteId = uint32_t;
 
 // A plane of a cell: the bisector with that site, or one of the last six values, a side of the box.
 using PlaneId = uint32_t;
-inline constexpr PlaneId kBoxMinX = 0xfffffffau, kBoxMaxX = 0xfffffffbu, kBoxMinY = 0xfffffffcu, kBoxMaxY = 0xfffffffdu,
-                         kBoxMinZ = 0xfffffffeu, kBoxMaxZ = 0xffffffffu;
+inline constexpr PlaneId box_min_x = 0xfffffffau, box_max_x = 0xfffffffbu, box_min_y = 0xfffffffcu,
+                         box_max_y = 0xfffffffdu, box_min_z = 0xfffffffeu, box_max_z = 0xffffffffu;
 [[nodiscard]] constexpr bool is_box_plane(PlaneId p) {
-    return p >= kBoxMinX;
+    return p >= box_min_x;
 }
 
 // What the questions are about. Sites may lie outside the box.
@@ -134,8 +134,8 @@ struct Bisector {
 }
 
 [[nodiscard]] inline Bisector make_box_plane(const glm::dvec3& s_c, const Box& box, PlaneId p) {
-    const int axis = static_cast<int>((p - kBoxMinX) / 2);
-    const bool max = ((p - kBoxMinX) & 1u) != 0;
+    const int axis = static_cast<int>((p - box_min_x) / 2);
+    const bool max = ((p - box_min_x) & 1u) != 0;
     Bisector plane{glm::dvec3(0.0), max ? box.max[axis] - s_c[axis] : s_c[axis] - box.min[axis], 1.0};
     plane.n[axis] = max ? 1.0 : -1.0;
     return plane;

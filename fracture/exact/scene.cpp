@@ -14,17 +14,17 @@ namespace {
 
 // The box must hold the mesh strictly; how much larger it is decides nothing, but a close box keeps cells
 // small.
-constexpr double kBoxMargin = 0x1.0p-3; // of the unit that the mesh is scaled to
-constexpr uint32_t kLeastVertices = 8192;
+constexpr double box_margin = 0x1.0p-3; // of the unit that the mesh is scaled to
+constexpr uint32_t min_vertices_per_chunk = 8192;
 
 // Indices of half-edges, and of vertices of all kinds, take 32 bits or less, and cutting adds to them.
-constexpr size_t kMostTriangles = size_t{1} << 28;
-constexpr size_t kMostPositions = size_t{1} << 28;
-constexpr size_t kMostSites = size_t{1} << 28;
+constexpr size_t max_triangles = size_t{1} << 28;
+constexpr size_t max_vertices = size_t{1} << 28;
+constexpr size_t max_sites = size_t{1} << 28;
 
 bool in_range(const glm::dvec3& p) { // comparisons with NaN are false
-    return std::abs(p.x) <= kFarthestCoordinate && std::abs(p.y) <= kFarthestCoordinate
-           && std::abs(p.z) <= kFarthestCoordinate;
+    return std::abs(p.x) <= max_input_coordinate && std::abs(p.y) <= max_input_coordinate
+           && std::abs(p.z) <= max_input_coordinate;
 }
 
 Error at(Status status, const char* what, size_t index, const glm::dvec3& p, const char* advice) {
@@ -40,8 +40,8 @@ Result<void> check_counts(const TriangleMesh& mesh) {
         return Error{Status::invalid_mesh, "the mesh has " + std::to_string(count) + ' ' + what + "; at most "
                                                + std::to_string(most) + " can be cut"};
     };
-    if (mesh.triangles.size() > kMostTriangles) return too_many(mesh.triangles.size(), "triangles", kMostTriangles);
-    if (mesh.positions.size() > kMostPositions) return too_many(mesh.positions.size(), "vertices", kMostPositions);
+    if (mesh.triangles.size() > max_triangles) return too_many(mesh.triangles.size(), "triangles", max_triangles);
+    if (mesh.positions.size() > max_vertices) return too_many(mesh.positions.size(), "vertices", max_vertices);
     return {};
 }
 
@@ -75,9 +75,9 @@ double unit_scale(double size) {
 
 Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene, std::vector<glm::dvec3>& out) {
     if (sites.empty()) return Error{Status::invalid_sites, "there are no sites; give at least one"};
-    if (sites.size() > kMostSites) {
+    if (sites.size() > max_sites) {
         return Error{Status::invalid_sites, "there are " + std::to_string(sites.size()) + " sites; at most "
-                                                + std::to_string(kMostSites) + " can cut"};
+                                                + std::to_string(max_sites) + " can cut"};
     }
     out.resize(sites.size());
     for (size_t i = 0; i < sites.size(); ++i) {
@@ -86,7 +86,7 @@ Result<void> scale_sites(std::span<const glm::dvec3> sites, double to_scene, std
         }
         for (int k = 0; k < 3; ++k) {
             const double x = sites[i][k] * to_scene;
-            if (!(std::abs(x) <= kLargestCoordinate)) {
+            if (!(std::abs(x) <= max_coordinate)) {
                 return at(Status::invalid_sites, "site", i, sites[i],
                           "that is more than 1e30 mesh sizes away: move it closer or leave it out");
             }
@@ -100,7 +100,7 @@ Result<void> scale_weights(std::span<const double> weights, double to_scene, std
     out.resize(weights.size());
     for (size_t i = 0; i < weights.size(); ++i) {
         const double w = weights[i] * to_scene * to_scene;
-        if (!(std::abs(w) <= kLargestCoordinate * kLargestCoordinate)) {
+        if (!(std::abs(w) <= max_coordinate * max_coordinate)) {
             char text[160];
             std::snprintf(text, sizeof text,
                           "site %zu has the weight %.9g; it must be finite and below 1e60 mesh sizes squared", i,
@@ -115,8 +115,8 @@ Result<void> scale_weights(std::span<const double> weights, double to_scene, std
 Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene) {
     if (auto ok = check_counts(mesh); !ok) return ok;
     const auto count = static_cast<uint32_t>(mesh.positions.size());
-    std::vector<Bounds> parts(threads.chunks(count, kLeastVertices));
-    threads.for_chunks(count, kLeastVertices, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    std::vector<Bounds> parts(threads.chunks(count, min_vertices_per_chunk));
+    threads.for_chunks(count, min_vertices_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         parts[chunk] = bounds_of(std::span(mesh.positions).subspan(begin, end - begin));
     });
     Bounds all;
@@ -142,7 +142,7 @@ Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene
     scene.to_scene = unit_scale(largest);
     scene.to_input = 1.0 / scene.to_scene;
     scene.positions.resize(count);
-    threads.for_chunks(count, kLeastVertices, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads.for_chunks(count, min_vertices_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t v = begin; v < end; ++v) {
             const glm::dvec3 p = mesh.positions[v] * scene.to_scene;
             scene.positions[v] = {snap(p.x), snap(p.y), snap(p.z)};
@@ -152,7 +152,7 @@ Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene
     const glm::dvec3 low = all.min * scene.to_scene;
     const glm::dvec3 high = all.max * scene.to_scene;
     for (int k = 0; k < 3; ++k) {
-        const double margin = kBoxMargin + 0x1.0p-50 * std::max(std::abs(low[k]), std::abs(high[k]));
+        const double margin = box_margin + 0x1.0p-50 * std::max(std::abs(low[k]), std::abs(high[k]));
         scene.box.min[k] = low[k] - margin;
         scene.box.max[k] = high[k] + margin;
     }

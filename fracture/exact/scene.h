@@ -15,10 +15,8 @@
 
 namespace brittle::fracture::exact {
 
-inline constexpr uint32_t kNone = 0xffffffffu; // no index
-
 // Beyond this volumes overflow; in metres.
-inline constexpr double kFarthestCoordinate = 1e100;
+inline constexpr double max_input_coordinate = 1e100;
 
 struct Scene {
     std::vector<glm::dvec3> positions; // of the mesh, scaled
@@ -45,7 +43,7 @@ struct Scene {
 
 // The mesh scaled into the scene, reusing its memory; leaves the sites alone and does not look at the
 // triangles' indices (surface.h does). Errors: empty_mesh, and invalid_mesh for a position that is not finite
-// or beyond kFarthestCoordinate, or for too many vertices or triangles.
+// or beyond max_input_coordinate, or for too many vertices or triangles.
 [[nodiscard]] Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene);
 
 // All of it. Errors: as scale_mesh(), scale_sites() and scale_weights().

@@ -11,7 +11,7 @@ namespace brittle::fracture::exact {
 namespace {
 
 // Fewer sites a leaf cost more steps down the tree, more sites a leaf sort more that are too far.
-constexpr uint32_t kMostInLeaf = 16;
+constexpr uint32_t max_sites_per_leaf = 16;
 
 uint64_t hash_of(const glm::dvec3& p) {
     uint64_t h = 0;
@@ -34,14 +34,13 @@ constexpr auto farther = [](const SiteTree::WalkMemory::Entry& a, const SiteTree
 } // namespace
 
 void SiteTree::find_duplicates(std::span<const glm::dvec3> sites, std::span<const double> weights) {
-    constexpr uint32_t kEmpty = 0xffffffffu;
     const size_t size = std::bit_ceil(2 * sites.size());
-    slots_.assign(size, kEmpty);
+    slots_.assign(size, no_index);
     owns_cell_.assign(sites.size(), 1);
     for (uint32_t i = 0; i < sites.size(); ++i) { // in index order, so the lowest index comes first
         size_t slot = hash_of(sites[i]) & (size - 1);
-        while (slots_[slot] != kEmpty && sites[slots_[slot]] != sites[i]) slot = (slot + 1) & (size - 1);
-        if (slots_[slot] == kEmpty) {
+        while (slots_[slot] != no_index && sites[slots_[slot]] != sites[i]) slot = (slot + 1) & (size - 1);
+        if (slots_[slot] == no_index) {
             slots_[slot] = i;
         } else if (!weights.empty() && weights[i] > weights[slots_[slot]]) {
             owns_cell_[slots_[slot]] = 0;
@@ -69,7 +68,7 @@ void SiteTree::build(std::span<const glm::dvec3> sites, std::span<const double> 
             node.high = glm::max(node.high, sites[order_[k]]);
         }
         const uint32_t count = node.end - node.begin;
-        if (count <= kMostInLeaf) continue;
+        if (count <= max_sites_per_leaf) continue;
         const glm::dvec3 size = node.high - node.low;
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
         const auto begin = order_.begin() + node.begin;

@@ -10,10 +10,10 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastCells = 4;
+constexpr uint32_t min_cells_per_chunk = 4;
 
 // A split may make slivers of its neighbours, which are shorter; what is found after this many rounds stays.
-constexpr int kMostRounds = 8;
+constexpr int max_rounds = 8;
 
 bool has(const std::array<uint32_t, 3>& corners, uint32_t point) {
     return corners[0] == point || corners[1] == point || corners[2] == point;
@@ -24,7 +24,7 @@ uint32_t third(const std::array<uint32_t, 3>& corners, uint32_t a, uint32_t b) {
     for (const uint32_t corner : corners) {
         if (corner != a && corner != b) return corner;
     }
-    return kNone;
+    return no_index;
 }
 
 // Lengths are in units of the least height. The height over the longest side is twice the area by its length.
@@ -53,9 +53,9 @@ glm::dvec3 SliverCollapser::position(const Assembler::Input& input, uint32_t num
 
 void SliverCollapser::find(std::span<const CellRun> cells, Threads& threads, const Fragments& out) {
     const auto count = static_cast<uint32_t>(cells.size());
-    const uint32_t parts = threads.chunks(count, kLeastCells);
+    const uint32_t parts = threads.chunks(count, min_cells_per_chunk);
     if (found_by_chunk_.size() < parts) found_by_chunk_.resize(parts);
-    threads.for_chunks(count, kLeastCells, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    threads.for_chunks(count, min_cells_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         std::vector<Sliver>& found = found_by_chunk_[chunk];
         found.clear();
         for (SiteId c = begin; c < end; ++c) {
@@ -85,11 +85,11 @@ void SliverCollapser::gather(const Assembler::Input& input, std::span<const Cell
     const uint32_t points = first_of_kind_[4];
     became_.resize(points);
     for (uint32_t n = 0; n < points; ++n) became_[n] = n;
-    local_.assign(points, kNone);
+    local_.assign(points, no_index);
     cluster_.clear();
     in_cluster_.assign(points, 0);
     changed_.assign(cells.size(), 0);
-    star_of_.assign(points, kNone);
+    star_of_.assign(points, no_index);
     star_count_ = 0;
     faces_.clear();
     work_.clear();
@@ -223,7 +223,7 @@ bool SliverCollapser::may_collapse() {
     for (auto begin = moved_.begin(), end = begin; begin != moved_.end(); begin = end) {
         const SiteId cell = faces_[*begin].cell;
         loop_.clear();
-        uint32_t present = kNone;
+        uint32_t present = no_index;
         bool several = false;
         for (; end != moved_.end() && faces_[*end].cell == cell; ++end) {
             const auto& corners = faces_[*end].corners;
@@ -233,7 +233,7 @@ bool SliverCollapser::may_collapse() {
                 if (!in_cluster_[corners[k]]) continue;
                 ++inside;
                 last = k;
-                several = several || (present != kNone && present != corners[k]);
+                several = several || (present != no_index && present != corners[k]);
                 present = corners[k];
             }
             if (inside == 1) loop_.push_back({corners[(last + 1) % 3], corners[(last + 2) % 3], *end});
@@ -335,7 +335,7 @@ bool SliverCollapser::split(uint32_t a, uint32_t b, uint32_t c) {
         }
         faces_[f].whole = false;
         Face far_half = faces_[f];
-        far_half.triangle = kNone;
+        far_half.triangle = no_index;
         for (uint32_t& corner : far_half.corners) corner = corner == a ? c : corner;
         for (uint32_t& corner : faces_[f].corners) corner = corner == b ? c : corner;
         stars_[star_of_[c]].push_back(f);
@@ -400,14 +400,14 @@ void SliverCollapser::collect(const CellRun& cell, uint32_t gathered, std::span<
 }
 
 void SliverCollapser::place(const Assembler::Input& input, CellRun& cell, const Fragments& out) {
-    constexpr uint32_t kUsed = kNone - 1;
+    constexpr uint32_t in_use = no_index - 1;
     const Range old = cell.vertices;
     const auto first = static_cast<uint32_t>(rebuilt_.positions.size());
     for (const Face& face : collected_) {
-        for (const uint32_t corner : face.corners) local_[corner] = kUsed;
+        for (const uint32_t corner : face.corners) local_[corner] = in_use;
     }
     const auto put = [&](uint32_t point) {
-        if (local_[point] != kUsed) return;
+        if (local_[point] != in_use) return;
         local_[point] = static_cast<uint32_t>(rebuilt_.positions.size()) - first;
         rebuilt_.positions.push_back(position(input, point));
         rebuilt_.vertex_point.push_back(id(point).bits());
@@ -444,10 +444,10 @@ void SliverCollapser::copy(CellRun& cell, const Fragments& out) {
 
 void SliverCollapser::run(const Assembler::Input& input, std::span<CellRun> cells, Threads& threads, Fragments& out) {
     const glm::dvec3 furthest = glm::max(glm::abs(input.scene.box.min), glm::abs(input.scene.box.max));
-    to_heights_ = input.scene.to_scene / (kLeastHeight * std::max({furthest.x, furthest.y, furthest.z}));
+    to_heights_ = input.scene.to_scene / (min_height * std::max({furthest.x, furthest.y, furthest.z}));
     find(cells, threads, out);
     found_ = slivers_.size();
-    for (int round = 0; round < kMostRounds && !slivers_.empty(); ++round) {
+    for (int round = 0; round < max_rounds && !slivers_.empty(); ++round) {
         gather(input, cells, out);
         if (!mend_all(input)) return;
         rebuild(input, cells, out);

@@ -36,7 +36,7 @@ class SliverCollapser {
   public:
     // Triangles of less height than this share of the mesh's largest coordinate are slivers: 512 units in the
     // last place, what a cut's coordinates may be off.
-    static constexpr double kLeastHeight = 0x1p-44;
+    static constexpr double min_height = 0x1p-44;
 
     // After Assembler::run(); keeps what it says of `cells` and `out`, but that a point of two kinds counts
     // as the lower and that triangles of the mesh may be split.
@@ -55,7 +55,7 @@ class SliverCollapser {
     struct Face {
         std::array<uint32_t, 3> corners;
         SiteId cell;
-        uint32_t triangle; // into Fragments::triangles; kNone where it is new
+        uint32_t triangle; // into Fragments::triangles; no_index where it is new
         uint32_t source;
         bool exterior;
         bool whole; // a triangle of the mesh
@@ -88,7 +88,7 @@ class SliverCollapser {
     [[nodiscard]] VertexId id(uint32_t number) const;
     [[nodiscard]] glm::dvec3 position(const Assembler::Input& input, uint32_t number) const;
     // Whether all faces at a point, of all cells, are in its star.
-    [[nodiscard]] bool is_gathered(uint32_t point) const { return star_of_[point] != kNone; }
+    [[nodiscard]] bool is_gathered(uint32_t point) const { return star_of_[point] != no_index; }
     std::span<const uint32_t> star(uint32_t point);
 
     double to_heights_ = 1.0; // from lengths of the input to multiples of the least height

@@ -11,8 +11,8 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastTriangles = 8192;
-constexpr uint32_t kLeastVertices = 8192;
+constexpr uint32_t min_triangles_per_chunk = 8192;
+constexpr uint32_t min_vertices_per_chunk = 8192;
 
 Error unsound(const TriangleMesh& mesh) {
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -60,7 +60,7 @@ Result<void> Surface::inspect(const TriangleMesh& mesh, Threads& threads) {
         find_components(mesh, threads);
         known_.resize(mesh.triangles.size());
         threads.for_chunks(
-            static_cast<uint32_t>(known_.size()), kLeastTriangles, [&](uint32_t, uint32_t begin, uint32_t end) {
+            static_cast<uint32_t>(known_.size()), min_triangles_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
                 std::copy(mesh.triangles.begin() + begin, mesh.triangles.begin() + end, known_.begin() + begin);
             });
     }
@@ -70,7 +70,7 @@ Result<void> Surface::inspect(const TriangleMesh& mesh, Threads& threads) {
 bool Surface::is_known(const TriangleMesh& mesh, Threads& threads) const {
     if (known_.size() != mesh.triangles.size() || component_.size() != mesh.positions.size()) return false;
     std::atomic<bool> equal = true;
-    threads.for_chunks(static_cast<uint32_t>(known_.size()), kLeastTriangles,
+    threads.for_chunks(static_cast<uint32_t>(known_.size()), min_triangles_per_chunk,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            const size_t bytes = (end - begin) * sizeof(Triangle);
                            if (std::memcmp(&known_[begin], &mesh.triangles[begin], bytes) != 0) equal = false;
@@ -81,10 +81,10 @@ bool Surface::is_known(const TriangleMesh& mesh, Threads& threads) const {
 void Surface::find_components(const TriangleMesh& mesh, Threads& threads) {
     const auto vertices = static_cast<uint32_t>(mesh.positions.size());
     component_.resize(vertices);
-    threads.for_chunks(vertices, kLeastVertices, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads.for_chunks(vertices, min_vertices_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t v = begin; v < end; ++v) component_[v] = v;
     });
-    threads.for_chunks(static_cast<uint32_t>(mesh.triangles.size()), kLeastTriangles,
+    threads.for_chunks(static_cast<uint32_t>(mesh.triangles.size()), min_triangles_per_chunk,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (uint32_t t = begin; t < end; ++t) {
                                const Triangle& corners = mesh.triangles[t];
@@ -94,7 +94,7 @@ void Surface::find_components(const TriangleMesh& mesh, Threads& threads) {
                        });
     std::atomic<uint32_t> count = 0;
     std::atomic<bool> leaves_out = false;
-    threads.for_chunks(vertices, kLeastVertices, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads.for_chunks(vertices, min_vertices_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
         uint32_t roots = 0;
         for (uint32_t v = begin; v < end; ++v) {
             const uint32_t degree = check_.degree(v);
@@ -108,9 +108,9 @@ void Surface::find_components(const TriangleMesh& mesh, Threads& threads) {
     });
     component_count_ = count;
     leaves_triangles_out_ = leaves_out;
-    threads.for_chunks(vertices, kLeastVertices, [&](uint32_t, uint32_t begin, uint32_t end) {
+    threads.for_chunks(vertices, min_vertices_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t v = begin; v < end; ++v) {
-            if (check_.degree(v) <= 2) component_[v] = kNone;
+            if (check_.degree(v) <= 2) component_[v] = no_index;
         }
     });
 }

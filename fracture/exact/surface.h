@@ -26,7 +26,7 @@ class Surface {
     // What it encloses, and how much, is not asked: inside out or flat is sound.
     [[nodiscard]] Result<void> inspect(const TriangleMesh& mesh, Threads& threads);
 
-    // The connected component of each vertex, named by its least vertex; kNone for a vertex that no triangle
+    // The connected component of each vertex, named by its least vertex; no_index for a vertex that no triangle
     // uses, or only two triangles back to back: a component that encloses nothing, and is left out of the
     // cut.
     [[nodiscard]] const std::vector<uint32_t>& components() const { return component_; }

@@ -8,8 +8,8 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t kLeastEdges = 512;
-constexpr int32_t kUnknown = 0x7fffffff;
+constexpr uint32_t min_edges_per_chunk = 512;
+constexpr int32_t unknown_winding = 0x7fffffff;
 
 int32_t change_along(const PiercePoint& point) {
     return point.leaves ? -1 : 1;
@@ -56,7 +56,7 @@ void Winding::spread(const VoronoiDiagram& diagram, const Cut& cut) {
         edges_of_vertex_[edge_of_vertex_begin_[diagram.edges[e].end + 1]++] = e;
     }
 
-    of_vertex.assign(vertices, kUnknown);
+    of_vertex.assign(vertices, unknown_winding);
     consistent = true;
     queue_.clear();
     for (uint32_t v = 0; v < vertices; ++v) {
@@ -75,7 +75,7 @@ void Winding::spread(const VoronoiDiagram& diagram, const Cut& cut) {
             const bool along = edge.start == v;
             const uint32_t other = along ? edge.end : edge.start;
             const int32_t w = of_vertex[v] + (along ? change : -change);
-            if (of_vertex[other] == kUnknown) {
+            if (of_vertex[other] == unknown_winding) {
                 of_vertex[other] = w;
                 queue_.push_back(other);
             } else if (of_vertex[other] != w) {
@@ -92,7 +92,7 @@ void Winding::make_nodes(const VoronoiDiagram& diagram, Cut& cut) {
     cut.nodes.clear();
     for (uint32_t v = 0; v < vertices; ++v) {
         first_node[v] = static_cast<uint32_t>(cut.nodes.size());
-        if (of_vertex[v] == kUnknown) of_vertex[v] = 0;
+        if (of_vertex[v] == unknown_winding) of_vertex[v] = 0;
         const Node node{diagram.vertices[v].planes, diagram.vertices[v].position, {}};
         cut.nodes.insert(cut.nodes.end(), static_cast<size_t>(std::abs(of_vertex[v])), node);
     }
@@ -133,8 +133,8 @@ void Winding::compute(const Scene& scene, const VoronoiDiagram& diagram, std::sp
     spread(diagram, cut);
     make_nodes(diagram, cut);
     const auto edges = static_cast<uint32_t>(diagram.edges.size());
-    std::vector<PredicateStats> part(threads.chunks(edges, kLeastEdges));
-    threads.for_chunks(edges, kLeastEdges, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+    std::vector<PredicateStats> part(threads.chunks(edges, min_edges_per_chunk));
+    threads.for_chunks(edges, min_edges_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (uint32_t e = begin; e < end; ++e) sort_edge(scene, diagram, triangles, cut, e, part[chunk]);
     });
     for (const PredicateStats& p : part) stats += p;

@@ -76,10 +76,10 @@ struct Oracle {
     Rational g(SiteId c, SiteId l, const Vec& x) const { return power(l, x) - power(c, x); }
     Plane plane(SiteId c, PlaneId p) const {
         if (is_box_plane(p)) {
-            const int axis = static_cast<int>((p - kBoxMinX) / 2);
+            const int axis = static_cast<int>((p - box_min_x) / 2);
             dvec3 n(0.0);
             n[axis] = 1.0;
-            return {vec(n), Rational((p - kBoxMinX) % 2 ? diagram->box.max[axis] : diagram->box.min[axis])};
+            return {vec(n), Rational((p - box_min_x) % 2 ? diagram->box.max[axis] : diagram->box.min[axis])};
         }
         const Vec n = site(p) - site(c);
         return {{2 * n.x, 2 * n.y, 2 * n.z}, dot(site(p), site(p)) - weight(p) - dot(site(c), site(c)) + weight(c)};
@@ -273,7 +273,7 @@ struct Draw {
         const dvec3 b = point();
         return {a, b, point()};
     }
-    PlaneId box_plane() { return kBoxMinX + static_cast<PlaneId>(random.next() % 6); }
+    PlaneId box_plane() { return box_min_x + static_cast<PlaneId>(random.next() % 6); }
 };
 
 // Counts the outcomes of a scene's cases, so that a test can require a minimum of informative ones.

@@ -26,7 +26,7 @@ TEST_CASE("snap moves only coordinates below the documented magnitude") {
     CHECK(snap(5e-324) == 0.0);
     const double x = snap(1e-31);
     CHECK(std::abs(x - 1e-31) <= 0x1.0p-151);
-    CHECK(std::fmod(x, kGranularity) == 0.0);
+    CHECK(std::fmod(x, coordinate_granularity) == 0.0);
 }
 
 TEST_CASE("of equal sites the lower index owns every point") {
@@ -61,15 +61,15 @@ TEST_CASE("the four sides of a simple cell are what a drawing shows") {
     CHECK(pierce_direction_exact(diagram, 0, 1, 2, low, stats) == 1);
     CHECK(pierce_direction_exact(diagram, 0, 1, 3, low, stats) == 0);
     CHECK(cell_vertex_orientation_exact(diagram, 0, 1, 2, 3, stats) == 1);
-    CHECK(cell_vertex_orientation_exact(diagram, 0, 1, kBoxMinY, 3, stats) == -1);
-    CHECK(cell_vertex_orientation_exact(diagram, 0, 1, kBoxMinX, 3, stats) == 0);
+    CHECK(cell_vertex_orientation_exact(diagram, 0, 1, box_min_y, 3, stats) == -1);
+    CHECK(cell_vertex_orientation_exact(diagram, 0, 1, box_min_x, 3, stats) == 0);
     CHECK(side4(diagram, 0, 1, 2, 3, 5, stats) == -1);
-    CHECK(side4(diagram, 0, 1, 2, kBoxMinZ, 5, stats) == 1);
+    CHECK(side4(diagram, 0, 1, 2, box_min_z, 5, stats) == 1);
     // Cube corner: site 4 is exactly as far as the other four, and loses to site 0.
     CHECK(side4(diagram, 0, 1, 2, 3, 4, stats) == side4(diagram, 1, 0, 2, 3, 4, stats));
     CHECK(edge_parameter_exact(diagram, 0, 1, dvec3(0.0), dvec3(1, 0, 0)) == 0.25);
     CHECK(cell_vertex_exact(diagram, 0, 1, 2, 3) == dvec3(0.25));
-    CHECK(cell_vertex_exact(diagram, 1, 0, 2, kBoxMinZ) == dvec3(-0.25, 0.25, -1.0));
+    CHECK(cell_vertex_exact(diagram, 1, 0, 2, box_min_z) == dvec3(-0.25, 0.25, -1.0));
     const dvec3 weights = pierce_weights_exact(diagram, 0, 1, 2, low);
     CHECK(weights.x * low[0] + weights.y * low[1] + weights.z * low[2] == dvec3(0.25, 0.25, 0.2));
 }

@@ -37,7 +37,7 @@ TEST_CASE("answers hold at the ends of the documented range of coordinates") {
     for (int i = 0; i < 300; ++i) {
         std::vector<dvec3> sites;
         for (int k = 0; k < 5; ++k) sites.push_back(point());
-        const Diagram diagram{sites, {dvec3(-kLargestCoordinate), dvec3(kLargestCoordinate)}};
+        const Diagram diagram{sites, {dvec3(-max_coordinate), dvec3(max_coordinate)}};
         const Corners q1{point(), point(), point()};
         const Corners q2{q1[0], point(), point()};
         const Oracle oracle{&diagram, {}, 0};
