@@ -4,15 +4,13 @@
 #include <cassert>
 #include <cmath>
 
-#include "fracture/exact/ears.h"
-
 namespace brittle::fracture::exact {
 
 namespace {
 
 constexpr uint32_t min_facets_per_chunk = 4;
 
-// What the walk around a facet meets: a pierce point, where the winding changes, or a Voronoi vertex.
+// A stop of the walk around a facet: a pierce point, where the winding number changes, or a Voronoi vertex.
 struct Stop {
     VertexId pierce;     // none at a Voronoi vertex
     uint32_t vertex = 0; // of the diagram
@@ -75,9 +73,9 @@ class Capper::Worker {
     uint32_t add_node(const Context& context, const glm::dvec3& position, Cap& cap, CapChunk& out);
 
     std::vector<Stop> stops_;
-    std::vector<std::array<uint32_t, 2>> sides_; // of each corner of the cap: the Voronoi edges that it lies on
+    std::vector<std::array<uint32_t, 2>> sides_; // per corner of the cap: the Voronoi edges that contain it
     std::vector<std::array<uint32_t, 2>> along_; // directed edges of triangles with both ends on one Voronoi edge
-    struct FanTriangle {                         // of the fan around a corner, with the triangle's other two corners
+    struct FanTriangle {                         // of the fan around a corner; next and previous are its other corners
         uint32_t next, previous;
         uint32_t triangle;
         bool visited;
@@ -93,9 +91,8 @@ class Capper::Worker {
     size_t loop_begin_ = 0;
     size_t cap_begin_ = 0;
     size_t loop_count_ = 0;
-    std::vector<Loop> loops_; // the first loop_count_ are the cap's
+    std::vector<Loop> loops_; // the first loop_count_ belong to the current cap
     std::vector<glm::dvec2> flat_;
-    EarClipper ears_;
     Triangulator triangulator_;
 };
 
@@ -130,7 +127,7 @@ void Capper::Worker::find_strands(const Context& context, int32_t sheet) {
     size_t first = 0;
     while (first < n && !(!has(stops_[first].before) && has(stops_[first].after))) ++first;
     const auto begin = static_cast<uint32_t>(strand_corners_.size());
-    if (first == n) { // nowhere, or all around: then the sides of the facet are a loop of their own
+    if (first == n) { // the sheet is absent, or covers the whole facet, whose sides are a loop then
         if (!has(stops_[0].before)) return;
         for (const Stop& stop : stops_) {
             if (stop.pierce.is_none()) {
@@ -157,7 +154,7 @@ void Capper::Worker::find_strands(const Context& context, int32_t sheet) {
     }
 }
 
-// From a pierce point along the surface to the next one; all but the last are written. False where it breaks
+// Follows the chain from a pierce point to the next one and writes all points except the last. False where it breaks
 // off.
 bool Capper::Worker::follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at,
                                   CapChunk& out) {
@@ -223,8 +220,7 @@ void Capper::Worker::trace_chains(const Context& context, std::span<const uint32
 
 void Capper::Worker::end_loop(CapChunk& out) {
     const size_t n = out.corners.size() - loop_begin_;
-    // Two triangles back to back leave a loop of two corners: it has no area, and the edges pair up without a
-    // cap.
+    // Two triangles back to back leave a loop of two corners. It has no area, and its edges pair up without a cap.
     if (n < 3) {
         out.corners.resize(loop_begin_);
         return;
@@ -243,16 +239,7 @@ void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiag
     for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
         flat_.push_back(project(cap_position(context.cut, out.corners[k]), normal));
     }
-    // Loops that are plainly counter-clockwise do not enclose others of the same sheet without a hole between
-    // them.
-    bool simple = true;
-    for (size_t k = 0; k < loop_count_ && simple; ++k) {
-        const uint32_t first = loops_[k].front();
-        simple = ears_.clip(std::span(flat_).subspan(first, loops_[k].size()), first, out.triangles);
-    }
-    if (simple) return;
-    out.triangles.resize(cap.triangles_begin);
-    const Triangulation& done = triangulator_.run(flat_, std::span(loops_).first(loop_count_));
+    const Triangulation& done = triangulator_.run_simple(flat_, std::span(loops_).first(loop_count_));
     forced_ears += done.forced_ears;
     out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());
 }
@@ -276,7 +263,7 @@ void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Fa
     }
 }
 
-// A corner of the cap that belongs to this facet alone; returns its index in the cap.
+// Adds a corner that belongs to this facet alone. Returns its index in the cap.
 uint32_t Capper::Worker::add_node(const Context& context, const glm::dvec3& position, Cap& cap, CapChunk& out) {
     const auto id = static_cast<uint32_t>(context.cut.nodes.size() + out.added_nodes.size());
     out.added_nodes.push_back({cap.facet, position});
@@ -284,9 +271,8 @@ uint32_t Capper::Worker::add_node(const Context& context, const glm::dvec3& posi
     return cap.corners_end++ - cap.corners_begin;
 }
 
-// Loops that cross each other leave triangulate() no choice but to fold the cap: it may then put triangles
-// all around a corner besides the fan between the corner's two sides. That fan gets a corner of its own, in
-// the same place.
+// Loops that cross each other force triangulate() to fold the cap: it may put triangles all around a corner besides the
+// fan between the corner's two sides. That second fan gets its own corner, in the same place.
 void Capper::Worker::separate_fans(const Context& context, Cap& cap, CapChunk& out) {
     fan_begin_.assign(cap.corners_end - cap.corners_begin + 2, 0);
     for (size_t t = cap.triangles_begin; t < out.triangles.size(); ++t) {
@@ -337,7 +323,7 @@ void Capper::Worker::split_diagonals_along_sides(const Context& context, Cap& ca
             if (share_side(a, b)) along_.push_back({a, b});
         }
     }
-    // Sides of the cap are run in one direction only, diagonals in both.
+    // A side of the cap occurs in one direction only, a diagonal in both.
     std::sort(along_.begin(), along_.end());
     for (const auto& [a, b] : along_) {
         if (a > b || !std::binary_search(along_.begin(), along_.end(), std::array<uint32_t, 2>{b, a})) continue;
@@ -404,7 +390,7 @@ void Capper::group_by_facet(const VoronoiDiagram& diagram, const Cut& cut) {
     visited_.assign(cut.edge_points.size(), 0);
 }
 
-// Workers numbered the nodes that they added from the same first id; give each its own.
+// Makes the ids of added nodes unique: every worker numbered its nodes from the same first id.
 void Capper::number_added_nodes(const VoronoiDiagram& diagram, Cut& cut) {
     const auto first = static_cast<uint32_t>(cut.nodes.size());
     for (uint32_t k = 0; k < chunk_count_; ++k) {

@@ -6,6 +6,7 @@
 
 #include "fracture/triangulation/loop_nesting.h"
 #include "fracture/triangulation/ring.h"
+#include "fracture/triangulation/simple_loop.h"
 
 namespace brittle::fracture {
 namespace {
@@ -19,6 +20,12 @@ bool has_hole(std::span<const LoopInfo> loops) {
 } // namespace
 
 struct Triangulator::State {
+    void clear() {
+        result.triangles.clear();
+        result.forced_ears = 0;
+        result.vertex_tests = 0;
+    }
+
     [[nodiscard]] bool has_repeated_ids(std::span<const LoopInfo> loops) {
         if (loops.size() < 2) return false; // within one loop the ids are distinct after splitting
         ids.clear();
@@ -27,6 +34,8 @@ struct Triangulator::State {
         return std::adjacent_find(ids.begin(), ids.end()) != ids.end();
     }
 
+    SimpleLoop simple_loop;
+    std::vector<glm::dvec2> loop_points;
     Nesting nesting;
     EdgeSet edges;
     Ring ring;
@@ -42,9 +51,7 @@ Triangulator& Triangulator::operator=(Triangulator&&) noexcept = default;
 const Triangulation& Triangulator::run(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
     if (!state_) state_ = std::make_unique<State>();
     State& s = *state_;
-    s.result.triangles.clear();
-    s.result.forced_ears = 0;
-    s.result.vertex_tests = 0;
+    s.clear();
     s.nesting.run(points, loops);
     const std::span<const LoopInfo> parts = s.nesting.loops();
     // A diagonal can repeat an edge only if a point has several nodes: at the ends of bridges, and where loops share
@@ -66,6 +73,19 @@ const Triangulation& Triangulator::run(std::span<const glm::dvec2> points, std::
         s.ring.clip();
         s.ring.flip_edges();
         s.ring.emit(s.result);
+    }
+    return s.result;
+}
+
+// Counter-clockwise loops are outer loops, none a hole of another, so each is triangulated on its own.
+const Triangulation& Triangulator::run_simple(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
+    if (!state_) state_ = std::make_unique<State>();
+    State& s = *state_;
+    s.clear();
+    for (const Loop& loop : loops) {
+        s.loop_points.clear();
+        for (const uint32_t id : loop) s.loop_points.push_back(points[id]);
+        if (!s.simple_loop.triangulate(s.loop_points, loop, s.result.triangles)) return run(points, loops);
     }
     return s.result;
 }

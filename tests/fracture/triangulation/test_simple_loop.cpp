@@ -1,12 +1,16 @@
-#include "fracture/exact/ears.h"
+#include "fracture/triangulation/simple_loop.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include "fracture/base/random.h"
+#include "fracture/triangulation/triangulate.h"
 
 using namespace brittle::fracture;
 
@@ -22,7 +26,7 @@ double area(const std::vector<glm::dvec2>& loop) {
     return sum;
 }
 
-// A star-shaped polygon with random radii: simple, mostly concave.
+// A star-shaped polygon with random radii between `least` and 1: simple, mostly concave.
 std::vector<glm::dvec2> star(uint32_t n, uint64_t seed, double least) {
     Random random(seed);
     std::vector<glm::dvec2> loop;
@@ -33,11 +37,17 @@ std::vector<glm::dvec2> star(uint32_t n, uint64_t seed, double least) {
     return loop;
 }
 
+Loop ids(size_t count, uint32_t first = 0) {
+    Loop loop(count);
+    std::iota(loop.begin(), loop.end(), first);
+    return loop;
+}
+
 void check_triangulation(const std::vector<glm::dvec2>& loop) {
-    exact::EarClipper clipper;
+    triangulation::SimpleLoop simple;
     std::vector<Triangle> triangles{{9, 9, 9}};
     constexpr uint32_t first = 100;
-    REQUIRE(clipper.clip(loop, first, triangles));
+    REQUIRE(simple.triangulate(loop, ids(loop.size(), first), triangles));
     REQUIRE(triangles.size() == loop.size() - 1); // one was there before
     std::map<std::pair<uint32_t, uint32_t>, int> uses;
     double sum = 0.0;
@@ -60,15 +70,15 @@ void check_triangulation(const std::vector<glm::dvec2>& loop) {
 }
 
 bool is_refused(const std::vector<glm::dvec2>& loop) {
-    exact::EarClipper clipper;
+    triangulation::SimpleLoop simple;
     std::vector<Triangle> triangles{{9, 9, 9}};
-    const bool done = clipper.clip(loop, 0, triangles);
+    const bool done = simple.triangulate(loop, ids(loop.size()), triangles);
     return !done && triangles.size() == 1;
 }
 
 } // namespace
 
-TEST_CASE("ears: doubtful loops are refused and leave nothing behind") {
+TEST_CASE("simple loop: refuses a doubtful loop and appends nothing") {
     CHECK(is_refused({{0, 0}, {1, 0}, {2, 0}}));                    // no area
     CHECK(is_refused({{0, 0}, {0, 1}, {1, 0}}));                    // clockwise
     CHECK(is_refused({{0, 0}, {1, 0}, {2, 0}, {1, 1}}));            // collinear
@@ -81,7 +91,7 @@ TEST_CASE("ears: doubtful loops are refused and leave nothing behind") {
     CHECK(is_refused(star(400, 5, 0.1))); // too many concave vertices for the fast path
 }
 
-TEST_CASE("ears: triangles, quads, convex and star-shaped loops are covered once") {
+TEST_CASE("simple loop: triangulates triangles, quads, convex and star-shaped loops") {
     check_triangulation({{0, 0}, {1, 0}, {0, 1}});
     check_triangulation({{0, 0}, {2, 0}, {2, 1}, {0, 1}});
     check_triangulation({{0, 0}, {1, 0.1}, {2, 0}, {1, 3}});
@@ -92,17 +102,27 @@ TEST_CASE("ears: triangles, quads, convex and star-shaped loops are covered once
     check_triangulation(star(300, 1, 1.0)); // a circle
 }
 
-TEST_CASE("ears: diagonals are flipped to the shorter one where four points allow it") {
-    exact::EarClipper clipper;
+TEST_CASE("simple loop: flips a diagonal to the shorter one of a kite") {
+    triangulation::SimpleLoop simple;
     for (uint32_t turn = 0; turn < 4; ++turn) {
         std::vector<glm::dvec2> kite{{0, -1}, {5, 0}, {0, 1}, {-5, 0}};
         std::rotate(kite.begin(), kite.begin() + turn, kite.end());
         std::vector<Triangle> triangles;
-        REQUIRE(clipper.clip(kite, 0, triangles));
+        REQUIRE(simple.triangulate(kite, ids(kite.size()), triangles));
         for (const Triangle& t : triangles) {
             int near_axis = 0;
             for (int k = 0; k < 3; ++k) near_axis += std::abs(kite[t[k]].x) < 1.0 ? 1 : 0;
             CHECK(near_axis == 2);
         }
     }
+}
+
+TEST_CASE("simple loop: run_simple() leaves a region with a hole to run()") {
+    const std::vector<glm::dvec2> points{{0, 0}, {3, 0}, {3, 3}, {0, 3}, {1, 1}, {1, 2}, {2, 2}, {2, 1}};
+    const std::vector<Loop> square{{0, 1, 2, 3}}, frame{{0, 1, 2, 3}, {4, 5, 6, 7}};
+    Triangulator triangulator;
+    CHECK(triangulator.run_simple(points, square).triangles.size() == 2);
+    const Triangulation expected = triangulator.run(points, frame);
+    CHECK(expected.triangles.size() == 8);
+    CHECK(triangulator.run_simple(points, frame).triangles == expected.triangles);
 }

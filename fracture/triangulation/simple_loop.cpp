@@ -1,25 +1,23 @@
-#include "fracture/exact/ears.h"
+#include "fracture/triangulation/simple_loop.h"
 
 #include <cmath>
 
-namespace brittle::fracture::exact {
+namespace brittle::fracture::triangulation {
 
 namespace {
 
-constexpr uint32_t no_twin = 0xffffffffu;
-
-// Every ear is tested against every concave vertex; beyond this many, triangulate() with its grid is faster.
+// Each ear is tested against every concave vertex; with more of them than this, Ring with its grid is faster.
 constexpr size_t max_concave = 48;
 
-// Flips of a diagonal end by themselves in exact arithmetic; this many a triangle are never needed in
-// practice.
+// A sequence of flips ends by itself in exact arithmetic. The bound guards against rounding.
 constexpr uint32_t max_flips_per_triangle = 16;
 
-// Diagonals are flipped for the shape of triangles only: ties and near-ties stay as they are.
+// The least in_circle() that flips a diagonal: flips serve the shape of triangles only, so ties and near-ties stay.
 constexpr double min_flip_gain = 1e-9;
 
-// Which side of the line ab the point c lies on, 0 where rounding could decide. Shewchuk's bound for the
-// double stage is (3 + 16u)u times the sum of the products' magnitudes, u = 2^-53.
+// The side of the line ab that c lies on: 1 left, -1 right, 0 where rounding could decide. Shewchuk's bound for the
+// first stage, (3 + 16u)u times the sum of the products' magnitudes with u = 2^-53, rounded up to 4u. orientation()
+// (plane_predicates.h) would decide the rest exactly; this fast path leaves it to Ring.
 int turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
     const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
     const double bound = 0x4.0p-53 * (std::abs(left) + std::abs(right));
@@ -27,7 +25,8 @@ int turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
     return area > bound ? 1 : (area < -bound ? -1 : 0);
 }
 
-// Positive where d lies inside the circle through a, b, c, relative to the terms' size.
+// The in-circle determinant of d against the circle through a, b, c, divided by the sum of its terms' magnitudes:
+// positive where d lies inside.
 double in_circle(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
     const glm::dvec2 p = a - d, q = b - d, r = c - d;
     const double p2 = p.x * p.x + p.y * p.y, q2 = q.x * q.x + q.y * q.y, r2 = r.x * r.x + r.y * r.y;
@@ -43,58 +42,58 @@ uint32_t after(uint32_t half_edge) {
 
 } // namespace
 
-bool EarClipper::find_concave(std::span<const glm::dvec2> loop) {
-    const auto n = static_cast<uint32_t>(loop.size());
+bool SimpleLoop::find_concave(std::span<const glm::dvec2> points) {
+    const auto n = static_cast<uint32_t>(points.size());
     next_.resize(n);
     prev_.resize(n);
     turn_.resize(n);
-    beyond_.assign(n, no_twin);
+    outer_.assign(n, no_index);
     concave_.clear();
-    double area = 0.0; // twice; triangles that all turn left could not add up to less than nothing
+    double area = 0.0; // twice the loop's: the sum of triangles that all turn left is positive
     for (uint32_t v = 0; v < n; ++v) {
         next_[v] = v + 1 == n ? 0 : v + 1;
         prev_[v] = v == 0 ? n - 1 : v - 1;
-        turn_[v] = static_cast<int8_t>(turn(loop[prev_[v]], loop[v], loop[next_[v]]));
+        turn_[v] = static_cast<int8_t>(turn(points[prev_[v]], points[v], points[next_[v]]));
         if (turn_[v] == 0) return false;
         if (turn_[v] < 0) concave_.push_back(v);
-        const glm::dvec2 a = loop[v] - loop[0], b = loop[next_[v]] - loop[0];
+        const glm::dvec2 a = points[v] - points[0], b = points[next_[v]] - points[0];
         area += a.x * b.y - a.y * b.x;
     }
     return area > 0.0 && concave_.size() <= max_concave;
 }
 
-bool EarClipper::is_ear(std::span<const glm::dvec2> loop, uint32_t v) const {
+bool SimpleLoop::is_ear(std::span<const glm::dvec2> points, uint32_t v) const {
     const uint32_t a = prev_[v], b = next_[v];
     for (const uint32_t r : concave_) {
         if (turn_[r] > 0 || r == a || r == b) continue;
-        if (turn(loop[a], loop[v], loop[r]) >= 0 && turn(loop[v], loop[b], loop[r]) >= 0
-            && turn(loop[b], loop[a], loop[r]) >= 0) {
+        if (turn(points[a], points[v], points[r]) >= 0 && turn(points[v], points[b], points[r]) >= 0
+            && turn(points[b], points[a], points[r]) >= 0) {
             return false;
         }
     }
     return true;
 }
 
-void EarClipper::cut(uint32_t v) {
+void SimpleLoop::cut(uint32_t v) {
     const uint32_t a = prev_[v], b = next_[v];
     const auto t = static_cast<uint32_t>(corners_.size());
     corners_.push_back({a, v, b});
-    twin_.insert(twin_.end(), {beyond_[a], beyond_[v], no_twin});
+    twin_.insert(twin_.end(), {outer_[a], outer_[v], no_index});
     for (const uint32_t h : {3 * t, 3 * t + 1}) {
-        if (twin_[h] != no_twin) twin_[twin_[h]] = h;
+        if (twin_[h] != no_index) twin_[twin_[h]] = h;
     }
-    beyond_[a] = 3 * t + 2;
+    outer_[a] = 3 * t + 2;
     next_[a] = b;
     prev_[b] = a;
 }
 
-bool EarClipper::cut_ears(std::span<const glm::dvec2> loop) {
+bool SimpleLoop::cut_ears(std::span<const glm::dvec2> points) {
     corners_.clear();
     twin_.clear();
-    uint32_t left = static_cast<uint32_t>(loop.size());
+    uint32_t left = static_cast<uint32_t>(points.size());
     uint32_t v = 0;
     for (uint32_t in_vain = 0; left > 3;) {
-        if (turn_[v] <= 0 || !is_ear(loop, v)) {
+        if (turn_[v] <= 0 || !is_ear(points, v)) {
             v = next_[v];
             if (++in_vain > left) return false;
             continue;
@@ -104,32 +103,32 @@ bool EarClipper::cut_ears(std::span<const glm::dvec2> loop) {
         --left;
         in_vain = 0;
         for (const uint32_t w : {a, b}) {
-            // Convex vertices may not turn concave; concave ones may become convex.
-            const int now = turn(loop[prev_[w]], loop[w], loop[next_[w]]);
+            // A concave vertex may become convex; a convex one that becomes concave shows that the loop crosses itself.
+            const int now = turn(points[prev_[w]], points[w], points[next_[w]]);
             if (now == 0) return false;
             if (now < 0 && turn_[w] > 0) return false;
             turn_[w] = static_cast<int8_t>(now);
         }
         v = next_[b]; // ears side by side would make a fan of slivers
     }
-    if (turn(loop[prev_[v]], loop[v], loop[next_[v]]) <= 0) return false;
-    const uint32_t closing = beyond_[next_[v]];
+    if (turn(points[prev_[v]], points[v], points[next_[v]]) <= 0) return false;
+    const uint32_t closing = outer_[next_[v]];
     cut(v);
     const uint32_t last = static_cast<uint32_t>(twin_.size()) - 1;
     twin_[last] = closing;
-    if (closing != no_twin) twin_[closing] = last;
+    if (closing != no_index) twin_[closing] = last;
     return true;
 }
 
-bool EarClipper::flip_edge(std::span<const glm::dvec2> loop, uint32_t h) {
+bool SimpleLoop::flip_edge(std::span<const glm::dvec2> points, uint32_t h) {
     // Triangles (a,b,c) and (b,a,d) become (d,b,c) and (c,a,d).
     const uint32_t t = twin_[h];
-    if (t == no_twin) return false;
+    if (t == no_index) return false;
     const uint32_t h1 = after(h), h2 = after(h1), t1 = after(t), t2 = after(t1);
     const auto corner = [&](uint32_t half_edge) -> uint32_t& { return corners_[half_edge / 3][half_edge % 3]; };
     const uint32_t a = corner(h), b = corner(t), c = corner(h2), d = corner(t2);
-    if (!(in_circle(loop[a], loop[b], loop[c], loop[d]) > min_flip_gain)) return false;
-    if (turn(loop[d], loop[b], loop[c]) <= 0 || turn(loop[c], loop[a], loop[d]) <= 0) return false;
+    if (!(in_circle(points[a], points[b], points[c], points[d]) > min_flip_gain)) return false;
+    if (turn(points[d], points[b], points[c]) <= 0 || turn(points[c], points[a], points[d]) <= 0) return false;
     const uint32_t across_ad = twin_[t1], across_bc = twin_[h1];
     corner(h) = d;
     corner(t) = c;
@@ -139,7 +138,7 @@ bool EarClipper::flip_edge(std::span<const glm::dvec2> loop, uint32_t h) {
     const uint32_t across_db = twin_[t2], across_ca = twin_[h2];
     const auto join = [&](uint32_t x, uint32_t y) {
         twin_[x] = y;
-        if (y != no_twin) twin_[y] = x;
+        if (y != no_index) twin_[y] = x;
     };
     join(h, across_db);
     join(h1, across_bc);
@@ -150,23 +149,24 @@ bool EarClipper::flip_edge(std::span<const glm::dvec2> loop, uint32_t h) {
     return true;
 }
 
-void EarClipper::flip(std::span<const glm::dvec2> loop) {
+void SimpleLoop::flip_edges(std::span<const glm::dvec2> points) {
     pending_.clear();
     for (uint32_t h = 0; h < twin_.size(); ++h) {
-        if (twin_[h] != no_twin && twin_[h] < h) pending_.push_back(h);
+        if (twin_[h] != no_index && twin_[h] < h) pending_.push_back(h);
     }
     for (size_t flips = max_flips_per_triangle * corners_.size(); !pending_.empty() && flips > 0;) {
         const uint32_t h = pending_.back();
         pending_.pop_back();
-        if (flip_edge(loop, h)) --flips;
+        if (flip_edge(points, h)) --flips;
     }
 }
 
-bool EarClipper::clip(std::span<const glm::dvec2> loop, uint32_t first, std::vector<Triangle>& out) {
-    if (!find_concave(loop) || !cut_ears(loop)) return false;
-    flip(loop);
-    for (const auto& [a, b, c] : corners_) out.push_back({first + a, first + b, first + c});
+bool SimpleLoop::triangulate(std::span<const glm::dvec2> points, std::span<const uint32_t> ids,
+                             std::vector<Triangle>& out) {
+    if (!find_concave(points) || !cut_ears(points)) return false;
+    flip_edges(points);
+    for (const auto& [a, b, c] : corners_) out.push_back({ids[a], ids[b], ids[c]});
     return true;
 }
 
-} // namespace brittle::fracture::exact
+} // namespace brittle::fracture::triangulation
