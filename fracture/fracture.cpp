@@ -25,7 +25,7 @@
 namespace brittle::fracture {
 
 struct Workspace::State {
-    exact::Workspace exact;
+    exact::Scratch exact;
     // The sequential algorithm checks its input by the same means.
     exact::Scene scene;
     exact::Surface surface;

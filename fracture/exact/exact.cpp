@@ -16,7 +16,7 @@
 
 namespace brittle::fracture::exact {
 
-struct Workspace::State {
+struct Scratch::State {
     Threads threads{1};
     uint32_t requested_threads = 1;
     Scene scene;
@@ -38,19 +38,19 @@ struct Workspace::State {
     Statistics statistics;
 };
 
-Workspace::Workspace() : state_(std::make_unique<State>()) {}
-Workspace::~Workspace() = default;
-Workspace::Workspace(Workspace&&) noexcept = default;
-Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+Scratch::Scratch() : state_(std::make_unique<State>()) {}
+Scratch::~Scratch() = default;
+Scratch::Scratch(Scratch&&) noexcept = default;
+Scratch& Scratch::operator=(Scratch&&) noexcept = default;
 
 namespace {
 
-// Names the phases and reports progress between them.
+// Times the phases, reports progress after each and checks for cancellation.
 class PhaseClock {
   public:
     PhaseClock(const Settings& settings, Fragments& out) : settings_(settings), out_(out) { out.timings.clear(); }
 
-    // False where the fracture is to end.
+    // Ends a phase. Returns false where the fracture is cancelled.
     [[nodiscard]] bool done(const char* phase, double share) {
         const auto now = std::chrono::steady_clock::now();
         out_.timings.push_back({phase, std::chrono::duration<double, std::milli>(now - last_).count()});
@@ -71,20 +71,19 @@ Error cancelled() {
 }
 
 Error not_closed() {
-    return {Status::invalid_mesh,
-            "the cuts do not close, which a closed surface rules out: this is a fault of Brittle's; please "
-            "report the mesh and the sites"};
+    return {Status::invalid_mesh, "the cuts of a closed surface do not close: this is a bug in Brittle; please "
+                                  "report the mesh and the sites"};
 }
 
 } // namespace
 
-Statistics statistics(const Workspace& workspace) {
-    return workspace.state().statistics;
+Statistics statistics(const Scratch& scratch) {
+    return scratch.state().statistics;
 }
 
 Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
-                            Workspace& workspace, Fragments& out) {
-    Workspace::State& s = workspace.state();
+                            Scratch& scratch, Fragments& out) {
+    Scratch::State& s = scratch.state();
     if (s.requested_threads != settings.threads) {
         s.threads = Threads(settings.threads);
         s.requested_threads = settings.threads;
@@ -98,7 +97,7 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     if (auto ok = make_scene(mesh, sites, settings.weights, s.threads, s.scene); !ok) return ok;
     const Diagram problem = s.scene.diagram();
     if (auto ok = s.surface.inspect(mesh, s.threads); !ok) return ok;
-    Classifier* const classifier = settings.weights.empty() ? settings.classifier : nullptr; // they know no weights
+    Classifier* const classifier = settings.weights.empty() ? settings.classifier : nullptr; // not weighted
     bool guessed = classifier && classifier->start({s.scene.positions, mesh.triangles, s.scene.sites, s.scene.box});
     if (!clock.done("prepare", 0.05)) return cancelled();
 
@@ -151,9 +150,9 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
 
 Result<Fragments> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                  const Settings& settings) {
-    Workspace workspace;
+    Scratch scratch;
     Fragments fragments;
-    if (auto ok = fracture_exact(mesh, sites, settings, workspace, fragments); !ok) return ok.error();
+    if (auto ok = fracture_exact(mesh, sites, settings, scratch, fragments); !ok) return ok.error();
     return fragments;
 }
 

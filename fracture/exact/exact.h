@@ -1,15 +1,15 @@
-// The exact fracture: a restricted Voronoi diagram of the mesh's surface with capped facets.
+// The exact fracture: the Voronoi diagram restricted to the solid, with capped facets.
 //
-// From the sites' cells (diagram.h) and the cell of each mesh vertex (classify.h), mesh edges and triangles
-// are cut where they cross (edges.h, clip.h), Voronoi vertices learn whether they lie in the solid
-// (winding.h), each facet's inside is triangulated once for both sides (caps.h), and the parts are put
-// together (assemble.h), split into islands (islands.h) and bonded (bonds.h). Every decision is an exact
-// predicate (predicates.h), what degenerate input leaves is taken back (slivers.h), and every vertex of the result has one identity and one position, so pieces are
-// closed by construction, whatever the geometry.
+// The phases: build the cells of the sites (diagram.h); find the cell of each mesh vertex (classify.h); cut mesh edges
+// and triangles where they cross from cell to cell (edges.h, clip.h); compute the winding number of each Voronoi vertex
+// (winding.h); triangulate the part of each facet inside the solid, once for both sides (caps.h); assemble the cells
+// (assemble.h); collapse degenerate triangles (slivers.h); split cells into islands (islands.h) and bond them
+// (bonds.h).
 //
-// The triangles must pair up along their edges (surface.h); the surface may overlap itself, in which case
-// pieces are closed too and their signed volumes sum to the mesh's. Cost grows with vertices, cut triangles
-// and cells.
+// Every decision is an exact predicate (predicates.h), and every vertex of the result has one identity and one
+// position, so pieces are closed by construction, whatever the geometry. The triangles must pair up along their edges
+// (surface.h). The surface may overlap itself: pieces are closed then too, and their signed volumes sum to that of the
+// mesh. The cost grows with the number of vertices, cut triangles and cells.
 #pragma once
 
 #include <memory>
@@ -23,14 +23,14 @@
 
 namespace brittle::fracture::exact {
 
-// Memory of a fracture, kept for the next one: from the second fracture of similar size on hardly anything is
-// allocated. Use one for each thread that fractures.
-class Workspace {
+// The memory of fracture_exact() between calls: from the second fracture of similar size on, hardly anything is
+// allocated, and a mesh that was cut before is not checked again. One for each thread that fractures.
+class Scratch {
   public:
-    Workspace();
-    ~Workspace();
-    Workspace(Workspace&&) noexcept;
-    Workspace& operator=(Workspace&&) noexcept;
+    Scratch();
+    ~Scratch();
+    Scratch(Scratch&&) noexcept;
+    Scratch& operator=(Scratch&&) noexcept;
 
     struct State;
     [[nodiscard]] State& state() { return *state_; }
@@ -40,19 +40,19 @@ class Workspace {
     std::unique_ptr<State> state_;
 };
 
-// How the last fracture of a workspace was decided.
+// Counts of the last fracture that used this memory.
 struct Statistics {
     PredicateStats predicates;
-    uint64_t forced_ears = 0;  // cap triangles that no strict ear allowed (degenerate input)
-    uint64_t slivers = 0;      // triangles without area that the cut left (slivers.h), a cap's counted once,
-    uint64_t slivers_left = 0; // and those of them that could not be taken back
+    uint64_t forced_ears = 0;  // cap triangles that were cut without a strict ear (degenerate input)
+    uint64_t slivers = 0;      // triangles without area after the cut (slivers.h); those of a cap count once
+    uint64_t slivers_left = 0; // slivers that could not be removed
 };
-[[nodiscard]] Statistics statistics(const Workspace& workspace);
+[[nodiscard]] Statistics statistics(const Scratch& scratch);
 
-// Fractures into `out`, reusing its memory. settings.algorithm is not looked at.
-// Errors: as fracture() (fracture.h); out is then unspecified.
+// Fractures the mesh into `out` and reuses its memory. Ignores settings.algorithm. Errors: as fracture() (fracture.h);
+// `out` is unspecified then.
 [[nodiscard]] Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                                          const Settings& settings, Workspace& workspace, Fragments& out);
+                                          const Settings& settings, Scratch& scratch, Fragments& out);
 
 [[nodiscard]] Result<Fragments> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                                const Settings& settings = {});

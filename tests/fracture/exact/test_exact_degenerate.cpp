@@ -1,4 +1,4 @@
-// Cuts through vertices, edges and faces; solids that touch, overlap or hardly exist.
+// Cuts through vertices, edges and faces. Solids that touch or overlap, and solids with hardly any volume.
 #include "tests/fracture/exact_checks.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 using namespace brittle::fracture;
 using namespace brittle::fracture::test;
 
-TEST_CASE("a plane along a face of a cavity leaves the cavity where it is") {
+TEST_CASE("exact: a bisector along a face of a cavity keeps the cavity") {
     for (const double half : {0.125, 0.25, 0.5}) {
         TriangleMesh mesh = cube();
         for (const glm::dvec3& p : cube(2.0 * half).positions) mesh.positions.push_back(p);
@@ -104,11 +104,11 @@ TEST_CASE("exact: cuts through vertices, edges and faces leave no triangle witho
     for (size_t k = 0; k < std::size(cases); ++k) {
         const auto& [mesh, sites] = cases[k];
         CAPTURE(k);
-        exact::Workspace workspace;
+        exact::Scratch scratch;
         Fragments f;
-        REQUIRE(fracture_exact(mesh, sites, {}, workspace, f));
-        taken_back += exact::statistics(workspace).slivers;
-        CHECK(exact::statistics(workspace).slivers_left == 0);
+        REQUIRE(fracture_exact(mesh, sites, {}, scratch, f));
+        taken_back += exact::statistics(scratch).slivers;
+        CHECK(exact::statistics(scratch).slivers_left == 0);
         CHECK(thinnest_cut(f) > 1e-12);
         check_fracture(mesh, sites);
         check_caps_match(f);
@@ -187,7 +187,7 @@ TEST_CASE("exact: touching, overlapping, nested and inside-out solids give close
 }
 
 TEST_CASE("exact: surfaces that cross themselves everywhere give closed pieces") {
-    // The first six once left a corner of a folded cap with two fans of triangles, as one case in 300 did.
+    // The first six rounds, and one in 300 others, once gave a folded cap a corner with two fans of triangles.
     std::vector<uint64_t> rounds{360, 876, 997, 1057, 1642, 1907};
     for (uint64_t round = 1; round <= 40; ++round) rounds.push_back(round);
     for (const uint64_t round : rounds) {
@@ -195,7 +195,7 @@ TEST_CASE("exact: surfaces that cross themselves everywhere give closed pieces")
         Random random(round);
         TriangleMesh mesh = icosphere(2);
         for (glm::dvec3& p : mesh.positions) p += random.uniform_in({glm::dvec3(-0.3), glm::dvec3(0.3)});
-        if (round % 2 == 0) { // on a coarse grid: many exact ties besides
+        if (round % 2 == 0) { // on a coarse grid, for exact ties
             for (glm::dvec3& p : mesh.positions)
                 for (int k = 0; k < 3; ++k) p[k] = std::round(p[k] * 4.0) / 4.0;
         }

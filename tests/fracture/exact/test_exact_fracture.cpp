@@ -23,7 +23,7 @@ TEST_CASE("exact fracture: weights give the power diagram") {
         const TriangleMesh mesh = round % 3 == 0 ? torus() : (round % 3 == 1 ? lattice_cube(3) : hollow_sphere(2));
         auto sites = uniform_sites(bounds(mesh), 5 + static_cast<uint32_t>(random.next() % 30), random.next());
         Settings settings{.threads = 1};
-        const bool rounded = round % 2 == 0; // many coincidences
+        const bool rounded = round % 2 == 0; // rounded coordinates give many exact ties
         for (glm::dvec3& s : sites) {
             if (rounded) s = glm::round(s * 4.0) / 4.0;
             const double w = random.uniform() * 0.4 - 0.1;
@@ -71,7 +71,7 @@ TEST_CASE("exact fracture: equal weights change nothing, a heavy site takes all,
     CHECK(!voronoi_diagram(sites, {glm::dvec3(-1.0), glm::dvec3(1.0)}, 1, std::vector<double>{1.0}));
 }
 
-TEST_CASE("exact: what is not a closed mesh or not a site is refused by name") {
+TEST_CASE("exact: an unsound mesh or site is refused with a named status") {
     const Sites one{glm::dvec3(0.0)};
     CHECK(fracture_exact({}, one).error().status == Status::empty_mesh);
     CHECK(fracture_exact(cube(), {}).error().status == Status::invalid_sites);
@@ -96,7 +96,7 @@ TEST_CASE("exact: what is not a closed mesh or not a site is refused by name") {
     CHECK(fracture_exact(broken, one).error().message.find("triangle 5") != std::string::npos);
 
     broken = cube();
-    broken.triangles[5].z = broken.triangles[5].x; // three more are open
+    broken.triangles[5].z = broken.triangles[5].x; // opens three more edges
     CHECK(fracture_exact(broken, one).error().status == Status::not_closed);
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("exact: an edge that four triangles share is refused, whether a bisect
     }
 }
 
-TEST_CASE("exact: one site leaves the mesh as it is") {
+TEST_CASE("exact: one site leaves the mesh unchanged") {
     const TriangleMesh mesh = icosphere(2);
     const Fragments f = check_fracture(mesh, {glm::dvec3(0.3)});
     REQUIRE(f.pieces.size() == 1);
@@ -177,19 +177,19 @@ TEST_CASE("exact: the legs of an animal become islands") {
 TEST_CASE("exact: a cavity belongs to the island around it") {
     const TriangleMesh shell = hollow_sphere();
     CHECK(check_fracture(shell, {glm::dvec3(0.0)}).pieces.size() == 1);
-    // A site in the middle whose cell's border runs within the wall: cavity and border in one piece.
+    // The border of the middle cell runs within the wall: cavity and border belong to one piece.
     Sites sites{glm::dvec3(0.0)};
     for (const auto& s : icosphere(1).positions) sites.push_back(s * 1.6);
     const Fragments f = check_fracture(shell, sites);
     CHECK(std::count_if(f.pieces.begin(), f.pieces.end(), [](const Piece& p) { return p.site == 0; }) == 1);
     for (const uint32_t n : {2u, 10u, 100u}) check_fracture(shell, uniform_sites(bounds(shell), n, n));
-    // Two balls with a cavity each, in one cell: each keeps its own.
+    // Two balls with one cavity each, in one cell: each keeps its own.
     const TriangleMesh pair = together(shell, moved(shell, {5.0, 0.0, 0.0}));
     const Fragments two = check_fracture(pair, {glm::dvec3(0.0)});
     REQUIRE(two.pieces.size() == 2);
     CHECK(two.pieces[0].mass.volume == doctest::Approx(two.pieces[1].mass.volume));
     CHECK(two.pieces[1].mass.centre_of_mass.x == doctest::Approx(5.0));
-    // A ball in the cavity, a solid of its own.
+    // A ball inside the cavity is a solid of its own.
     CHECK(check_fracture(together(shell, moved(icosphere(3), {}, 0.3)), {glm::dvec3(0.0)}).pieces.size() == 2);
 }
 
@@ -201,7 +201,7 @@ TEST_CASE("exact: separate components are separate pieces") {
     check_fracture(mesh, uniform_sites(bounds(mesh), 50, 6));
 }
 
-TEST_CASE("exact: vertices that no triangle uses are left out") {
+TEST_CASE("exact: unused vertices are omitted") {
     TriangleMesh mesh = icosphere(2);
     mesh.positions.insert(mesh.positions.begin(), glm::dvec3(0.1));
     for (Triangle& t : mesh.triangles) t += 1u;
@@ -219,7 +219,7 @@ TEST_CASE("exact: offsets of 1e6 and scales of 1e-9, 1e9 and beyond") {
         for (glm::dvec3& s : scaled) s *= scale;
         CHECK(check_fracture(moved(icosphere(3), {}, scale), scaled).pieces.size() == pieces);
     }
-    // Far from the origin positions are rounded to 1e-10 of the size: the sum cannot be better.
+    // Far from the origin positions are rounded to 1e-10 of the size, which limits the precision of the sum.
     const glm::dvec3 offset(1e6, -1e6, 1e6);
     Sites far = sites;
     for (glm::dvec3& s : far) s += offset;
@@ -254,7 +254,7 @@ TEST_CASE("exact: the Stanford bunny at 10, 100 and 1000 sites") {
     }
 }
 
-TEST_CASE("exact: a log tells what each thread did and when, and changes no bit") {
+TEST_CASE("exact: a work log records the steps of each thread and changes no bit") {
     const TriangleMesh mesh = icosphere(6);
     const Sites sites = uniform_sites(bounds(mesh), 300, 9);
     const auto none = fracture_exact(mesh, sites, {.threads = 1});
@@ -279,7 +279,7 @@ TEST_CASE("exact: a log tells what each thread did and when, and changes no bit"
             CAPTURE(step);
             CHECK_FALSE(runs[step].empty());
         }
-        // The first loop over sites makes the cells: its runs lie side by side, whoever took them.
+        // The first loop over sites builds the cells: its chunks are contiguous, in any threads.
         auto& cells = runs["cells"];
         std::sort(cells.begin(), cells.end());
         uint32_t reached = 0;
@@ -292,13 +292,13 @@ TEST_CASE("exact: a log tells what each thread did and when, and changes no bit"
     }
 }
 
-TEST_CASE("exact: a workspace used before gives the same bits") {
-    exact::Workspace workspace;
+TEST_CASE("exact: used scratch memory gives the same bits") {
+    exact::Scratch scratch;
     Fragments out;
     for (const uint32_t n : {50u, 300u, 2u, 50u}) {
         const TriangleMesh mesh = n == 2 ? torus() : icosphere(4);
         const Sites sites = uniform_sites(bounds(mesh), n, 9);
-        REQUIRE(fracture_exact(mesh, sites, {.threads = 2}, workspace, out));
+        REQUIRE(fracture_exact(mesh, sites, {.threads = 2}, scratch, out));
         const auto fresh = fracture_exact(mesh, sites, {.threads = 1});
         CHECK(hash(out) == hash(*fresh));
     }
