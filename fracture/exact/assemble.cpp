@@ -97,10 +97,9 @@ uint32_t Assembler::local_index(const Input& input, VertexId id, SiteId cell) co
     return node.local[place_of(cell, node.cells)];
 }
 
-void Assembler::count(const Input& input, Threads& threads) {
+void Assembler::count_vertices(const Input& input, Threads& threads) {
     const Cut& cut = input.cut;
-    const uint32_t cells = size_of(input.scene.sites);
-    const uint32_t vertices = size_of(input.cell_of), triangles = size_of(input.cell_of_triangle);
+    const uint32_t cells = size_of(input.scene.sites), vertices = size_of(input.cell_of);
     const uint32_t points = size_of(cut.edge_points), pierces = size_of(cut.pierce_points);
     const uint32_t nodes = size_of(cut.nodes);
 
@@ -133,7 +132,11 @@ void Assembler::count(const Input& input, Threads& threads) {
             }
         }
     });
+}
 
+void Assembler::count_triangles(const Input& input, Threads& threads) {
+    const Cut& cut = input.cut;
+    const uint32_t cells = size_of(input.scene.sites), triangles = size_of(input.cell_of_triangle);
     polygon_row_ = threads.chunks(triangles, min_triangles_per_chunk);
     cap_row_ = polygon_row_ + cut.chunk_count;
     triangle_table_.reset(cap_row_ + size_of(input.caps), cells);
@@ -167,7 +170,7 @@ void Assembler::lay_out(const Input& input, Threads& threads, Fragments& out) {
     const uint32_t cells = size_of(input.scene.sites);
     cells_.resize(cells);
     uint32_t vertices = 0, triangles = 0;
-    // A row starts at a rank where all before it have ended.
+    // The first row of a kind starts at the number of items of all kinds before it.
     const uint32_t* const first_edge_point = vertex_table_.row(edge_row_);
     const uint32_t* const first_polygon = triangle_table_.row(polygon_row_);
     const uint32_t* const first_cap = input.caps.empty() ? triangle_total_.data() : triangle_table_.row(cap_row_);
@@ -271,7 +274,7 @@ void Assembler::place_polygons(const Input& input, Threads& threads, Fragments& 
                     out.triangle_source[at] = polygon.triangle;
                     ++at;
                 };
-                // A strip from side to side; for the many quads, along the shorter diagonal.
+                // A zigzag strip. Quads, the most frequent polygons, are cut along the shorter diagonal.
                 uint32_t low = 0, high = n - 1;
                 if (n == 4) {
                     const auto p = [&](uint32_t m) {
@@ -324,7 +327,8 @@ void Assembler::place_caps(const Input& input, Threads& threads, Fragments& out)
 }
 
 void Assembler::run(const Input& input, Threads& threads, Fragments& out) {
-    count(input, threads);
+    count_vertices(input, threads);
+    count_triangles(input, threads);
     lay_out(input, threads, out);
     place_vertices(input, threads, out);
     place_whole(input, threads, out);

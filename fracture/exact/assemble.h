@@ -1,9 +1,10 @@
-// Puts the pieces together: one run of vertices and one run of triangles for each cell.
+// Assembles the cells: copies vertices and triangles into one contiguous run of each for every cell.
 //
-// Nothing is hashed. A vertex's index in a cell is its rank among the cell's vertices of the same kind: mesh
-// vertices first (each has one cell), then edge points (two cells), pierce points (three), nodes (four).
-// Triangles follow as whole ones, parts of crossing ones, caps. Counting comes first, so every thread knows
-// where to write. A cell's run may still hold several islands: see islands.h.
+// No hashing is needed. The index of a vertex in a cell is its rank among the cell's vertices of one kind; the kinds
+// follow each other: mesh vertices (each in one cell), edge points (two cells), pierce points (three), nodes (four).
+// The triangles of a cell follow in the order whole triangles of the mesh, parts of crossing triangles, caps. A
+// counting pass comes first and gives every thread its own place to write to. The run of a cell may hold several
+// islands (islands.h).
 #pragma once
 
 #include <array>
@@ -20,18 +21,20 @@
 
 namespace brittle::fracture::exact {
 
-// What a cell received, in Fragments' arrays.
+// The run of one cell in the arrays of Fragments.
 struct CellRun {
     Range vertices;
     Range triangles;
-    uint32_t mesh_vertices = 0;   // the first so many
-    uint32_t whole_triangles = 0; // the first so many are uncut triangles of the mesh,
-    uint32_t exterior = 0;        // and so many are parts of its surface
+    uint32_t mesh_vertices = 0;   // the run starts with this many mesh vertices
+    uint32_t whole_triangles = 0; // the run starts with this many uncut triangles of the mesh,
+    uint32_t exterior = 0;        // and with this many triangles of the mesh surface, uncut or cut
 };
 
-// Sorts the mesh's triangles into those inside a cell and those that cross: fills cut.crossing and
-// cell_of_triangle (no_index where it crosses or is left out). Where `guessed`, cell_of_triangle holds a classifier's
-// answers; only triangles that it calls crossing are looked at, and what it knows of them is kept.
+// Divides the triangles of the mesh into whole ones, with all corners in one cell, and crossing ones. Fills
+// cut.crossing and cell_of_triangle (no_index for a crossing triangle and for a component that encloses nothing).
+//
+// `guessed`: cell_of_triangle holds the answers of a classifier (classifier.h). Only triangles that the classifier
+// calls crossing are examined, and its flags for them go to CrossingTriangle::known.
 void sort_triangles(const Surface& surface, std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
                     bool guessed, Threads& threads, std::vector<SiteId>& cell_of_triangle, Cut& cut);
 
@@ -44,19 +47,20 @@ class Assembler {
         const VoronoiDiagram& diagram;
         std::span<const SiteId> cell_of;
         std::span<const SiteId> cell_of_triangle;
-        Cut& cut; // receives local indices
+        Cut& cut; // its points and nodes receive their local indices
         std::span<const CapChunk> caps;
     };
 
-    // Fills positions, vertex_point, triangles and triangle_source.
+    // Fills out.positions, out.vertex_point, out.triangles and out.triangle_source, and cells().
     void run(const Input& input, Threads& threads, Fragments& out);
 
     [[nodiscard]] std::span<CellRun> cells() { return cells_; }
 
   private:
-    // A vertex's index in its cell.
+    // The index of a vertex in the run of a cell.
     [[nodiscard]] uint32_t local_index(const Input& input, VertexId id, SiteId cell) const;
-    void count(const Input& input, Threads& threads);
+    void count_vertices(const Input& input, Threads& threads);
+    void count_triangles(const Input& input, Threads& threads);
     void lay_out(const Input& input, Threads& threads, Fragments& out);
     void place_vertices(const Input& input, Threads& threads, Fragments& out);
     void place_whole(const Input& input, Threads& threads, Fragments& out);

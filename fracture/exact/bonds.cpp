@@ -13,7 +13,7 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-// Until all are summed up, centroid holds the sum of area times centroid.
+// Until merge_equal() has run, centroid holds the sum of area times centroid.
 void add(std::vector<Bond>& bonds, uint32_t a, uint32_t b, double area, const glm::dvec3& moment,
          const glm::dvec3& normal) {
     if (!bonds.empty() && bonds.back().a == a && bonds.back().b == b) {
@@ -41,7 +41,7 @@ void merge_equal(std::vector<Bond>& bonds) {
 
 } // namespace
 
-// Only corners of cuts are asked for: points that a cut made, and mesh vertices where slivers.h moved one to them.
+// Indexes the corners of cuts only: points that a cut created, and mesh vertices that replaced one of them (slivers.h).
 void BondFinder::index_pieces(size_t sites, const Fragments& fragments) {
     constexpr uint32_t first_cut_point = 1u << 30; // as in Fragments::vertex_point
     first_piece_.assign(sites + 1, 0);
@@ -78,7 +78,7 @@ void BondFinder::run(std::span<const glm::dvec3> sites, Fragments& out) {
         uint32_t other = no_index;
         glm::dvec3 normal(0.0);
         for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end; ++t) {
-            if (out.triangle_source[t] < piece.site) continue; // the piece over there counts it
+            if (out.triangle_source[t] < piece.site) continue; // the other piece counts this cap
             if (out.triangle_source[t] != other) {
                 other = out.triangle_source[t];
                 normal = glm::normalize(sites[other] - sites[piece.site]);

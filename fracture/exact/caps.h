@@ -1,13 +1,11 @@
-// Closes the cuts: the part of each Voronoi facet that lies inside the solid, triangulated once for both
-// sides.
+// Caps the cuts: triangulates the part of each Voronoi facet that lies inside the solid, once for both cells.
 //
-// The border of that part consists of chains, where the surface crosses the facet (made by the triangle
-// cutter as the `next` of each point), and of strands, the stretches of the facet's own sides that lie
-// inside. Walking once around the facet with the winding number in hand, a strand of sheet s begins where the
-// number rises to s and ends where it falls below; chains end where strands begin, so following both gives
-// closed loops. Nothing is searched, and overlapping or inside-out surfaces give one set of loops for each
-// sheet. This replaces the border walk of the paper's section 2.3, which has no facet sides because it cuts
-// with whole planes.
+// Two kinds of polyline bound this part. Chains run where the surface of the mesh crosses the facet (the triangle
+// cutter stores them in the `next` of each point). Strands are the intervals of the facet's own edges that lie inside
+// the solid. The walk once around the facet carries the winding number: a strand of sheet s begins where the number
+// rises to s and ends where it falls below s. A chain ends at the point where a strand begins, so chains and strands
+// alternate and form closed loops, without any search. A surface that overlaps itself or is inside out gives one set of
+// loops for each sheet. The border walk of the paper, section 2.3, cuts with whole planes and so needs no strands.
 #pragma once
 
 #include <array>
@@ -22,12 +20,11 @@
 
 namespace brittle::fracture::exact {
 
-// No two pieces of surface may use the same edge: a diagonal of a cap must not run between two points of one
-// Voronoi edge, where the caps on the other two facets have points too. Triangulations of sound input hardly
-// ever hold such a diagonal (it lies on the facet's side); those of overlapping surfaces do. It is then
-// halved by a node of its own.
+// A diagonal of a cap must not join two points of one Voronoi edge: the caps on the other two facets of the edge have
+// points there too, and an edge of the surface would be used twice. In sound input a diagonal along a side of the facet
+// is rare; in overlapping surfaces it occurs. Such a diagonal is split by a node of its own.
 
-// The cap on one facet: counter-clockwise seen from outside the cell with the lower index.
+// The cap of one facet, counter-clockwise as seen from outside the cell with the lower index.
 struct Cap {
     uint32_t facet;
     uint32_t corners_begin, corners_end;     // into CapChunk::corners
@@ -41,21 +38,21 @@ struct CapChunk {
     };
 
     std::vector<Cap> caps;
-    std::vector<AddedNode> added_nodes; // their ids follow those of the Voronoi vertices' nodes
+    std::vector<AddedNode> added_nodes; // numbered after the nodes of the Voronoi vertices
     std::vector<VertexId> corners;
-    std::vector<Triangle> triangles; // of indices that count from the cap's first corner
+    std::vector<Triangle> triangles; // indices relative to the first corner of the cap
 };
 
-// The position of a cap's corner, in the coordinates of the scene.
+// The position of a corner of a cap, in scene coordinates.
 [[nodiscard]] glm::dvec3 cap_position(const Cut& cut, VertexId id);
 
 class Capper {
   public:
-    // After TriangleCutter::run() and Winding::compute(). May add to cut.nodes. False where the loops do not
-    // close, which a closed surface rules out.
+    // Makes the caps of all facets. Runs after TriangleCutter::run() and Winding::compute(), and may append to
+    // cut.nodes. Returns false where the loops do not close, which a closed surface rules out.
     bool run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, Cut& cut, Threads& threads);
 
-    // Facets ascend over the chunks.
+    // In ascending order of facets.
     [[nodiscard]] std::span<const CapChunk> chunks() const { return {chunks_.data(), chunk_count_}; }
     [[nodiscard]] uint64_t forced_ears() const;
 
@@ -64,9 +61,9 @@ class Capper {
     void number_added_nodes(const VoronoiDiagram& diagram, Cut& cut);
     void group_by_facet(const VoronoiDiagram& diagram, const Cut& cut);
 
-    std::vector<uint32_t> points_begin_; // facets + 1, into points_
-    std::vector<uint32_t> points_;       // edge points of each facet
-    std::vector<uint8_t> visited_;       // edge points
+    std::vector<uint32_t> points_begin_; // per facet, and the end: into points_
+    std::vector<uint32_t> points_;       // the edge points of each facet
+    std::vector<uint8_t> visited_;       // per edge point
     std::vector<CapChunk> chunks_;
     std::vector<Worker> workers_;
     uint32_t chunk_count_ = 0;

@@ -1,11 +1,11 @@
-// A counting sort by cell, in parallel: rows of counters, a row for each chunk of each kind of item.
+// A parallel counting sort by cell. The table has one row of counters for each chunk of each kind of item.
 //
 //     table.reset(rows, cells);
 //     ... each chunk counts its items: ++table.row(r)[cell] ...
-//     table.scan(threads);   // a row's counter becomes the rank of its first item within the cell
+//     table.scan(threads);   // turns a counter into the rank of the row's first item within the cell
 //     ... each chunk places its items: rank = table.row(r)[cell]++ ...
 //
-// Ranks follow the order of rows, and of items within a row, so they do not depend on how items were chunked.
+// Ranks follow the order of rows, and of items within a row, so they do not depend on the division into chunks.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ class CellTable {
     }
     [[nodiscard]] uint32_t* row(uint32_t r) { return counts_.data() + size_t{r} * cells_; }
 
-    // Fills total with the number of items of each cell.
+    // Fills `total` with the number of items in each cell.
     void scan(Threads& threads, std::vector<uint32_t>& total) {
         total.assign(cells_, 0);
         constexpr uint32_t min_cells_per_chunk = 4096;

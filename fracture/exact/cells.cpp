@@ -13,21 +13,21 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// side4_filter's bound is 32u (|h| pw + |n| px) for the homogeneous vertex; dividing by w adds less than 4u.
+// The bound of side4_filter() is 32u (|h| pw + |n| px) for the homogeneous vertex; the division by w adds less than 4u.
 constexpr double vertex_error = 0x28.0p-53;
 
-// Below this ratio of w to its permanent a vertex's position has too few digits to bound the cell's reach
-// with.
+// Below this ratio of w to its permanent, the position of a vertex has too few digits to bound the reach of the cell.
 constexpr double min_reliable_ratio = 1e-9;
 
-// Slack of the security radius for the rounding of positions that are reliable.
+// The factor on the security radius that covers the rounding of reliable positions.
 constexpr double reach_slack = 1.0 + 1e-6;
 
 } // namespace
 
 namespace simd {
 
-// Values of the plane at n vertices and their error bounds; returns how many are not certainly positive.
+// Computes the values of the plane at n vertices and their error bounds. Returns the number of values that are not
+// certainly positive.
 BRITTLE_SIMD uint64_t plane_values(const double* x, const double* y, const double* z, const double* ew,
                                    const double* ex, uint32_t n, const Bisector& l, double* value, double* bound) {
     const double nx = l.n.x, ny = l.n.y, nz = l.n.z, h = l.h, ah = l.magnitude(), length = l.length;
@@ -55,7 +55,8 @@ BRITTLE_SIMD double largest_norm2(const double* x, const double* y, const double
     return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
 }
 
-// The box around all balls that are centred at a vertex and go through the origin, their squared radii enlarged.
+// The bounding box of all balls with a vertex as centre and the origin on their surface; `more` is added to their
+// squared radii.
 BRITTLE_SIMD void ball_box(const double* x, const double* y, const double* z, uint32_t n, double more, glm::dvec3& low,
                            glm::dvec3& high) {
     glm::dvec3 least(0.0), most(0.0);
@@ -80,7 +81,7 @@ bool CellBuilder::build(const Diagram& diagram, const SiteTree& tree, SiteId c) 
     used_planes_.clear();
     used_vertices_.clear();
     if (!tree.owns_cell(c)) return false;
-    advantage_ = diagram.weights.empty() ? 0.0 : tree.greatest_weight() - diagram.weights[c];
+    advantage_ = diagram.weights.empty() ? 0.0 : tree.max_weight() - diagram.weights[c];
     start_with_box();
     SiteTree::Walk walk(tree, diagram.sites[c], c, walk_memory_);
     SiteTree::Reach within = reach();
@@ -88,7 +89,7 @@ bool CellBuilder::build(const Diagram& diagram, const SiteTree& tree, SiteId c) 
         double nearest_idle2 = within.radius2;
         bool has_changed = false;
         for (const SiteTree::Candidate& candidate : walk.batch()) {
-            if (candidate.distance2 > nearest_idle2) break; // sorted: so are the rest
+            if (candidate.distance2 > nearest_idle2) break; // sorted, so the rest is no nearer
             const Cut result = cut(candidate.site);
             if (result == Cut::all) return false;
             if (result == Cut::none) continue;
@@ -110,7 +111,7 @@ void CellBuilder::start_with_box() {
     }
     count_ = 0;
     unreliable_ = 0;
-    // Corner (sx,sy,sz) with bits 1 = max: normals have the determinant sx*sy*sz, which says the order of
+    // Corner (sx,sy,sz), bit 1 for the maximum: the normals have the determinant sx*sy*sz, which gives the order of
     // planes.
     for (uint32_t corner = 0; corner < 8; ++corner) {
         const uint32_t px = corner & 1u, py = 2 + ((corner >> 1) & 1u), pz = 4 + ((corner >> 2) & 1u);
@@ -143,7 +144,7 @@ void CellBuilder::place_vertex(uint32_t v, uint32_t a, uint32_t b, uint32_t d) {
         z_[v] = vertex.x.z * inverse;
         ew_[v] = vertex_error * vertex.pw * inverse;
         ex_[v] = vertex_error * vertex.px * inverse;
-    } else { // every filter fails, and the reach is unbounded
+    } else { // every filter is uncertain, and the reach is unbounded
         x_[v] = y_[v] = z_[v] = 0.0;
         ew_[v] = ex_[v] = infinity;
         ++unreliable_;
@@ -214,7 +215,7 @@ void CellBuilder::replace_removed(uint32_t new_slot) {
     for (const uint32_t v : removed_) is_removed_[v] = 0;
 
     at_plane_.resize(plane_.size());
-    // New vertices take the places of removed ones first.
+    // New vertices reuse the places of removed ones first.
     size_t reused = 0;
     for (RimEdge& edge : rim_) {
         const uint32_t v = reused < removed_.size() ? removed_[reused++] : count_++;
@@ -229,7 +230,7 @@ void CellBuilder::replace_removed(uint32_t new_slot) {
         beside_[edge.added][1] = next;
         beside_[next][2] = edge.added;
     }
-    // More removed than added: close the gaps from the back (removed_ ascends).
+    // Where fewer vertices were added than removed, the last vertices fill the gaps, from the back (removed_ ascends).
     for (size_t k = removed_.size(); k > reused; --k) erase(removed_[k - 1]);
 }
 

@@ -1,15 +1,15 @@
-// One Voronoi cell inside a box, by clipping the box with bisectors in order of distance.
+// One Voronoi cell inside a box, made by clipping the box with bisectors in order of distance.
 //
-// The cell is kept as its dual triangulation: a vertex is a triple of planes, counter-clockwise seen from
-// outside, and knows the three vertices beside it. Clipping removes the vertices beyond the new plane and
-// joins the rim of the hole to it. Which vertices are beyond is decided by side4, exact and perturbed, so the
-// cell is always simple (three planes a vertex) and all cells agree about their common facets, edges and
-// vertices. Coordinates only serve the filter.
+// The cell is stored as its dual triangulation: a vertex is a triple of planes, counter-clockwise as seen from outside,
+// with links to the three adjacent vertices. Clipping removes the vertices beyond the new plane and joins the rim of
+// the hole to it. The predicate side4, exact and perturbed, decides which vertices are beyond. So each vertex has
+// exactly three planes, and all cells agree about their common facets, edges and vertices. Coordinates serve the filter
+// only.
 //
-// Security radius: a site farther than twice the farthest vertex cannot cut. (Levy and Bonneel, "Variational
-// anisotropic surface meshing with Voronoi parallel linear enumeration", 2013.) More exactly, a site cuts
-// vertex v only from inside the ball around v through c; the box around all these balls spares cells at the
-// border of the diagram, which reach far outwards, most of the sites inwards.
+// Security radius: a site farther away than twice the farthest vertex cannot cut the cell (Levy and Bonneel,
+// "Variational anisotropic surface meshing with Voronoi parallel linear enumeration", 2013). More precisely, a site
+// cuts off vertex v only from inside the ball around v through c. The box around all these balls excludes most of the
+// inner sites from cells at the border of the diagram, which reach far outwards.
 #pragma once
 
 #include <array>
@@ -23,13 +23,13 @@ namespace brittle::fracture::exact {
 
 class CellBuilder {
   public:
-    // Builds the cell of c, replacing the one before. False where it is empty: c is a duplicate, the cell
-    // lies outside the box altogether, or heavier sites leave nothing to it.
+    // Builds the cell of site c and discards the cell before. Returns false for an empty cell: c is a duplicate, the
+    // cell lies outside the box, or heavier sites take all of it.
     bool build(const Diagram& diagram, const SiteTree& tree, SiteId c);
 
-    // The planes that bound the cell, ascending (sides of the box come last).
+    // The planes that bound the cell, in ascending order; the sides of the box come last.
     [[nodiscard]] std::span<const PlaneId> planes() const { return used_planes_; }
-    // Indices into planes(), counter-clockwise seen from outside.
+    // Three indices into planes() for each vertex, counter-clockwise as seen from outside.
     [[nodiscard]] std::span<const std::array<uint32_t, 3>> vertices() const { return used_vertices_; }
 
     PredicateStats stats;
@@ -49,31 +49,32 @@ class CellBuilder {
 
     const Diagram* diagram_ = nullptr;
     SiteId c_ = 0;
-    double advantage_ = 0.0; // by how much the greatest weight of all exceeds that of c; balls grow by it
+    double advantage_ = 0.0; // the greatest weight minus the weight of c, >= 0; squared radii of the balls grow by it
 
-    // Planes met so far, used or not; vertices name them by slot.
+    // All planes tried so far, in the cell or not. Vertices refer to planes by slot, an index into these arrays.
     std::vector<PlaneId> plane_id_;
     std::vector<Bisector> plane_;
 
-    // Vertices, as arrays for the vectorised filter: position in the frame of c, and the factors of the error
-    // bound |h| * ew + |n| * ex; infinite where the position is meaningless.
+    // Vertices, as arrays for the vectorised filter: the position in the frame of c, and two factors of the error bound
+    // |h| * ew + |n| * ex. The factors are infinite where the position is unreliable.
     std::vector<double> x_, y_, z_, ew_, ex_;
     std::vector<std::array<uint32_t, 3>> corner_; // plane slots (a,b,d)
-    std::vector<std::array<uint32_t, 3>> beside_; // [e]: the vertex at the other end of the edge between planes e, e+1
+    std::vector<std::array<uint32_t, 3>>
+        beside_; // [e]: the vertex at the other end of the edge between planes e, e + 1
     uint32_t count_ = 0;
-    uint32_t unreliable_ = 0; // vertices whose position may be far off
+    uint32_t unreliable_ = 0; // number of vertices with infinite error factors
 
     std::vector<double> value_, bound_;
     std::vector<uint8_t> is_removed_;
     std::vector<uint32_t> removed_;
     struct RimEdge {
-        uint32_t p, q;   // plane slots, directed as in the removed triangle
-        uint32_t kept;   // vertex beyond the rim
-        uint32_t corner; // the edge (q,p) in it
+        uint32_t p, q;   // plane slots, in the order of the removed triangle
+        uint32_t kept;   // the vertex beyond the rim
+        uint32_t corner; // of `kept`: the index of its edge (q, p)
         uint32_t added;  // the new vertex (p, q, new plane)
     };
     std::vector<RimEdge> rim_;
-    std::vector<uint32_t> at_plane_; // slot -> the new vertex whose first plane it is
+    std::vector<uint32_t> at_plane_; // per slot: the new vertex with this first plane
     SiteTree::WalkMemory walk_memory_;
 
     std::vector<PlaneId> used_planes_;

@@ -10,10 +10,11 @@ namespace {
 
 constexpr uint32_t min_vertices_per_chunk = 2048;
 
-// Leaves room for the rounding of a ball's radius, of the step to the next vertex and of their squares.
+// The factor on the radius of a ball that covers its rounding, that of the step to the next vertex, and of their
+// squares.
 constexpr double ball_slack = 1.0 - 1e-12;
 
-// The neighbour that is nearer to q than c by most, or none, beyond doubt.
+// The neighbour that is nearer to q than c by the largest margin, decided exactly; none where c is nearest.
 SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c,
                         PredicateStats& stats) {
     const Frames::Cell& cell = frames.cells[c];
@@ -33,7 +34,7 @@ SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm:
     return nearer;
 }
 
-// What is known around the points classified before, by bin.
+// Caches in a grid of bins the balls of the points classified before, as starting points.
 class Hints {
   public:
     Hints(const Box& box, uint32_t points, SiteId anywhere) : low_(box.min) {
@@ -44,7 +45,7 @@ class Hints {
         last_.cell = anywhere;
     }
 
-    // The ball to start from for q, to be replaced by what is found.
+    // The ball to start from for q. The caller replaces it by the ball that it finds.
     [[nodiscard]] KnownBall& at(const glm::dvec3& q) {
         uint32_t bin = 0;
         for (int k = 0; k < 3; ++k) {
@@ -58,7 +59,7 @@ class Hints {
     void keep_last(const KnownBall& ball) { last_.cell = ball.cell; }
 
   private:
-    // Most bins are far from the surface and stay empty.
+    // Most bins lie far from the surface and stay empty.
     static constexpr double points_per_bin = 2.0;
     static constexpr double max_bins_per_axis = 16.0;
 
@@ -79,8 +80,8 @@ KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3&
         if (cell.begin == cell.end) return {c, q, 0.0};
         const glm::dvec3 y = q - cell.site;
         const uint32_t n = Frames::padded(cell.end - cell.begin);
-        const LeastDistance least = min_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
-                                                    static_cast<float>(y.y), static_cast<float>(y.z));
+        const MinDistance least = min_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
+                                                  static_cast<float>(y.y), static_cast<float>(y.z));
         if (least.distance > cell.float_error) {
             return {c, q, ball_slack * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
         }

@@ -17,7 +17,7 @@ bool even(uint32_t a, uint32_t b, uint32_t c) {
     return (a < b && b < c) || (b < c && c < a) || (c < a && a < b);
 }
 
-// The facet's side towards a third cell; none where they do not touch.
+// The edge of a facet that it shares with a third cell; none where the three cells do not meet.
 uint32_t find_voronoi_edge(const VoronoiDiagram& diagram, uint32_t facet, SiteId third) {
     for (const VoronoiDiagram::Corner& corner : diagram.ring_of(diagram.facets[facet])) {
         if (corner.third == third) return corner.edge;
@@ -27,7 +27,7 @@ uint32_t find_voronoi_edge(const VoronoiDiagram& diagram, uint32_t facet, SiteId
 
 } // namespace
 
-// One thread's share of the crossing triangles.
+// Cuts one chunk of the crossing triangles.
 class TriangleCutter::Worker {
   public:
     struct Context {
@@ -49,28 +49,29 @@ class TriangleCutter::Worker {
     }
 
     void cut_simple(const CrossingTriangle& crossing, const Triangle& t, std::span<const SiteId> cell_of, Cut& cut);
-    // False where it is no such triangle, and nothing was done.
+    // Cuts a triangle with exactly one point inside it where three cells meet. Returns false, with nothing done, for
+    // any other triangle.
     [[nodiscard]] bool cut_around_point(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
                                         std::span<const SiteId> cell_of);
     void cut_general(const Context& context, const CrossingTriangle& crossing, const Triangle& t,
                      std::span<const SiteId> cell_of);
 
-    // Made here, with ids that count from this worker's first; run() moves them to their places.
+    // The new pierce points. Their ids count from 0 in each worker; TriangleCutter::run() adds the worker's base.
     std::vector<PiercePoint> pierce_points;
     std::vector<glm::dvec3> pierce_positions;
     struct Link {
         uint32_t edge_point, pierce_point;
     };
-    std::vector<Link> links; // edge points whose next is one of the pierce points
+    std::vector<Link> links; // edge points with one of the new pierce points as `next`
     PredicateStats stats;
     uint32_t base = 0;
 
   private:
-    // A line that bounds a polygon: an edge of the triangle, 0 to 2, or 3 + an index into knives_.
+    // A line that bounds a polygon: 0 to 2 for an edge of the triangle, 3 + k for planes_[k].
     using Line = uint32_t;
 
-    // A neighbour of the current cell that may cut the triangle: its values at the triangle's corners.
-    struct Knife {
+    // A bisector of the current cell that may cut the triangle, with its values at the corners of the triangle.
+    struct ClipPlane {
         Frames::Slot slot;
         SiteId site;
         uint32_t facet;
@@ -78,12 +79,13 @@ class TriangleCutter::Worker {
     };
 
     void begin(const Context& context, const CrossingTriangle& crossing, const Triangle& t);
-    // What cut_general() begins the third polygon of cut_around_point() with, so that both give the same bits.
+    // The first corner of the third polygon of cut_around_point(). It is the corner that cut_general() starts with, so
+    // that both functions give the same bits.
     enum class Start { edge, centre, unknown };
     [[nodiscard]] Start start_of_third(const Context& context, SiteId a, SiteId b, SiteId c);
     bool clip_by_cell(const Context& context, SiteId c);
-    void find_knives(const Context& context, SiteId c);
-    [[nodiscard]] int side(const Context& context, SiteId c, Line in, Line out, const Knife& knife);
+    void find_planes(const Context& context, SiteId c);
+    [[nodiscard]] int side(const Context& context, SiteId c, Line in, Line out, const ClipPlane& plane);
     [[nodiscard]] VertexId vertex_at(const Context& context, SiteId c, Line in, Line out);
     [[nodiscard]] VertexId pierce_point(const Context& context, SiteId c, SiteId a, SiteId b, uint32_t facet);
     [[nodiscard]] glm::dvec3 pierce_position(const Context& context, const std::array<SiteId, 3>& cells);
@@ -96,7 +98,7 @@ class TriangleCutter::Worker {
     Corners corner_positions_{};
     uint32_t first_pierce_ = 0; // of this triangle
     std::vector<SiteId> queue_;
-    std::vector<Knife> knives_;
+    std::vector<ClipPlane> planes_;
     std::vector<Line> lines_, clipped_;
     std::vector<int8_t> signs_;
     std::vector<VertexId> ids_;
@@ -107,7 +109,8 @@ TriangleCutter::~TriangleCutter() = default;
 
 void TriangleCutter::Worker::cut_simple(const CrossingTriangle& crossing, const Triangle& t,
                                         std::span<const SiteId> cell_of, Cut& cut) {
-    // Turn the triangle so that corner `a` is alone in its cell; edges a and c = a - 1 carry the points.
+    // Let corner `a` be the one alone in its cell: the points lie on the edge that leaves it and on the edge that
+    // returns to it.
     const uint32_t uncut = crossing.count[0] == 0 ? 0 : (crossing.count[1] == 0 ? 1 : 2);
     const uint32_t a = (uncut + 2) % 3;
     const auto corner = [&](uint32_t k) { return VertexId(VertexId::mesh, t[static_cast<int>((a + k) % 3)]); };
@@ -121,7 +124,7 @@ void TriangleCutter::Worker::cut_simple(const CrossingTriangle& crossing, const 
     for (const VertexId id : {corner(0), id_p, id_q, id_p, corner(1), corner(2), id_q}) corners.push_back(id);
     out_->polygons.push_back({alone, crossing.triangle, begin, begin + 3});
     out_->polygons.push_back({others, crossing.triangle, begin + 3, begin + 7});
-    // The polygon of the lower cell runs p -> q (alone) or q -> p (others); the cap runs against it.
+    // The polygon of the lower cell runs p -> q (alone) or q -> p (others). The cap runs in the opposite direction.
     if (alone < others)
         cut.edge_points[q].next = id_p;
     else
@@ -135,8 +138,8 @@ void TriangleCutter::Worker::begin(const Context& context, const CrossingTriangl
     first_pierce_ = static_cast<uint32_t>(pierce_points.size());
 }
 
-// The corners' cells alone are met: were there a fourth, it would be a polygon that meets no edge of the triangle, with a
-// corner on each of the three lines that run from the common point to the edges, and so hold that point.
+// No fourth cell meets the triangle: its polygon would meet no edge of the triangle and have a corner on each of the
+// three lines from the common point to the edges, and so contain that point.
 bool TriangleCutter::Worker::cut_around_point(const Context& context, const CrossingTriangle& crossing,
                                               const Triangle& t, std::span<const SiteId> cell_of) {
     constexpr std::array<uint32_t, 3> one_each{1, 1, 1};
@@ -148,7 +151,7 @@ bool TriangleCutter::Worker::cut_around_point(const Context& context, const Cros
         on_edge[e] = {VertexId::edge, crossing.first[e]};
         facets[e] = context.cut.edge_points[crossing.first[e]].facet;
     }
-    if (find_voronoi_edge(context.diagram, facets[0], c) == VoronoiDiagram::none) return false; // it errs
+    if (find_voronoi_edge(context.diagram, facets[0], c) == VoronoiDiagram::none) return false; // a wrong guess
     begin(context, crossing, t);
     const Start start = start_of_third(context, a, b, c);
     if (start == Start::unknown) return false;
@@ -168,7 +171,7 @@ bool TriangleCutter::Worker::cut_around_point(const Context& context, const Cros
     else
         polygon(c, {centre, on_edge[1], corner(2), on_edge[2]});
     const std::array<SiteId, 3> cells{a, b, c};
-    for (size_t e = 0; e < 3; ++e) { // the cap runs against the lower cell's polygon
+    for (size_t e = 0; e < 3; ++e) { // the cap runs opposite to the polygon of the lower cell
         const bool forward = cells[e] < cells[(e + 1) % 3];
         link(context.cut, facets[e], forward ? centre : on_edge[e], forward ? on_edge[e] : centre,
              context.diagram.facets[facets[e]]);
@@ -176,9 +179,10 @@ bool TriangleCutter::Worker::cut_around_point(const Context& context, const Cros
     return true;
 }
 
-// Clipping by a cell keeps lines in their order, so the polygons of the first two begin with edge 0. The third cell c has
-// lost edge 0; what comes first then is edge 1, unless b's line took edge 0's place: where b is the knife before a, and
-// the first corner is still there, on c's side of b's bisector.
+// Clipping keeps the lines in their order, so the polygons of the first two cells begin with edge 0. The polygon of the
+// third cell c has lost edge 0 and begins with edge 1, unless the line of b took the place of edge 0. This happens
+// where b comes before a in the list of planes and the first corner, still there, lies on c's side of the bisector of
+// b.
 TriangleCutter::Worker::Start TriangleCutter::Worker::start_of_third(const Context& context, SiteId a, SiteId b,
                                                                      SiteId c) {
     const Frames& frames = context.frames;
@@ -214,52 +218,52 @@ void TriangleCutter::Worker::cut_general(const Context& context, const CrossingT
     }
 }
 
-void TriangleCutter::Worker::find_knives(const Context& context, SiteId c) {
+void TriangleCutter::Worker::find_planes(const Context& context, SiteId c) {
     const Frames& frames = context.frames;
     const Frames::Cell& cell = frames.cells[c];
     const glm::dvec3 y0 = corner_positions_[0] - cell.site, y1 = corner_positions_[1] - cell.site,
                      y2 = corner_positions_[2] - cell.site;
-    knives_.clear();
+    planes_.clear();
     for (Frames::Slot l = cell.begin; l < cell.end; ++l) {
         const glm::dvec3 at(frames.value_at(l, y0), frames.value_at(l, y1), frames.value_at(l, y2));
         if (std::min({at.x, at.y, at.z}) > cell.error) continue; // the triangle is on c's side
         const uint32_t neighbour = cell.first_neighbour + (l - cell.begin);
-        knives_.push_back({l, frames.site[l], context.diagram.neighbours[neighbour].facet, at});
+        planes_.push_back({l, frames.site[l], context.diagram.neighbours[neighbour].facet, at});
     }
 }
 
-int TriangleCutter::Worker::side(const Context& context, SiteId c, Line in, Line out, const Knife& knife) {
+int TriangleCutter::Worker::side(const Context& context, SiteId c, Line in, Line out, const ClipPlane& plane) {
     const double error = context.frames.cells[c].error;
     if (in < 3 && out < 3) {
-        const int certain = side1_filter(knife.at[static_cast<int>(out)], error);
-        return certain != 0 ? certain : side1_exact(context.problem, c, knife.site, corner_positions_[out], stats);
+        const int certain = side1_filter(plane.at[static_cast<int>(out)], error);
+        return certain != 0 ? certain : side1_exact(context.problem, c, plane.site, corner_positions_[out], stats);
     }
     if (in < 3 || out < 3) {
         const Line edge = std::min(in, out);
-        const Knife& a = knives_[std::max(in, out) - 3];
+        const ClipPlane& a = planes_[std::max(in, out) - 3];
         const int k0 = static_cast<int>(edge), k1 = (k0 + 1) % 3;
-        const int certain = side2_filter(a.at[k0], a.at[k1], knife.at[k0], knife.at[k1], error);
+        const int certain = side2_filter(a.at[k0], a.at[k1], plane.at[k0], plane.at[k1], error);
         return certain != 0 ? certain
-                            : side2_exact(context.problem, c, a.site, knife.site, corner_positions_[edge],
+                            : side2_exact(context.problem, c, a.site, plane.site, corner_positions_[edge],
                                           corner_positions_[static_cast<size_t>(k1)], stats);
     }
-    const Knife &a = knives_[in - 3], &b = knives_[out - 3];
-    const int certain = side3_filter(a.at, b.at, knife.at, error);
+    const ClipPlane &a = planes_[in - 3], &b = planes_[out - 3];
+    const int certain = side3_filter(a.at, b.at, plane.at, error);
     return certain != 0 ? certain
-                        : side3_exact(context.problem, c, a.site, b.site, knife.site, corner_positions_, stats);
+                        : side3_exact(context.problem, c, a.site, b.site, plane.site, corner_positions_, stats);
 }
 
-// Sutherland and Hodgman's algorithm on lines instead of points. False where nothing is left.
+// Sutherland and Hodgman's clipping, on lines instead of points. Returns false where nothing is left.
 bool TriangleCutter::Worker::clip_by_cell(const Context& context, SiteId c) {
-    find_knives(context, c);
+    find_planes(context, c);
     lines_ = {0, 1, 2};
-    for (uint32_t k = 0; k < knives_.size(); ++k) {
+    for (uint32_t k = 0; k < planes_.size(); ++k) {
         const size_t n = lines_.size();
         signs_.resize(n); // of the corner before each line
         bool any_inside = false, any_outside = false;
         for (size_t m = 0; m < n; ++m) {
             const Line in = lines_[m == 0 ? n - 1 : m - 1];
-            signs_[m] = static_cast<int8_t>(side(context, c, in, lines_[m], knives_[k]));
+            signs_[m] = static_cast<int8_t>(side(context, c, in, lines_[m], planes_[k]));
             (signs_[m] > 0 ? any_inside : any_outside) = true;
         }
         if (!any_outside) continue;
@@ -278,11 +282,11 @@ bool TriangleCutter::Worker::clip_by_cell(const Context& context, SiteId c) {
 VertexId TriangleCutter::Worker::vertex_at(const Context& context, SiteId c, Line in, Line out) {
     if (in < 3 && out < 3) return {VertexId::mesh, corners_[out]};
     if (in >= 3 && out >= 3) {
-        const Knife &a = knives_[in - 3], &b = knives_[out - 3];
+        const ClipPlane &a = planes_[in - 3], &b = planes_[out - 3];
         return pierce_point(context, c, a.site, b.site, a.facet);
     }
     const Line edge = std::min(in, out);
-    const SiteId other = knives_[std::max(in, out) - 3].site;
+    const SiteId other = planes_[std::max(in, out) - 3].site;
     const uint32_t first = crossing_->first[edge];
     for (uint32_t p = first; p < first + crossing_->count[edge]; ++p) {
         const auto& cells = context.cut.edge_points[p].cells;
@@ -290,12 +294,12 @@ VertexId TriangleCutter::Worker::vertex_at(const Context& context, SiteId c, Lin
             return {VertexId::edge, p};
         }
     }
-    assert(false && "an edge point that the walk along the edge did not meet");
+    assert(false && "the walk along the edge missed an edge point");
     return {};
 }
 
-// Seen from outside the mesh the cells around the point are, counter-clockwise, c, then a beyond the line that comes in,
-// then b beyond the line that goes out. The facet lies between c and a.
+// Seen from outside the mesh, the cells around the point are, counter-clockwise: c, then a beyond the incoming line,
+// then b beyond the outgoing line. The facet lies between c and a.
 VertexId TriangleCutter::Worker::pierce_point(const Context& context, SiteId c, SiteId a, SiteId b, uint32_t facet) {
     std::array<SiteId, 3> cells{c, a, b};
     std::sort(cells.begin(), cells.end());
@@ -327,7 +331,7 @@ glm::dvec3 TriangleCutter::Worker::pierce_position(const Context& context, const
         most = std::max({most, std::abs(at_a[k]), std::abs(at_b[k])});
     }
     const double error = value_error(std::max(a.length, b.length), std::sqrt(reach2), std::max(a.weight, b.weight));
-    // Barycentric weights are the cofactors of the third row of det[A;B;1].
+    // The barycentric weights are the cofactors of the third row of det[A;B;1].
     glm::dvec3 weights(at_a.y * at_b.z - at_a.z * at_b.y, at_a.z * at_b.x - at_a.x * at_b.z,
                        at_a.x * at_b.y - at_a.y * at_b.x);
     const double sum = weights.x + weights.y + weights.z;
@@ -369,11 +373,11 @@ void TriangleCutter::Worker::emit(const Context& context, SiteId c) {
     out_->polygons.push_back({c, crossing_->triangle, begin, static_cast<uint32_t>(corners.size())});
     for (size_t m = 0; m < n; ++m) {
         if (lines_[m] < 3) continue;
-        const Knife& knife = knives_[lines_[m] - 3];
-        if (knife.site > c) { // the cap runs against the lower cell's polygon
-            link(context.cut, knife.facet, ids_[m + 1 == n ? 0 : m + 1], ids_[m], context.diagram.facets[knife.facet]);
+        const ClipPlane& plane = planes_[lines_[m] - 3];
+        if (plane.site > c) { // the cap runs opposite to the polygon of the lower cell
+            link(context.cut, plane.facet, ids_[m + 1 == n ? 0 : m + 1], ids_[m], context.diagram.facets[plane.facet]);
         }
-        if (std::find(queue_.begin(), queue_.end(), knife.site) == queue_.end()) queue_.push_back(knife.site);
+        if (std::find(queue_.begin(), queue_.end(), plane.site) == queue_.end()) queue_.push_back(plane.site);
     }
 }
 

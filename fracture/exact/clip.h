@@ -1,15 +1,15 @@
-// Cuts the mesh's triangles: each crossing triangle falls into one convex polygon for each cell that it
-// meets.
+// Cuts the triangles of the mesh: a crossing triangle falls into one convex polygon for each cell that it meets.
 //
-// A triangle whose edges carry two points in all meets one bisector and needs no arithmetic: it falls into a
-// triangle and a quad. (Two points on the border belong to one bisector; a third cell inside would have to
-// touch the two others along single straight segments, which no convex polygon does.) This is the case of the
-// paper's equations 8 to 13. Where a classifier knows that three cells meet inside the triangle and no other
-// reaches it, it falls into three quads around that point. Any other triangle is clipped by the bisectors of the cell of its first corner,
-// then by those of the cells on the other side of the edges that came out, until none is left. A polygon
-// under the knife is a cyclic list of lines; its corners are pairs of lines, and the sign of a corner against
-// a bisector is side1, side2 or side3. So all cells of the triangle find the same corners, and these already
-// have, or here receive, their ids.
+// Most triangles need no arithmetic. Where the edges carry two points in all, both belong to one bisector, and the
+// triangle falls into a triangle and a quad, the case of the paper's equations 8 to 13. (A third cell inside would
+// touch the two others along one straight segment each; no convex polygon does that.) Where a classifier reports that
+// three cells meet inside the triangle and no other cell reaches it, the triangle falls into three quads around that
+// point.
+//
+// Any other triangle is clipped by the bisectors of its first corner's cell, then by those of the cells across the new
+// edges, until no cell is left. A polygon is a cyclic list of lines, and a corner is a pair of lines; side1, side2 and
+// side3 give the sign of a corner against a bisector. So all cells find the same corners, which have their ids already
+// or receive them here.
 #pragma once
 
 #include <span>
@@ -23,7 +23,7 @@ namespace brittle::fracture::exact {
 
 class TriangleCutter {
   public:
-    // After EdgeCutter::run(). Fills the pierce points, the polygons and the `next` of all points.
+    // Fills the pierce points, the polygons and the `next` of all points. Runs after EdgeCutter::run().
     void run(const Scene& scene, const VoronoiDiagram& diagram, const Frames& frames,
              std::span<const Triangle> triangles, std::span<const SiteId> cell_of, Threads& threads, Cut& cut,
              PredicateStats& stats);

@@ -1,14 +1,14 @@
-// The vertices that a cut makes, and the polygons that the mesh's triangles fall into. Data only; edges.cpp
-// and clip.cpp fill it.
+// The vertices that a cut creates, and the polygons that the mesh's triangles fall into. Data only; edges.cpp and
+// clip.cpp fill it.
 //
-// A vertex of the result is known by what it lies on, never by its coordinates:
+// A vertex of the result is identified by the objects that it lies on, never by its coordinates:
 //
 //     mesh vertex    an index into the mesh
 //     edge point     a mesh edge and a bisector
 //     pierce point   a mesh triangle and a Voronoi edge
 //     node           a Voronoi vertex (and a sheet, see winding.h), or a point inside a facet
 //
-// Each has one id, and one position that is computed once; the pieces that meet there copy it.
+// Each has one id and one position, computed once. All pieces that meet there copy it.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@
 
 namespace brittle::fracture::exact {
 
-// A tagged index. 2^30 vertices of each kind.
+// A tagged index: 2 bits for the kind, 30 bits for the index.
 class VertexId {
   public:
     enum Kind : uint32_t { mesh = 0, edge = 1, pierce = 2, node = 3 };
@@ -32,7 +32,7 @@ class VertexId {
     [[nodiscard]] Kind kind() const { return static_cast<Kind>(bits_ >> 30); }
     [[nodiscard]] uint32_t index() const { return bits_ & 0x3fffffffu; }
     [[nodiscard]] bool is_none() const { return bits_ == no_index; }
-    [[nodiscard]] uint32_t bits() const { return bits_; } // Fragments::vertex_point
+    [[nodiscard]] uint32_t bits() const { return bits_; } // the value of Fragments::vertex_point
     friend bool operator==(VertexId, VertexId) = default;
 
   private:
@@ -40,25 +40,24 @@ class VertexId {
 };
 
 struct EdgePoint {
-    std::array<uint32_t, 2> cells; // in the order of the edge, from its lower to its higher vertex
-    uint32_t facet;                // between them
-    // The vertex that follows on the border of the facet's cap, seen from outside the cell with the lower
-    // index.
+    std::array<uint32_t, 2> cells; // in the direction of the edge, from its lower to its higher vertex
+    uint32_t facet;                // between the two cells
+    // The next vertex on the border of the facet's cap, as seen from outside the cell with the lower index.
     VertexId next;
-    std::array<uint32_t, 2> local{}; // its index in the two cells' pieces
+    std::array<uint32_t, 2> local{}; // the index of this point in the runs of the two cells
 };
 
 struct PiercePoint {
     std::array<uint32_t, 3> cells; // ascending
     uint32_t triangle;
     uint32_t voronoi_edge;
-    uint32_t leaves; // 1 where the Voronoi edge, along its direction, leaves the solid here; 0 where it enters
-    // As EdgePoint::next, on the facets (0,1), (0,2), (1,2) of cells.
+    uint32_t leaves; // 1 where the Voronoi edge, along its direction, leaves the solid; 0 where it enters
+    // EdgePoint::next on the three facets between cells (0,1), (0,2), (1,2).
     std::array<VertexId, 3> next;
     std::array<uint32_t, 3> local;
 };
 
-// Which of a pierce point's three facets lies between its a-th and b-th cell, a < b.
+// The index of the facet between the a-th and the b-th cell of a pierce point, a < b.
 [[nodiscard]] constexpr uint32_t pair_index(uint32_t a, uint32_t b) {
     return a + b - 1;
 }
@@ -69,23 +68,23 @@ struct Node {
     std::array<uint32_t, 4> local{};
 };
 
-// A triangle whose vertices are not all in one cell. The points on its edge e (from corner e to e+1) are
-// edge_points[first[e] .. first[e] + count[e]), ordered from the lower vertex to the higher.
+// A triangle with vertices in several cells. The points on its edge e, from corner e to corner e + 1, are
+// edge_points[first[e] .. first[e] + count[e]), ordered from the lower mesh vertex to the higher.
 struct CrossingTriangle {
     uint32_t triangle;
-    uint32_t known; // Classifier's bits of a crossing triangle; 0 without one
+    uint32_t known; // the classifier's flags for a crossing triangle; 0 without a classifier
     std::array<uint32_t, 3> first;
     std::array<uint32_t, 3> count;
 };
 
-// Part of a crossing triangle in one cell: convex, counter-clockwise seen from outside the mesh.
+// The part of a crossing triangle in one cell: convex, counter-clockwise as seen from outside the mesh.
 struct Polygon {
     uint32_t cell;
     uint32_t triangle;
-    uint32_t begin, end; // into the chunk's corners
+    uint32_t begin, end; // into PolygonChunk::corners
 };
 
-// Polygons are kept where they were made, a chunk for each run of crossing triangles.
+// The polygons of one run of crossing triangles.
 struct PolygonChunk {
     std::vector<Polygon> polygons;
     std::vector<VertexId> corners;
@@ -97,8 +96,8 @@ struct Cut {
     std::vector<glm::dvec3> edge_positions;
     std::vector<PiercePoint> pierce_points;
     std::vector<glm::dvec3> pierce_positions;
-    std::vector<Node> nodes;          // of Voronoi vertices first, in the order of Winding::node()
-    std::vector<PolygonChunk> chunks; // the first `chunk_count` hold this cut's polygons
+    std::vector<Node> nodes;          // those of Voronoi vertices first, in the order of Winding::node()
+    std::vector<PolygonChunk> chunks; // the first chunk_count belong to this cut
     uint32_t chunk_count = 0;
 };
 

@@ -11,8 +11,8 @@ namespace {
 
 constexpr uint32_t min_cells_per_chunk = 4;
 
-// Below this ratio of the determinant to its permanent a position has lost two digits: it is then rounded from the exact
-// one. Lost digits would move it off its planes, which in a thin solid bends the caps that meet there.
+// Below this ratio of the determinant to its permanent a position has lost two digits, and is computed exactly instead,
+// then rounded. Lost digits move the position off its planes, which bends the caps of a thin solid that meet there.
 constexpr double well_conditioned = 1e-2;
 
 void exclusive_sum(std::vector<uint32_t>& counts) {
@@ -102,9 +102,9 @@ void DiagramBuilder::number_facets(VoronoiDiagram& out) {
     exclusive_sum(facet_begin_);
     out.neighbours.resize(out.cell_begin[sites]);
     out.facets.resize(facet_begin_[sites]);
-    // Facet ids ascend with (i,j), and so do the neighbours of j below j: one cursor a cell finds each
-    // facet's place.
-    std::vector<uint32_t>& cursor = edge_begin_; // borrowed
+    // Facet ids ascend with (i,j), and so do the neighbours below j in the list of j: one cursor per cell finds the
+    // place of each facet.
+    std::vector<uint32_t>& cursor = edge_begin_; // its memory is free until number_items()
     cursor.assign(out.cell_begin.begin(), out.cell_begin.end());
     for (SiteId c = 0; c < sites; ++c) {
         const CellRef& cell = cells_[c];
@@ -121,12 +121,12 @@ void DiagramBuilder::number_facets(VoronoiDiagram& out) {
     }
 }
 
-// The rings of the facets that a cell owns, while its vertices are at hand: to keep them for all cells would
-// take more memory than the diagram's own.
+// Collects the rings of the facets that the cell owns, while the builder still holds its vertices. Keeping the vertices
+// of all cells would take more memory than the diagram itself.
 void DiagramBuilder::collect_rings(SiteId c, Chunk& chunk) {
     const std::span planes = chunk.builder.planes();
     const std::span vertices = chunk.builder.vertices();
-    // The fan of a plane: at each of its vertices, the plane before and the plane after.
+    // The fan of a plane: for each of its vertices, the plane before and the plane after.
     chunk.fan_begin.assign(planes.size() + 2, 0);
     for (const auto& v : vertices) {
         for (const uint32_t p : v) ++chunk.fan_begin[p + 2];
@@ -141,7 +141,7 @@ void DiagramBuilder::collect_rings(SiteId c, Chunk& chunk) {
     for (uint32_t p = 0; p < planes.size() && !is_box_plane(planes[p]); ++p) {
         if (planes[p] < c) continue;
         const std::span fan(chunk.fan.data() + chunk.fan_begin[p], chunk.fan_begin[p + 1] - chunk.fan_begin[p]);
-        // From its least third on: what a ring looks like does not depend on the order of clipping.
+        // A ring starts at its least third, so that it does not depend on the order of clipping.
         uint32_t at = (*std::min_element(fan.begin(), fan.end()))[0];
         for (size_t step = 0; step < fan.size(); ++step) {
             chunk.rings.push_back(at);
@@ -155,7 +155,7 @@ void DiagramBuilder::collect_rings(SiteId c, Chunk& chunk) {
 
 void DiagramBuilder::number_items(VoronoiDiagram& out) {
     const auto facets = static_cast<uint32_t>(out.facets.size());
-    // Chunks hold consecutive cells, hence consecutive facets: read their rings one after the other.
+    // Chunks hold consecutive cells, hence consecutive facets, so their rings are read in sequence.
     uint32_t ring = 0;
     uint32_t chunk_index = box_min_x;
     const uint32_t* size = nullptr;
@@ -231,8 +231,8 @@ uint32_t DiagramBuilder::vertex_of(const VoronoiDiagram& d, uint32_t facet, Plan
     return VoronoiDiagram::none;
 }
 
-// Edges and vertices are found through the facet of their two lowest sites. One of these is nearly always the
-// cell itself, and then that facet stands in the cell's own list of neighbours.
+// Finds edges and vertices through the facet of their two lowest sites. One of these sites is nearly always the cell
+// itself, and then the facet is in the neighbour list of the cell.
 void DiagramBuilder::link_rings(const Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out) const {
     const uint32_t* third = chunk.rings.data();
     for (uint32_t f = facet_begin_[begin]; f < facet_begin_[end]; ++f) {
@@ -254,7 +254,7 @@ void DiagramBuilder::link_rings(const Chunk& chunk, SiteId begin, SiteId end, Vo
             corner.vertex = vertex_of(out, owner, planes[2], planes[3]);
         }
         third += n;
-        // The facet's own edges have thirds above j, so the ring runs along them.
+        // The edges that the facet owns have thirds above j, so the ring runs along their direction.
         for (uint32_t m = facet.ring_begin; m < facet.ring_end; ++m) {
             const VoronoiDiagram::Corner& corner = out.rings[m];
             if (corner.third < facet.j) continue;

@@ -1,8 +1,8 @@
 // Builds the Voronoi diagram from the cells of its sites.
 //
-// Each facet (i,j), i < j, is described by cell i; each edge and vertex belongs to the facet of its two
-// lowest sites. So every item has one owner, and ids follow from prefix sums over owners: no hash table, no
-// order of threads.
+// Cell i describes each facet (i,j) with i < j; each edge and vertex belongs to the facet of its two lowest sites. So
+// every item has one owner, and prefix sums over owners give its id, without a hash table and independent of thread
+// order.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ namespace brittle::fracture::exact {
 
 class DiagramBuilder {
   public:
-    // In the coordinates of the predicates (scene.h). Reuses the memory of `out` and of earlier calls.
+    // Builds in scene coordinates (scene.h). Reuses the memory of `out` and of earlier calls.
     void build(const Diagram& problem, Threads& threads, VoronoiDiagram& out);
 
     [[nodiscard]] PredicateStats stats() const;
@@ -29,9 +29,10 @@ class DiagramBuilder {
     struct Chunk {
         CellBuilder builder;
         std::vector<PlaneId> planes;
-        std::vector<uint32_t> fan_begin; // per plane of one cell, into fan
+        std::vector<uint32_t> fan_begin; // per plane of one cell: into fan
         std::vector<std::array<uint32_t, 2>> fan;
-        // The owned facets' thirds, one facet after the other: indices into the cell's planes.
+        // The thirds (VoronoiDiagram::Corner) of the owned facets, one facet after the other, as indices into the
+        // planes of the cell.
         std::vector<uint32_t> rings;
         std::vector<uint32_t> ring_sizes;
     };
@@ -48,13 +49,13 @@ class DiagramBuilder {
     SiteTree tree_;
     std::vector<CellRef> cells_;
     std::vector<Chunk> chunks_;
-    std::vector<uint32_t> facet_begin_;  // sites + 1: the facets that each cell owns
-    std::vector<uint32_t> edge_begin_;   // facets + 1
-    std::vector<uint32_t> vertex_begin_; // facets + 1
+    std::vector<uint32_t> facet_begin_;  // per site, and the end: the first facet that its cell owns
+    std::vector<uint32_t> edge_begin_;   // per facet, and the end: the first edge that it owns
+    std::vector<uint32_t> vertex_begin_; // per facet, and the end: the first vertex that it owns
 };
 
-// The position of the Voronoi vertex of these ascending planes, always computed in the frame of the first
-// site.
+// The position of the Voronoi vertex of four planes in ascending order. The computation always uses the frame of the
+// first site.
 [[nodiscard]] glm::dvec3 vertex_position(const Diagram& problem, const std::array<PlaneId, 4>& planes);
 
 } // namespace brittle::fracture::exact

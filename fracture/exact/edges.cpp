@@ -14,8 +14,8 @@ namespace {
 
 constexpr uint32_t min_triangles_per_chunk = 256;
 
-// A quotient of differences whose error bound is this much smaller has nine good digits or more; else it is
-// rounded from the exact one.
+// A quotient whose denominator exceeds its error bound by this factor has nine correct digits or more. Any other is
+// computed exactly, then rounded.
 constexpr double well_conditioned = 1e7;
 
 uint64_t key_of(uint32_t low, uint32_t high) {
@@ -27,13 +27,13 @@ uint64_t hash_of(uint64_t key) {
     return key ^ (key >> 32);
 }
 
-// The bisector that an edge leaves its cell through, so far.
+// The bisector through which an edge leaves its cell, among those tested so far.
 struct Exit {
     Frames::Slot slot = no_index;
     double at_low = 0.0, at_high = 0.0;
 };
 
-// The point where the edge meets the bisector of two cells; always computed in the frame of the lower one.
+// The point where the edge meets the bisector of two cells, always computed in the frame of the lower cell.
 glm::dvec3 point_on_edge(const Diagram& problem, SiteId a, SiteId b, const glm::dvec3& low, const glm::dvec3& high) {
     const SiteId c = std::min(a, b), other = std::max(a, b);
     const glm::dvec3& site = problem.sites[c];
@@ -70,7 +70,7 @@ void EdgeCutter::walk_edge(const Scene& scene, const VoronoiDiagram& diagram, co
             if (side == 0) side = side1_exact(problem, c, frames.site[l], q1, chunk.stats);
             if (side > 0) continue;
             const double at_low = frames.value_at(l, y0);
-            if (exit.slot != no_index) { // keep the one that is met first
+            if (exit.slot != no_index) { // keep the bisector that the edge meets first
                 side = side2_filter(exit.at_low, exit.at_high, at_low, at_high, cell.error);
                 if (side == 0) {
                     side = side2_exact(problem, c, frames.site[exit.slot], frames.site[l], q0, q1, chunk.stats);
@@ -113,7 +113,7 @@ void EdgeCutter::insert(const Walk& walk) {
             table_[slot].count = walk.count;
             return;
         }
-        assert(found != walk.key && "surface.h has made sure that an edge has one owner");
+        assert(found != walk.key && "surface.h ensures one owner per edge");
     }
 }
 
@@ -121,7 +121,7 @@ const EdgeCutter::Walk& EdgeCutter::find(uint64_t key) const {
     const size_t mask = table_.size() - 1;
     size_t slot = hash_of(key) & mask;
     while (table_[slot].key != key && table_[slot].key != 0) slot = (slot + 1) & mask;
-    assert(table_[slot].key == key && "surface.h has made sure that an edge has an owner");
+    assert(table_[slot].key == key && "surface.h ensures an owner for each edge");
     return table_[slot];
 }
 

@@ -10,10 +10,9 @@ namespace brittle::fracture::exact {
 namespace {
 
 constexpr uint32_t min_cells_per_chunk = 32;
-constexpr double beyond_reach = 1e30; // the h of filling planes
+constexpr double beyond_reach = 1e30; // the h of padding planes
 
-// value_error() with the unit roundoff of float, one unit more for rounding y, and the error in double on
-// top.
+// The factor of value_error() in float roundoffs, plus one for the rounding of y and one for the error in double.
 constexpr double float_roundoff = 0xa.0p-24;
 
 } // namespace
@@ -78,8 +77,8 @@ BRITTLE_SIMD void plane_values_at(const Frames& frames, Frames::Slot begin, uint
     for (uint32_t l = 0; l < n; ++l) values[l] = h[l] - (nx[l] * x + ny[l] * yy + nz[l] * z);
 }
 
-BRITTLE_SIMD LeastDistance min_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
-                                           float z) {
+BRITTLE_SIMD MinDistance min_distance_at(const Frames& frames, Frames::Slot begin, uint32_t n, float x, float y,
+                                         float z) {
     constexpr uint32_t lanes = Frames::lane_count;
     const float* nx = frames.fx.data() + begin;
     const float* ny = frames.fy.data() + begin;
@@ -98,7 +97,7 @@ BRITTLE_SIMD LeastDistance min_distance_at(const Frames& frames, Frames::Slot be
             least[k] = g < least[k] ? g : least[k];
         }
     }
-    LeastDistance result{least[0], begin + block[0]};
+    MinDistance result{least[0], begin + block[0]};
     for (uint32_t k = 1; k < lanes; ++k) {
         if (least[k] < result.distance) result = {least[k], begin + block[k] + k};
     }

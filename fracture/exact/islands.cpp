@@ -37,14 +37,15 @@ void IslandSplitter::count_uncut_components(const Assembler::Input& input) {
     }
 }
 
-// Labels the cell's vertices with islands numbered by their least vertex, unless there is only one.
+// Returns the number of islands. Where there are several, labels the vertices of the cell with islands, which are
+// numbered by their lowest vertex.
 uint32_t IslandSplitter::find_islands(SiteId c, const CellRun& cell, std::span<const Triangle> triangles,
                                       Chunk& chunk) const {
     const uint32_t vertices = cell.vertices.size();
     chunk.parent.resize(vertices);
     std::iota(chunk.parent.begin(), chunk.parent.end(), 0u);
     for (const Triangle& t : triangles.subspan(cell.whole_triangles)) unite(chunk.parent, t);
-    // Count the groups that hold a cut vertex, each by its root.
+    // Count the groups with a cut vertex, each by its root.
     uint32_t groups = uncut_[c];
     chunk.label.assign(vertices, 0);
     for (uint32_t v = cell.mesh_vertices; v < vertices && groups < 2; ++v) {
@@ -55,7 +56,7 @@ uint32_t IslandSplitter::find_islands(SiteId c, const CellRun& cell, std::span<c
     if (groups < 2) return groups;
     for (const Triangle& t : triangles.first(cell.whole_triangles)) unite(chunk.parent, t);
     uint32_t islands = 0;
-    for (uint32_t v = 0; v < vertices; ++v) { // roots are the least vertices of their sets
+    for (uint32_t v = 0; v < vertices; ++v) { // a root is the lowest vertex of its set
         const uint32_t r = root_of(chunk.parent, v);
         chunk.label[v] = r == v ? islands++ : chunk.label[r];
     }
@@ -86,7 +87,7 @@ uint32_t IslandSplitter::attach_cavities(const CellRun& cell, const Fragments& o
             if (encloses(positions, of_island[m], positions, of_island[k])) home[k] = m;
         }
     }
-    // Number what remains by the least vertex again.
+    // Number the remaining islands by their lowest vertex again.
     std::vector<uint32_t> number(islands, no_index);
     uint32_t remaining = 0;
     for (uint32_t& label : chunk.label) {
@@ -97,7 +98,7 @@ uint32_t IslandSplitter::attach_cavities(const CellRun& cell, const Fragments& o
     return remaining;
 }
 
-// Stable in the order of vertices, and of triangles.
+// Sorts vertices and triangles by island. Stable.
 void IslandSplitter::reorder(const CellRun& cell, uint32_t islands, Chunk& chunk, Fragments& out) {
     const std::span positions(out.positions.data() + cell.vertices.begin, cell.vertices.size());
     const std::span points(out.vertex_point.data() + cell.vertices.begin, cell.vertices.size());

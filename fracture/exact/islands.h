@@ -1,10 +1,9 @@
-// Splits each cell's run into islands: the parts of the solid that the cell holds separately.
+// Splits the run of each cell into islands: the connected parts of the solid inside the cell.
 //
-// Triangles that share a vertex belong together. Most cells hold one island, and that is found cheaply: every
-// connected part of a cell's surface either touches a cut or is a component of the mesh that was not cut at
-// all. So it is enough to unite the vertices of polygons and caps, and only where these leave several groups
-// to look at the whole triangles too. An inward shell (negative volume: a cavity) belongs to the smallest
-// island around it.
+// Triangles that share a vertex belong to one island. Most cells hold one island, and a cheap test finds that: every
+// connected part of a cell's surface either touches a cut or is a whole component of the mesh. So uniting the vertices
+// of polygons and caps suffices; the whole triangles are united too only where several groups are left. An inward shell
+// (a cavity, of negative volume) belongs to the smallest island around it.
 #pragma once
 
 #include <span>
@@ -18,8 +17,8 @@ namespace brittle::fracture::exact {
 
 class IslandSplitter {
   public:
-    // After Assembler::run(): reorders the runs of cells with several islands and fills out.pieces, with mass
-    // properties.
+    // Reorders the runs of cells with several islands and fills out.pieces, with mass properties. Runs after
+    // Assembler::run().
     void run(const Assembler::Input& input, std::span<const CellRun> cells, Threads& threads, Fragments& out);
 
   private:
@@ -39,7 +38,7 @@ class IslandSplitter {
     static uint32_t attach_cavities(const CellRun& cell, const Fragments& out, uint32_t islands, Chunk& chunk);
     static void reorder(const CellRun& cell, uint32_t islands, Chunk& chunk, Fragments& out);
 
-    std::vector<uint32_t> uncut_; // mesh components inside each cell that no bisector touches
+    std::vector<uint32_t> uncut_; // per cell: the number of mesh components inside it that no bisector meets
     std::vector<uint8_t> component_is_cut_;
     std::vector<Chunk> chunks_;
 };

@@ -8,8 +8,7 @@
 namespace brittle::fracture::exact {
 namespace {
 
-// ---- Exact vectors and plane rows, in the frame of site c
-// -----------------------------------------------------
+// --- Exact vectors and plane rows, in the frame of site c
 
 struct ExactVector {
     Expansion x, y, z;
@@ -27,7 +26,7 @@ ExactVector cross(const ExactVector& a, const ExactVector& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// Plane k - n.y of a frame, scaled by a positive number such that a perturbation by weights adds to k alone.
+// The plane k - n.y of a frame, scaled by a positive number such that a perturbation by weights adds to k alone.
 struct Row {
     ExactVector n;
     Expansion k;
@@ -54,14 +53,14 @@ Row plane_row(const Diagram& diagram, SiteId c, PlaneId p) {
     return is_box_plane(p) ? box_row(diagram.sites[c], diagram.box, p) : site_row(diagram, c, p);
 }
 
-// Positive behind the triangle, that is inside the solid.
+// Positive behind the triangle, inside the solid.
 Row triangle_row(const glm::dvec3& s_c, const Corners& q) {
     ExactVector n = cross(difference(q[1], q[0]), difference(q[2], q[0]));
     Expansion k = dot(n, difference(q[0], s_c));
     return {n, k};
 }
 
-// g_l(q) = (s_l - s_c).(s_l + s_c - 2q) + W_c - W_l, the second factor as (s_l - q) + (s_c - q).
+// g_l(q) = (s_l - s_c).(s_l + s_c - 2q) + W_c - W_l, with the second factor as (s_l - q) + (s_c - q).
 Expansion exact_value(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q) {
     const glm::dvec3 &s_c = diagram.sites[c], &s_l = diagram.sites[l];
     Expansion g;
@@ -82,16 +81,15 @@ Expansion component_sum(const ExactVector& v) {
     return v.x + v.y + v.z;
 }
 
-// ---- Symbolic perturbation
-// ------------------------------------------------------------------------------------
+// --- Symbolic perturbation
 
-// The numerator grows by kappa * (w_c - w_site).
+// A term of the perturbed numerator: kappa * (w_c - w_site).
 struct WeightTerm {
     SiteId site;
     Expansion kappa;
 };
 
-// Sign of sum kappa_x (w_c - w_x) for w_0 >> w_1 >> ...: that of the first nonzero coefficient in index
+// The sign of the sum of kappa_x (w_c - w_x) for w_0 >> w_1 >> ...: that of the first nonzero coefficient in index
 // order.
 template<int N>
 int perturbation_sign(SiteId c, const std::array<WeightTerm, N>& terms) {
@@ -108,32 +106,31 @@ int perturbation_sign(SiteId c, const std::array<WeightTerm, N>& terms) {
         }
         if (term->kappa.sign() != 0) return -term->kappa.sign();
     }
-    // All other coefficients vanish, so that of w_c, their negated sum, does too.
+    // All other coefficients vanish, and so does that of w_c, their negated sum.
     return 0;
 }
 
-// ---- The 4 x 4 determinant of side4 and pierce_order
-// ----------------------------------------------------------
+// --- The 4 x 4 determinant of side4 and pierce_order
 
-// Plane l against the point of planes a, b, d. Numerator, denominator [abd], and what each row's k is
-// multiplied by.
-struct PlaneQuestion {
+// Plane l against the point of planes a, b, d: the numerator, the denominator [abd], and the factor of each row's k in
+// the numerator.
+struct PlaneDeterminant {
     Expansion numerator;
     Expansion kappa_a, kappa_b, kappa_d, kappa_l; // kappa_l = [abd], the denominator
 };
 
-PlaneQuestion ask(const Row& a, const Row& b, const Row& d, const Row& l) {
-    // [xyz] = x.(y x z); two cross products serve all four.
+PlaneDeterminant plane_determinant(const Row& a, const Row& b, const Row& d, const Row& l) {
+    // [xyz] = x.(y x z). Two cross products serve all four determinants.
     const ExactVector ab = cross(a.n, b.n);
     const ExactVector dl = cross(d.n, l.n);
-    PlaneQuestion question;
-    question.kappa_l = dot(ab, d.n);
-    question.kappa_d = -dot(ab, l.n);
-    question.kappa_b = dot(a.n, dl);
-    question.kappa_a = -dot(b.n, dl);
-    question.numerator =
-        l.k * question.kappa_l + d.k * question.kappa_d + b.k * question.kappa_b + a.k * question.kappa_a;
-    return question;
+    PlaneDeterminant determinant;
+    determinant.kappa_l = dot(ab, d.n);
+    determinant.kappa_d = -dot(ab, l.n);
+    determinant.kappa_b = dot(a.n, dl);
+    determinant.kappa_a = -dot(b.n, dl);
+    determinant.numerator =
+        l.k * determinant.kappa_l + d.k * determinant.kappa_d + b.k * determinant.kappa_b + a.k * determinant.kappa_a;
+    return determinant;
 }
 
 } // namespace
@@ -149,8 +146,7 @@ PredicateStats& PredicateStats::operator+=(const PredicateStats& other) {
     return *this;
 }
 
-// ---- Filters
-// --------------------------------------------------------------------------------------------------
+// --- Filters
 
 PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corners& y, const glm::dvec3& a_values,
                                const glm::dvec3& b_values, double error) {
@@ -163,8 +159,8 @@ PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corne
     // y.d: 1u for y, 4u for d (sqrt(2) for its two products), 3u for the dot: 8 sqrt(2) u.
     const double t_error = 12.0 * u * a.length * b.length * reach;
 
-    // t = t0 + (c1 (t1 - t0) + c2 (t2 - t0)) / (c0 + c1 + c2), c the cofactors of A and B: written so that
-    // their errors are multiplied by the size of the triangle only.
+    // t = t0 + (c1 (t1 - t0) + c2 (t2 - t0)) / (c0 + c1 + c2), with the cofactors c of A and B. In this form their
+    // errors are multiplied by the size of the triangle only.
     const double c0 = a_values.y * b_values.z - a_values.z * b_values.y;
     const double c1 = a_values.z * b_values.x - a_values.x * b_values.z;
     const double c2 = a_values.x * b_values.y - a_values.y * b_values.x;
@@ -185,8 +181,7 @@ PiercePosition pierce_position(const Bisector& a, const Bisector& b, const Corne
     return {t, 1.01 * (t_error + offset_error + 4.0 * u * (std::abs(offset) + std::abs(t)))};
 }
 
-// ---- Exact signs
-// ----------------------------------------------------------------------------------------------
+// --- Exact signs
 
 int side1_exact(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q, PredicateStats& stats) {
     ++stats.side1_exact;
@@ -234,19 +229,19 @@ int side3_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, SiteId l, 
 
 int side4_exact(const Diagram& diagram, SiteId c, PlaneId a, PlaneId b, PlaneId d, SiteId l, PredicateStats& stats) {
     ++stats.side4_exact;
-    const PlaneQuestion question =
-        ask(plane_row(diagram, c, a), plane_row(diagram, c, b), plane_row(diagram, c, d), plane_row(diagram, c, l));
-    assert(question.kappa_l.sign() != 0);
-    int sign = question.numerator.sign();
+    const PlaneDeterminant determinant = plane_determinant(plane_row(diagram, c, a), plane_row(diagram, c, b),
+                                                           plane_row(diagram, c, d), plane_row(diagram, c, l));
+    assert(determinant.kappa_l.sign() != 0);
+    int sign = determinant.numerator.sign();
     if (sign == 0) {
         ++stats.perturbed;
         const auto weight = [](PlaneId p, const Expansion& kappa) {
             return WeightTerm{p, is_box_plane(p) ? Expansion() : kappa};
         };
-        sign = perturbation_sign<4>(c, {{weight(a, question.kappa_a), weight(b, question.kappa_b),
-                                         weight(d, question.kappa_d), weight(l, question.kappa_l)}});
+        sign = perturbation_sign<4>(c, {{weight(a, determinant.kappa_a), weight(b, determinant.kappa_b),
+                                         weight(d, determinant.kappa_d), weight(l, determinant.kappa_l)}});
     }
-    return sign * question.kappa_l.sign();
+    return sign * determinant.kappa_l.sign();
 }
 
 int pierce_order_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q1, const Corners& q2,
@@ -255,16 +250,16 @@ int pierce_order_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, con
     const glm::dvec3& s_c = diagram.sites[c];
     const Row row_a = site_row(diagram, c, a);
     const Row row_b = site_row(diagram, c, b);
-    const PlaneQuestion question = ask(row_a, row_b, triangle_row(s_c, q1), triangle_row(s_c, q2));
+    const PlaneDeterminant determinant = plane_determinant(row_a, row_b, triangle_row(s_c, q1), triangle_row(s_c, q2));
     // kappa_l = [a b T1]; kappa_d = -[a b T2].
-    assert(question.kappa_l.sign() != 0 && question.kappa_d.sign() != 0);
-    int sign = question.numerator.sign();
+    assert(determinant.kappa_l.sign() != 0 && determinant.kappa_d.sign() != 0);
+    int sign = determinant.numerator.sign();
     if (sign == 0) {
         ++stats.perturbed;
-        sign = perturbation_sign<2>(c, {{{a, question.kappa_a}, {b, question.kappa_b}}});
+        sign = perturbation_sign<2>(c, {{{a, determinant.kappa_a}, {b, determinant.kappa_b}}});
     }
     // The value of T2 at pierce 1 is (t2 - t1)[abT2] up to a positive factor.
-    return sign * question.kappa_l.sign() * question.kappa_d.sign();
+    return sign * determinant.kappa_l.sign() * determinant.kappa_d.sign();
 }
 
 int pierce_direction_exact(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Corners& q,
@@ -282,8 +277,7 @@ int cell_vertex_orientation_exact(const Diagram& diagram, SiteId c, PlaneId a, P
     return dot(row_a.n, cross(plane_row(diagram, c, b).n, plane_row(diagram, c, d).n)).sign();
 }
 
-// ---- Filter and exact in one
-// ----------------------------------------------------------------------------------
+// --- Filter and exact function in one call
 
 int side1(const Diagram& diagram, SiteId c, SiteId l, const glm::dvec3& q, PredicateStats& stats) {
     const Bisector plane = make_bisector(diagram, c, l);
@@ -307,7 +301,7 @@ int side2(const Diagram& diagram, SiteId c, SiteId a, SiteId l, const glm::dvec3
 
 namespace {
 
-// Values of some bisectors of c at the corners of a triangle, and their common error.
+// The corners of a triangle in the frame of c, and the largest distance of a corner from it.
 struct CornerFrame {
     Corners y;
     double reach;
@@ -357,8 +351,7 @@ int pierce_order(const Diagram& diagram, SiteId c, SiteId a, SiteId b, const Cor
     return sign != 0 ? sign : pierce_order_exact(diagram, c, a, b, q1, q2, stats);
 }
 
-// ---- Constructions
-// --------------------------------------------------------------------------------------------
+// --- Constructions
 
 double edge_parameter_exact(const Diagram& diagram, SiteId c, SiteId a, const glm::dvec3& q0, const glm::dvec3& q1) {
     const Expansion a0 = exact_value(diagram, c, a, q0);

@@ -12,12 +12,12 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-// The box must hold the mesh strictly; how much larger it is decides nothing, but a close box keeps cells
-// small.
-constexpr double box_margin = 0x1.0p-3; // of the unit that the mesh is scaled to
+// The margin of the box around the mesh, which must lie strictly inside, in units of the scaled mesh size. It decides
+// nothing else; a close box keeps cells small.
+constexpr double box_margin = 0x1.0p-3;
 constexpr uint32_t min_vertices_per_chunk = 8192;
 
-// Indices of half-edges, and of vertices of all kinds, take 32 bits or less, and cutting adds to them.
+// Indices of half-edges and of vertices of all kinds fit 32 bits, and cutting adds to their number.
 constexpr size_t max_triangles = size_t{1} << 28;
 constexpr size_t max_vertices = size_t{1} << 28;
 constexpr size_t max_sites = size_t{1} << 28;
@@ -69,7 +69,7 @@ Bounds bounds_of(std::span<const glm::dvec3> points) {
 
 double unit_scale(double size) {
     if (!(size > 0.0) || !std::isfinite(size)) return 1.0;
-    // 2^1000 keeps the factor and its inverse normal numbers, even for meshes of subnormal size.
+    // The limit of 2^1000 keeps the factor and its inverse normal numbers, even for meshes of subnormal size.
     return std::ldexp(1.0, -std::clamp(std::ilogb(size), -1000, 1000));
 }
 
@@ -148,7 +148,8 @@ Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene
             scene.positions[v] = {snap(p.x), snap(p.y), snap(p.z)};
         }
     });
-    // One unit in the last place of coordinates up to 2^52 is at most 1: far-away meshes need a wider margin.
+    // One unit in the last place of coordinates up to 2^52 is at most 1, so meshes far from the origin need a wider
+    // margin.
     const glm::dvec3 low = all.min * scene.to_scene;
     const glm::dvec3 high = all.max * scene.to_scene;
     for (int k = 0; k < 3; ++k) {

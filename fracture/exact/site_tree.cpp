@@ -10,7 +10,7 @@ namespace brittle::fracture::exact {
 
 namespace {
 
-// Fewer sites a leaf cost more steps down the tree, more sites a leaf sort more that are too far.
+// Fewer sites per leaf cost more steps down the tree; more sites per leaf sort more sites that are too far away.
 constexpr uint32_t max_sites_per_leaf = 16;
 
 uint64_t hash_of(const glm::dvec3& p) {
@@ -25,8 +25,8 @@ uint64_t hash_of(const glm::dvec3& p) {
     return h;
 }
 
-// The order of the heap; ties by index, so that a walk does not depend on the library's heap. An object,
-// because a function would be called through a pointer.
+// The order of the heap. Ties are broken by index, so that a walk does not depend on the standard library's heap. A
+// lambda is inlined; a function would be called through a pointer.
 constexpr auto farther = [](const SiteTree::WalkMemory::Entry& a, const SiteTree::WalkMemory::Entry& b) {
     return a.distance2 != b.distance2 ? a.distance2 > b.distance2 : a.node > b.node;
 };
@@ -37,7 +37,7 @@ void SiteTree::find_duplicates(std::span<const glm::dvec3> sites, std::span<cons
     const size_t size = std::bit_ceil(2 * sites.size());
     slots_.assign(size, no_index);
     owns_cell_.assign(sites.size(), 1);
-    for (uint32_t i = 0; i < sites.size(); ++i) { // in index order, so the lowest index comes first
+    for (uint32_t i = 0; i < sites.size(); ++i) { // in index order, so the lowest index wins
         size_t slot = hash_of(sites[i]) & (size - 1);
         while (slots_[slot] != no_index && sites[slots_[slot]] != sites[i]) slot = (slot + 1) & (size - 1);
         if (slots_[slot] == no_index) {
@@ -53,14 +53,14 @@ void SiteTree::find_duplicates(std::span<const glm::dvec3> sites, std::span<cons
 
 void SiteTree::build(std::span<const glm::dvec3> sites, std::span<const double> weights) {
     find_duplicates(sites, weights);
-    greatest_weight_ = weights.empty() ? 0.0 : *std::max_element(weights.begin(), weights.end());
+    max_weight_ = weights.empty() ? 0.0 : *std::max_element(weights.begin(), weights.end());
     order_.clear();
     for (uint32_t i = 0; i < sites.size(); ++i) {
         if (owns_cell_[i]) order_.push_back(i);
     }
     nodes_.clear();
     nodes_.push_back({{}, {}, 0, static_cast<uint32_t>(order_.size()), 0});
-    for (size_t n = 0; n < nodes_.size(); ++n) { // children come behind their parents
+    for (size_t n = 0; n < nodes_.size(); ++n) { // children follow their parents
         Node& node = nodes_[n];
         node.low = node.high = sites[order_[node.begin]];
         for (uint32_t k = node.begin + 1; k < node.end; ++k) {
@@ -100,8 +100,7 @@ void SiteTree::Walk::visit_leaf(uint32_t begin, uint32_t end, const Reach& reach
     }
 }
 
-// Differences and squares round monotonically: what is said of the box holds for each site in it, no slack
-// needed.
+// Differences and squares round monotonically, so the bounds of a box hold for each site in it without slack.
 void SiteTree::Walk::push(uint32_t node, const Reach& reach) {
     const glm::dvec3 low = tree_.nodes_[node].low - position_, high = tree_.nodes_[node].high - position_;
     if (low.x > reach.high.x || low.y > reach.high.y || low.z > reach.high.z || high.x < reach.low.x

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t min_cells_per_chunk = 4;
 
-// A split may make slivers of its neighbours, which are shorter; what is found after this many rounds stays.
+// A split may turn its neighbours into slivers, which are shorter. Slivers found after this many rounds stay.
 constexpr int max_rounds = 8;
 
 bool has(const std::array<uint32_t, 3>& corners, uint32_t point) {
@@ -27,7 +27,7 @@ uint32_t third(const std::array<uint32_t, 3>& corners, uint32_t a, uint32_t b) {
     return no_index;
 }
 
-// Lengths are in units of the least height. The height over the longest side is twice the area by its length.
+// In units of the minimum height. The height over the longest side is twice the area divided by its length.
 bool is_sliver(const glm::dvec3& ab, const glm::dvec3& ac) {
     const glm::dvec3 bc = ac - ab, area = glm::cross(ab, ac);
     return glm::dot(area, area) <= std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
@@ -63,7 +63,7 @@ void SliverCollapser::find(std::span<const CellRun> cells, Threads& threads, con
             const glm::dvec3* const positions = out.positions.data() + cell.vertices.begin;
             for (uint32_t t = cell.triangles.begin + cell.whole_triangles; t < cell.triangles.end; ++t) {
                 const bool is_cap = t >= cell.triangles.begin + cell.exterior;
-                if (is_cap && out.triangle_source[t] < c) continue; // the other side has it too
+                if (is_cap && out.triangle_source[t] < c) continue; // counted in the cell on the other side
                 const Triangle& corners = out.triangles[t];
                 const glm::dvec3& a = positions[corners.x];
                 if (is_sliver((positions[corners.y] - a) * to_heights_, (positions[corners.z] - a) * to_heights_))
@@ -184,13 +184,13 @@ bool SliverCollapser::mend(const Assembler::Input& input, uint32_t face) {
         find_cluster(input, corners[sides[0].from]);
         if (collapse()) return true;
     }
-    // With a short side the rest of the long one would be as long again.
+    // A split shortens nothing where a side is short: the remaining part is about as long as the longest side.
     if (sides[0].length <= 1.0) return false;
     const size_t from = sides[2].from;
     return split(corners[from], corners[(from + 1) % 3], corners[(from + 2) % 3]);
 }
 
-// What is reached from a point by sides no longer than the least height, and is no farther from it.
+// Collects the points that are connected with the seed by sides of at most the minimum height, and no farther from it.
 void SliverCollapser::find_cluster(const Assembler::Input& input, uint32_t seed) {
     start_cluster();
     add_to_cluster(seed);
@@ -205,12 +205,12 @@ void SliverCollapser::find_cluster(const Assembler::Input& input, uint32_t seed)
     }
 }
 
-// In every cell, the triangles with one corner in the cluster are those that stay around it; the sides that
-// they turn away from it must be one simple loop. None are left where the cluster was a whole island, two
-// where that was flat.
+// The link condition for the cluster. In every cell, the triangles with exactly one corner in the cluster remain; their
+// sides opposite to the cluster must form one simple loop. No triangle remains where the cluster was a whole island;
+// two remain where that island was flat.
 bool SliverCollapser::may_collapse() {
     std::sort(cluster_.begin(), cluster_.end());
-    if (cluster_[1] < first_of_kind_[VertexId::edge]) return false; // the mesh's own vertices stay
+    if (cluster_[1] < first_of_kind_[VertexId::edge]) return false; // two vertices of the mesh do not merge
     moved_.clear();
     two_sided_.clear();
     for (const uint32_t point : cluster_) {
@@ -245,7 +245,7 @@ bool SliverCollapser::may_collapse() {
     return true;
 }
 
-// Whether the sides in loop_ are one simple loop, or none.
+// Whether the sides in loop_ form one simple loop. True for no side.
 bool SliverCollapser::is_one_loop() {
     if (loop_.empty()) return true;
     std::sort(loop_.begin(), loop_.end());
@@ -260,7 +260,7 @@ bool SliverCollapser::is_one_loop() {
     return length == loop_.size() && at == loop_.front()[0];
 }
 
-// Makes the points of cluster_ one, the least of them.
+// Merges the points of cluster_ into the lowest of them.
 bool SliverCollapser::collapse() {
     if (cluster_.size() < 2 || !may_collapse()) return false;
     const uint32_t kept = cluster_.front();
@@ -282,7 +282,8 @@ bool SliverCollapser::collapse() {
     return true;
 }
 
-// What lay across the one now lies across the other.
+// Drops two triangles back to back. In the neighbouring cell, the face across one of them gets the source of the other,
+// since that now lies across.
 void SliverCollapser::drop_two_sided(uint32_t corner, uint32_t f, uint32_t g) {
     const Face one = faces_[f], two = faces_[g];
     faces_[f].alive = faces_[g].alive = false;
@@ -375,7 +376,7 @@ void SliverCollapser::rebuild(const Assembler::Input& input, std::span<CellRun> 
     std::swap(out.triangle_source, rebuilt_.triangle_source);
 }
 
-// The cell's triangles as they are now: gathered ones as they became, the others as they were, new ones.
+// Collects the current triangles of a cell: gathered ones in their present state, the others unchanged, then new ones.
 void SliverCollapser::collect(const CellRun& cell, uint32_t gathered, std::span<const uint32_t> added,
                               const Fragments& out) {
     collected_.clear();
@@ -423,7 +424,7 @@ void SliverCollapser::place(const Assembler::Input& input, CellRun& cell, const 
     const auto first_triangle = static_cast<uint32_t>(rebuilt_.triangles.size());
     cell.whole_triangles = cell.exterior = 0;
     for (const Face& face : collected_) {
-        for (const uint32_t corner : face.corners) put(corner); // those that a split brought into the cell
+        for (const uint32_t corner : face.corners) put(corner); // points that a split brought into the cell
         const auto& [a, b, c] = face.corners;
         rebuilt_.triangles.push_back({local_[a], local_[b], local_[c]});
         rebuilt_.triangle_source.push_back(face.source);

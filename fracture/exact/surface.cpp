@@ -33,13 +33,13 @@ uint32_t root_of(std::vector<uint32_t>& parent, uint32_t v) {
         const uint32_t above = std::atomic_ref(parent[p]).load(std::memory_order_relaxed);
         if (above == p) return p;
         std::atomic_ref(parent[v]).store(above,
-                                         std::memory_order_relaxed); // still an ancestor, whoever else writes
+                                         std::memory_order_relaxed); // an ancestor, whatever other threads write
         v = above;
     }
 }
 
-// Links roots only, and to smaller indices only: whatever the order of threads, the root of a finished set is
-// its least vertex.
+// Links roots only, and to lower indices only: for any order of threads, the root of a finished set is its lowest
+// vertex.
 void unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b) {
     for (;;) {
         a = root_of(parent, a);
@@ -99,7 +99,7 @@ void Surface::find_components(const TriangleMesh& mesh, Threads& threads) {
         for (uint32_t v = begin; v < end; ++v) {
             const uint32_t degree = check_.degree(v);
             const uint32_t root = root_of(component_, v);
-            // Two triangles at a vertex are back to back, and as all edges pair up they are a component.
+            // Two triangles at a vertex are back to back. As all edges pair up, they are a whole component.
             if (degree == 2) leaves_out = true;
             if (degree > 2) roots += root == v ? 1 : 0;
             std::atomic_ref(component_[v]).store(root, std::memory_order_relaxed);

@@ -1,9 +1,8 @@
-// Whether the mesh's triangles pair up, and which of its vertices are connected.
+// Checks that the triangles of the mesh pair up along their edges, and finds the connected components.
 //
-// Nearly every mesh is sound, so that is what is made quick: a parallel check that cannot miss
-// (manifold_check.h). Only where it fails, check_topology() counts what is wrong. A surface is often cut more
-// than once (another pattern, another seed, the next impact): the triangles are kept, and found equal in a
-// tenth of the time.
+// Nearly every mesh is sound, so a parallel check without false positives (manifold_check.h) comes first;
+// check_topology() counts the faults only where it fails. A surface is often cut more than once (another pattern,
+// another seed, the next impact), so the triangles are kept: comparing them takes a tenth of the time of a check.
 #pragma once
 
 #include <vector>
@@ -18,17 +17,15 @@ namespace brittle::fracture::exact {
 
 class Surface {
   public:
-    // Errors, each with counts and the first offender:
+    // Checks the mesh. Errors, each with counts and the first offender:
     //  - invalid_mesh: an index out of range, a triangle that names a vertex twice;
     //  - not_closed, non_manifold, not_oriented: edges that do not pair up;
-    //  - non_manifold: all edges pair up, but separate parts of the surface touch in a vertex
-    //    (split_fans() helps).
-    // What it encloses, and how much, is not asked: inside out or flat is sound.
+    //  - non_manifold: all edges pair up, but separate parts of the surface touch in a vertex (split_fans() helps).
+    // The enclosed volume is not examined: a surface that is inside out or flat passes.
     [[nodiscard]] Result<void> inspect(const TriangleMesh& mesh, Threads& threads);
 
-    // The connected component of each vertex, named by its least vertex; no_index for a vertex that no triangle
-    // uses, or only two triangles back to back: a component that encloses nothing, and is left out of the
-    // cut.
+    // The connected component of each vertex, identified by its lowest vertex. no_index for a vertex without triangles,
+    // and for one of two triangles back to back: a component that encloses nothing and is left out of the cut.
     [[nodiscard]] const std::vector<uint32_t>& components() const { return component_; }
     [[nodiscard]] uint32_t component_count() const { return component_count_; }
     [[nodiscard]] bool leaves_triangles_out() const { return leaves_triangles_out_; }
@@ -38,7 +35,7 @@ class Surface {
     void find_components(const TriangleMesh& mesh, Threads& threads);
 
     ManifoldCheck check_;
-    std::vector<Triangle> known_; // sound
+    std::vector<Triangle> known_; // the last mesh that passed
     std::vector<uint32_t> component_;
     uint32_t component_count_ = 0;
     bool leaves_triangles_out_ = false;

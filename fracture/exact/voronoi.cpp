@@ -14,7 +14,8 @@ Result<VoronoiDiagram> voronoi_diagram(std::span<const glm::dvec3> sites, const 
     const glm::dvec3 size = box.size();
     for (int k = 0; k < 3; ++k) {
         if (!std::isfinite(box.min[k]) || !std::isfinite(box.max[k]) || !(size[k] > 0.0) || !std::isfinite(size[k])) {
-            return Error{Status::invalid_setting, "the box of a Voronoi diagram must be finite and have a volume"};
+            return Error{Status::invalid_setting,
+                         "the box of a Voronoi diagram must be finite and have a positive volume"};
         }
     }
     const double to_scene = exact::unit_scale(std::max({size.x, size.y, size.z}));

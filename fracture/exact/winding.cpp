@@ -15,8 +15,8 @@ int32_t change_along(const PiercePoint& point) {
     return point.leaves ? -1 : 1;
 }
 
-// Pierce points that the predicate cannot tell apart lie in one plane: any order is right, and the one that
-// alternates between entering and leaving keeps the solid's sheets apart.
+// Pierce points that the predicate cannot order lie in one plane, so any order is right. Alternating between entering
+// and leaving keeps the sheets of the solid apart.
 void alternate(std::span<uint32_t> tied, const Cut& cut, int32_t winding) {
     for (size_t k = 0; k < tied.size(); ++k) {
         const int32_t wanted = winding >= 1 ? -1 : 1;

@@ -1,11 +1,12 @@
-// How often the surface winds around each Voronoi vertex: 1 inside the solid, 0 outside.
+// The winding number of the surface around each Voronoi vertex: 1 inside the solid, 0 outside.
 //
-// No ray is cast. Along a Voronoi edge the number changes by one at each pierce point, up where the edge
-// enters the solid and down where it leaves; on the box it is zero; and every Voronoi vertex is connected
-// with the box along Voronoi edges (cells are convex polytopes, whose corners and edges are connected). So
-// one walk over the diagram finds all. For a surface that overlaps itself the number may be any integer: a
-// vertex of winding w belongs to |w| sheets of the solid, each with a copy of the vertex, and negative sheets
-// are inside out.
+// No ray is cast. Along a Voronoi edge the number rises by one at a pierce point where the edge enters the solid and
+// falls by one where it leaves; on the box it is zero. Every Voronoi vertex is connected with the box along Voronoi
+// edges (cells are convex polytopes, whose corners and edges are connected), so one walk over the diagram finds all
+// numbers.
+//
+// A surface that overlaps itself may give any integer: a vertex of winding number w belongs to |w| sheets of the solid,
+// each with its own copy of the vertex. The sheets of a vertex with a negative number are inside out.
 #pragma once
 
 #include <cstdint>
@@ -19,15 +20,15 @@
 
 namespace brittle::fracture::exact {
 
-// compute() also fills cut.nodes.
+// The winding numbers, and the nodes of the Voronoi vertices.
 struct Winding {
-    std::vector<uint32_t> pierce_begin; // Voronoi edges + 1, into pierces
-    std::vector<uint32_t> pierces;      // pierce points of each Voronoi edge, along its direction
-    std::vector<int32_t> of_vertex;
-    std::vector<uint32_t> first_node; // vertices + 1: the nodes of a vertex's sheets
-    bool consistent = true;           // false: the surface is not closed
+    std::vector<uint32_t> pierce_begin; // per Voronoi edge, and the end: into pierces
+    std::vector<uint32_t> pierces;      // the pierce points of each Voronoi edge, along its direction
+    std::vector<int32_t> of_vertex;     // the winding number of each Voronoi vertex
+    std::vector<uint32_t> first_node;   // per vertex, and the end: the nodes of its sheets
+    bool consistent = true;             // false where the surface is not closed
 
-    // The sheets present at winding w are those numbered 1 to w, or w + 1 to 0 where w is negative.
+    // The sheets at winding number w are 1 to w, or w + 1 to 0 where w is negative.
     [[nodiscard]] static bool has_sheet(int32_t w, int32_t sheet) { return sheet > 0 ? w >= sheet : w < sheet; }
     [[nodiscard]] uint32_t node(uint32_t vertex, int32_t sheet) const {
         return first_node[vertex] + static_cast<uint32_t>(sheet > 0 ? sheet - 1 : -sheet);
@@ -37,6 +38,7 @@ struct Winding {
                                           pierce_begin[voronoi_edge + 1] - pierce_begin[voronoi_edge]);
     }
 
+    // Fills all members, and cut.nodes.
     void compute(const Scene& scene, const VoronoiDiagram& diagram, std::span<const Triangle> triangles, Cut& cut,
                  Threads& threads, PredicateStats& stats);
 

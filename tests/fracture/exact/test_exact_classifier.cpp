@@ -22,8 +22,8 @@ double distance2(const glm::dvec3& a, const glm::dvec3& b) {
     return glm::dot(a - b, a - b);
 }
 
-// Compares all sites in double, and says how triangles cross; or says nothing of that; or says anything, all uncertain; or
-// gives up.
+// A test classifier that compares all sites in double. Depending on the mode it reports how triangles cross, omits
+// that, answers anything and marks it uncertain, or gives up.
 class TestClassifier : public Classifier {
   public:
     enum class Mood { right, silent, wild, refuses, fails };
@@ -58,7 +58,7 @@ class TestClassifier : public Classifier {
     }
 
   private:
-    static constexpr double room = 1e-6; // squared distances that differ by less are called uncertain
+    static constexpr double room = 1e-6; // squared distances with a smaller difference are uncertain
 
     [[nodiscard]] uint32_t nearest(const glm::dvec3& x) const {
         uint32_t best = 0;
@@ -72,7 +72,7 @@ class TestClassifier : public Classifier {
         return best | (second - first < room ? uncertain : 0u);
     }
 
-    // No site but those of the cells is as near.
+    // No site is as near as those of the three cells.
     [[nodiscard]] bool alone(const glm::dvec3& x, const std::array<uint32_t, 3>& cells) const {
         for (uint32_t s = 0; s < problem_.sites.size(); ++s) {
             if (std::find(cells.begin(), cells.end(), s) != cells.end()) continue;
@@ -135,7 +135,7 @@ TEST_CASE("exact: any classifier, or none, gives the same bits") {
     }
 }
 
-TEST_CASE("exact: what a classifier knows of crossing triangles changes no bit, from coarse meshes to fine ones") {
+TEST_CASE("exact: the flags of a classifier for crossing triangles change no bit") {
     for (const TriangleMesh& mesh : {icosphere(1), icosphere(3), torus(48, 24), hollow_sphere(3), torus_knot()}) {
         for (const uint32_t count : {3u, 10u, 60u, 400u}) {
             CAPTURE(mesh.triangles.size());

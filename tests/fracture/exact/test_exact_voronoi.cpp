@@ -34,7 +34,7 @@ bool even(uint32_t a, uint32_t b, uint32_t c) {
     return (a < b && b < c) || (b < c && c < a) || (c < a && a < b);
 }
 
-// Everything that the header promises about the combinatorics, for any sites.
+// Checks all promises of the header about the combinatorics.
 void check_structure(const VoronoiDiagram& d) {
     std::vector<uint32_t> uses(d.vertices.size(), 0);
     for (const auto& facet : d.facets) {
@@ -74,7 +74,7 @@ void check_structure(const VoronoiDiagram& d) {
     }
 }
 
-// No site is nearer to a vertex than those that meet in it, and those are equally near.
+// Checks that the sites of a vertex are equally near to it, and no other site is nearer.
 void check_vertices(const VoronoiDiagram& d, const std::vector<glm::dvec3>& sites, double tolerance) {
     for (const auto& vertex : d.vertices) {
         const double own = glm::distance(vertex.position, sites[vertex.planes[0]]);
@@ -89,8 +89,7 @@ void check_vertices(const VoronoiDiagram& d, const std::vector<glm::dvec3>& site
     }
 }
 
-// Volume of the cells by pyramids over facets plus what the box cuts off, found by Monte Carlo's exact
-// cousin: the facet areas times heights of interior cells.
+// The volume of an interior cell, by pyramids over its facets.
 double volume_of_interior_cell(const VoronoiDiagram& d, uint32_t c, const std::vector<glm::dvec3>& sites) {
     double volume = 0.0;
     for (const auto& n : d.neighbours_of(c)) {
@@ -110,7 +109,7 @@ double volume_of_interior_cell(const VoronoiDiagram& d, uint32_t c, const std::v
 
 } // namespace
 
-TEST_CASE("no site, a site that is not finite and a flat box are errors with names") {
+TEST_CASE("no site, a site that is not finite and a flat box have named errors") {
     CHECK(voronoi_diagram({}, unit_box).error().status == Status::invalid_sites);
     const std::vector<glm::dvec3> bad{{0.0, 0.0, 0.0}, {0.0, std::nan(""), 0.0}};
     const auto result = voronoi_diagram(bad, unit_box);
@@ -136,7 +135,7 @@ TEST_CASE("two sites share one facet that the box bounds") {
     REQUIRE(d->facets.size() == 1);
     CHECK(d->vertices.size() == 4);
     for (const auto& v : d->vertices) CHECK(v.position.x == 0.5);
-    CHECK(volume_of_interior_cell(*d, 0, sites) == doctest::Approx(0.25 / 3.0)); // one pyramid of the six
+    CHECK(volume_of_interior_cell(*d, 0, sites) == doctest::Approx(0.25 / 3.0)); // one of the six pyramids
 }
 
 TEST_CASE("of duplicate sites the lowest index owns the cell") {
@@ -195,7 +194,7 @@ TEST_CASE("far sites and sites of mixed scales give sound diagrams") {
     for (uint32_t c = 0; c < 30; ++c) CHECK(d->cell_is_empty[c] == 0);
 }
 
-TEST_CASE("when all sites are far outside, the box still belongs to someone") {
+TEST_CASE("sites far outside the box still share all of it") {
     const auto sites = random_sites(200, 3, {glm::dvec3(5.0), glm::dvec3(6.0)});
     const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
@@ -235,17 +234,17 @@ TEST_CASE("clusters inside clusters give sound diagrams") {
     REQUIRE(d);
     check_structure(*d);
     check_vertices(*d, sites, 1e-9);
-    for (const auto& facet : d->facets) { // whatever the order of clipping
+    for (const auto& facet : d->facets) { // independent of the order of clipping
         const auto ring = d->ring_of(facet);
         REQUIRE(std::all_of(ring.begin(), ring.end(), [&](const auto& c) { return c.third >= ring[0].third; }));
     }
 }
 
-TEST_CASE("neighbours are those that brute force finds") {
+TEST_CASE("neighbours agree with brute force") {
     const auto sites = random_sites(60, 77);
     const auto d = voronoi_diagram(sites, unit_box);
     REQUIRE(d);
-    // Sample points: whoever is second nearest somewhere on a segment between two cells is a neighbour.
+    // Random sample points: near the bisector, the second nearest site is a neighbour of the nearest one.
     Random random(4);
     for (int sample = 0; sample < 20000; ++sample) {
         const glm::dvec3 p = random.uniform_in(unit_box);
@@ -260,8 +259,7 @@ TEST_CASE("neighbours are those that brute force finds") {
             }
         }
         if (second == first) continue;
-        // The second nearest site is always a Delaunay neighbour of the nearest; inside the box only near the
-        // facet.
+        // The second nearest site is always a Delaunay neighbour of the nearest, but in the box only near the facet.
         const glm::dvec3 n = sites[second] - sites[first];
         const double h = 0.5 * glm::dot(n, sites[second] + sites[first]) - glm::dot(n, p);
         if (h / glm::length(n) < 1e-3) CHECK(d->facet_between(first, second) != VoronoiDiagram::none);

@@ -1,4 +1,4 @@
-// The signs themselves, against rational arithmetic.
+// Compares the signs of the exact predicates with rational arithmetic.
 #include "tests/fracture/predicates_oracle.h"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ TEST_CASE("of equal sites the lower index owns every point") {
     CHECK(stats.exact_calls() == 9);
 }
 
-TEST_CASE("the four sides of a simple cell are what a drawing shows") {
+TEST_CASE("the predicates of a simple cell have the signs of a drawing") {
     // The cell of site 0 at the origin: x < 0.25, y < 0.25, z < 0.25.
     const std::vector<dvec3> sites{dvec3(0.0),       dvec3(0.5, 0, 0),     dvec3(0, 0.5, 0),
                                    dvec3(0, 0, 0.5), dvec3(0.5, 0.5, 0.5), dvec3(0.4, 0.4, 0.4)};
@@ -65,7 +65,7 @@ TEST_CASE("the four sides of a simple cell are what a drawing shows") {
     CHECK(cell_vertex_orientation_exact(diagram, 0, 1, box_min_x, 3, stats) == 0);
     CHECK(side4(diagram, 0, 1, 2, 3, 5, stats) == -1);
     CHECK(side4(diagram, 0, 1, 2, box_min_z, 5, stats) == 1);
-    // Cube corner: site 4 is exactly as far as the other four, and loses to site 0.
+    // The corner of the cube: site 4 is exactly as far away as the other four, and loses to site 0.
     CHECK(side4(diagram, 0, 1, 2, 3, 4, stats) == side4(diagram, 1, 0, 2, 3, 4, stats));
     CHECK(edge_parameter_exact(diagram, 0, 1, dvec3(0.0), dvec3(1, 0, 0)) == 0.25);
     CHECK(cell_vertex_exact(diagram, 0, 1, 2, 3) == dvec3(0.25));
@@ -162,7 +162,7 @@ TEST_CASE("side4 agrees with rational arithmetic from every site") {
             auto s = draw.sites(5);
             const SiteId l = s[4];
             s.pop_back();
-            // A third of the cases has one to three box planes in place of sites.
+            // In a third of the cases one to three sides of the box replace sites.
             const size_t box_planes = i % 3 == 0 ? 1 + (i / 3) % 3 : 0;
             for (size_t k = 0; k < box_planes; ++k) s[3 - k] = draw.box_plane();
             std::vector<SiteId> involved{l};
@@ -176,7 +176,7 @@ TEST_CASE("side4 agrees with rational arithmetic from every site") {
             REQUIRE((orientation != 0) == e.exists());
             if (!e.exists()) continue;
             REQUIRE(side4(diagram, s[0], s[1], s[2], s[3], l, stats) == e.sign);
-            std::sort(s.begin(), s.end()); // box planes last: the first is always a site
+            std::sort(s.begin(), s.end()); // sides of the box last, so the first is always a site
             do {
                 if (is_box_plane(s[0])) continue;
                 REQUIRE(side4_exact(diagram, s[0], s[1], s[2], s[3], l, stats) == e.sign);
@@ -189,7 +189,7 @@ TEST_CASE("side4 agrees with rational arithmetic from every site") {
     }
 }
 
-TEST_CASE("pierces are ordered as rational arithmetic orders them, and tie only in one plane") {
+TEST_CASE("pierce_order agrees with rational arithmetic and ties only in one plane") {
     for (const Scene& scene : all_scenes()) {
         CAPTURE(scene.name);
         Draw draw{scene, Random(15)};
@@ -222,8 +222,8 @@ TEST_CASE("pierces are ordered as rational arithmetic orders them, and tie only 
     }
 }
 
-// Each predicate is a quotient of two determinants; the perturbed numerator changes sign whenever any two of
-// its sites are exchanged, the one asked about included. This ties together the answers for different points.
+// Each predicate is a quotient of two determinants. The perturbed numerator changes sign whenever any two of its sites
+// are exchanged, the queried one included. This relates the answers for different points.
 TEST_CASE("numerators are antisymmetric in all their sites") {
     for (const Scene& scene : all_scenes()) {
         CAPTURE(scene.name);
@@ -244,7 +244,7 @@ TEST_CASE("numerators are antisymmetric in all their sites") {
             };
             for (const int count : {4, 5}) {
                 std::array<int, 5> p{0, 1, 2, 3, 4};
-                int expected = 0; // of the identity, as soon as one order has a point to ask about
+                int expected = 0; // sign of the identity, known from the first order with a point
                 do {
                     int inversions = 0;
                     for (int a = 0; a < count; ++a) {

@@ -18,7 +18,7 @@ using namespace brittle::fracture::exact::test;
 
 TEST_CASE("answers hold at the ends of the documented range of coordinates") {
     Random random(4);
-    // Exponents anywhere between the granularity and the largest coordinate, in one and the same question.
+    // Exponents vary between the granularity and the largest coordinate within one query.
     const auto coordinate = [&] {
         const int exponent = static_cast<int>(random.next() % 251) - 150;
         double x = std::ldexp(static_cast<double>(random.next() >> 11) * 0x1.0p-53, exponent);
@@ -72,7 +72,7 @@ TEST_CASE("the error bounds of values and pierce positions contain the true erro
     double worst_value = 0.0;
     double worst_pierce = 0.0;
     for (int i = 0; i < 2000; ++i) {
-        // Far from the origin differences are few bits; near it they round.
+        // Far from the origin, differences have few bits; near it they are rounded.
         const double offset = i % 2 ? 0.0 : 1e3;
         const double size = i % 3 ? 1.0 : 1e-3;
         const auto point = [&] { return (random.uniform_in(unit_box) + offset) * size; };
@@ -106,12 +106,12 @@ TEST_CASE("the error bounds of values and pierce positions contain the true erro
         REQUIRE(difference <= Rational(p.error));
         worst_pierce = std::max(worst_pierce, static_cast<double>(difference) / p.error);
     }
-    // Not needlessly wide either.
+    // The bounds are not needlessly wide.
     CHECK(worst_value > 0.05);
     CHECK(worst_pierce > 0.005);
 }
 
-TEST_CASE("on random input the filters decide all but a few questions in ten thousand") {
+TEST_CASE("on random input the filters decide all but a few signs in ten thousand") {
     Random random(6);
     Scene scene = random_scene(random);
     const Diagram diagram{scene.sites, scene.box};
@@ -135,13 +135,13 @@ TEST_CASE("on random input the filters decide all but a few questions in ten tho
     CHECK(stats.side2_exact <= 4);
     CHECK(stats.side3_exact <= 8);
     CHECK(stats.side4_exact <= 8);
-    CHECK(stats.pierce_exact <= 200); // triangles that share a corner where the line passes are not excluded
+    CHECK(stats.pierce_exact <= 200); // includes triangles with a common corner on the line
 }
 
 TEST_CASE("exact constructions are within a few ulp of the true positions, however ill-conditioned") {
     Random random(8);
     for (int i = 0; i < 500; ++i) {
-        // Almost dependent bisectors: sites almost on a line.
+        // Sites almost on a line, whose bisectors are almost dependent.
         const dvec3 base = random.uniform_in(unit_box);
         const dvec3 step = random.uniform_in(unit_box) * 0.1;
         std::vector<dvec3> sites;
@@ -172,7 +172,7 @@ TEST_CASE("exact constructions are within a few ulp of the true positions, howev
         const Corners q{q0, q1, random.uniform_in(unit_box)};
         if (meet(oracle.plane(0, 1), oracle.plane(0, 2), Oracle::plane(q), x)) {
             const dvec3 w = pierce_weights_exact(diagram, 0, 1, 2, q);
-            if (w.x == 0.0 || w.y == 0.0 || w.z == 0.0) continue; // clamped: the pierce is outside the triangle
+            if (w.x == 0.0 || w.y == 0.0 || w.z == 0.0) continue; // clamped: the pierce point is outside the triangle
             const Vec p = vec(w.x * q[0] + w.y * q[1] + w.z * q[2]);
             REQUIRE(close(0.0, p.x - x.x, 1));
             REQUIRE(close(0.0, p.y - x.y, 1));
