@@ -20,15 +20,15 @@ namespace brittle::fracture {
 
 namespace {
 
-// As fracture() asks: coordinates in metres, and a volume above rounding.
-constexpr double largest_coordinate = 1e50;
+// The limits of fracture(): the range of coordinates in metres, and a volume above rounding.
+constexpr double max_coordinate = 1e50;
 constexpr double min_volume = 1e-15;
 
 bool is_readable(const TriangleMesh& mesh) {
     if (mesh.triangles.empty()) return false;
     for (const glm::dvec3& p : mesh.positions)
         for (int k = 0; k < 3; ++k)
-            if (!(std::abs(p[k]) <= largest_coordinate)) return false;
+            if (!(std::abs(p[k]) <= max_coordinate)) return false;
     return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
         return std::max({t.x, t.y, t.z}) < mesh.positions.size();
     });
@@ -42,7 +42,7 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& t) {
 }
 
 void find_duplicates(const TriangleMesh& mesh, size_t max_places, Inspection& out) {
-    std::vector<std::array<uint32_t, 4>> sorted; // corners in order, then the triangle
+    std::vector<std::array<uint32_t, 4>> sorted; // three vertices in ascending order, then the triangle
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         std::array<uint32_t, 3> c = {mesh.triangles[t].x, mesh.triangles[t].y, mesh.triangles[t].z};
         std::sort(c.begin(), c.end());
@@ -63,7 +63,7 @@ void find_duplicates(const TriangleMesh& mesh, size_t max_places, Inspection& ou
     if (out.places.duplicate_triangles.size() > max_places) out.places.duplicate_triangles.resize(max_places);
 }
 
-// Undirected edges with how often each direction is used.
+// Undirected edges with the number of uses in each direction.
 struct Edge {
     uint32_t low, high;
     bool forward;
@@ -129,7 +129,7 @@ void find_rims_and_components(const TriangleMesh& mesh, size_t max_places, Inspe
     for (uint32_t k = 0; k < out.components.size(); ++k) {
         Inspection::Component& own = out.components[k];
         if (!own.closed || !(own.volume < 0.0)) continue;
-        // Inside what the outward shells enclose?
+        // Is it inside the solid that the outward shells enclose?
         TriangleMesh others{mesh.positions, {}};
         for (uint32_t t = 0; t < component.size(); ++t)
             if (out.components[component[t]].closed && out.components[component[t]].volume > 0.0)
@@ -137,7 +137,7 @@ void find_rims_and_components(const TriangleMesh& mesh, size_t max_places, Inspe
         own.is_cavity =
             !others.triangles.empty() && InsideTest(others)(mesh.positions[mesh.triangles[own.first_triangle].x]);
         own.is_inside_out = !own.is_cavity;
-        if (k > 1000) break; // crumbs: each costs a look at the whole mesh
+        if (k > 1000) break; // crumbs: each test examines the whole mesh
     }
 }
 
@@ -183,7 +183,7 @@ std::string format(const char* text, Values... values) {
     return buffer;
 }
 
-// What files mean by one unit is not written in most of them.
+// Most mesh formats do not define their unit of length.
 std::string guess_units(double longest) {
     if (longest > 1000.0) return "; if these are millimetres, scale by 0.001";
     if (longest > 50.0) return "; if these are centimetres, scale by 0.01";
@@ -200,9 +200,9 @@ std::string verdict(const Inspection& i) {
         case Status::not_closed:
             return "refuses it: the surface has holes. brittle repair closes them.";
         case Status::non_manifold:
-            return "refuses it: more than two triangles share an edge. brittle repair drops what is double and "
-                   "separates "
-                   "parts that touch.";
+            return "refuses it: more than two triangles share an edge. brittle repair drops duplicates and separates "
+                   "parts "
+                   "that touch.";
         case Status::not_oriented:
             return "refuses it: neighbouring triangles face opposite ways. brittle repair turns them.";
         case Status::inside_out:
@@ -214,7 +214,7 @@ std::string verdict(const Inspection& i) {
         }
     }
     if (i.intersections > 0)
-        return "takes it. Where it passes through itself, pieces overlap as it does: space counts as often as the "
+        return "takes it. Where it passes through itself, pieces overlap too: space counts as often as the "
                "surface winds around it.";
     return "takes it as it is.";
 }
@@ -233,7 +233,7 @@ Inspection inspect(const TriangleMesh& mesh, const InspectSettings& settings) {
     out.area = mass.area;
     out.volume = mass.volume;
     out.unused_vertices = mesh.positions.size() - out.topology.vertices;
-    TriangleMesh used; // the box of what is there
+    TriangleMesh used; // the bounding box excludes unused vertices
     for (const Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) used.positions.push_back(mesh.positions[t[k]]);
     out.box = bounds(used);
@@ -294,18 +294,21 @@ std::string describe(const Inspection& i) {
         line("flat", count(i.flat_triangles, "triangle has", "triangles have") + " no area, the first is "
                          + std::to_string(*i.first_flat_triangle));
     if (i.duplicate_triangles > 0)
-        line("duplicates", count(i.duplicate_triangles, "triangle is", "triangles are") + " there before, the first "
-                               + std::to_string(i.first_duplicate->x) + " as " + std::to_string(i.first_duplicate->y));
+        line("duplicates", count(i.duplicate_triangles, "triangle repeats another", "triangles repeat others")
+                               + ", the first " + std::to_string(i.first_duplicate->x) + ", which repeats "
+                               + std::to_string(i.first_duplicate->y));
     if (i.unused_vertices > 0) line("unused", count(i.unused_vertices, "vertex", "vertices"));
     if (i.intersections > 0)
         line("crossings", count(i.intersections, "pair of triangles meets", "pairs of triangles meet")
-                              + " where they should not, the first " + std::to_string(i.first_intersection->x) + " and "
+                              + " beyond common edges and vertices, the first "
+                              + std::to_string(i.first_intersection->x) + " and "
                               + std::to_string(i.first_intersection->y));
     if (i.thin_share > 0.0)
         line("thin", format("%.3g %% of the surface is thinner than %.3g, the thinnest %.3g at triangle ",
                             100.0 * i.thin_share, Inspection::thin_limit * glm::length(size), *i.min_thickness)
                          + std::to_string(i.thinnest_triangle));
-    if (!i.all_pairs_seen) line("", "not all pairs of triangles were looked at for crossings: too many are close");
+    if (!i.all_pairs_seen)
+        line("", "not all pairs of triangles were tested for crossings: too many are close together");
     line("fracture", verdict(i));
     return text;
 }

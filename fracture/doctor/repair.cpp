@@ -15,12 +15,12 @@ namespace {
 
 using mending::Work;
 
-constexpr double largest_coordinate = 1e50; // m, as fracture() asks
+constexpr double max_coordinate = 1e50; // m, the limit of fracture()
 constexpr uint32_t max_triangles = 1u << 30;
-constexpr double weld_part = 1e-6; // of the diagonal, where no distance is given
+constexpr double weld_part = 1e-6; // of the diagonal; the default weld distance
 
-// One round nearly always does, and a second finds nothing left. Tangles can take more; none may take
-// forever.
+// One round nearly always suffices, and a second finds no work. Tangled meshes can take more; the limit bounds the
+// time.
 constexpr int max_rounds = 16;
 
 void check_input(const TriangleMesh& mesh, RepairReport& report) {
@@ -28,7 +28,7 @@ void check_input(const TriangleMesh& mesh, RepairReport& report) {
     if (report.too_large) return;
     for (uint32_t v = 0; v < mesh.positions.size(); ++v)
         for (int k = 0; k < 3; ++k)
-            if (!(std::abs(mesh.positions[v][k]) <= largest_coordinate)) {
+            if (!(std::abs(mesh.positions[v][k]) <= max_coordinate)) {
                 report.bad_vertices.add(v);
                 break;
             }
@@ -47,23 +47,23 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& t) {
 
 bool round(Work& work, const RepairSettings& settings, double weld_distance) {
     if (check_topology(work.mesh.positions.size(), work.mesh.triangles).manifold()) {
-        const bool dropped = mending::drop_duplicates(work); // a triangle and its back are a manifold
+        const bool dropped = mending::drop_duplicates(work); // a triangle with its back is a manifold too
         const bool turned = mending::turn_parts(work, settings.cavities);
         return (settings.covered_parts && mending::drop_covered(work)) || turned || dropped;
     }
     bool changed = mending::weld_rims(work, weld_distance);
     changed = mending::drop_degenerate(work) || changed;
     changed = mending::drop_duplicates(work) || changed;
-    // A patch that faces the wrong way as a whole is told from the right one by its surroundings once those
-    // agree.
+    // A patch with the wrong orientation as a whole can be told from the right one by its surroundings, once these
+    // agree: spare patches are removed again after neighbours have been oriented.
     if (settings.spare_patches) changed = mending::drop_spare_patches(work) || changed;
     if (mending::orient_neighbours(work)) {
         changed = true;
         if (settings.spare_patches) mending::drop_spare_patches(work);
     }
     changed = mending::close_holes(work, settings) || changed;
-    // What is solid must be known before things are taken apart, and each of what was one may then face as it
-    // should.
+    // separate() needs to know which side of each triangle is solid, so parts are turned before. Afterwards each
+    // separated part may need another orientation.
     changed = mending::turn_parts(work, settings.cavities) || changed;
     if (mending::separate(work)) {
         changed = true;
@@ -72,7 +72,7 @@ bool round(Work& work, const RepairSettings& settings, double weld_distance) {
     return changed;
 }
 
-// Counts what the mesh has in the end.
+// Counts the flaws that remain.
 void count_rest(const Work& work, RepairReport& report) {
     for (uint32_t t = 0; t < work.turned.size(); ++t)
         if (work.turned[t] && work.source[t] != no_index) report.turned_triangles.add(work.source[t]);
@@ -122,8 +122,8 @@ std::string describe(const RepairReport& report) {
         if (change.first != no_index) text += std::string(", the first ") + where + " " + std::to_string(change.first);
         text += '\n';
     };
-    line(report.bad_triangles, "triangle names a vertex that is not there: not repaired",
-         "triangles name vertices that are not there: not repaired", "is triangle");
+    line(report.bad_triangles, "triangle names a vertex that does not exist: not repaired",
+         "triangles name vertices that do not exist: not repaired", "is triangle");
     line(report.bad_vertices, "vertex is not finite or beyond 1e50 m: not repaired",
          "vertices are not finite or beyond 1e50 m: not repaired", "is vertex");
     line(report.welded_vertices, "vertex welded to another", "vertices welded to others", "is vertex");
@@ -141,21 +141,20 @@ std::string describe(const RepairReport& report) {
                 + std::to_string(report.closed_holes.first) + '\n';
     line(report.new_vertices, "vertex added in the middle of a hole", "vertices added in the middle of holes",
          "next to vertex");
-    line(report.cut_edges, "edge cut where a surface has one side only", "edges cut where a surface has one side only",
-         "at vertex");
+    line(report.cut_edges, "edge of a one-sided surface cut", "edges of one-sided surfaces cut", "at vertex");
     line(report.split_edges, "edge of more than two triangles split", "edges of more than two triangles split",
          "at vertex");
-    line(report.halved_edges, "edge halved to tell it from another", "edges halved to tell them from others",
-         "at vertex");
+    line(report.halved_edges, "edge halved, because another has the same ends",
+         "edges halved, because others have the same ends", "at vertex");
     line(report.split_vertices, "vertex added where parts only touched", "vertices added where parts only touched",
          "a copy of vertex");
     line(report.open_rims, "hole left open: too long", "holes left open: too long", "at vertex");
-    line(report.long_rims, "hole left open: more than 4096 edges and not simple from the front",
-         "holes left open: more than 4096 edges and not simple from the front", "at vertex");
-    line(report.misoriented_edges, "edge left whose triangles face opposite ways",
-         "edges left whose triangles face opposite ways", "at vertex");
-    line(report.crowded_edges, "edge left that more than two triangles use",
-         "edges left that more than two triangles use", "at vertex");
+    line(report.long_rims, "hole left open: more than 4096 edges and not simple in projection",
+         "holes left open: more than 4096 edges and not simple in projection", "at vertex");
+    line(report.misoriented_edges, "edge left with triangles that face opposite ways",
+         "edges left with triangles that face opposite ways", "at vertex");
+    line(report.crowded_edges, "edge left with more than two triangles", "edges left with more than two triangles",
+         "at vertex");
     line(report.flat_triangles, "triangle without area left: the surface would be open without it",
          "triangles without area left: the surface would be open without them", "is triangle");
     return text;

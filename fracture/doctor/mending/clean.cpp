@@ -1,4 +1,4 @@
-// Triangles that say nothing, or nothing new.
+// Drops degenerate and duplicate triangles.
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -9,18 +9,18 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// Triangles of the same three vertices.
+// A group: all triangles with the same three vertices.
 struct Group {
     std::vector<uint32_t> triangles; // ascending
 };
 
-// Whether the corners go around as they do when sorted.
+// Whether the corners follow each other cyclically in ascending order.
 bool ascends(const Triangle& t) {
     return (t.x < t.y) + (t.y < t.z) + (t.z < t.x) == 2;
 }
 
 std::vector<Group> groups_of(const std::vector<Triangle>& triangles) {
-    std::vector<std::array<uint32_t, 4>> sorted; // corners in order, then the triangle
+    std::vector<std::array<uint32_t, 4>> sorted; // three vertices in ascending order, then the triangle
     sorted.reserve(triangles.size());
     for (uint32_t t = 0; t < triangles.size(); ++t) {
         std::array<uint32_t, 3> c = {triangles[t].x, triangles[t].y, triangles[t].z};
@@ -40,9 +40,9 @@ std::vector<Group> groups_of(const std::vector<Triangle>& triangles) {
     return groups;
 }
 
-// What to keep of triangles that are there once in each orientation. A wall between two solids goes with both
-// its sides, but where a surface is there twice, once each way, one of the two has to stay. So groups are
-// judged together that hang together over edges of no other triangles.
+// Decides about groups with both orientations. A wall between two solids is dropped with both its sides; where a
+// surface exists twice, once in each orientation, one of the two must stay. So groups that are connected over edges of
+// no other triangles are judged together, as a region.
 class Backs {
   public:
     Backs(const std::vector<Triangle>& triangles, const std::vector<Group>& groups)
@@ -51,7 +51,7 @@ class Backs {
             for (const uint32_t t : groups[g].triangles) group_of_[t] = g;
     }
 
-    // Per group the triangle that stays, or no_index.
+    // Returns for each group the triangle that stays, or no_index.
     std::vector<uint32_t> run() {
         std::vector<uint32_t> parent(groups_.size());
         std::iota(parent.begin(), parent.end(), 0u);
@@ -60,12 +60,12 @@ class Backs {
             for (const EdgeUse& use : table_[e]) unite(parent, group_of(table_[e][0]), group_of(use));
         }
         struct Region {
-            uint64_t open_with = 0, open_without = 0; // edges, where a layer of it stays and where none does
+            uint64_t open_with = 0, open_without = 0; // open edges if one layer of the region stays, and if none does
             bool is_closed = true;
         };
-        std::vector<Region> regions(groups_.size()); // at the root
+        std::vector<Region> regions(groups_.size()); // at the root of the region
         for (size_t e = 0; e < table_.size(); ++e) {
-            std::vector<uint32_t> own; // the groups at the edge
+            std::vector<uint32_t> own; // the groups at this edge
             for (const EdgeUse& use : table_[e])
                 if (group_of(use) != no_index) own.push_back(group_of(use));
             std::sort(own.begin(), own.end());
@@ -92,14 +92,14 @@ class Backs {
   private:
     [[nodiscard]] uint32_t group_of(const EdgeUse& use) const { return group_of_[use.corner / 3]; }
 
-    // Uses of the edge by triangles of no group.
+    // The number of uses of the edge by triangles without a group.
     [[nodiscard]] size_t others(size_t edge) const {
         const auto uses = table_[edge];
         return static_cast<size_t>(
             std::count_if(uses.begin(), uses.end(), [&](const EdgeUse& use) { return group_of(use) == no_index; }));
     }
 
-    // The one that agrees best with its neighbours, else the first.
+    // The triangle of the group that agrees best with its neighbours; the first one where all agree equally.
     [[nodiscard]] uint32_t best(const Group& group) const {
         uint32_t best = no_index;
         int most = 0;
@@ -155,7 +155,7 @@ bool drop_duplicates(Work& work) {
         if (count > 0) work.drop(gone);
         any = any || count > 0;
     };
-    // Copies go first, so that what lies around groups of both orientations is there once.
+    // Copies are dropped first, so that the surroundings of groups with both orientations exist once.
     const std::vector<Triangle>& triangles = work.mesh.triangles;
     const std::vector<Group> copies = groups_of(triangles);
     if (copies.empty()) return false;

@@ -1,4 +1,4 @@
-// Rims of holes, and what fills them.
+// Finds the rims of holes and fills them.
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -15,9 +15,9 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// A side that a triangle is missing for; the triangle's side would lead from `from` to `to`. Where two
-// triangles disagree for good, as on a Moebius strip, one is missing for each: the surface is cut there and
-// each side is filled.
+// A side of the rim: the missing triangle's side would run from `from` to `to`. Where two triangles cannot agree in
+// orientation, as on a Moebius strip, a triangle is missing for each of them: the surface is cut there and each side of
+// the cut is filled.
 struct RimSide {
     uint32_t from, to;
 };
@@ -34,7 +34,7 @@ std::vector<RimSide> rim_sides(const EdgeTable& table) {
     return sides;
 }
 
-// 0 to 4, growing with the angle of (x, y) from the X axis.
+// A number from 0 to 4 that grows with the angle between (x, y) and the X axis.
 double pseudo_angle(double x, double y) {
     const double size = std::abs(x) + std::abs(y);
     if (!(size > 0.0)) return 0.0;
@@ -42,10 +42,10 @@ double pseudo_angle(double x, double y) {
     return x < 0.0 ? 2.0 - t : (t < 0.0 ? 4.0 + t : t);
 }
 
-// Of the sides that leave a vertex so many are compared, so that no vertex costs quadratic time.
+// The number of sides compared at a vertex, so that no vertex costs quadratic time.
 constexpr uint32_t max_choices = 16;
 
-// Takes rim sides apart into loops that visit no vertex twice.
+// Divides the sides of rims into loops that visit no vertex twice.
 class LoopFinder {
   public:
     LoopFinder(const TriangleMesh& mesh, std::vector<RimSide> sides)
@@ -80,7 +80,7 @@ class LoopFinder {
         place_[start] = 0;
         while (true) {
             const uint32_t v = path.back();
-            if (next_[v] == end_[v]) break; // back where it began: as many sides enter a vertex as leave it
+            if (next_[v] == end_[v]) break; // back at the start: as many sides enter a vertex as leave it
             const uint32_t to = take_side(path);
             if (place_[to] == no_index) {
                 place_[to] = static_cast<uint32_t>(path.size());
@@ -96,8 +96,8 @@ class LoopFinder {
         place_[start] = no_index;
     }
 
-    // Uses up a side that leaves the path's end, and returns where it leads. Where there are several, the
-    // first one in the hole's sense after the side that the path came by.
+    // Uses up a side that leaves the end of the path, and returns its far end. Of several sides it takes the first one
+    // in the sense of the hole after the side by which the path arrived.
     uint32_t take_side(const std::vector<uint32_t>& path) {
         const uint32_t v = path.back(), first = next_[v], last = std::min(end_[v], first + max_choices);
         uint32_t best = first;
@@ -115,7 +115,7 @@ class LoopFinder {
         return sides_[next_[v]++].to;
     }
 
-    // Clockwise around the normal at v, from the direction to `from` to that to `to`.
+    // The clockwise pseudo-angle around the normal at v, from the direction of `from` to that of `to`.
     [[nodiscard]] double angle_between(uint32_t from, uint32_t v, uint32_t to) const {
         const glm::dvec3 a = mesh_.positions[from] - mesh_.positions[v], b = mesh_.positions[to] - mesh_.positions[v];
         const glm::dvec3& n = normals_[v];
@@ -127,10 +127,10 @@ class LoopFinder {
     }
 
     const TriangleMesh& mesh_;
-    std::vector<RimSide> sides_;      // by `from`
-    std::vector<uint32_t> end_;       // of the sides that leave a vertex
-    std::vector<uint32_t> next_;      // the first of them not yet used
-    std::vector<uint32_t> place_;     // of a vertex on the path
+    std::vector<RimSide> sides_;      // sorted by `from`
+    std::vector<uint32_t> end_;       // per vertex: the end of the sides that leave it
+    std::vector<uint32_t> next_;      // per vertex: the first of these sides that is unused
+    std::vector<uint32_t> place_;     // per vertex: its place on the path, or no_index
     std::vector<glm::dvec3> normals_; // only where rims fork
     std::vector<Loop> loops_;
 };
@@ -141,7 +141,7 @@ std::array<uint32_t, 3> sorted_corners(const Triangle& t) {
     return c;
 }
 
-// The mesh's triangles and edges, and those of the fills.
+// The existing triangles and edges: those of the mesh and those of the fills.
 class TakenByMesh final : public Taken {
   public:
     TakenByMesh(const std::vector<Triangle>& triangles, const EdgeTable& table) : table_(table) {
@@ -157,7 +157,7 @@ class TakenByMesh final : public Taken {
         return table_.find(a, b) != no_index || new_edges_.count({std::min(a, b), std::max(a, b)}) > 0;
     }
 
-    // The mesh's triangle of these corners, or no_index.
+    // The triangle of the mesh with these corners, or no_index.
     [[nodiscard]] uint32_t find(const Triangle& t) const {
         const auto corners = sorted_corners(t);
         const auto at = std::lower_bound(triangles_.begin(), triangles_.end(), std::pair(corners, 0u));
@@ -186,7 +186,7 @@ double length_of(const TriangleMesh& mesh, const Loop& loop) {
     return sum;
 }
 
-// Where no triangles between the corners will do, all of those around a new vertex will.
+// Adds a vertex in the middle of a loop. The triangles from it to the sides never exist already.
 uint32_t add_centre(Work& work, const Loop& loop) {
     glm::dvec3 sum(0.0);
     for (const uint32_t v : loop) sum += work.mesh.positions[v] / static_cast<double>(loop.size());
@@ -197,14 +197,14 @@ uint32_t add_centre(Work& work, const Loop& loop) {
     return centre;
 }
 
-// Whether the triangle's corners go around as those of the other, which has the same ones.
+// Whether two triangles with the same vertices have the same orientation.
 bool same_sense(const Triangle& a, const Triangle& b) {
     for (int k = 0; k < 3; ++k)
         if (a.x == b[k]) return a.y == b[(k + 1) % 3];
     return false;
 }
 
-// One round of filling: what is decided goes into the work at its end, so that indices hold until then.
+// One round of filling. The mesh changes only at its end, so that indices stay valid until then.
 class HoleCloser {
   public:
     HoleCloser(Work& work, const RepairSettings& settings)
@@ -240,7 +240,7 @@ class HoleCloser {
             parts.push_back(loops[k]);
         }
         const std::vector<Triangle> triangles = fill_in_plane(work_.mesh.positions, parts, taken_);
-        if (triangles.empty() || taken_inside(triangles, taken_) > 0) return; // each on its own, then
+        if (triangles.empty() || taken_inside(triangles, taken_) > 0) return; // each loop is filled on its own instead
         accept(triangles);
         for (const uint32_t k : ring) {
             done[k] = 1;
@@ -300,7 +300,7 @@ class HoleCloser {
     EdgeTable table_;
     TakenByMesh taken_;
     std::vector<uint8_t> loose_;  // per triangle
-    std::vector<uint8_t> is_cut_; // per edge: counted
+    std::vector<uint8_t> is_cut_; // per edge: counted as a cut edge
     bool any_loose_ = false;
     std::vector<Triangle> fills_;
 };

@@ -11,13 +11,13 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// Each part is held against all triangles of the others.
+// The maximum number of parts: each is compared with all triangles of the others.
 constexpr size_t max_parts = 1000;
 constexpr uint64_t max_pairs = 10'000'000; // see InspectSettings
 
 struct Part {
     std::vector<Triangle> triangles;
-    uint32_t first = no_index; // triangle
+    uint32_t first = no_index; // the first triangle
     double volume = 0.0;
     bool crosses = false;
     glm::dvec3 place{0.0}; // a point on it, inside a triangle
@@ -61,7 +61,7 @@ bool drop_covered(Work& work) {
     std::vector<uint8_t> covered(parts.size(), 0);
     for (size_t k = 0; k < parts.size(); ++k) {
         if (parts[k].crosses) continue;
-        double around = 0.0; // turns of the others around it, the same everywhere on it
+        double around = 0.0; // winding number of the other parts, constant on this part
         for (size_t other = 0; other < parts.size(); ++other)
             if (other != k) around += winding_number(parts[k].place, mesh.positions, parts[other].triangles);
         const double outside = std::round(around), inside = outside + (parts[k].volume < 0.0 ? -1.0 : 1.0);

@@ -18,7 +18,7 @@ class Around {
         : uses_(uses), low_(mesh.positions[uses[0].low]), high_(mesh.positions[uses[0].high]) {
         for (const EdgeUse& use : uses)
             apexes_.push_back(mesh.positions[vertex_at(mesh, next_corner(next_corner(use.corner)))]);
-        // Angles count from the first triangle that has an area.
+        // Angles are measured from the first triangle with an area.
         for (const glm::dvec3& apex : apexes_) {
             for (int axis = 0; axis < 3 && axis_ < 0; ++axis) {
                 if (side_of_line(apex, axis) == 0) continue;
@@ -44,7 +44,7 @@ class Around {
     }
 
   private:
-    // Seen along an axis, the side of the edge's line that a point is on.
+    // The side of the edge's line on which a point lies, in projection along an axis.
     [[nodiscard]] int side_of_line(const glm::dvec3& p, int axis) const {
         const auto flat = [axis](const glm::dvec3& q) { return glm::dvec2(q[(axis + 1) % 3], q[(axis + 2) % 3]); };
         const double side = orientation(flat(low_), flat(high_), flat(p));
@@ -55,14 +55,14 @@ class Around {
         if (axis_ < 0) return 0;
         const int turn = orientation(low_, high_, zero_, apex);
         if (turn != 0) return turn < 0 ? 1 : 3;
-        // A triangle without area has no angle: 0 as well.
+        // A triangle without area has no angle and counts as 0.
         return side_of_line(apex, axis_) * side_of_line(zero_, axis_) < 0 ? 2 : 0;
     }
 
     std::span<const EdgeUse> uses_;
     glm::dvec3 low_, high_;
     std::vector<glm::dvec3> apexes_;
-    int axis_ = -1; // along which the triangle at angle 0 is not seen as a line
+    int axis_ = -1; // a projection axis along which the triangle at angle 0 is not degenerate
     glm::dvec3 zero_{0.0};
 };
 

@@ -1,4 +1,4 @@
-// The triangles around an edge by angle, exactly.
+// Sorts the triangles around an edge by angle, exactly.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace brittle::fracture::mending {
 
-// Indices into `uses`, which are those of one edge: counter-clockwise seen from its higher end, beginning
-// anywhere. Of triangles in one half-plane those that run forward come first: their solid ends there, that of
-// the others begins.
+// Returns indices into `uses`, the uses of one edge, counter-clockwise as seen from its higher end, from an arbitrary
+// start. Of triangles in one half-plane those that run forward come first: their solid ends there, and the solid of the
+// others begins.
 [[nodiscard]] std::vector<uint32_t> around_edge(const TriangleMesh& mesh, std::span<const EdgeUse> uses);
 
 } // namespace brittle::fracture::mending

@@ -16,7 +16,7 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// Pairs of sides that are compared for a loop, at most, besides 64 a side.
+// The maximum number of pairs of sides compared for a loop, in addition to 64 per side.
 constexpr size_t max_pairs = 4'000'000;
 
 int sign(double x) {
@@ -29,7 +29,7 @@ bool in_box(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& p) {
     return true;
 }
 
-// Whether two closed segments have a point in common. Exact.
+// Whether two closed segments have a common point. Exact.
 bool meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
     const int abc = sign(orientation(a, b, c)), abd = sign(orientation(a, b, d));
     const int cda = sign(orientation(c, d, a)), cdb = sign(orientation(c, d, b));
@@ -38,13 +38,13 @@ bool meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const g
            || (cdb == 0 && in_box(c, d, b));
 }
 
-// No side touches another but at their common corner. The side of a point leads to the one that is next.
+// Whether the loop is simple: sides touch at their common corners only. Each point links to the next one.
 bool is_simple(const std::vector<glm::dvec2>& points, const std::vector<uint32_t>& next) {
     const size_t n = points.size();
     const auto end = [&](size_t k) -> const glm::dvec2& { return points[next[k]]; };
     for (size_t k = 0; k < n; ++k) {
         const glm::dvec2 &a = points[k], &b = end(k), &c = end(next[k]);
-        // A side without length, or one that runs back on the one before.
+        // A side without length, or one that runs back along the side before.
         if (a == b || (orientation(a, b, c) == 0.0 && glm::dot(b - a, c - b) <= 0.0)) return false;
     }
     std::vector<uint32_t> order(n);
@@ -66,12 +66,12 @@ bool is_simple(const std::vector<glm::dvec2>& points, const std::vector<uint32_t
     return true;
 }
 
-// What is closer to a plane than this part of all loops' box lies in it.
+// A point lies in a plane when it is nearer to it than this share of the size of all loops' box.
 constexpr double in_plane = 1e-9;
-constexpr double normal_grid = 1e-6; // planes are looked up by normals and offsets rounded to such steps
-constexpr double offset_grid = 1e-7; // of the box
+constexpr double normal_grid = 1e-6; // planes are found by normals and offsets rounded to these steps
+constexpr double offset_grid = 1e-7; // as a share of the box
 
-// Loops in one plane are compared with each other, up to so many.
+// The maximum number of loops in one plane that are compared with each other.
 constexpr size_t max_loops = 64;
 
 bool is_inside(const glm::dvec2& p, const std::vector<glm::dvec2>& polygon) {
@@ -86,9 +86,9 @@ bool is_inside(const glm::dvec2& p, const std::vector<glm::dvec2>& polygon) {
 }
 
 struct FlatLoop {
-    std::array<int64_t, 4> plane; // rounded; the same for both senses
+    std::array<int64_t, 4> plane; // rounded; equal for both orientations
     uint32_t index;
-    glm::dvec3 normal; // Newell's
+    glm::dvec3 normal; // Newell's normal
 };
 
 std::optional<FlatLoop> as_flat(std::span<const glm::dvec3> positions, const Loop& loop, uint32_t index,
@@ -116,7 +116,7 @@ std::optional<FlatLoop> as_flat(std::span<const glm::dvec3> positions, const Loo
                     normal};
 }
 
-// Of loops in one plane.
+// Finds the rings among the loops of one plane.
 void find_rings_among(std::span<const glm::dvec3> positions, std::span<const Loop> loops, std::vector<FlatLoop> flat,
                       std::vector<std::vector<uint32_t>>& rings) {
     std::stable_sort(flat.begin(), flat.end(), [](const FlatLoop& a, const FlatLoop& b) {
@@ -130,7 +130,7 @@ void find_rings_among(std::span<const glm::dvec3> positions, std::span<const Loo
     std::vector<uint8_t> is_hole(flat.size(), 0);
     for (size_t k = 0; k < flat.size(); ++k) {
         ring[k] = {flat[k].index};
-        for (size_t around = k; around-- > 0;) { // the smallest first
+        for (size_t around = k; around-- > 0;) { // smallest loop first
             if (!is_inside(polygons[k][0], polygons[around])) continue;
             is_hole[k] = !is_hole[around] && glm::dot(flat[k].normal, flat[around].normal) < 0.0;
             if (is_hole[k]) ring[around].push_back(flat[k].index);

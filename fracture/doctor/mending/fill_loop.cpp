@@ -14,7 +14,7 @@ namespace {
 constexpr size_t max_corners_by_area = 64;
 constexpr size_t max_corners_by_ears = 4096;
 
-// How bad a triangulation is: taken edges first, then area or length.
+// The cost of a triangulation: the number of edges that exist already, then area or length.
 struct Cost {
     uint32_t taken = 0;
     double size = 0.0;
@@ -62,11 +62,11 @@ class Filler {
         return {0, glm::length(glm::cross(at(j) - at(i), at(k) - at(i)))};
     }
 
-    // The best of all triangulations, by those of parts of the loop (Klincsek 1980). Sets the number of taken
-    // edges.
+    // Finds the triangulation of least cost by dynamic programming over parts of the loop (Klincsek 1980). Sets the
+    // number of edges that exist already.
     [[nodiscard]] std::vector<Triangle> of_least_area(uint32_t& taken) const {
         const size_t n = loop_.size();
-        std::vector<Cost> cost(n * n); // of the part from i to j, at i n + j
+        std::vector<Cost> cost(n * n); // entry i n + j: the part from i to j
         std::vector<uint32_t> middle(n * n, 0);
         for (size_t width = 2; width < n; ++width) {
             for (size_t i = 0; i + width < n; ++i) {

@@ -1,4 +1,4 @@
-// Triangles that fill one rim.
+// Fills one rim with triangles.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,23 @@
 
 namespace brittle::fracture::mending {
 
-// What is there already.
+// The triangles and edges that exist already.
 class Taken {
   public:
     virtual ~Taken() = default;
-    [[nodiscard]] virtual bool triangle(const Triangle& t) const = 0; // either way around
+    [[nodiscard]] virtual bool triangle(const Triangle& t) const = 0; // in either orientation
     [[nodiscard]] virtual bool edge(uint32_t a, uint32_t b) const = 0;
 };
 
 struct Fill {
-    std::vector<Triangle> triangles; // empty: none will do
-    bool too_long = false;           // because there are more than 4096 corners
+    std::vector<Triangle> triangles; // empty where no fill exists
+    bool too_long = false;           // whether the reason is a loop of more than 4096 corners
 };
 
-// The loop's corners are different vertices, three or more; the triangles run along it. None of them is
-// taken; inner edges avoid taken ones where they can. No point is added. In the plane of the loop where it is
-// simple there: near-linear time. Else up to 64 corners the least area, cubic time; then ears, the shortest
-// edge first, quadratic time.
+// Fills a loop of three or more distinct vertices; the triangles run along it. No fill triangle exists already, and
+// inner edges avoid existing ones where possible. No point is added. In projection along the loop's normal where the
+// loop is simple there: near-linear time. Else up to 64 corners the fill of least area, in cubic time; beyond that ear
+// clipping with the shortest edge first, in quadratic time.
 [[nodiscard]] Fill fill_loop(std::span<const glm::dvec3> positions, std::span<const uint32_t> loop, const Taken& taken);
 
 } // namespace brittle::fracture::mending

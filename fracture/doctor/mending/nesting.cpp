@@ -10,15 +10,15 @@
 namespace brittle::fracture::mending {
 namespace {
 
-constexpr uint32_t max_samples = 8; // of a part
+constexpr uint32_t max_samples = 8; // sample points per part
 constexpr uint32_t max_bins = 512;  // along Y and Z each
-constexpr size_t max_members = 16;  // triangles in bins for each triangle, on average
+constexpr size_t max_members = 16;  // average number of bins that hold a triangle
 
-// Points are looked at this part of the diagonal before and behind the surface: what is on it is then seen
-// inside and outside.
+// Samples lie this share of the diagonal before and behind the surface, so that a point on another surface is seen both
+// inside and outside of it.
 constexpr double off_surface = 1e-9;
 
-// On which side of the line ab, seen along X, the point is. Two triangles agree about their common edge.
+// The side of the line ab, in projection along X, on which the point lies. Two triangles agree about their common edge.
 int side(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
     const bool swapped = b.y < a.y || (b.y == a.y && b.z < a.z);
     const glm::dvec3 &from = swapped ? b : a, &to = swapped ? a : b;
@@ -42,7 +42,7 @@ class Rays {
         for_members([&](uint32_t t, uint32_t bin) { members_[cursor[bin]++] = t; });
     }
 
-    // The parts that the point lies in, ascending.
+    // The parts around the point, in ascending order.
     [[nodiscard]] std::vector<uint32_t> around(const glm::dvec3& p) const {
         std::vector<uint32_t> passed;
         const uint32_t bin = bin_of(p.y, 1) * bins_ + bin_of(p.z, 2);
@@ -93,7 +93,7 @@ class Rays {
         return static_cast<uint32_t>(std::clamp((at - box_.min[axis]) / size * bins_, 0.0, bins_ - 1.0));
     }
 
-    // Whether the ray from the point towards larger X passes through the triangle.
+    // Whether the ray from the point towards larger X crosses the triangle.
     [[nodiscard]] bool passes(const Triangle& t, const glm::dvec3& p) const {
         const glm::dvec3 &a = mesh_.positions[t.x], &b = mesh_.positions[t.y], &c = mesh_.positions[t.z];
         const int s = side(a, b, p);
@@ -123,7 +123,7 @@ std::vector<uint32_t> nesting_depths(const TriangleMesh& mesh, std::span<const u
     for (uint32_t t = 0; t < part_of.size(); ++t)
         if (closed[part_of[t]]) triangles[part_of[t]].push_back(t);
     for (uint32_t part = 0; part < closed.size(); ++part) {
-        // Parts that some point is inside of, and no point outside.
+        // Parts around some sample, with no sample outside.
         std::vector<uint32_t> inside, possible;
         const size_t size = triangles[part].size();
         const size_t samples = std::min<size_t>(size, max_samples);

@@ -1,4 +1,4 @@
-// Which closed parts of a mesh lie inside which, whichever way they face.
+// Finds which closed parts of a mesh lie inside which, for any orientation.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace brittle::fracture::mending {
 
-// Per part the number of other closed parts around it; 0 for parts that are not closed. Eight points at most
-// are looked at on each: all of them must lie inside, or on the surface, and one inside. So of parts that
-// pass through each other neither is nested. `part_of` is per triangle, `closed` per part.
+// Returns for each part the number of other closed parts around it; 0 for a part that is not closed. At most eight
+// points of each part are sampled: one of them must lie inside the other part, and all inside or on its surface. So of
+// two parts that pass through each other neither is nested. `part_of` is per triangle, `closed` per part.
 [[nodiscard]] std::vector<uint32_t> nesting_depths(const TriangleMesh& mesh, std::span<const uint32_t> part_of,
                                                    std::span<const uint8_t> closed);
 

@@ -1,4 +1,4 @@
-// Which way triangles face.
+// Orients triangles consistently, and closed parts outwards.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -13,17 +13,18 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// As fracture() asks: volume above rounding, by area times diagonal.
+// The limit of fracture(): a volume above rounding, as a share of area times diagonal.
 constexpr double min_volume = 1e-15;
 
-// A forest of triangles that knows of any two in a tree whether they must both be turned or neither.
+// A union-find forest of triangles with a parity: for two triangles of one tree, whether both must be turned or exactly
+// one of them.
 class Agreement {
   public:
     explicit Agreement(size_t triangles) : parent_(triangles), opposed_(triangles, 0) {
         std::iota(parent_.begin(), parent_.end(), 0u);
     }
 
-    // The root, and whether the triangle is opposed to it.
+    // Returns the root, and whether the triangle is opposed to it.
     std::pair<uint32_t, uint8_t> find(uint32_t t) {
         uint32_t root = t;
         uint8_t opposed = 0;
@@ -39,7 +40,7 @@ class Agreement {
         return {root, opposed};
     }
 
-    // Nothing where the two are in one tree already.
+    // Joins two trees. Does nothing where both triangles are in one tree already.
     void join(uint32_t a, uint32_t b, bool opposed) {
         auto [root_a, a_opposed] = find(a);
         auto [root_b, b_opposed] = find(b);
@@ -64,8 +65,8 @@ Agreement across_pairs(const EdgeTable& table, size_t triangles) {
     return agreement;
 }
 
-// Edges of four triangles and more. Where both directions are used equally often, by parts that only touch
-// there, their relation stays as it is; else solid and void must take turns around the edge.
+// Joins triangles across edges of four triangles and more. Where both directions are used equally often, by parts that
+// only touch there, their orientations stay. Otherwise solid and void must alternate around the edge.
 void join_across_crowded(const TriangleMesh& mesh, const EdgeTable& table, Agreement& agreement) {
     std::vector<size_t> unequal;
     for (size_t e = 0; e < table.size(); ++e) {
@@ -86,11 +87,10 @@ void join_across_crowded(const TriangleMesh& mesh, const EdgeTable& table, Agree
     }
 }
 
-// Turns in each tree those that disagree with more triangles than they agree with; of two halves the one
-// without the first triangle.
+// Turns the smaller half of each tree; of equal halves, the one without the first triangle.
 bool turn_fewer(Work& work, Agreement& agreement) {
     std::vector<int64_t> excess(work.mesh.triangles.size(),
-                                0); // per root: triangles that agree with it, less the others
+                                0); // per root: triangles that agree with it, minus the others
     for (uint32_t t = 0; t < excess.size(); ++t) {
         const auto [root, opposed] = agreement.find(t);
         excess[root] += opposed ? -1 : 1;
@@ -122,7 +122,7 @@ std::vector<Part> measure(const TriangleMesh& mesh, const std::vector<uint32_t>&
         part.volume += glm::dot(a, glm::cross(b, d)) / 6.0;
         part.area += glm::length(glm::cross(b - a, d - a)) * 0.5;
     }
-    if (check_topology(mesh.positions.size(), mesh.triangles).closed()) return parts; // ten times as fast as the table
+    if (check_topology(mesh.positions.size(), mesh.triangles).closed()) return parts; // ten times faster than the table
     const EdgeTable table(mesh.triangles);
     for (size_t e = 0; e < table.size(); ++e)
         if (table.surplus(e) != 0) parts[part_of[table[e][0].corner / 3]].closed = false;

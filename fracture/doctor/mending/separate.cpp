@@ -1,4 +1,4 @@
-// Separates what only touches: in edges of more than two triangles, and in vertices of several fans.
+// Separates parts that only touch: in edges of more than two triangles, and in vertices with several fans.
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -9,18 +9,18 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// The sides of two triangles that are one edge of the surface.
+// The sides of two triangles that form one edge of the surface.
 struct Pair {
     uint32_t a, b; // corners
 };
 
-// Around the edge, solid begins behind a triangle that runs backward and ends at one that runs forward. Where
-// several solids overlap, they pair up like brackets.
+// Pairs the triangles around an edge. Solid begins at a triangle that runs backward and ends at one that runs forward;
+// where several solids overlap, these match like brackets.
 void pair_brackets(const TriangleMesh& mesh, std::span<const EdgeUse> uses, std::vector<Pair>& pairs) {
     const std::vector<uint32_t> order = around_edge(mesh, uses);
     std::vector<uint8_t> paired(uses.size(), 0);
     std::vector<uint32_t> begun;
-    for (size_t k = 0; k < 2 * order.size(); ++k) { // twice around: the order begins anywhere
+    for (size_t k = 0; k < 2 * order.size(); ++k) { // twice around, because the order has an arbitrary start
         const uint32_t use = order[k % order.size()];
         if (paired[use]) continue;
         if (!uses[use].forward) {
@@ -57,8 +57,9 @@ class Separator {
         }
     }
 
-    // A fan is what hangs together over pairs around a vertex. Where all are closed the first keeps the
-    // vertex, else the open ones do: what they need next is a welding or a filling, not a copy.
+    // Splits vertices with several fans. A fan is a set of corners at a vertex, connected over pairs. Where all fans
+    // are closed the first one keeps the vertex, otherwise the open ones do: they need a weld or a fill next, not a
+    // copy.
     bool split_fans() {
         const size_t corners = 3 * work_.mesh.triangles.size();
         std::vector<uint32_t> parent(corners);
@@ -75,7 +76,7 @@ class Separator {
             is_open[root_of(parent, c)] = is_open[root_of(parent, next_corner(c))] = 1;
         }
         std::vector<uint32_t> keeper(work_.mesh.positions.size(),
-                                     no_index); // the fan that keeps a vertex; or corners for all open ones
+                                     no_index); // the fan that keeps a vertex, or `corners` for all open fans
         for (uint32_t c = 0; c < corners; ++c) {
             const uint32_t v = vertex_at(work_.mesh, c), fan = root_of(parent, c);
             if (is_open[fan])
@@ -87,7 +88,7 @@ class Separator {
         bool any = false;
         for (uint32_t c = 0; c < corners; ++c) {
             const uint32_t fan = root_of(parent, c);
-            const uint32_t v = vertex_at(work_.mesh, c); // of the input: each corner is renamed once
+            const uint32_t v = vertex_at(work_.mesh, c); // unchanged so far: each corner is renamed once
             if (vertex_of[fan] == no_index) {
                 const bool keeps = keeper[v] == fan || is_open[fan];
                 vertex_of[fan] = keeps ? v : work_.copy_vertex(v);
@@ -110,8 +111,8 @@ class Separator {
         return {std::min(a, b), std::max(a, b)};
     }
 
-    // Two edges of the surface can have the same ends although each end has one fan: the first keeps them,
-    // the others get a vertex in the middle. A triangle is cut once; what remains is for the next time.
+    // Halves edges. Two edges of the surface can have the same ends although each end has one fan: the first keeps
+    // them, and each other one gets a vertex in the middle. A triangle is cut once per round.
     bool halve_edges() {
         if (crowded_.empty()) return false;
         std::vector<std::pair<std::pair<uint32_t, uint32_t>, Pair>> by_ends;
@@ -147,7 +148,7 @@ class Separator {
     }
 
     Work& work_;
-    EdgeTable table_; // of the mesh as it was
+    EdgeTable table_; // of the mesh before the changes
     std::vector<Pair> pairs_;
     std::vector<size_t> crowded_; // edges of more than two triangles
 };

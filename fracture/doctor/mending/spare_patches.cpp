@@ -9,9 +9,9 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// How often an undirected edge is used in each direction.
+// The uses of an undirected edge in each direction.
 struct Edge {
-    int forward = 0; // from the lower vertex index to the higher
+    int forward = 0; // from the lower vertex to the higher
     int backward = 0;
 
     [[nodiscard]] bool joins() const { return forward + backward == 2; }
@@ -50,7 +50,7 @@ class PatchFinder {
     }
 
   private:
-    // Connected over edges that are used exactly twice.
+    // Patches are connected over edges that are used exactly twice.
     [[nodiscard]] std::vector<Patch> find_patches() const {
         std::vector<uint32_t> parent(mesh_.triangles.size());
         std::iota(parent.begin(), parent.end(), 0u);
@@ -75,9 +75,9 @@ class PatchFinder {
         return patches;
     }
 
-    // Takes the patch's uses off the counts, and puts them back where it is not spare.
+    // Subtracts the uses of the patch from the counts, and restores them where the patch is not spare.
     bool remove_if_spare(const Patch& patch) {
-        std::vector<uint32_t> rim; // a rim edge that the patch itself uses twice appears twice
+        std::vector<uint32_t> rim; // an edge that the patch itself uses twice appears twice
         for (const uint32_t t : patch.triangles) {
             for (uint32_t k = 0; k < 3; ++k) {
                 const uint32_t edge = table_.of_corner(3 * t + k);

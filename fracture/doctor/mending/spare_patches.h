@@ -1,4 +1,4 @@
-// Finds patches that cover a place which is covered already, see remove_spare_patches() in repair.h.
+// Finds patches that cover a place which is already covered, see remove_spare_patches() in repair.h.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Closes cracks: vertices of rims that lie in one place become one.
+// Closes cracks: merges rim vertices in one place.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace brittle::fracture::mending {
 namespace {
 
-// Cells are at least this part of the box, so that their numbers stay exact.
+// The minimum size of a cell as a share of the box, so that cell numbers stay exact.
 constexpr double min_cell = 0x1.0p-40;
 
 using Cell = std::array<int64_t, 3>;
@@ -35,7 +35,7 @@ class Welder {
         std::iota(parent_.begin(), parent_.end(), 0u);
     }
 
-    // Per vertex the one that it becomes.
+    // Returns for each vertex the one that it is merged into.
     std::vector<uint32_t> run(std::vector<uint32_t> vertices) {
         unite_equal(vertices);
         std::erase_if(vertices, [&](uint32_t v) { return parent_[v] != v; });
@@ -54,7 +54,7 @@ class Welder {
             if (positions_[vertices[k]] == positions_[vertices[k - 1]]) unite(parent_, vertices[k - 1], vertices[k]);
     }
 
-    // Of vertices in different places.
+    // Unites near vertices, which all lie in different places.
     void unite_near(const std::vector<uint32_t>& vertices) {
         Box box;
         if (!vertices.empty()) box = {positions_[vertices[0]], positions_[vertices[0]]};
@@ -73,7 +73,7 @@ class Welder {
         for (const auto& [cell, v] : members) {
             for (int64_t x = cell[0] - 1; x <= cell[0] + 1; ++x) {
                 for (int64_t y = cell[1] - 1; y <= cell[1] + 1; ++y) {
-                    // The three cells along Z lie together.
+                    // The three cells along Z are adjacent in memory.
                     auto near =
                         std::lower_bound(members.begin(), members.end(), std::pair(Cell{x, y, cell[2] - 1}, 0u));
                     const Cell last = {x, y, cell[2] + 1};

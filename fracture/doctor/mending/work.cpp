@@ -27,7 +27,7 @@ uint32_t Work::copy_vertex(uint32_t vertex) {
 }
 
 void Work::turn(uint32_t triangle) {
-    // The first corner stays, so that turning twice gives the same bits.
+    // The first corner stays, so that turning a triangle twice restores its bits.
     std::swap(mesh.triangles[triangle].y, mesh.triangles[triangle].z);
     turned[triangle] ^= 1;
 }

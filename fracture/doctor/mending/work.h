@@ -1,4 +1,4 @@
-// A mesh under repair, and the table of its edges that the steps of a repair share.
+// A mesh under repair, and the table of its edges that the steps of a repair use.
 #pragma once
 
 #include <cstdint>
@@ -13,30 +13,30 @@ namespace brittle::fracture::mending {
 
 struct Work {
     TriangleMesh mesh;
-    std::vector<uint32_t> source; // per triangle: that of the input, or no_index
-    std::vector<uint8_t> turned;  // per triangle: it runs against its source
-    std::vector<uint32_t> origin; // per vertex: that of the input which it is or was copied from
+    std::vector<uint32_t> source; // per triangle: the triangle of the input, or no_index
+    std::vector<uint8_t> turned;  // per triangle: whether its orientation is opposite to that of its source
+    std::vector<uint32_t> origin; // per vertex: the vertex of the input that it is, or is a copy of
     RepairReport report;
 
     explicit Work(const TriangleMesh& input);
 
     void append(const Triangle& triangle, uint32_t triangle_source, bool is_turned);
-    // Returns the copy's index.
+    // Appends a copy of the vertex and returns its index.
     uint32_t copy_vertex(uint32_t vertex);
     void turn(uint32_t triangle);
-    // Keeps the order. `gone` is one flag a triangle.
+    // Drops the triangles with a flag. `gone` has one flag per triangle. Keeps the order.
     void drop(const std::vector<uint8_t>& gone);
 };
 
-// One side of a triangle. The side of corner 3 t + k leads from corner k of triangle t to the next one.
+// One side of a triangle. The side of corner 3 t + k runs from corner k of triangle t to the next corner.
 struct EdgeUse {
     uint32_t low, high; // vertices
     uint32_t corner;
     bool forward; // from low to high
 };
 
-// The sides of all triangles, those of one undirected edge together: edges ascend by lower end, then higher
-// end, uses by corner.
+// The sides of all triangles, grouped by undirected edge. Edges ascend by lower vertex, then by higher vertex; the uses
+// of an edge ascend by corner.
 class EdgeTable {
   public:
     explicit EdgeTable(std::span<const Triangle> triangles);
@@ -45,15 +45,16 @@ class EdgeTable {
     [[nodiscard]] std::span<const EdgeUse> operator[](size_t edge) const {
         return std::span(uses_).subspan(begin_[edge], begin_[edge + 1] - begin_[edge]);
     }
+    // The edge of the side of a corner.
     [[nodiscard]] uint32_t of_corner(uint32_t corner) const { return of_corner_[corner]; }
-    // How often it is used from low to high, less how often the other way.
+    // The number of uses from low to high, minus the number of uses in the other direction.
     [[nodiscard]] int surplus(size_t edge) const;
     // The edge between two vertices, or no_index.
     [[nodiscard]] uint32_t find(uint32_t a, uint32_t b) const;
 
   private:
     std::vector<EdgeUse> uses_;
-    std::vector<uint32_t> begin_; // per edge, and the end
+    std::vector<uint32_t> begin_; // per edge, and the end: into uses_
     std::vector<uint32_t> of_corner_;
 };
 

@@ -39,8 +39,8 @@ Rational dot(const Vector& a, const Vector& b) {
 
 using Corners = std::array<glm::dvec3, 3>;
 
-// Whether two triangles with area have a point in common, by separating axes: the normals, the cross products of sides,
-// and in a plane the normals of sides in it. Another way than the one under test, and all in fractions.
+// Whether two triangles with area have a common point, by separating axes: the normals, the cross products of sides,
+// and in a plane the normals of sides within it. Independent of the code under test, in rational arithmetic.
 bool have_common_point(const Corners& s, const Corners& t) {
     std::array<Vector, 3> a{}, b{};
     for (size_t k = 0; k < 3; ++k) {
@@ -103,7 +103,7 @@ TriangleMesh stood_up(TriangleMesh mesh) {
     return mesh;
 }
 
-// Vertices in one place become one.
+// Merges vertices in one place.
 TriangleMesh welded(TriangleMesh mesh) {
     for (Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k)
@@ -146,16 +146,16 @@ TriangleMesh with_back(TriangleMesh mesh, size_t triangle) {
     return mesh;
 }
 
-// A triangle that stands on an edge, and leans outwards; its other neighbours' sides count as touched.
+// Adds a triangle that stands on an edge and leans outwards. The sides of its other neighbours count as touched.
 TriangleMesh with_fin(TriangleMesh mesh, size_t triangle) {
     const Triangle t = mesh.triangles[triangle];
-    mesh.positions.push_back(-0.5 * (mesh.positions[t.x] + mesh.positions[t.y])); // inwards, through the other side
+    mesh.positions.push_back(-0.5 * (mesh.positions[t.x] + mesh.positions[t.y])); // inwards, through the opposite side
     mesh.positions.back() *= 3.0;
     mesh.triangles.emplace_back(t.x, t.y, static_cast<uint32_t>(mesh.positions.size() - 1));
     return mesh;
 }
 
-// A tall box of two cubes, with the square between them.
+// A tall box of two cubes, including the square between them.
 TriangleMesh with_wall() {
     TriangleMesh mesh;
     for (const double y : {0.0, 1.0, 2.0})
@@ -190,7 +190,7 @@ TriangleMesh crumpled() {
     return mesh;
 }
 
-// A tetrahedron with a vertex in the middle of an edge: one of the two triangles there reaches over it.
+// A tetrahedron with a vertex in the middle of an edge: one of the two triangles there overlaps it.
 TriangleMesh with_flat_side() {
     return {{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0, 0}},
             {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 1, 4}}};
@@ -217,7 +217,7 @@ TEST_CASE("intersections: pairs of triangles, against separating axes in fractio
     int met = 0, apart = 0;
     for (int k = 0; k < 6000; ++k) {
         TriangleMesh mesh;
-        // On a coarse lattice most pairs are special: coplanar, touching in a point, side on side.
+        // On a coarse lattice most pairs are degenerate: coplanar, touching in a point, side on side.
         const uint64_t steps = 2 + random.next() % 3;
         for (int v = 0; v < 6; ++v)
             mesh.positions.push_back({static_cast<double>(random.next() % (steps + 1)),
@@ -243,17 +243,17 @@ TEST_CASE("intersections: neighbours do not count, unless they fold onto each ot
         CHECK(found.pairs == 0);
         CHECK(found.complete);
     }
-    // Two triangles on one side of their common edge.
+    // Two triangles on the same side of their common edge.
     const TriangleMesh folded{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.5, 0}}, {{0, 1, 2}, {1, 0, 3}}};
     CHECK(find_intersections(folded, 100).pairs == 1);
     const TriangleMesh flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, -0.5, 0}}, {{0, 1, 2}, {1, 0, 3}}};
     CHECK(find_intersections(flat, 100).pairs == 0);
-    // Through the side opposite the common vertex.
+    // A triangle through the side opposite to the common vertex.
     const TriangleMesh pierced{{{0, 0, 0}, {2, 1, 0}, {2, -1, 0}, {3, 0, 1}, {3, 0, -1}}, {{0, 1, 2}, {0, 3, 4}}};
     CHECK(find_intersections(pierced, 100).pairs == 1);
 }
 
-TEST_CASE("intersections: the work is bounded, and says so") {
+TEST_CASE("intersections: the number of tests is bounded and reported") {
     TriangleMesh crowd;
     for (int k = 0; k < 300; ++k) crowd = together(std::move(crowd), cube());
     const Intersections found = find_intersections(crowd, 1000);
@@ -261,13 +261,13 @@ TEST_CASE("intersections: the work is bounded, and says so") {
     CHECK(found.pairs <= 1000);
 }
 
-TEST_CASE("inspect: the verdict on fifty sound and broken meshes is that of fracture") {
+TEST_CASE("inspect: the refusals of fifty sound and broken meshes agree with fracture") {
     const TriangleMesh ball = icosphere(2), box = cube();
     TriangleMesh flipped = ball, doubled = ball, shared_edge = box, nan = ball, outside = ball, twice = ball,
                  flat = ball;
     std::swap(flipped.triangles[7].x, flipped.triangles[7].y);
     doubled.triangles.push_back(doubled.triangles[5]);
-    shared_edge = together(box, box, {2.0, 2.0, 0.0}); // two cubes that share an edge, once welded
+    shared_edge = together(box, box, {2.0, 2.0, 0.0}); // two cubes that share an edge after welding
     for (Triangle& t : shared_edge.triangles)
         for (int k = 0; k < 3; ++k)
             for (uint32_t v = 0; v < 8; ++v)
@@ -353,7 +353,7 @@ TEST_CASE("inspect: the verdict on fifty sound and broken meshes is that of frac
          some},
         {"a crumpled ball", crumpled(), {}, 0, 0, 0, some},
         {"a tube too thick for its knot", torus_knot(2, 3, 96, 12, 0.9), {}, 0, 0, 0, some},
-        // The sides beside the flat one lie on each other along it.
+        // The neighbours of the flat triangle overlap along it.
         {"a side of no area", with_flat_side(), {}, 0, 0, 0, some},
         {"too far out to compute with", scaled(ball, glm::dvec3(1e60)), Status::invalid_mesh, 0, 0, 0, 0},
         {"infinite", scaled(ball, glm::dvec3(std::numeric_limits<double>::infinity())), Status::invalid_mesh, 0, 0, 0,
@@ -373,7 +373,7 @@ TEST_CASE("inspect: the verdict on fifty sound and broken meshes is that of frac
         };
         if (expected.cavities == some) {
             CHECK(count(&Inspection::Component::is_cavity) + count(&Inspection::Component::is_inside_out) == 1);
-            continue; // partly inside: either word will do, and fracture counts turns
+            continue; // partly inside: both answers are right, and fracture() uses winding numbers
         }
         CHECK(count(&Inspection::Component::is_cavity) == expected.cavities);
         CHECK(count(&Inspection::Component::is_inside_out) == expected.inside_out);
@@ -388,7 +388,7 @@ TEST_CASE("inspect: the verdict on fifty sound and broken meshes is that of frac
         CHECK(found.places.non_manifold_edges.size() == std::min<uint64_t>(found.topology.non_manifold_edges, 1000));
         CHECK(found.places.non_manifold_vertices.size() == found.topology.non_manifold_vertices);
         CHECK_FALSE(describe(found).empty());
-        // What fracture says itself.
+        // The answer of fracture() itself.
         const auto result = fracture(expected.mesh, uniform_sites({glm::dvec3(-1.0), glm::dvec3(1.0)}, 4, 1));
         CHECK(bool(result) == !expected.refusal.has_value());
         if (!result) CHECK(result.error().status == *expected.refusal);
@@ -398,7 +398,7 @@ TEST_CASE("inspect: the verdict on fifty sound and broken meshes is that of frac
     CHECK(*inspect(doubled).first_duplicate == glm::uvec2(320, 5));
 }
 
-TEST_CASE("inspect: how thick a solid is") {
+TEST_CASE("inspect: the thickness of a solid is measured") {
     const TriangleMesh box = cube(2.0);
     const Thickness through(box);
     for (uint32_t t = 0; t < box.triangles.size(); ++t) {
@@ -413,13 +413,13 @@ TEST_CASE("inspect: how thick a solid is") {
     CHECK(*found.min_thickness == doctest::Approx(0.1).epsilon(0.05));
     CHECK(found.thin_share == 0.0); // a hundredth of the diagonal is 0.035
     const Inspection thin = inspect(hollow_sphere(4, 1.0, 0.99));
-    CHECK(thin.thin_share > 0.4); // from outside; from inside one looks across the cavity's wall as well
+    CHECK(thin.thin_share > 0.4); // the outer surface; the wall of the cavity counts too
     CHECK(thin.places.thin_triangles.size() == 1000);
     CHECK(describe(thin).find("thinner than") != std::string::npos);
     CHECK_FALSE(inspect({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}).min_thickness);
 }
 
-TEST_CASE("inspect: models from elsewhere") {
+TEST_CASE("inspect: published models") {
     const std::string models = "/usr/share/glmark2/models/";
     const auto bunny = import_mesh(models + "bunny.obj"), cat = import_mesh(models + "cat.3ds"),
                horse = import_mesh(models + "horse.3ds"), crate = import_mesh(BRITTLE_CORPUS "/meshes/crate.glb");

@@ -15,7 +15,7 @@
 using namespace brittle::fracture;
 using namespace brittle::fracture::test;
 
-TEST_CASE("a mesh without spare patches comes back as it is") {
+TEST_CASE("a mesh without spare patches is returned unchanged") {
     CHECK(remove_spare_patches({}).mesh.triangles.empty());
     const TriangleMesh cube = plain_cube();
     REQUIRE(is_closed(cube.triangles));
@@ -31,7 +31,7 @@ TEST_CASE("an open mesh stays open and whole") {
     CHECK(remove_spare_patches(mesh).removed_triangles == 0);
 }
 
-TEST_CASE("of a quad split along both diagonals the later pair of triangles goes") {
+TEST_CASE("of a quad split along both diagonals the later pair of triangles is removed") {
     TriangleMesh mesh = plain_cube();
     const std::vector<Triangle> cube = mesh.triangles;
     mesh.triangles.insert(mesh.triangles.end(), {{5, 4, 6}, {5, 6, 7}});
@@ -42,7 +42,7 @@ TEST_CASE("of a quad split along both diagonals the later pair of triangles goes
     CHECK(repair.mesh.triangles == cube);
 }
 
-TEST_CASE("a misoriented spare pair goes even where it comes first") {
+TEST_CASE("a misoriented spare pair is removed even where it comes first") {
     TriangleMesh mesh = plain_cube();
     const std::vector<Triangle> cube = mesh.triangles;
     mesh.triangles.insert(mesh.triangles.begin(), {{5, 6, 4}, {5, 6, 7}});
@@ -61,7 +61,7 @@ TEST_CASE("several spare patches are all removed, a doubled triangle too") {
     CHECK(test::signed_volume(repair.mesh) == 8.0);
 }
 
-TEST_CASE("an inner wall goes: without it the surface around is closed") {
+TEST_CASE("an inner wall is removed where the surface is closed without it") {
     TriangleMesh mesh = plain_cube();
     const std::vector<Triangle> cube = mesh.triangles;
     mesh.triangles.insert(mesh.triangles.end(), {{0, 1, 7}, {0, 7, 6}});
@@ -81,7 +81,7 @@ TEST_CASE("two solids that touch along an edge both stay") {
     CHECK(remove_spare_patches(mesh).removed_triangles == 0);
 }
 
-TEST_CASE("a shape without flaws comes back bit by bit") {
+TEST_CASE("a shape without flaws is returned bit for bit") {
     for (const std::string_view name : shape_names()) {
         CAPTURE(name);
         const TriangleMesh mesh = *shape(name);
@@ -93,7 +93,7 @@ TEST_CASE("a shape without flaws comes back bit by bit") {
     }
 }
 
-TEST_CASE("what cannot be read comes back as it is") {
+TEST_CASE("an unreadable mesh is returned unchanged") {
     CHECK(repair({}).mesh.triangles.empty());
     TriangleMesh mesh = plain_cube();
     mesh.triangles[3].y = 8;
@@ -131,20 +131,20 @@ TEST_CASE("triangles that face the wrong way are turned") {
     }
 }
 
-TEST_CASE("inside out as a whole") {
+TEST_CASE("a mesh that is inside out as a whole is turned") {
     TriangleMesh mesh = torus(16, 8);
     const double volume = test::signed_volume(mesh);
     for (Triangle& t : mesh.triangles) turn(t);
     CHECK(check_solid(mesh, volume).report.turned_triangles.count == mesh.triangles.size());
 }
 
-TEST_CASE("where it is asked for, a cavity faces inwards, and what lies in it outwards") {
+TEST_CASE("option cavities: a cavity faces inwards, a solid inside it outwards") {
     RepairSettings settings;
     settings.cavities = true;
     const TriangleMesh whole = hollow_sphere(2);
     const double volume = test::signed_volume(whole);
     const size_t half = whole.triangles.size() / 2;
-    for (const int which : {1, 2, 3}) { // turn one, the other, both
+    for (const int which : {1, 2, 3}) { // turn the first, the second, both
         TriangleMesh mesh = whole;
         for (size_t t = 0; t < mesh.triangles.size(); ++t)
             if (which & (t < half ? 1 : 2)) turn(mesh.triangles[t]);
@@ -159,14 +159,14 @@ TEST_CASE("where it is asked for, a cavity faces inwards, and what lies in it ou
     CHECK(!repair(nested).report.changed());
 }
 
-TEST_CASE("where it is asked for, parts that others cover go") {
+TEST_CASE("option covered_parts: covered parts are dropped") {
     RepairSettings settings;
     settings.covered_parts = true;
     const TriangleMesh outer = icosphere(2, 2.0);
     TriangleMesh mesh = outer;
-    append(mesh, icosphere(1, 0.5));                            // solid in solid
-    append(mesh, icosphere(1, 0.2));                            // in both
-    append(mesh, icosphere(1, 0.3), glm::dvec3(1.2, 0.0, 0.0)); // beside them
+    append(mesh, icosphere(1, 0.5));                            // a solid in a solid
+    append(mesh, icosphere(1, 0.2));                            // inside both
+    append(mesh, icosphere(1, 0.3), glm::dvec3(1.2, 0.0, 0.0)); // beside both
     const Repaired solid = check_solid(mesh, test::signed_volume(outer), settings);
     CHECK(solid.mesh.triangles == outer.triangles);
     CHECK(solid.report.covered_parts.count == 3);
@@ -174,7 +174,7 @@ TEST_CASE("where it is asked for, parts that others cover go") {
     CHECK_FALSE(repair(mesh).report.changed());
 
     TriangleMesh hollow = hollow_sphere(2);
-    append(hollow, icosphere(1, 0.3)); // a ball in the cavity bounds what is solid
+    append(hollow, icosphere(1, 0.3)); // a ball in the cavity is solid
     CHECK_FALSE(repair(hollow, settings).report.changed());
     TriangleMesh crossing = cube();
     append(crossing, cube(), glm::dvec3(0.5));
@@ -184,7 +184,7 @@ TEST_CASE("where it is asked for, parts that others cover go") {
     CHECK(crossed.mesh.triangles.size() == 24);
 }
 
-TEST_CASE("triangles that are there twice") {
+TEST_CASE("duplicate triangles are dropped") {
     const TriangleMesh whole = torus(12, 8);
     const double volume = test::signed_volume(whole);
     for (uint64_t seed = 0; seed < 20; ++seed) {
@@ -213,7 +213,7 @@ TEST_CASE("triangles that are there twice") {
     CHECK(check_solid(both_sides, volume).mesh.triangles.size() == whole.triangles.size());
 }
 
-TEST_CASE("a wall that both sides have goes") {
+TEST_CASE("a wall that two solids share is dropped") {
     // Two cubes side by side, each with its own wall between vertices 4 to 7.
     const TriangleMesh one = plain_cube();
     TriangleMesh pair = one;
@@ -226,12 +226,12 @@ TEST_CASE("a wall that both sides have goes") {
     CHECK(repaired.mesh.triangles.size() == 20);
 }
 
-TEST_CASE("vertices cracked apart") {
+TEST_CASE("vertices on a crack are welded") {
     for (const double apart : {0.0, 1e-9}) {
         CAPTURE(apart);
         const TriangleMesh whole = torus(24, 12);
         Random random(7);
-        TriangleMesh soup; // every triangle has its own corners
+        TriangleMesh soup; // every triangle has three vertices of its own
         for (const Triangle& t : whole.triangles) {
             for (int k = 0; k < 3; ++k)
                 soup.positions.push_back(whole.positions[t[k]]
@@ -247,13 +247,13 @@ TEST_CASE("vertices cracked apart") {
         const Repaired plain = repair(soup, equal_only);
         CHECK(plain.report.welded_vertices.count == (apart > 0.0 ? 0 : repaired.report.welded_vertices.count));
     }
-    // Closed places stay, however close: two spheres that touch in a vertex of each.
+    // Vertices on closed parts stay, however close: two spheres that touch in one vertex each.
     TriangleMesh spheres = icosphere(2);
     append(spheres, icosphere(2), spheres.positions[0] * 2.0);
     CHECK(!repair(spheres).report.changed());
 }
 
-TEST_CASE("solids that share an edge or a vertex come apart") {
+TEST_CASE("solids that share an edge or a vertex are separated") {
     const TriangleMesh one = plain_cube();
     TriangleMesh edge = one, vertex = one;
     const uint32_t by_edge[8] = {6, 7, 8, 9, 10, 11, 12, 13}, by_vertex[8] = {7, 8, 9, 10, 11, 12, 13, 14};
@@ -263,7 +263,7 @@ TEST_CASE("solids that share an edge or a vertex come apart") {
         edge.triangles.emplace_back(by_edge[t.x], by_edge[t.y], by_edge[t.z]);
         vertex.triangles.emplace_back(by_vertex[t.x], by_vertex[t.y], by_vertex[t.z]);
     }
-    for (const int which : {0, 1, 2, 3}) { // as they are, one, the other, both inside out
+    for (const int which : {0, 1, 2, 3}) { // none, the first, the second, both inside out
         CAPTURE(which);
         TriangleMesh a = edge, b = vertex;
         for (size_t t = 0; t < 24; ++t)
@@ -282,7 +282,7 @@ TEST_CASE("solids that share an edge or a vertex come apart") {
         CHECK(touching.report.split_vertices.count == 1);
         CHECK(touching.report.split_vertices.first == 7);
     }
-    // Two cavities: what is solid around the edge stays together, so they become one.
+    // Two cavities: the solid around the edge stays together, so they become one.
     TriangleMesh inverse = edge;
     for (Triangle& t : inverse.triangles) turn(t);
     TriangleMesh block = cube(10.0);
@@ -302,7 +302,7 @@ TEST_CASE("triangles that name a vertex twice, and triangles without area") {
     CHECK(repaired.report.degenerate_triangles.first == 5);
     CHECK(repaired.source_triangle[5] == 8);
 
-    // An edge with a vertex in its middle on one side only: the crack of no width is closed without area.
+    // An edge with a vertex in its middle on one side only: a triangle without area closes the crack of width zero.
     mesh = cube;
     mesh.positions.emplace_back(1.0, 0.0, 1.0); // between 5 and 7
     for (Triangle& t : mesh.triangles)
@@ -314,7 +314,7 @@ TEST_CASE("triangles that name a vertex twice, and triangles without area") {
     CHECK(again.report.flat_triangles.count == 1);
 }
 
-TEST_CASE("loose triangles go, with fins") {
+TEST_CASE("loose triangles and fins are dropped") {
     TriangleMesh mesh = plain_cube();
     const TriangleMesh cube = mesh;
     mesh.positions.insert(mesh.positions.end(), {{3, 0, 0}, {4, 0, 0}, {3, 1, 0}});
@@ -331,7 +331,7 @@ TEST_CASE("loose triangles go, with fins") {
     CHECK(kept.report.loose_triangles.count == 0);
 }
 
-TEST_CASE("any soup of indices becomes a manifold, and nothing is left to do") {
+TEST_CASE("any soup of indices becomes a manifold that a second repair keeps") {
     for (uint64_t seed = 0; seed < 2000; ++seed) {
         CAPTURE(seed);
         Random random(seed);

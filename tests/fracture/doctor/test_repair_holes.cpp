@@ -17,7 +17,7 @@ using namespace brittle::fracture::test;
 
 namespace {
 
-// A prism over a polygon in the XZ plane, counter-clockwise seen from above, without lids: y from 0 to 1.
+// A prism without lids over a polygon in the XZ plane, counter-clockwise as seen from above, y from 0 to 1.
 TriangleMesh open_prism(const std::vector<glm::dvec2>& polygon) {
     TriangleMesh mesh;
     const auto n = static_cast<uint32_t>(polygon.size());
@@ -40,7 +40,8 @@ double area_of(const std::vector<glm::dvec2>& polygon) {
     return twice / 2.0;
 }
 
-// A strip along a trefoil knot, closed to a band: both rims are knots of n edges, and any view of a knot crosses itself.
+// A strip along a trefoil knot, closed to a band. Both rims are knots of n edges, and every projection of a knot
+// crosses itself.
 TriangleMesh knotted_band(uint32_t n) {
     TriangleMesh band;
     for (uint32_t k = 0; k < n; ++k) {
@@ -60,7 +61,7 @@ TriangleMesh knotted_band(uint32_t n) {
 
 } // namespace
 
-TEST_CASE("a cube with faces missing is whole again") {
+TEST_CASE("a cube with missing faces is closed") {
     const TriangleMesh cube = plain_cube();
     for (uint32_t t = 0; t < 12; ++t) {
         const TriangleMesh open = without(cube, {t});
@@ -79,7 +80,7 @@ TEST_CASE("a cube with faces missing is whole again") {
             check_promises(open, repaired);
             CHECK(is_manifold(repaired.mesh));
         }
-    // Five of twelve: two sides and half a third.
+    // Five of twelve triangles: two sides and half of a third.
     const TriangleMesh open = without(cube, {0, 1, 4, 5, 8});
     const Repaired repaired = repair(open);
     check_promises(open, repaired);
@@ -107,7 +108,7 @@ TEST_CASE("a sphere with random triangles missing") {
 
 TEST_CASE("bow-ties: holes that meet in a vertex") {
     const TriangleMesh whole = icosphere(2);
-    // Triangles around a vertex, every second one missing.
+    // The triangles around a vertex, with every second one missing.
     for (uint32_t v = 0; v < 12; ++v) {
         std::vector<uint32_t> fan;
         for (uint32_t t = 0; t < whole.triangles.size(); ++t)
@@ -168,7 +169,7 @@ TEST_CASE("the ends of a pipe are rings") {
     CHECK(check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles).components == 1);
     CHECK(repaired.report.closed_holes.count == 4);
     CHECK(repaired.report.new_triangles == 2 * 90);
-    // The same in a plane that no axis is normal to, inside out, and with a rod in the bore.
+    // The pipe in a plane that is normal to no axis, inside out, and with a rod in the bore.
     append(pipe, open_prism({{0.1, -0.1}, {0.3, -0.1}, {0.3, 0.1}, {0.1, 0.1}}));
     for (Triangle& t : pipe.triangles) turn(t);
     const glm::dvec3 x = glm::normalize(glm::dvec3(1, 2, 3)), y = glm::normalize(glm::cross(x, glm::dvec3(1, 0, 0)));
@@ -192,7 +193,7 @@ TEST_CASE("only rims up to the given length are closed") {
     CHECK(describe(none.report).find("left open") != std::string::npos);
 }
 
-TEST_CASE("a rim that is not simple from any side") {
+TEST_CASE("a rim that is not simple in any projection is closed") {
     for (const uint32_t n : {60u, 120u, 300u, 1000u}) {
         CAPTURE(n);
         const TriangleMesh band = knotted_band(n);
@@ -210,7 +211,7 @@ TEST_CASE("a long rim stays open where it is not simple, and is closed where it 
     CHECK(repaired.report.long_rims.count == 2);
 }
 
-TEST_CASE("a surface with one side") {
+TEST_CASE("a one-sided surface is cut and closed") {
     TriangleMesh moebius;
     const uint32_t n = 20;
     for (uint32_t k = 0; k < n; ++k) {
