@@ -14,15 +14,15 @@ namespace brittle::fracture {
 
 namespace {
 
-// How near to a corner of the cell a plane must come to be kept, as a share of the size of the box around the
-// site: corners are computed from the box, so that is what their rounding goes with (1e-16), however small
-// the cell. Far above the rounding, far below what would cost time.
+// A plane is kept when it comes nearer to a corner of the cell than this share of the size of the box around the site.
+// Corners are computed from the box, so their rounding (1e-16) scales with the box, however small the cell is. The
+// value is far above the rounding and far below the one that would cost time.
 constexpr double prune_margin = 1e-9;
 
-// The same as a share of the coordinates, which matters far from the origin.
+// The share of the coordinates in this margin, which matters far from the origin.
 constexpr double coordinate_margin = 1e-14;
 
-// How far the box is widened on each side, as a share of its diagonal: the mesh then lies strictly within it.
+// The margin added to the box on each side, as a share of its diagonal, so that the mesh lies strictly inside.
 constexpr double box_margin = 1e-3;
 
 HalfEdgeMesh box_mesh(const Box& box) {
@@ -47,8 +47,7 @@ double radius_around(const glm::dvec3& centre, std::span<const glm::dvec3> point
     return radius;
 }
 
-// Whether a point of the convex hull of the corners may lie across the plane, or nearer to it than the
-// margin, in m.
+// Whether a point of the convex hull of the corners may lie across the plane, or nearer to it than the margin (in m).
 bool may_cut(const Bisector& plane, uint32_t site, std::span<const glm::dvec3> corners, double margin) {
     const double least = -margin * glm::length(plane.normal);
     return std::any_of(corners.begin(), corners.end(), [&](const glm::dvec3& corner) {
@@ -74,7 +73,7 @@ Bisector bisector(std::span<const glm::dvec3> sites, uint32_t a, uint32_t b, std
 
 CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const Box& box,
                        std::span<const double> weights) {
-    // Candidates, the nearest on top of a heap: few are ever taken.
+    // A heap of candidates with the nearest on top, because only few are used.
     using Candidate = std::pair<double, uint32_t>; // distance, site
     std::vector<Candidate> heap;
     heap.reserve(sites.size());
@@ -86,7 +85,8 @@ CellBounds cell_bounds(std::span<const glm::dvec3> sites, uint32_t site, const B
             return {.empty = true, .bisectors = {}};
     }
     std::make_heap(heap.begin(), heap.end(), std::greater{});
-    // By how much the squared distance of a corner to another site may exceed that to this one, and the other still wins.
+    // The largest difference of weights: another site can win a corner although its squared distance to it is larger by
+    // this amount.
     const double advantage = weights.empty() ? 0.0 : *std::max_element(weights.begin(), weights.end()) - weights[site];
     const auto farthest_rival = [&](double reach) { return reach + std::sqrt(reach * reach + advantage); };
 

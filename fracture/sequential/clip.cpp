@@ -14,9 +14,8 @@ namespace brittle::fracture {
 
 namespace {
 
-// The faces of one mesh on one side of a plane, before the caps. Every half-edge of the input leaves at most
-// one part in the output, and the parts of twins are twins again: so neighbours are linked without any
-// search.
+// Clips the faces of one mesh to one side of a plane, before the caps. Every half-edge of the input leaves at most one
+// part in the output, and the parts of twins are twins again, so neighbours are linked without a search.
 class FaceCutter {
   public:
     FaceCutter(const HalfEdgeMesh& in, const Bisector& plane, uint32_t site)
@@ -31,7 +30,7 @@ class FaceCutter {
         for (uint32_t h = 0; h < part_.size(); ++h)
             if (part_[h] != no_index) out_[part_[h]].twin = part_[in_[h].twin];
         add_border();
-        for (uint32_t h = 0; h < out_.half_edges.size(); ++h) // the border comes last, so it wins
+        for (uint32_t h = 0; h < out_.half_edges.size(); ++h) // border half-edges come last and win
             out_.outgoing[out_[h].origin] = h;
         return std::move(out_);
     }
@@ -76,7 +75,7 @@ class FaceCutter {
         part_[c] = first + 2;
     }
 
-    // Only the origin u of the half-edge stays: the triangle u, x, y with x and y on the plane.
+    // Keeps only the origin u of the half-edge: the triangle u, x, y with x and y on the plane.
     void keep_corner(uint32_t out) {
         const uint32_t back = in_[out].prev;
         const uint32_t first = add_triangle({vertex_of(out), cut_vertex(out), cut_vertex(back)}, source_of(out));
@@ -85,7 +84,7 @@ class FaceCutter {
         on_plane_.push_back(first + 1);
     }
 
-    // Both ends u, v of the half-edge stay: the quad u, v, x, y with x and y on the plane, as two triangles.
+    // Keeps both ends u, v of the half-edge: the quad u, v, x, y with x and y on the plane, as two triangles.
     void keep_two_corners(uint32_t side) {
         const uint32_t right = in_[side].next;
         const uint32_t left = in_[side].prev;
@@ -114,8 +113,8 @@ class FaceCutter {
         }
     }
 
-    // The walk of section 2.3: a BORDER half-edge beside each half-edge on the plane; the one after it is
-    // found by turning around their common vertex, prev and pair in turn, until the pair is missing a face.
+    // The walk of section 2.3. Adds a BORDER half-edge beside each half-edge on the plane. Its next half-edge is found
+    // by turning around their common vertex, prev and pair in turn, until the pair has no face.
     void add_border() {
         const auto first_border = static_cast<uint32_t>(out_.half_edges.size());
         for (const uint32_t inner : on_plane_) {
@@ -139,7 +138,7 @@ class FaceCutter {
         return vertex_[origin];
     }
 
-    // The one new vertex of a crossing edge, the same from both of its triangles.
+    // The new vertex of a crossing edge, shared by both of its triangles.
     uint32_t cut_vertex(uint32_t half_edge) {
         const uint32_t twin = in_[half_edge].twin;
         if (cut_vertex_[half_edge] == no_index) {
@@ -152,7 +151,7 @@ class FaceCutter {
 
     FaceSource source_of(uint32_t half_edge) const { return in_.sources[in_[half_edge].face]; }
 
-    // Half-edges first, first + 1, first + 2 leave the corners in order; their twins come later.
+    // Adds the half-edges first, first + 1 and first + 2 of the three corners. Their twins are set later.
     uint32_t add_triangle(const Triangle& t, FaceSource source) {
         const auto first = static_cast<uint32_t>(out_.half_edges.size());
         const auto face = static_cast<uint32_t>(out_.faces.size());
@@ -175,19 +174,19 @@ class FaceCutter {
     std::vector<uint8_t> kept_;        // per input vertex
     std::vector<uint32_t> vertex_;     // input vertex -> output vertex
     std::vector<uint32_t> cut_vertex_; // crossing input half-edge -> output vertex
-    std::vector<uint32_t> part_;       // input half-edge -> the output half-edge that is its kept part
+    std::vector<uint32_t> part_;       // input half-edge -> output half-edge, its kept part
     std::vector<uint32_t> on_plane_;   // output half-edges along the plane
 };
 
 using DirectedEdge = std::pair<uint32_t, uint32_t>;
 
-// Whether the triangles are the surface that closes the hole: their directed edges are each loop edge once
-// and others once each way, and around each point they form one fan.
+// Whether the triangles close the hole: their directed edges are each loop edge once and every other edge once in each
+// direction, and they form one fan around each point.
 bool closes(std::span<const Loop> loops, std::span<const Triangle> triangles, size_t point_count) {
     std::vector<DirectedEdge> have;
     for (const Triangle& t : triangles)
         for (int i = 0; i < 3; ++i) have.emplace_back(t[i], t[(i + 1) % 3]);
-    std::vector<DirectedEdge> want; // the reverse of each edge, and the loops
+    std::vector<DirectedEdge> want; // the reverse of each triangle edge, and the loop edges
     for (const DirectedEdge& edge : have) want.emplace_back(edge.second, edge.first);
     for (const Loop& loop : loops) {
         for (size_t i = 0; i < loop.size(); ++i) {
@@ -204,9 +203,8 @@ bool closes(std::span<const Loop> loops, std::span<const Triangle> triangles, si
     return split_fans(cap).positions.size() == point_count;
 }
 
-// A cap that closes any loops whatever their geometry: a fan around the middle of each. Holes get fans of
-// negative area, so the volume is right even where the fans overlap. The last resort should the triangulation
-// fail.
+// A cap that closes any loops, whatever their geometry: a fan around the middle of each loop. Holes get fans of
+// negative area, so the volume is right even where the fans overlap. This is the fallback for a failed triangulation.
 std::vector<Triangle> fans(HalfEdgeMesh& mesh, std::span<const Loop> loops) {
     std::vector<Triangle> triangles;
     for (const Loop& loop : loops) {
@@ -218,7 +216,7 @@ std::vector<Triangle> fans(HalfEdgeMesh& mesh, std::span<const Loop> loops) {
     return triangles;
 }
 
-// Section 2.4. The BORDER half-edges of a hole already run the way the cap's own half-edges must.
+// Section 2.4. The BORDER half-edges of a hole run in the direction of the half-edges of the cap.
 void add_caps(HalfEdgeMesh& mesh, const glm::dvec3& outward, FaceSource source) {
     std::vector<Loop> loops;      // in vertices of the mesh
     std::vector<Loop> flat_loops; // in flat points
@@ -232,7 +230,7 @@ void add_caps(HalfEdgeMesh& mesh, const glm::dvec3& outward, FaceSource source) 
             loop.push_back(vertex);
             flat_loop.push_back(static_cast<uint32_t>(flat.size()));
             vertex_of.push_back(vertex);
-            // Relative to one of the points, so that far from the origin no digits are lost.
+            // Relative to one of the points, so that no digits are lost far from the origin.
             flat.push_back(project(mesh.positions[vertex] - mesh.positions[vertex_of.front()], outward));
         }
     }
@@ -266,9 +264,8 @@ glm::dvec3 intersection(const glm::dvec3& p, const glm::dvec3& q, const Bisector
 }
 
 bool cut_along_first_diagonal(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r, const glm::dvec3& s) {
-    // With alpha the angle at q and beta the one at s: pr is the Delaunay diagonal if alpha + beta <= pi,
-    // that is if sin(alpha + beta) >= 0. Sines and cosines are taken times the lengths of the sides, which
-    // are positive.
+    // With alpha the angle at q and beta the angle at s, pr is the Delaunay diagonal if alpha + beta <= pi, which is
+    // sin(alpha + beta) >= 0. Sines and cosines are multiplied by the lengths of the sides, which are positive.
     const double sin_q = glm::length(glm::cross(p - q, r - q));
     const double cos_q = glm::dot(p - q, r - q);
     const double sin_s = glm::length(glm::cross(r - s, p - s));

@@ -18,14 +18,14 @@ namespace brittle::fracture {
 
 namespace {
 
-// What a cell comes to; filled from any thread, read in the order of the sites.
+// The result of one cell: written from any thread, read in the order of the sites.
 struct Cell {
     CellBounds bounds;
     HalfEdgeMesh mesh;
     std::vector<Island> islands;
 };
 
-// Adds up the work done, tells the caller and asks whether to go on, from one thread at a time.
+// Counts the finished steps, reports progress and polls for cancellation, in one thread at a time.
 class Progress {
   public:
     Progress(const Settings& settings, size_t steps) : settings_(settings), steps_(steps) {}

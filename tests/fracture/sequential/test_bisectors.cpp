@@ -51,7 +51,7 @@ TEST_CASE("a cell that does not meet the box is empty") {
     CHECK(cell_bounds(sites, 1, unit).empty);
 }
 
-TEST_CASE("a box without thickness is no trouble") {
+TEST_CASE("a box without thickness has valid cells") {
     const std::vector<glm::dvec3> sites{{0, 0, 0}, {1, 0, 0}};
     CHECK(cell_bounds(sites, 0, {{0, 0, 0}, {1, 1, 0}}).bisectors.size() == 1);
     CHECK_NOTHROW((void)cell_bounds(sites, 0, {glm::dvec3(0.2), glm::dvec3(0.2)}));
@@ -69,7 +69,7 @@ TEST_CASE("the plane between two sites is the same from both sides") {
     CHECK(a.value(sites[1]) > 0.0);
     CHECK(a.other(0) == 1);
     CHECK(a.other(1) == 0);
-    // On the plane the lower site has the point and the higher has not.
+    // A point on the plane belongs to the lower site only.
     CHECK(a.keeps(0, 0.0));
     CHECK_FALSE(a.keeps(1, 0.0));
 }
@@ -83,7 +83,7 @@ TEST_CASE("the plane between sites that almost coincide does not underflow") {
 }
 
 TEST_CASE("many sites in a heap a billionth of the box wide still share the box among them") {
-    // Cells here are cones from almost one point: the corners of a cell are far coarser than its middle.
+    // The cells are cones from almost one point: their corners are far coarser than their middle.
     std::vector<glm::dvec3> sites = uniform_sites(unit, 40, 5);
     for (glm::dvec3& s : sites) s = sites[0] + (s - sites[0]) * 1e-9;
     std::vector<CellBounds> cells;
@@ -128,7 +128,7 @@ TEST_CASE("few bisectors are left of many sites") {
     CHECK(sum <= 50 * 20); // the mean of a Poisson-Voronoi cell is 15.5
 }
 
-TEST_CASE("the middle of a lattice is bounded by its six neighbours, give or take those that touch") {
+TEST_CASE("the middle cell of a lattice is bounded by its six neighbours, and possibly by touching ones") {
     std::vector<glm::dvec3> sites;
     for (int x = -2; x <= 2; ++x)
         for (int y = -2; y <= 2; ++y)

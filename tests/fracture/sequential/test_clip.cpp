@@ -22,7 +22,7 @@ HalfEdgeMesh half_edges(const TriangleMesh& mesh) {
     return *build_half_edges(mesh.positions, mesh.triangles);
 }
 
-// The plane n·x = d. Site 0 keeps the side below, site 1 the one above.
+// The plane n·x = d. Site 0 keeps the side below, site 1 the side above.
 Bisector plane(const glm::dvec3& n, double d) {
     return {0, 1, n, n * (d / glm::dot(n, n))};
 }
@@ -38,7 +38,7 @@ void check_closed(const HalfEdgeMesh& mesh) {
     CHECK(describe(check_topology(mesh.positions.size(), triangles)) == "");
 }
 
-// Triangles of the mesh with that source.
+// The triangles of the mesh with this source.
 std::vector<Triangle> with_source(const HalfEdgeMesh& mesh, FaceSource source) {
     std::vector<Triangle> triangles;
     for (uint32_t face = 0; face < mesh.faces.size(); ++face)
@@ -66,7 +66,8 @@ std::set<Point> points(const HalfEdgeMesh& mesh, const std::vector<Triangle>& tr
     return set;
 }
 
-// Both sides of a cut: closed, and together as large as the whole. Returns site 0's and site 1's side.
+// Cuts a mesh, checks that both sides are closed and have the volume of the whole, and returns the sides of site 0 and
+// 1.
 std::array<HalfEdgeMesh, 2> cut_both(const TriangleMesh& mesh, const Bisector& cut) {
     const HalfEdgeMesh whole = half_edges(mesh);
     std::array<HalfEdgeMesh, 2> sides{clip(whole, cut, 0), clip(whole, cut, 1)};
@@ -76,12 +77,12 @@ std::array<HalfEdgeMesh, 2> cut_both(const TriangleMesh& mesh, const Bisector& c
     return sides;
 }
 
-// Corners a, b, c on the axes and d in the origin; face 0 is abc.
+// A tetrahedron with corners a, b, c on the axes and d in the origin; face 0 is abc.
 const TriangleMesh tetrahedron{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}},
                                {{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}}};
 
-// The plane with value -1 at the corners of abc that site 0 is to keep, 3 at the others, and -offset at d: it
-// meets each crossing edge of abc at a quarter of the way from the kept end.
+// The plane with value -1 at the corners of abc that site 0 keeps, 3 at the others, and -offset at d: it meets each
+// crossing edge of abc a quarter of the way from the kept end.
 Bisector plane_for(CutCase which, double offset) {
     glm::dvec3 n;
     for (int i = 0; i < 3; ++i) n[i] = ((static_cast<int>(which) >> i & 1) ? -1.0 : 3.0) + offset;
@@ -96,7 +97,7 @@ bool near(const glm::dvec3& p, const glm::dvec3& q) {
     return glm::distance(p, q) < 1e-15;
 }
 
-// Whether the points of the triangles are exactly those expected, each met.
+// Whether the triangles have exactly the expected points.
 bool has_points(const HalfEdgeMesh& mesh, const std::vector<Triangle>& triangles,
                 const std::vector<glm::dvec3>& expected) {
     const std::set<Point> have = points(mesh, triangles);
@@ -107,7 +108,7 @@ bool has_points(const HalfEdgeMesh& mesh, const std::vector<Triangle>& triangles
            });
 }
 
-// Clips the tetrahedron by that case's plane and returns what is left of face abc, having checked all else.
+// Clips the tetrahedron by the plane of the case, checks the result, and returns the rest of face abc.
 struct FaceAfterCut {
     HalfEdgeMesh mesh;
     std::vector<Triangle> triangles;
@@ -119,7 +120,7 @@ FaceAfterCut cut_face(CutCase which, double offset) {
             == which);
     FaceAfterCut result{cut_both(tetrahedron, cut)[0], {}};
     result.triangles = with_source(result.mesh, {.index = 0});
-    for (const Triangle& t : result.triangles) { // still seen from outside
+    for (const Triangle& t : result.triangles) { // outward orientation is kept
         const auto& q = result.mesh.positions;
         const glm::dvec3 normal = glm::cross(q[t.y] - q[t.x], q[t.z] - q[t.x]);
         CHECK(glm::dot(normal, glm::dvec3(1.0)) > 0.0);
@@ -128,7 +129,7 @@ FaceAfterCut cut_face(CutCase which, double offset) {
 }
 
 void check_corner_stays(CutCase which, int corner) {
-    for (const double offset : {0.5, -0.5}) { // with and without d
+    for (const double offset : {0.5, -0.5}) { // d is kept, d is cut off
         const FaceAfterCut face = cut_face(which, offset);
         const glm::dvec3 u = tetrahedron.positions[corner];
         const glm::dvec3 v = tetrahedron.positions[(corner + 1) % 3];
@@ -146,7 +147,7 @@ void check_side_stays(CutCase which, int corner) {
         const glm::dvec3 w = tetrahedron.positions[(corner + 2) % 3];
         CHECK(face.triangles.size() == 2);
         CHECK(has_points(face.mesh, face.triangles, {u, v, v + (w - v) * 0.25, u + (w - u) * 0.25}));
-        // The whole minus the similar triangle at w, of 3/4 the size.
+        // The whole minus the similar tetrahedron at w, of 3/4 the size.
         CHECK(area(face.mesh, face.triangles) == doctest::Approx(std::sqrt(3.0) / 2.0 * (1.0 - 9.0 / 16.0)));
     }
 }
@@ -157,7 +158,7 @@ TEST_CASE("clipping nothing gives nothing") {
     CHECK(clip(HalfEdgeMesh{}, plane({1, 0, 0}, 0), 0).faces.empty());
 }
 
-TEST_CASE("case none: a face without kept corners goes") {
+TEST_CASE("case none: a face without kept corners is dropped") {
     CHECK(cut_face(CutCase::none, 0.5).triangles.empty());
     const HalfEdgeMesh gone = clip(half_edges(tetrahedron), plane({1, 1, 1}, -1), 0);
     CHECK(gone.faces.empty());
@@ -183,7 +184,7 @@ TEST_CASE("case ca: the side ca stays as a quad") {
     check_side_stays(CutCase::ca, 2);
 }
 
-TEST_CASE("case abc: a face with all corners kept stays as it is") {
+TEST_CASE("case abc: a face with all corners kept is unchanged") {
     const FaceAfterCut face = cut_face(CutCase::abc, -0.5);
     CHECK(face.triangles.size() == 1);
     CHECK(has_points(face.mesh, face.triangles,
@@ -202,7 +203,7 @@ TEST_CASE("a vertex on the plane belongs to the lower site, from both sides") {
     const HalfEdgeMesh below = clip(whole, plane({1, 0, 0}, 0), 0); // a sheet without thickness
     check_closed(below);
     CHECK(volume(below) == doctest::Approx(0.0));
-    // A plane that only touches in the corner d cuts nothing from the side that owns d.
+    // A plane that only touches the corner d cuts nothing off the side that owns d.
     CHECK(clip(whole, plane({1, 1, 1}, 0), 0).faces.size() > 0);
     CHECK(clip(whole, plane({-1, -1, -1}, 0), 0).faces.size() == whole.faces.size());
 }
@@ -234,7 +235,7 @@ TEST_CASE("a quad is cut between its larger angles") {
     CHECK(cut_along_first_diagonal(p, q, r * 0.9, s));       // blunt at p and r
     CHECK_FALSE(cut_along_first_diagonal(p, q, r * 1.1, s)); // blunt at q and s
     CHECK(cut_along_first_diagonal({1e6, 0, 0}, {1e6 + 1, 0, 0}, {1e6 + .9, .9, 0}, {1e6, 1, 0}));
-    CHECK(cut_along_first_diagonal(p, p, p, p)); // no angles: any, but the same each time
+    CHECK(cut_along_first_diagonal(p, p, p, p)); // without angles the answer is arbitrary but fixed
 }
 
 TEST_CASE("a cube cut in two has a square cap on each side") {
@@ -244,7 +245,7 @@ TEST_CASE("a cube cut in two has a square cap on each side") {
     for (const uint32_t site : {0u, 1u}) {
         const auto cap = cap_of(sides[site], 1 - site);
         CHECK(area(sides[site], cap) == doctest::Approx(4.0));
-        for (const Triangle& t : cap) { // outward
+        for (const Triangle& t : cap) { // faces outwards
             const auto& p = sides[site].positions;
             const double x = glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]).x;
             CHECK((site == 0 ? x : -x) >= 0.0);
@@ -259,7 +260,7 @@ TEST_CASE("the border of a torus cut across is walked as two loops") {
         const auto cap = cap_of(sides[site], 1 - site);
         CHECK(component_count(sides[site], cap) == 2);
         CHECK(area(sides[site], cap) == doctest::Approx(2.0 * std::numbers::pi * 0.16).epsilon(0.03));
-        // Half a ring is a ball, topologically.
+        // Half a ring is topologically a ball.
         CHECK(check_topology(sides[site].positions.size(), triangle_list(sides[site])).euler_characteristic() == 2);
     }
 }
